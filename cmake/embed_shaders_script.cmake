@@ -1,0 +1,12 @@
+# Run by embed_shaders: writes OUTPUT from the files MODULES below ROOT.
+set(text "// Generated from shaders/.\n#include \"worker/shader_sources.h\"\n\n")
+string(APPEND text "const struct shader_source shader_sources_embedded[] = {\n")
+foreach(module IN LISTS MODULES)
+    file(READ ${ROOT}/${module} body)
+    string(REPLACE "\\" "\\\\" body "${body}")
+    string(REPLACE "\"" "\\\"" body "${body}")
+    string(REPLACE "\n" "\\n\"\n     \"" body "${body}")
+    string(APPEND text "    {\"${module}\",\n     \"${body}\"},\n")
+endforeach()
+string(APPEND text "    {0, 0},\n};\n")
+file(WRITE ${OUTPUT} "${text}")

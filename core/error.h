@@ -1,0 +1,13 @@
+// Why a function failed, as one sentence for the person who reads it.
+#pragma once
+
+struct error {
+    char message[1024]; // empty when nothing failed
+};
+
+// Every function takes NULL for `error` and does nothing then.
+void error_set(struct error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Puts "PREFIX: " before the message.
+void error_prefix(struct error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
+// Appends ": " and the text of `errnum` (an errno value) to what the format says.
+void error_set_errno(struct error *error, int errnum, const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -1,0 +1,36 @@
+// Which frames of a sequence to render, written "1-100x2,140".
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct error;
+
+enum {
+    FRAME_NUMBER_LIMIT = 10 * 1000 * 1000, // a frame number is in [0, FRAME_NUMBER_LIMIT)
+    FRAME_COUNT_LIMIT = 4 * 1000 * 1000    // frames in one range
+};
+
+// first, first + step, ... `count` numbers; step may be negative.
+struct frame_span {
+    int32_t first;
+    int32_t step;
+    int32_t count;
+    int32_t before; // how many frames the spans before this one hold
+};
+
+// The zero value is an empty range.
+struct frame_range {
+    struct frame_span *spans; // owned; in the user's order, no frame twice
+    size_t span_count;
+};
+
+// Reads `text` into `range`: comma-separated `7`, `1-10`, `10-1` (reverse), `1-10x3`. On failure `range` is empty and
+// `error` says which part is wrong. `:` is refused with a hint.
+bool frame_range_parse(struct frame_range *range, const char *text, struct error *error);
+void frame_range_finish(struct frame_range *range); // accepts an empty range
+int64_t frame_range_count(const struct frame_range *range);
+int32_t frame_range_at(const struct frame_range *range, int64_t index); // index in [0, count)
+int64_t frame_range_index(const struct frame_range *range, int32_t frame); // -1 when the range lacks it
+char *frame_range_format(const struct frame_range *range);                // owned by the caller; parses back to the same

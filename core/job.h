@@ -1,0 +1,72 @@
+// A job: a scene, the frames to render of it, how well, and where to.
+#pragma once
+
+#include "core/frame_range.h"
+#include "core/hash.h"
+#include "core/output_path.h"
+#include "core/scene.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { JOB_PRIORITY_DEFAULT = 50, JOB_PRIORITY_MAX = 100, JOB_RESOLUTION_LIMIT = 16384 };
+
+enum job_method {
+    JOB_METHOD_RIEMANN, // right ends, plain sums: the seeds' own
+    JOB_METHOD_MIDPOINT // exact exponential a segment, empty space skipped, ends exactly
+};
+
+struct job_quality {
+    enum job_method method;
+    double step;              // m, along camera rays
+    double light_step;        // m, along shadow rays (midpoint)
+    int light_steps;          // per shadow ray (riemann)
+    double min_transmittance; // a ray stops below it; 0 never stops
+};
+
+enum job_pixel {
+    JOB_PIXEL_HALF,
+    JOB_PIXEL_FLOAT
+};
+
+enum job_compression {
+    JOB_COMPRESSION_NONE,
+    JOB_COMPRESSION_RLE,
+    JOB_COMPRESSION_ZIPS,
+    JOB_COMPRESSION_ZIP,
+    JOB_COMPRESSION_PIZ
+};
+
+enum job_existing {
+    JOB_EXISTING_VERIFY, // skip a frame whose file is there and proves to be this job's; render the rest
+    JOB_EXISTING_OVERWRITE,
+    JOB_EXISTING_FAIL
+};
+
+struct job_output {
+    struct output_path path;
+    enum job_pixel pixel;
+    enum job_compression compression;
+    bool has_depth;         // aov "Z"
+    bool has_transmittance; // aov "transmittance"
+    enum job_existing existing;
+};
+
+// The zero value is empty.
+struct job {
+    char *name; // owned
+    struct frame_range frames;
+    int64_t fps_numerator, fps_denominator;
+    double time_offset; // s
+    int width_px, height_px;
+    struct scene scene;
+    struct job_quality quality;
+    struct job_output output;
+    int priority;
+    char hash[HASH_TEXT_SIZE]; // of all that the picture depends on; equal hashes, equal pixels
+};
+
+void job_finish(struct job *job);
+double job_frame_time(const struct job *job, int32_t frame); // s
+const char *job_method_name(enum job_method method);
+const char *job_compression_name(enum job_compression compression);

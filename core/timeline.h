@@ -1,0 +1,60 @@
+// A number or a vector that may change with time.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum timeline_kind {
+    TIMELINE_CONSTANT,  // value
+    TIMELINE_LINEAR,    // start + rate t
+    TIMELINE_LISSAJOUS, // center + amplitude sin(frequency speed t + phase) per component
+    TIMELINE_KEYS,      // through keys
+    TIMELINE_ORBIT      // around center, three components only
+};
+
+enum timeline_interpolation {
+    TIMELINE_INTERPOLATE_LINEAR,
+    TIMELINE_INTERPOLATE_SMOOTH, // smoothstep between keys: at rest at each key
+    TIMELINE_INTERPOLATE_HOLD    // the last key at or before t
+};
+
+struct timeline_key {
+    double time; // s, ascending
+    double value[3];
+};
+
+// Times are in seconds, values in the unit of what they drive. The zero value is the constant 0.
+struct timeline {
+    enum timeline_kind kind;
+    int component_count; // 1 or 3
+    union {
+        double value[3];
+        struct {
+            double start[3];
+            double rate[3]; // per second
+        } linear;
+        struct {
+            double center[3], amplitude[3];
+            double frequency_rad[3]; // rad/s
+            double phase_rad[3];
+            double speed;
+        } lissajous;
+        struct {
+            struct timeline_key *keys; // owned
+            size_t count;
+            enum timeline_interpolation interpolation;
+        } keys;
+        struct {
+            double center[3], axis[3]; // axis of any length but 0
+            double radius, height;     // m; height along the axis
+            double period;             // s, not 0
+            double phase_rad;
+        } orbit;
+    };
+};
+
+void timeline_finish(struct timeline *timeline);
+// Before the first key and after the last their values hold. Only the first component_count elements are written.
+void timeline_evaluate(const struct timeline *timeline, double time, double value[static 3]);
+// True when no time changes the value.
+bool timeline_is_constant(const struct timeline *timeline);

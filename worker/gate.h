@@ -1,0 +1,13 @@
+// The last look at a frame's file before anyone may see it.
+#pragma once
+
+#include "core/publish.h"
+
+#include <stdbool.h>
+
+struct error;
+struct job;
+
+// Reads the file back: EXR, this job's size, channels and hash in the header, frame number, every value finite. On success
+// `file` (may be NULL) says inode, size and hash.
+bool gate_check(int fd, const struct job *job, int32_t frame, struct published_file *file, struct error *error);

@@ -1,0 +1,21 @@
+// A rendered frame in memory: linear float pixels, first row on top.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct error;
+
+// The zero value is empty. Rows follow one another without padding.
+struct image {
+    int width_px, height_px;
+    float *rgba;          // owned; 4 a pixel, premultiplied
+    float *transmittance; // owned; 4 a pixel (R, G, B, unused); NULL when not asked for
+    float *depth;         // owned; 1 a pixel, camera-space metres; NULL when not asked for
+};
+
+bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
+                struct error *error); // contents undefined
+void image_finish(struct image *image);
+// The first value that is NaN, infinite or, if `half`, over 65504 in size, named with channel and pixel; true if none.
+bool image_is_finite(const struct image *image, bool half, struct error *error);

@@ -1,0 +1,47 @@
+// EXR files: written by several threads a chunk each, read back whole. OpenEXRCore lives here alone.
+#pragma once
+
+#include "core/job.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+struct image;
+
+// What the header says beside the pixels. Strings are borrowed for the call.
+struct image_exr_header {
+    enum job_pixel pixel;
+    enum job_compression compression;
+    int64_t fps_numerator, fps_denominator;
+    double world_to_camera[16]; // row vectors as OpenEXR has them (p' = p M), row-major
+    double world_to_ndc[16];
+    const char *owner;
+    int64_t job_id;
+    const char *job_hash;
+    int32_t frame;
+    int attempt;
+    const char *method;
+    double step;
+    const char *backend, *renderer;
+    const char *shader_hash;
+    double render_seconds;
+};
+
+// Writes the image to `fd` (empty, open for reading and writing) with `thread_count` compressing threads, and syncs it.
+bool image_exr_write(int fd, const struct image *image, const struct image_exr_header *header, int thread_count,
+                     struct error *error);
+
+// What was read; the strings live in the struct.
+struct image_exr_facts {
+    enum job_compression compression;
+    enum job_pixel pixel;
+    bool has_depth, has_transmittance;
+    char job_hash[64]; // marchd:jobHash, empty when absent
+    int64_t job_id;
+    int32_t frame;
+    double render_seconds;
+};
+
+// Reads all pixels of a file written here (or any scanline EXR with R, G, B, A). `image` may be NULL to read the header only.
+bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, struct error *error);

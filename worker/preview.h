@@ -1,0 +1,28 @@
+// Contact sheets and film frames from an EXR sequence, one exposure for all of it.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct error;
+
+struct preview_params {
+    const char *const *files; // absolute EXR paths
+    size_t file_count;
+    const char *const *labels; // one a file, or NULL
+    int columns;               // 0: chosen for a sheet near 3:2
+    int tile_width_px;         // 0: 320
+    bool has_exposure;
+    double exposure; // stops
+    const char *out; // the PNG to write (sheet), or the folder (frames)
+};
+
+struct preview_result {
+    double exposure;
+    int width_px, height_px;
+};
+
+// Chosen exposure: the 99th percentile of the sequence's luminance goes to 0.8. Written through sRGB, over black.
+bool preview_write_sheet(const struct preview_params *params, struct preview_result *result, struct error *error);
+// Writes 000000.png, 000001.png, ... of the full size into the folder `out`.
+bool preview_write_frames(const struct preview_params *params, struct preview_result *result, struct error *error);

@@ -1,0 +1,38 @@
+// Turns a job's frames into images on one GL context. Call everything from the thread that made it.
+#pragma once
+
+#include "core/job.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+struct gl_context;
+struct image;
+struct renderer;
+
+enum renderer_fault {
+    RENDERER_FAULT_NONE,
+    RENDERER_FAULT_JOB,     // the shader does not compile, the scene needs more than GL has
+    RENDERER_FAULT_CONTEXT, // the context is lost
+    RENDERER_FAULT_STOPPED  // on_progress asked for it
+};
+
+// Called between tiles with the share done in [0, 1]; false stops the frame.
+typedef bool renderer_progress(void *user, double done);
+
+// `shader_dir` (NULL: the embedded text) overrides shader modules while developing.
+struct renderer *renderer_create(struct gl_context *context, const char *shader_dir);
+void renderer_destroy(struct renderer *renderer);
+
+struct renderer_result {
+    enum renderer_fault fault;
+    double seconds;           // GPU work and readback
+    const char *shader_hash;  // borrowed from the renderer until the next call
+    double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
+};
+
+// Renders `frame` into `image` (initialised by the caller with the job's size and channels). Programs and targets are
+// kept from call to call; a frame whose inputs equal the one before is copied, not rendered.
+bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,
+                     renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error);
