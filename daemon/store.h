@@ -11,16 +11,20 @@
 struct error;
 struct store;
 
+enum { STORE_ATTEMPT_LIMIT = 1000 };
+
 enum store_op_kind {
     STORE_ADD_JOB,
-    STORE_SET_JOB,     // priority, flags, times, reason
-    STORE_SET_FRAME,   // one frame's row
-    STORE_ADD_ATTEMPT, // an attempt ended
-    STORE_RESET_FRAMES // delete frame rows of a job by index list: they are queued again (retry)
+    STORE_SET_JOB,      // priority, flags, times, reason; the rest of `job` may be empty
+    STORE_SET_FRAME,    // one frame's row, new or in place of the old one
+    STORE_ADD_ATTEMPT,  // an attempt ended; only the newest STORE_ATTEMPT_LIMIT of a job are kept
+    STORE_RESET_FRAMES, // delete frame rows of a job by index list: they are queued again (retry)
+    STORE_MARK_FRAMES   // a row with just `state` for each frame of an index list that has none
 };
 
 // A frame has a row once it left the queue for good or is being published; a queued or running frame has none, so a
-// million queued frames cost a line.
+// million queued frames cost a line. The frames without a row of a canceled or failed job are canceled or failed as it is:
+// before a retry lets some of its frames live again, STORE_MARK_FRAMES writes down the others.
 struct store_job {
     int64_t id;
     char *document; // owned; the job file as JSON text
@@ -65,38 +69,35 @@ struct store_op {
         struct store_attempt attempt;
         struct {
             int64_t job;
-            int32_t *indices; // owned
+            int32_t *indices; // owned; fastest when ascending
             size_t count;
         } reset;
+        struct {
+            int64_t job;
+            int state;        // enum frame_state
+            int32_t *indices; // owned
+            size_t count;
+        } mark;
     };
 };
 
-void store_op_finish(struct store_op *op);
+void store_op_finish(struct store_op *op); // frees what it owns; the zero op is empty
 
-// Opens or makes FOLDER/queue.db (folder made with mode 0700 if missing) and locks it against a second daemon; refuses a
-// store a newer version wrote. Adds one to the epoch, durably.
+// Opens or makes FOLDER/queue.db (folder made with mode 0700 if missing, its parent must exist) and locks it against a
+// second daemon. Refuses, and leaves as it is, a store a newer version wrote and a file that is no store. Adds one to
+// the epoch, durably. NULL on failure.
 struct store *store_open(const char *folder, struct error *error);
-void store_close(struct store *store);
+void store_close(struct store *store); // accepts NULL
 int64_t store_epoch(const struct store *store);
-int64_t store_next_job_id(const struct store *store); // one more than any ever given
+int64_t store_next_job_id(const struct store *store); // one more than any the store holds
 
-// All or nothing; on success it is on disk.
+// All or nothing; on success it is on disk. On failure nothing of it is, the message names the cause ("disk full"), and
+// the same ops may be committed again.
 bool store_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error);
 
-// Called once a row, in order of job id (then index); what they are given is lent for the call. False stops with an error.
+// Called once a row; what they are given is lent for the call. False stops with the callback's error.
 typedef bool store_on_job(void *user, const struct store_job *job, struct error *error);
 typedef bool store_on_frame(void *user, const struct store_frame *frame, struct error *error);
+// All jobs by id, then all frames by job and index. Of a frame with no publish intent only job, index, state and attempts
+// are set: a restart needs no more, and a million rows are read in a second.
 bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error);
-
-// For answers: details that the queue does not keep. Any thread, a connection of its own.
-struct store_reader;
-struct store_reader *store_reader_open(const char *folder, struct error *error);
-void store_reader_close(struct store_reader *reader);
-// Rows for the frames with index in [first, last]; those without a row are not called.
-bool store_read_frames(struct store_reader *reader, int64_t job, int32_t first, int32_t last, store_on_frame *on_frame,
-                       void *user, struct error *error);
-typedef bool store_on_attempt(void *user, const struct store_attempt *attempt, struct error *error);
-// Newest first; frame -1: all.
-bool store_read_attempts(struct store_reader *reader, int64_t job, int32_t frame, int limit, store_on_attempt *on_attempt,
-                         void *user, struct error *error);
-bool store_read_document(struct store_reader *reader, int64_t job, char **document, struct error *error);

@@ -1,0 +1,37 @@
+// What follows a fault: whether a frame is tried again, and when a slot starts its next worker.
+#pragma once
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum retry_fault {
+    RETRY_FAULT_JOB,    // no frame of the job can work
+    RETRY_FAULT_FRAME,  // this frame did not work
+    RETRY_FAULT_WORKER, // the worker lost its context; it exits
+    RETRY_FAULT_OUTPUT, // disk full or not writable: every frame would meet it
+    RETRY_FAULT_LOST    // the worker died, or was killed by one of its clocks
+};
+
+extern const char *const retry_fault_names[]; // "job", "frame", "worker", "output", "lost"; ends in NULL
+
+enum retry_action {
+    RETRY_FRAME,      // queue_fail, not final
+    RETRY_FREE,       // queue_return: the attempt does not count
+    RETRY_FAIL_FRAME, // queue_fail, final
+    RETRY_FAIL_JOB,   // queue_fail_job
+    RETRY_PAUSE_JOB   // queue_return and queue_pause, the fault's text as the job's reason
+};
+
+// `is_started`: the worker had begun the frame; what only waited in its hand is not to blame. `tries` counts the attempt
+// that failed (struct queue_frame).
+enum retry_action retry_decide(enum retry_fault fault, bool is_started, int tries, int max_attempts);
+
+// Of a slot whose worker cannot start, or dies before it finishes a frame. The zero value waits for nothing.
+struct retry_backoff {
+    int failures;     // in a row
+    int64_t until_ms; // no start before
+};
+
+void retry_backoff_fail(struct retry_backoff *backoff, int64_t now_ms); // waits 1 s, then 2, 4, ... 60
+void retry_backoff_succeed(struct retry_backoff *backoff);              // when a frame is finished or skipped
+int64_t retry_backoff_wait_ms(const struct retry_backoff *backoff, int64_t now_ms); // 0: start now
