@@ -11,11 +11,11 @@ enum { ESTIMATE_RECENT = 63 };
 struct estimate {
     float recent_s[ESTIMATE_RECENT]; // a ring
     uint8_t count, next;
-    bool is_sorted; // median_s is of these durations
+    bool is_current; // median_s is of these durations
     float median_s;
 };
 
-void estimate_add(struct estimate *estimate, double seconds); // of one frame; not finite or negative: ignored
+void estimate_add(struct estimate *estimate, double seconds); // of one frame; not in [0, 1e9): ignored
 size_t estimate_count(const struct estimate *estimate);       // durations it holds, at most ESTIMATE_RECENT
 double estimate_median_s(struct estimate *estimate);          // > 0; 0: none known
 // Seconds until `left` frames (queued and running) are done by `workers`; negative when that cannot be known.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/frame_range.h"
+#include "daemon/index_heap.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -60,9 +61,8 @@ struct queue_job {
     // The module's own.
     struct queue *queue; // borrowed; outlives us
     int64_t frame_count;
-    int64_t first_fresh; // a queued frame is at or after this index, or among the returned
-    int32_t *returned;   // owned; indices of queued frames before first_fresh, a heap with the smallest on top
-    size_t returned_count, returned_capacity;
+    int64_t first_fresh;        // a queued frame is at or after this index, or in `returned`
+    struct index_heap returned; // owned; queued again after they were taken
 };
 
 // One attempt at one frame. From queue_take or queue_ticket_for.
@@ -80,7 +80,8 @@ void queue_destroy(struct queue *queue);      // accepts NULL
 struct queue_job *queue_add_job(struct queue *queue, int64_t id, struct frame_range *frames, int priority, bool paused);
 struct queue_job *queue_find_job(const struct queue *queue, int64_t id); // NULL when there is none
 struct queue_job *queue_first_job(const struct queue *queue);            // then ->next
-// While loading a store, before the job's first frame is taken: sets one frame's state, not FRAME_RUNNING.
+// While loading a store, before the job's first frame is taken: sets one frame's state, not FRAME_RUNNING. A job
+// that was canceled or failed gets queue_cancel or queue_fail_job after its rows.
 void queue_restore_frame(struct queue_job *job, int64_t index, enum frame_state state, int attempts);
 
 enum job_state queue_job_state(const struct queue_job *job);

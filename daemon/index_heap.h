@@ -1,0 +1,16 @@
+// A set of indices that gives the smallest first.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// The zero value is empty.
+struct index_heap {
+    int32_t *indices; // owned
+    size_t count, capacity;
+};
+
+void index_heap_finish(struct index_heap *heap);
+void index_heap_add(struct index_heap *heap, int32_t index);
+bool index_heap_take(struct index_heap *heap, int32_t *index); // false when it is empty
