@@ -8,7 +8,11 @@
 struct cJSON;
 struct error;
 
-enum { JSON_DEPTH_LIMIT = 32 };
+enum {
+    JSON_DEPTH_LIMIT = 32,
+    JSON_VALUE_LIMIT = 1000 * 1000, // values in a text, each some 100 bytes of memory
+    JSON_NUMBER_SIZE = 64           // a number's characters and a NUL
+};
 
 enum json_type {
     JSON_ABSENT, // a node that json_node_child did not find
@@ -29,7 +33,8 @@ struct json_node {
 };
 
 // Strict JSON: one value, nothing after it, at most JSON_DEPTH_LIMIT deep, no key twice in an object, finite numbers,
-// no NUL in strings. The message names line and column of a syntax error. Free with json_delete.
+// no NUL in strings. The message names line and column of a syntax error, the path of a key that appears twice. Free with
+// json_delete.
 bool json_parse(struct cJSON **root, const char *text, size_t length, struct error *error);
 void json_delete(struct cJSON *root); // accepts NULL
 
@@ -53,6 +58,7 @@ bool json_fail_expected(const struct json_node *node, struct error *error, const
 
 // Readers check type and range; the range is closed. An absent node is an error: ask json_node_is_absent first.
 bool json_read_number(const struct json_node *node, double min, double max, double *number, struct error *error);
+// Integers beyond 2^53 either way are refused: not every one of them survives the way through a double.
 bool json_read_integer(const struct json_node *node, int64_t min, int64_t max, int64_t *integer, struct error *error);
 bool json_read_bool(const struct json_node *node, bool *value, struct error *error);
 bool json_read_string(const struct json_node *node, const char **text, struct error *error); // borrowed
