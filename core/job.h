@@ -9,7 +9,16 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { JOB_PRIORITY_DEFAULT = 50, JOB_PRIORITY_MAX = 100, JOB_RESOLUTION_LIMIT = 16384 };
+enum {
+    JOB_VERSION = 1,      // of the document
+    JOB_NAME_LIMIT = 128, // bytes
+    JOB_PRIORITY_DEFAULT = 50,
+    JOB_PRIORITY_MAX = 100,
+    JOB_RESOLUTION_LIMIT = 16384,       // pixels a side
+    JOB_PIXEL_LIMIT = 64 * 1024 * 1024, // pixels in all
+    JOB_LIGHT_STEPS_LIMIT = 100 * 1000,
+    JOB_MARCH_STEPS_LIMIT = 100 * 1000 // along one ray
+};
 
 enum job_method {
     JOB_METHOD_RIEMANN, // right ends, plain sums: the seeds' own
@@ -24,10 +33,7 @@ struct job_quality {
     double min_transmittance; // a ray stops below it; 0 never stops
 };
 
-enum job_pixel {
-    JOB_PIXEL_HALF,
-    JOB_PIXEL_FLOAT
-};
+enum job_pixel { JOB_PIXEL_HALF, JOB_PIXEL_FLOAT };
 
 enum job_compression {
     JOB_COMPRESSION_NONE,
@@ -56,8 +62,8 @@ struct job_output {
 struct job {
     char *name; // owned
     struct frame_range frames;
-    int64_t fps_numerator, fps_denominator;
-    double time_offset; // s
+    int64_t fps_numerator, fps_denominator; // in lowest terms, each up to 1e9
+    double time_offset;                     // s
     int width_px, height_px;
     struct scene scene;
     struct job_quality quality;
@@ -66,7 +72,9 @@ struct job {
     char hash[HASH_TEXT_SIZE]; // of all that the picture depends on; equal hashes, equal pixels
 };
 
-void job_finish(struct job *job);
+void job_finish(struct job *job);                            // accepts an empty job
 double job_frame_time(const struct job *job, int32_t frame); // s
+// The times of the earliest and the latest frame; the range is not empty.
+struct timeline_span job_time_span(const struct job *job);
 const char *job_method_name(enum job_method method);
 const char *job_compression_name(enum job_compression compression);

@@ -9,21 +9,19 @@
 enum {
     SCENE_LIGHT_LIMIT = 16,
     SCENE_MEDIUM_LIMIT = 8,
-    SCENE_LOBE_LIMIT = 8
+    SCENE_LOBE_LIMIT = 8,
+    SCENE_ITERATION_LIMIT = 32 // of a fold fractal
 };
 
 // A pinhole camera: forward = target - position, right = normalize(cross(forward, up)), image y up.
 struct scene_camera {
     struct timeline position, target, up; // m
     struct timeline fov;                  // vertical, degrees, (0, 180)
-    double clip_near, clip_far;           // distances along the ray between which media are gathered; far may be INFINITY
-    bool mirror;                          // flips image x
+    double clip_near, clip_far; // distances along the ray between which media are gathered; far may be INFINITY
+    bool mirror;                // flips image x
 };
 
-enum scene_light_kind {
-    SCENE_LIGHT_POINT,
-    SCENE_LIGHT_SUN
-};
+enum scene_light_kind { SCENE_LIGHT_POINT, SCENE_LIGHT_SUN };
 
 enum scene_falloff {
     SCENE_FALLOFF_INVERSE_SQUARE, // intensity is W/sr
@@ -32,24 +30,22 @@ enum scene_falloff {
 
 struct scene_light {
     enum scene_light_kind kind;
-    enum scene_falloff falloff;  // point only
-    struct timeline intensity;   // 1 or 3 components, >= 0; of a sun: irradiance
-    struct timeline position;    // point only
-    struct timeline direction;   // sun only: the way its light travels, of any length but 0
+    enum scene_falloff falloff; // point only
+    struct timeline intensity;  // 1 or 3 components, >= 0; of a sun: irradiance
+    struct timeline position;   // point only
+    struct timeline direction;  // sun only: the way its light travels, of any length but 0
 };
 
-enum scene_density_kind {
-    SCENE_DENSITY_FOLD_FRACTAL
-};
+enum scene_density_kind { SCENE_DENSITY_FOLD_FRACTAL };
 
 // rho(p) = scale max(radius - |fold^iterations(p)|, 0)^exponent; see docs/job_format.md. 1-Lipschitz distance; zero outside
 // |p| = radius + iterations sqrt(3) offset.
 struct scene_fold_fractal {
-    int iterations; // [1, 32]
-    struct timeline offset, radius;                // m
-    struct timeline rotate_x_rad, rotate_y_rad;    // angle per iteration
-    struct timeline exponent;                      // > 0
-    struct timeline scale;                         // >= 0
+    int iterations;                             // [1, SCENE_ITERATION_LIMIT]
+    struct timeline offset, radius;             // m
+    struct timeline rotate_x_rad, rotate_y_rad; // angle per iteration
+    struct timeline exponent;                   // > 0
+    struct timeline scale;                      // >= 0
 };
 
 struct scene_density {
@@ -65,8 +61,8 @@ struct scene_phase_lobe {
 
 struct scene_medium {
     struct scene_density density;
-    struct timeline sigma_s, sigma_a;  // 1 or 3 components, >= 0, per metre and unit of density
-    struct timeline emission;          // 1 or 3 components, >= 0: source per unit of density
+    struct timeline sigma_s, sigma_a; // 1 or 3 components, >= 0, per metre and unit of density
+    struct timeline emission;         // 1 or 3 components, >= 0: source per unit of density
     bool has_emission;
     struct scene_phase_lobe lobes[SCENE_LOBE_LIMIT]; // none: isotropic
     size_t lobe_count;

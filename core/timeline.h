@@ -48,13 +48,22 @@ struct timeline {
             double center[3], axis[3]; // axis of any length but 0
             double radius, height;     // m; height along the axis
             double period;             // s, not 0
-            double phase_rad;
+            double phase_rad;          // from world x as the orbit's plane sees it; from y when the axis is along x
         } orbit;
     };
 };
 
+// The times between which values are asked for, s.
+struct timeline_span {
+    double first, last;
+};
+
 void timeline_finish(struct timeline *timeline);
-// Before the first key and after the last their values hold. Only the first component_count elements are written.
+// Before the first key and after the last their values hold. Only the first component_count elements are written. An
+// orbit runs counter-clockwise seen from the axis' tip; a negative period turns it round.
 void timeline_evaluate(const struct timeline *timeline, double time, double value[static 3]);
 // True when no time changes the value.
 bool timeline_is_constant(const struct timeline *timeline);
+// Bounds of each component within `span`. Exact for a constant and a linear one, else of all times.
+void timeline_find_bounds(const struct timeline *timeline, struct timeline_span span, double min[static 3],
+                          double max[static 3]);

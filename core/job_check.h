@@ -1,0 +1,11 @@
+// What no single value of a job shows: geometry and phase weights at the frames, and how long a march would be.
+#pragma once
+
+#include <stdbool.h>
+
+struct error;
+struct job;
+struct json_node;
+
+// All of `job` but its hash is read from `document`, which messages name places in.
+bool job_check(const struct job *job, const struct json_node *document, struct error *error);

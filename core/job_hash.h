@@ -1,0 +1,9 @@
+// The hash of all that a job's pictures depend on: equal hashes, equal pixels in the frame of the same number.
+#pragma once
+
+#include "core/hash.h"
+
+struct job;
+
+// Depends neither on how the document was laid out nor on name, frames, priority, output path, compression and existing.
+void job_hash_picture(const struct job *job, char text[static HASH_TEXT_SIZE]);
