@@ -6,6 +6,8 @@
 
 struct error;
 
+enum { IMAGE_SIDE_LIMIT = 16384 }; // px
+
 // The zero value is empty. Rows follow one another without padding.
 struct image {
     int width_px, height_px;
@@ -17,5 +19,6 @@ struct image {
 bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
                 struct error *error); // contents undefined
 void image_finish(struct image *image);
-// The first value that is NaN, infinite or, if `half`, over 65504 in size, named with channel and pixel; true if none.
+// The first value that is NaN, infinite or, if `half`, over 65504 in size (depth apart: it is never written as half),
+// named with channel and pixel; true if none.
 bool image_is_finite(const struct image *image, bool half, struct error *error);

@@ -26,9 +26,11 @@ struct image_exr_header {
     const char *backend, *renderer;
     const char *shader_hash;
     double render_seconds;
+    int64_t captured; // unix seconds
 };
 
 // Writes the image to `fd` (empty, open for reading and writing) with `thread_count` compressing threads, and syncs it.
+// The bytes do not depend on `thread_count`. On failure errno is what the file system said, or 0 when it is not to blame.
 bool image_exr_write(int fd, const struct image *image, const struct image_exr_header *header, int thread_count,
                      struct error *error);
 
@@ -36,12 +38,14 @@ bool image_exr_write(int fd, const struct image *image, const struct image_exr_h
 struct image_exr_facts {
     enum job_compression compression;
     enum job_pixel pixel;
-    bool has_depth, has_transmittance;
+    bool has_alpha, has_depth, has_transmittance;
+    int width_px, height_px;
     char job_hash[64]; // marchd:jobHash, empty when absent
     int64_t job_id;
     int32_t frame;
     double render_seconds;
 };
 
-// Reads all pixels of a file written here (or any scanline EXR with R, G, B, A). `image` may be NULL to read the header only.
+// Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image` may
+// be NULL to read the header only; on failure it is empty. `facts` may be NULL.
 bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, struct error *error);

@@ -1,0 +1,309 @@
+#include "worker/image_exr.h"
+
+#include "core/error.h"
+#include "worker/image.h"
+
+#define IMATH_HALF_NO_LOOKUP_TABLE
+#include <Imath/half.h>
+#include <OpenEXR/openexr.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// More than any renderer writes; a corrupt header could ask for gigabytes a chunk.
+enum { FILE_CHANNEL_LIMIT = 256 };
+
+struct reader {
+    exr_context_t context;
+    int fd;
+    char message[256]; // the library's first complaint
+    exr_attr_box2i_t window;
+    int lines_per_chunk;
+};
+
+static int64_t on_read(exr_const_context_t context, void *user, void *bytes, uint64_t size, uint64_t offset,
+                       exr_stream_error_func_ptr_t report)
+{
+    struct reader *reader = user;
+    uint64_t done = 0;
+
+    while (done < size) {
+        ssize_t count = pread(reader->fd, (char *)bytes + done, size - done, (off_t)(offset + done));
+
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) return -1;
+        if (count == 0) break;
+        done += (uint64_t)count;
+    }
+    return (int64_t)done;
+}
+
+static int64_t on_query_size(exr_const_context_t context, void *user)
+{
+    const struct reader *reader = user;
+    struct stat status;
+
+    return fstat(reader->fd, &status) < 0 ? -1 : (int64_t)status.st_size;
+}
+
+// The first message names the cause, those after it only who passed it on.
+static void on_library_error(exr_const_context_t context, exr_result_t code, const char *message)
+{
+    void *user = NULL;
+    struct reader *reader;
+
+    if (!context || exr_get_user_data(context, &user) || !user) return;
+    reader = user;
+    if (!reader->message[0]) snprintf(reader->message, sizeof reader->message, "%s", message);
+}
+
+static bool fail(const struct reader *reader, exr_result_t result, struct error *error)
+{
+    error_set(error, "%s", reader->message[0] ? reader->message : exr_get_default_error_message(result));
+    return false;
+}
+
+static bool open_file(struct reader *reader, struct error *error)
+{
+    exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    exr_result_t result;
+
+    initializer.error_handler_fn = on_library_error;
+    initializer.user_data = reader;
+    initializer.read_fn = on_read;
+    initializer.size_fn = on_query_size;
+    initializer.max_image_width = IMAGE_SIDE_LIMIT;
+    initializer.max_image_height = IMAGE_SIDE_LIMIT;
+    initializer.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    result = exr_start_read(&reader->context, "file", &initializer);
+    return result ? fail(reader, result, error) : true;
+}
+
+static bool check_channels(struct reader *reader, const exr_attr_chlist_t *channels, struct error *error)
+{
+    int needed = 0;
+
+    if (channels->num_channels > FILE_CHANNEL_LIMIT) {
+        error_set(error, "expected at most %d channels, got %d", FILE_CHANNEL_LIMIT, channels->num_channels);
+        return false;
+    }
+    for (int i = 0; i < channels->num_channels; i++) {
+        const exr_attr_chlist_entry_t *channel = &channels->entries[i];
+
+        if (channel->x_sampling != 1 || channel->y_sampling != 1) {
+            error_set(error, "channel %s: expected a value for every pixel, got one for %d x %d", channel->name.str,
+                      channel->x_sampling, channel->y_sampling);
+            return false;
+        }
+        needed += !strcmp(channel->name.str, "R") || !strcmp(channel->name.str, "G") || !strcmp(channel->name.str, "B");
+    }
+    if (needed == 3) return true;
+    error_set(error, "expected channels R, G and B");
+    return false;
+}
+
+static bool has_channel(const exr_attr_chlist_t *channels, const char *name)
+{
+    for (int i = 0; i < channels->num_channels; i++)
+        if (!strcmp(channels->entries[i].name.str, name)) return true;
+    return false;
+}
+
+static bool read_compression(struct reader *reader, enum job_compression *compression, struct error *error)
+{
+    exr_compression_t found;
+    exr_result_t result = exr_get_compression(reader->context, 0, &found);
+
+    if (result) return fail(reader, result, error);
+    switch (found) {
+    case EXR_COMPRESSION_NONE:
+        *compression = JOB_COMPRESSION_NONE;
+        return true;
+    case EXR_COMPRESSION_RLE:
+        *compression = JOB_COMPRESSION_RLE;
+        return true;
+    case EXR_COMPRESSION_ZIPS:
+        *compression = JOB_COMPRESSION_ZIPS;
+        return true;
+    case EXR_COMPRESSION_ZIP:
+        *compression = JOB_COMPRESSION_ZIP;
+        return true;
+    case EXR_COMPRESSION_PIZ:
+        *compression = JOB_COMPRESSION_PIZ;
+        return true;
+    default:
+        error_set(error, "expected compression none, rle, zips, zip or piz");
+        return false;
+    }
+}
+
+// Absent ones leave the zero value.
+static void read_own_attributes(struct reader *reader, struct image_exr_facts *facts)
+{
+    const exr_attribute_t *found;
+    exr_context_t context = reader->context;
+
+    if (!exr_get_attribute_by_name(context, 0, "marchd:jobHash", &found) && found->type == EXR_ATTR_STRING)
+        snprintf(facts->job_hash, sizeof facts->job_hash, "%s", found->string->str);
+    if (!exr_get_attribute_by_name(context, 0, "marchd:job", &found) && found->type == EXR_ATTR_STRING)
+        facts->job_id = strtoll(found->string->str, NULL, 10);
+    if (!exr_get_attribute_by_name(context, 0, "marchd:frame", &found) && found->type == EXR_ATTR_INT)
+        facts->frame = found->i;
+    if (!exr_get_attribute_by_name(context, 0, "marchd:renderSeconds", &found) && found->type == EXR_ATTR_DOUBLE)
+        facts->render_seconds = found->d;
+}
+
+static bool read_header(struct reader *reader, struct image_exr_facts *facts, struct error *error)
+{
+    const exr_attr_chlist_t *channels;
+    exr_storage_t storage;
+    exr_result_t result = exr_get_storage(reader->context, 0, &storage);
+
+    if (result) return fail(reader, result, error);
+    if (storage != EXR_STORAGE_SCANLINE) {
+        error_set(error, "expected scanlines, got tiles or deep pixels");
+        return false;
+    }
+    result = exr_get_data_window(reader->context, 0, &reader->window);
+    if (!result) result = exr_get_channels(reader->context, 0, &channels);
+    if (!result) result = exr_get_scanlines_per_chunk(reader->context, 0, &reader->lines_per_chunk);
+    if (result) return fail(reader, result, error);
+    facts->width_px = (int)((int64_t)reader->window.max.x - reader->window.min.x + 1);
+    facts->height_px = (int)((int64_t)reader->window.max.y - reader->window.min.y + 1);
+    if (!check_channels(reader, channels, error)) return false;
+    if (!read_compression(reader, &facts->compression, error)) return false;
+    facts->pixel = JOB_PIXEL_HALF;
+    for (int i = 0; i < channels->num_channels; i++)
+        if (strcmp(channels->entries[i].name.str, "Z") && channels->entries[i].pixel_type != EXR_PIXEL_HALF)
+            facts->pixel = JOB_PIXEL_FLOAT;
+    facts->has_depth = has_channel(channels, "Z");
+    facts->has_transmittance = has_channel(channels, "transmittance.R") && has_channel(channels, "transmittance.G") &&
+                               has_channel(channels, "transmittance.B");
+    facts->has_alpha = has_channel(channels, "A");
+    read_own_attributes(reader, facts);
+    return true;
+}
+
+// Where a channel's values go, NULL when nobody wants them.
+static float *find_plane(const struct image *image, const char *name, size_t *stride)
+{
+    static const char *const rgba[] = {"R", "G", "B", "A"};
+    static const char *const transmittance[] = {"transmittance.R", "transmittance.G", "transmittance.B"};
+
+    *stride = 4;
+    for (int i = 0; i < 4; i++)
+        if (!strcmp(name, rgba[i])) return image->rgba + i;
+    for (int i = 0; i < 3 && image->transmittance; i++)
+        if (!strcmp(name, transmittance[i])) return image->transmittance + i;
+    *stride = 1;
+    return strcmp(name, "Z") ? NULL : image->depth;
+}
+
+static void unpack_values(float *values, size_t stride, const char *packed, size_t count, uint16_t type)
+{
+    for (size_t x = 0; x < count; x++) {
+        uint32_t integer;
+        uint16_t half;
+
+        if (type == EXR_PIXEL_HALF) {
+            memcpy(&half, packed + x * sizeof half, sizeof half);
+            values[x * stride] = imath_half_to_float(half);
+        } else if (type == EXR_PIXEL_FLOAT) {
+            memcpy(values + x * stride, packed + x * sizeof(float), sizeof(float));
+        } else {
+            memcpy(&integer, packed + x * sizeof integer, sizeof integer);
+            values[x * stride] = (float)integer;
+        }
+    }
+}
+
+// The library's own unpacking cannot leave out a channel of an uncompressed file.
+static exr_result_t on_unpack(exr_decode_pipeline_t *pipeline)
+{
+    const struct image *image = pipeline->decoding_user_data;
+    const char *packed = pipeline->unpacked_buffer;
+    size_t width = (size_t)image->width_px;
+    uint64_t line_bytes = 0;
+    exr_attr_box2i_t window;
+    exr_result_t result = exr_get_data_window(pipeline->context, 0, &window);
+
+    if (result) return result;
+    for (int i = 0; i < pipeline->channel_count; i++)
+        line_bytes += width * (uint64_t)pipeline->channels[i].bytes_per_element;
+    if (!packed || line_bytes * (uint64_t)pipeline->chunk.height != pipeline->chunk.unpacked_size)
+        return EXR_ERR_CORRUPT_CHUNK;
+    for (int line = 0; line < pipeline->chunk.height; line++) {
+        size_t y = (size_t)(pipeline->chunk.start_y - window.min.y + line);
+
+        for (int i = 0; i < pipeline->channel_count; i++) {
+            const exr_coding_channel_info_t *channel = &pipeline->channels[i];
+            size_t stride;
+            float *plane = find_plane(image, channel->channel_name, &stride);
+
+            if (plane) unpack_values(plane + y * width * stride, stride, packed, width, channel->data_type);
+            packed += width * (size_t)channel->bytes_per_element;
+        }
+    }
+    return EXR_ERR_SUCCESS;
+}
+
+static exr_result_t read_chunk(struct reader *reader, exr_decode_pipeline_t *pipeline, const struct image *image, int y)
+{
+    exr_chunk_info_t chunk;
+    exr_result_t result = exr_read_scanline_chunk_info(reader->context, 0, y, &chunk);
+
+    if (result) return result;
+    // An uncompressed chunk is used as it was read, so it must have all its bytes.
+    if (chunk.compression == EXR_COMPRESSION_NONE && chunk.packed_size != chunk.unpacked_size)
+        return EXR_ERR_CORRUPT_CHUNK;
+    if (!pipeline->context) {
+        result = exr_decoding_initialize(reader->context, 0, &chunk, pipeline);
+        if (!result) result = exr_decoding_choose_default_routines(reader->context, 0, pipeline);
+        pipeline->decoding_user_data = (void *)(uintptr_t)image;
+        pipeline->unpack_and_convert_fn = on_unpack;
+    } else {
+        result = exr_decoding_update(reader->context, 0, &chunk, pipeline);
+    }
+    return result ? result : exr_decoding_run(reader->context, 0, pipeline);
+}
+
+static bool read_pixels(struct reader *reader, const struct image_exr_facts *facts, struct image *image,
+                        struct error *error)
+{
+    exr_decode_pipeline_t pipeline = {0};
+    exr_result_t result = EXR_ERR_SUCCESS;
+
+    if (!image_init(image, facts->width_px, facts->height_px, facts->has_depth, facts->has_transmittance, error))
+        return false;
+    if (!facts->has_alpha)
+        for (size_t i = 0; i < (size_t)image->width_px * (size_t)image->height_px; i++)
+            image->rgba[i * 4 + 3] = 1.0f;
+    for (int line = 0; line < facts->height_px && !result; line += reader->lines_per_chunk) {
+        result = read_chunk(reader, &pipeline, image, reader->window.min.y + line);
+        if (result) {
+            fail(reader, result, error);
+            error_prefix(error, "line %d", line);
+        }
+    }
+    if (pipeline.context) exr_decoding_destroy(reader->context, &pipeline);
+    if (result) image_finish(image);
+    return result == EXR_ERR_SUCCESS;
+}
+
+bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, struct error *error)
+{
+    struct reader reader = {.fd = fd};
+    struct image_exr_facts found = {0};
+    bool ok;
+
+    if (image) *image = (struct image){0};
+    ok = open_file(&reader, error) && read_header(&reader, &found, error) &&
+         (!image || read_pixels(&reader, &found, image, error));
+    exr_finish(&reader.context);
+    if (ok && facts) *facts = found;
+    return ok;
+}

@@ -1,0 +1,345 @@
+#include "worker/image_exr.h"
+
+#include "core/error.h"
+#include "worker/image.h"
+
+#define IMATH_HALF_NO_LOOKUP_TABLE
+#include <Imath/half.h>
+#include <OpenEXR/openexr.h>
+#include <assert.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    CHANNEL_LIMIT = 8,
+    THREAD_LIMIT = 64,
+    // zlib's levels above 4 cost a third of the speed each and save a percent or two of a render's bytes.
+    ZIP_LEVEL = 4
+};
+
+struct channel {
+    const char *name;
+    exr_pixel_type_t type;
+    const float *values; // borrowed from the image
+    size_t stride;       // in floats, from pixel to pixel
+};
+
+struct writer {
+    exr_context_t context;
+    int fd;
+    struct channel channels[CHANNEL_LIMIT]; // in the file's order: sorted by name
+    size_t channel_count;
+    size_t width, height;
+    size_t line_bytes;
+    int lines_per_chunk, chunk_count;
+
+    pthread_mutex_t lock; // guards what follows, and the library's writing calls
+    pthread_cond_t turn;
+    int next_taken, next_written;
+    bool failed;
+    int errnum; // of the first write that failed
+    struct error error;
+};
+
+static int64_t on_write(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
+                        exr_stream_error_func_ptr_t report)
+{
+    struct writer *writer = user;
+    uint64_t done = 0;
+
+    while (done < size) {
+        ssize_t count = pwrite(writer->fd, (const char *)bytes + done, size - done, (off_t)(offset + done));
+
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) {
+            if (!writer->errnum) writer->errnum = count < 0 ? errno : EIO;
+            return -1;
+        }
+        done += (uint64_t)count;
+    }
+    return (int64_t)done;
+}
+
+// Without it the library prints to standard error; what it says beside the code is of no use while writing.
+static void on_library_error(exr_const_context_t context, exr_result_t code, const char *message)
+{
+}
+
+static void add_channel(struct writer *writer, const char *name, exr_pixel_type_t type, const float *values,
+                        size_t stride)
+{
+    writer->channels[writer->channel_count++] =
+        (struct channel){.name = name, .type = type, .values = values, .stride = stride};
+    writer->line_bytes += writer->width * (type == EXR_PIXEL_HALF ? 2 : 4);
+}
+
+static void add_channels(struct writer *writer, const struct image *image, enum job_pixel pixel)
+{
+    exr_pixel_type_t type = pixel == JOB_PIXEL_HALF ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+
+    add_channel(writer, "A", type, image->rgba + 3, 4);
+    add_channel(writer, "B", type, image->rgba + 2, 4);
+    add_channel(writer, "G", type, image->rgba + 1, 4);
+    add_channel(writer, "R", type, image->rgba, 4);
+    if (image->depth) add_channel(writer, "Z", EXR_PIXEL_FLOAT, image->depth, 1);
+    if (image->transmittance) {
+        add_channel(writer, "transmittance.B", type, image->transmittance + 2, 4);
+        add_channel(writer, "transmittance.G", type, image->transmittance + 1, 4);
+        add_channel(writer, "transmittance.R", type, image->transmittance, 4);
+    }
+}
+
+static exr_result_t set_matrix(exr_context_t context, const char *name, const double values[16])
+{
+    exr_attr_m44f_t matrix;
+
+    for (int i = 0; i < 16; i++)
+        matrix.m[i] = (float)values[i];
+    return exr_attr_set_m44f(context, 0, name, &matrix);
+}
+
+static exr_result_t set_capture_time(exr_context_t context, int64_t captured)
+{
+    time_t seconds = (time_t)captured;
+    struct tm utc;
+    char text[64];
+    exr_result_t result;
+
+    gmtime_r(&seconds, &utc);
+    strftime(text, sizeof text, "%Y:%m:%d %H:%M:%S", &utc);
+    result = exr_attr_set_string(context, 0, "capDate", text);
+    return result ? result : exr_attr_set_float(context, 0, "utcOffset", 0.0f);
+}
+
+static exr_result_t set_standard_attributes(exr_context_t context, const struct image_exr_header *header)
+{
+    exr_attr_chromaticities_t rec709 = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    exr_attr_rational_t fps = {(int32_t)header->fps_numerator, (uint32_t)header->fps_denominator};
+    exr_result_t result = exr_attr_set_rational(context, 0, "framesPerSecond", &fps);
+
+    if (!result) result = exr_attr_set_chromaticities(context, 0, "chromaticities", &rec709);
+    if (!result) result = set_matrix(context, "worldToCamera", header->world_to_camera);
+    if (!result) result = set_matrix(context, "worldToNDC", header->world_to_ndc);
+    if (!result) result = set_capture_time(context, header->captured);
+    if (!result) result = exr_attr_set_string(context, 0, "software", "marchd " MARCHD_VERSION);
+    if (!result && header->owner) result = exr_attr_set_string(context, 0, "owner", header->owner);
+    return result;
+}
+
+static exr_result_t set_own_attributes(exr_context_t context, const struct image_exr_header *header)
+{
+    char job[32];
+    const struct {
+        const char *name, *text;
+    } strings[] = {
+        {"marchd:job", job},
+        {"marchd:jobHash", header->job_hash},
+        {"marchd:method", header->method},
+        {"marchd:backend", header->backend},
+        {"marchd:renderer", header->renderer},
+        {"marchd:shaderHash", header->shader_hash},
+    };
+    exr_result_t result = EXR_ERR_SUCCESS;
+
+    // An int attribute has 32 bits, a job's id 64.
+    snprintf(job, sizeof job, "%" PRId64, header->job_id);
+    for (size_t i = 0; i < sizeof strings / sizeof strings[0] && !result; i++)
+        if (strings[i].text) result = exr_attr_set_string(context, 0, strings[i].name, strings[i].text);
+    if (!result) result = exr_attr_set_int(context, 0, "marchd:frame", header->frame);
+    if (!result) result = exr_attr_set_int(context, 0, "marchd:attempt", header->attempt);
+    if (!result) result = exr_attr_set_double(context, 0, "marchd:step", header->step);
+    if (!result) result = exr_attr_set_double(context, 0, "marchd:renderSeconds", header->render_seconds);
+    return result;
+}
+
+static exr_result_t write_header(struct writer *writer, const struct image_exr_header *header)
+{
+    static const exr_compression_t compressions[] = {
+        [JOB_COMPRESSION_NONE] = EXR_COMPRESSION_NONE, [JOB_COMPRESSION_RLE] = EXR_COMPRESSION_RLE,
+        [JOB_COMPRESSION_ZIPS] = EXR_COMPRESSION_ZIPS, [JOB_COMPRESSION_ZIP] = EXR_COMPRESSION_ZIP,
+        [JOB_COMPRESSION_PIZ] = EXR_COMPRESSION_PIZ,
+    };
+    exr_context_t context = writer->context;
+    int part;
+    exr_result_t result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
+
+    if (!result)
+        result = exr_initialize_required_attr_simple(context, part, (int32_t)writer->width, (int32_t)writer->height,
+                                                     compressions[header->compression]);
+    for (size_t i = 0; i < writer->channel_count && !result; i++)
+        result = exr_add_channel(context, part, writer->channels[i].name, writer->channels[i].type,
+                                 EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    if (!result) result = set_standard_attributes(context, header);
+    if (!result) result = set_own_attributes(context, header);
+    if (!result) result = exr_write_header(context);
+    if (!result) result = exr_get_scanlines_per_chunk(context, part, &writer->lines_per_chunk);
+    if (!result) result = exr_get_chunk_count(context, part, &writer->chunk_count);
+    return result;
+}
+
+// A chunk is stored line by line, in a line channel by channel.
+static void pack_lines(const struct writer *writer, size_t first_line, size_t line_count, char *packed)
+{
+    for (size_t y = first_line; y < first_line + line_count; y++)
+        for (size_t i = 0; i < writer->channel_count; i++) {
+            const struct channel *channel = &writer->channels[i];
+            const float *values = channel->values + y * writer->width * channel->stride;
+
+            if (channel->type == EXR_PIXEL_HALF) {
+                uint16_t *halves = (uint16_t *)(void *)packed;
+
+                for (size_t x = 0; x < writer->width; x++)
+                    halves[x] = imath_float_to_half(values[x * channel->stride]);
+                packed += writer->width * sizeof *halves;
+            } else {
+                for (size_t x = 0; x < writer->width; x++)
+                    memcpy(packed + x * sizeof(float), values + x * channel->stride, sizeof(float));
+                packed += writer->width * sizeof(float);
+            }
+        }
+}
+
+// Fills the pipeline with the chunk that starts at line `y`. exr_encoding_run would do the same but packs under the
+// context's lock, which serializes the threads, so its stages are called one by one.
+static exr_result_t encode_chunk(struct writer *writer, exr_encode_pipeline_t *pipeline, int y)
+{
+    exr_chunk_info_t chunk;
+    exr_result_t result = exr_write_scanline_chunk_info(writer->context, 0, y, &chunk);
+
+    if (result) return result;
+    if (!pipeline->context) {
+        result = exr_encoding_initialize(writer->context, 0, &chunk, pipeline);
+        if (!result) result = exr_encoding_choose_default_routines(writer->context, 0, pipeline);
+    } else {
+        result = exr_encoding_update(writer->context, 0, &chunk, pipeline);
+    }
+    if (result) return result;
+    if (!pipeline->packed_buffer) {
+        pipeline->packed_alloc_size = writer->line_bytes * (size_t)writer->lines_per_chunk;
+        pipeline->packed_buffer = malloc(pipeline->packed_alloc_size);
+        if (!pipeline->packed_buffer) return EXR_ERR_OUT_OF_MEMORY;
+    }
+    pipeline->packed_bytes = chunk.unpacked_size;
+    assert(pipeline->packed_bytes <= pipeline->packed_alloc_size);
+    pack_lines(writer, (size_t)y, (size_t)chunk.height, pipeline->packed_buffer);
+    return pipeline->compress_fn ? pipeline->compress_fn(pipeline) : EXR_ERR_SUCCESS;
+}
+
+// A reader takes a chunk of the packed size for an uncompressed one, but the library stores a compressed one even then.
+static exr_result_t write_chunk(struct writer *writer, const exr_encode_pipeline_t *pipeline, int y)
+{
+    bool is_smaller = pipeline->compress_fn && pipeline->compressed_bytes < pipeline->packed_bytes;
+
+    return exr_write_scanline_chunk(writer->context, 0, y,
+                                    is_smaller ? pipeline->compressed_buffer : pipeline->packed_buffer,
+                                    is_smaller ? pipeline->compressed_bytes : pipeline->packed_bytes);
+}
+
+static void fail_chunk(struct writer *writer, exr_result_t result, int y)
+{
+    if (writer->failed) return;
+    writer->failed = true;
+    if (writer->errnum)
+        error_set_errno(&writer->error, writer->errnum, "line %d", y);
+    else
+        error_set(&writer->error, "line %d: %s", y, exr_get_default_error_message(result));
+}
+
+static void *write_chunks(void *user)
+{
+    struct writer *writer = user;
+    exr_encode_pipeline_t pipeline = {0};
+
+    pthread_mutex_lock(&writer->lock);
+    while (!writer->failed && writer->next_taken < writer->chunk_count) {
+        int index = writer->next_taken++;
+        int y = index * writer->lines_per_chunk;
+        exr_result_t result;
+
+        pthread_mutex_unlock(&writer->lock);
+        result = encode_chunk(writer, &pipeline, y);
+        pthread_mutex_lock(&writer->lock);
+        while (!writer->failed && writer->next_written < index)
+            pthread_cond_wait(&writer->turn, &writer->lock);
+        if (writer->failed) break;
+        if (!result) result = write_chunk(writer, &pipeline, y);
+        if (result) fail_chunk(writer, result, y);
+        writer->next_written++;
+        pthread_cond_broadcast(&writer->turn);
+    }
+    pthread_mutex_unlock(&writer->lock);
+    if (pipeline.context) exr_encoding_destroy(writer->context, &pipeline);
+    return NULL;
+}
+
+// Threads are made for each file: that costs some ten microseconds, and nothing waits while nothing is written.
+static void write_all_chunks(struct writer *writer, int thread_count)
+{
+    pthread_t threads[THREAD_LIMIT];
+    int started = 0;
+
+    if (thread_count > THREAD_LIMIT) thread_count = THREAD_LIMIT;
+    if (thread_count > writer->chunk_count) thread_count = writer->chunk_count;
+    while (started < thread_count - 1 && !pthread_create(&threads[started], NULL, write_chunks, writer))
+        started++;
+    write_chunks(writer);
+    for (int i = 0; i < started; i++)
+        pthread_join(threads[i], NULL);
+}
+
+static bool write_file(struct writer *writer, const struct image_exr_header *header, int thread_count,
+                       struct error *error)
+{
+    exr_context_initializer_t initializer = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    exr_result_t result;
+
+    initializer.error_handler_fn = on_library_error;
+    initializer.user_data = writer;
+    initializer.write_fn = on_write;
+    initializer.zip_level = ZIP_LEVEL;
+    // The name is of no use with a write_fn, but the library wants one.
+    result = exr_start_write(&writer->context, "frame.exr", EXR_WRITE_FILE_DIRECTLY, &initializer);
+    if (!result) result = write_header(writer, header);
+    if (result) {
+        if (writer->errnum)
+            error_set_errno(error, writer->errnum, "header");
+        else
+            error_set(error, "header: %s", exr_get_default_error_message(result));
+        return false;
+    }
+    write_all_chunks(writer, thread_count);
+    if (writer->failed) {
+        error_set(error, "%s", writer->error.message);
+        return false;
+    }
+    if (fsync(writer->fd) < 0) {
+        writer->errnum = errno;
+        error_set_errno(error, writer->errnum, "sync");
+        return false;
+    }
+    return true;
+}
+
+bool image_exr_write(int fd, const struct image *image, const struct image_exr_header *header, int thread_count,
+                     struct error *error)
+{
+    struct writer writer = {.fd = fd, .width = (size_t)image->width_px, .height = (size_t)image->height_px};
+    bool ok;
+
+    pthread_mutex_init(&writer.lock, NULL);
+    pthread_cond_init(&writer.turn, NULL);
+    add_channels(&writer, image, header->pixel);
+    ok = write_file(&writer, header, thread_count, error);
+    // Finishing writes nothing: the table of chunks went out with the last chunk.
+    exr_finish(&writer.context);
+    pthread_cond_destroy(&writer.turn);
+    pthread_mutex_destroy(&writer.lock);
+    errno = ok ? 0 : writer.errnum;
+    return ok;
+}
