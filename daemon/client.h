@@ -1,0 +1,48 @@
+// One connection: cuts its bytes into messages, answers in any order, and pays alone for what it floods.
+#pragma once
+
+#include "core/message_stream.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <uv.h>
+
+struct client;
+struct message;
+
+// What a connection needs from outside; lent for as long as it lives.
+struct client_handlers {
+    void (*on_message)(void *user, struct client *client, const struct message *message); // a request or notification
+    void (*on_closed)(void *user, struct client *client); // nothing may be sent any more; it is about to be freed
+    void *user;
+};
+
+struct client {
+    uv_pipe_t pipe;
+    uv_idle_t idle; // active while whole lines wait in `stream`
+    const struct client_handlers *handlers;
+    struct message_stream stream;
+    int64_t uid;         // of the peer; -1: unknown
+    char *user;          // owned; the peer's user name, or its number
+    size_t owed;         // answers that are still being made
+    int open_handles;
+    bool is_reading;
+    bool has_ended;      // the peer sends no more
+    bool is_closing;
+    uv_shutdown_t shutdown;
+    struct client *next, *previous; // on the listener's list
+};
+
+// Takes the connection that waits at `server`; NULL when there is none. It frees itself after it is closed.
+struct client *client_accept(uv_stream_t *server, const struct client_handlers *handlers);
+void client_close(struct client *client); // at once; legal twice
+
+void client_send(struct client *client, const char *bytes, size_t size_bytes); // copies; nothing when it is closing
+size_t client_backlog_bytes(const struct client *client);                      // sent, not yet taken by the peer
+
+// An answer that comes later: the client lives at least until client_release, and takes no new message while it is owed
+// too many.
+void client_hold(struct client *client);
+void client_release(struct client *client);

@@ -1,0 +1,137 @@
+#include "daemon/job_table.h"
+
+#include "core/alloc.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void record_destroy(struct job_record *record)
+{
+    free(record->name);
+    free(record->owner);
+    free(record->root);
+    free(record->reason);
+    output_path_finish(&record->path);
+    free(record);
+}
+
+void job_table_finish(struct job_table *table)
+{
+    for (size_t i = 0; i < table->count; i++)
+        record_destroy(table->records[i]);
+    free(table->records);
+    *table = (struct job_table){0};
+}
+
+struct job_record *job_table_add(struct job_table *table, int64_t id)
+{
+    struct job_record *record = xcalloc(1, sizeof *record);
+
+    assert(table->count == 0 || table->records[table->count - 1]->id < id);
+    record->id = id;
+    table->records = xgrow(table->records, &table->capacity, table->count + 1, sizeof(struct job_record *));
+    table->records[table->count++] = record;
+    return record;
+}
+
+struct job_record *job_table_find(const struct job_table *table, int64_t id)
+{
+    size_t low = 0, high = table->count;
+
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+
+        if (table->records[middle]->id == id) return table->records[middle];
+        if (table->records[middle]->id < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return NULL;
+}
+
+void job_record_set_reason(struct job_record *record, const char *reason)
+{
+    char *copy = reason ? xstrdup(reason) : NULL;
+
+    free(record->reason);
+    record->reason = copy;
+}
+
+struct store_op job_record_format_op(const struct job_record *record)
+{
+    const struct queue_job *queued = record->queued;
+
+    return (struct store_op){
+        .kind = STORE_SET_JOB,
+        .job = {.id = record->id,
+                .priority = queued->priority,
+                .is_paused = queued->is_paused,
+                .is_canceled = queued->is_canceled,
+                .is_failed = queued->is_failed,
+                .submitted_ms = record->submitted_ms,
+                .started_ms = record->started_ms,
+                .finished_ms = record->is_settled ? record->finished_ms : 0,
+                .reason = record->reason ? xstrdup(record->reason) : NULL},
+    };
+}
+
+// Walks the range with fewer frames, for each could name a file of the other.
+static bool ranges_collide(const struct output_path *path, const struct frame_range *frames,
+                           const struct output_path *other_path, const struct frame_range *other, int32_t *frame)
+{
+    bool is_smaller = frame_range_count(frames) <= frame_range_count(other);
+    const struct output_path *walked_path = is_smaller ? path : other_path;
+    const struct output_path *asked_path = is_smaller ? other_path : path;
+    const struct frame_range *walked = is_smaller ? frames : other;
+    const struct frame_range *asked = is_smaller ? other : frames;
+    int64_t count = frame_range_count(walked);
+    char name[OUTPUT_NAME_SIZE];
+
+    for (int64_t i = 0; i < count; i++) {
+        int32_t number = frame_range_at(walked, i);
+        int32_t twin;
+
+        output_path_format_name(walked_path, number, name);
+        twin = output_path_frame_of(asked_path, name);
+        if (twin < 0 || frame_range_index(asked, twin) < 0) continue;
+        *frame = is_smaller ? number : twin;
+        return true;
+    }
+    return false;
+}
+
+static char *folder_below(const char *root, const char *folder)
+{
+    return *folder ? xasprintf("%s/%s", root, folder) : xstrdup(root);
+}
+
+// Jobs of an earlier start may have had another root: then the folders are compared in full.
+static bool may_collide(const char *root, const struct output_path *path, const struct job_record *record)
+{
+    struct output_path full = *path, other = record->path;
+    bool collides;
+
+    if (strcmp(root, record->root) == 0) return output_path_may_collide(path, &record->path);
+    full.folder = folder_below(root, path->folder);
+    other.folder = folder_below(record->root, record->path.folder);
+    collides = output_path_may_collide(&full, &other);
+    free(full.folder);
+    free(other.folder);
+    return collides;
+}
+
+struct job_record *job_table_find_collision(const struct job_table *table, const char *root,
+                                            const struct output_path *path, const struct frame_range *frames,
+                                            int32_t *frame)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        struct job_record *record = table->records[i];
+
+        if (!queue_job_is_live(record->queued) && record->in_hand == 0) continue;
+        if (!may_collide(root, path, record)) continue;
+        if (ranges_collide(path, frames, &record->path, &record->queued->frames, frame)) return record;
+    }
+    return NULL;
+}

@@ -1,0 +1,49 @@
+// What the daemon knows of each job beside the states of its frames.
+#pragma once
+
+#include "core/output_path.h"
+#include "daemon/estimate.h"
+#include "daemon/queue.h"
+#include "daemon/store.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// Lives as long as the table, so that threads may read what never changes: id, root and path.
+struct job_record {
+    int64_t id;
+    struct queue_job *queued; // borrowed from the queue
+    char *name, *owner;       // owned
+    int64_t owner_uid;
+    char *root;              // owned; output root it was accepted under
+    struct output_path path; // owned
+    int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
+    char *reason;                                  // owned; why it is paused or failed; NULL: none
+    struct estimate estimate;
+    int in_hand;       // frames that workers hold or that are being published
+    bool is_ending;    // it ended; its leftovers are being removed
+    bool is_settled;   // it ended, and that is on its way to the store: finished_ms may be written
+    enum job_state told_state; // what subscribers were told last
+    int64_t told_ms;           // and when; monotonic
+    bool is_changed;           // since then
+};
+
+// The zero value is empty. Ascending by id.
+struct job_table {
+    struct job_record **records; // owned
+    size_t count, capacity;
+};
+
+void job_table_finish(struct job_table *table);
+struct job_record *job_table_add(struct job_table *table, int64_t id); // greater than any before
+struct job_record *job_table_find(const struct job_table *table, int64_t id); // NULL: there is none
+
+void job_record_set_reason(struct job_record *record, const char *reason); // copies; NULL: none
+// An op that stores what may change of the job.
+struct store_op job_record_format_op(const struct job_record *record);
+// The first live job that writes a file which `frames` at `path` below `root` would write too; NULL: none. `*frame` is
+// the number whose file it is for them.
+struct job_record *job_table_find_collision(const struct job_table *table, const char *root,
+                                            const struct output_path *path, const struct frame_range *frames,
+                                            int32_t *frame);
