@@ -84,28 +84,15 @@ static void list_add(struct publish_list *list, struct publish_request *request)
     list->requests[list->count++] = request;
 }
 
-static struct publish_request *copy_request(const struct publish_request *request)
-{
-    struct publish_request *copy = xmalloc(sizeof *copy);
-
-    *copy = *request;
-    return copy;
-}
-
 void publisher_put(struct publisher *publisher, const struct publish_request *request)
 {
     struct publish_intent *intent = xmalloc(sizeof *intent);
     struct store_op op = publish_request_format_op(request, FRAME_RUNNING);
 
-    *intent = (struct publish_intent){.publisher = publisher, .request = copy_request(request)};
+    *intent = (struct publish_intent){.publisher = publisher, .request = xmalloc(sizeof *request)};
+    *intent->request = *request;
     publisher->uncommitted++;
     committer_put(publisher->committer, COMMIT_CERTAIN, &op, 1, on_intent_committed, intent);
-}
-
-void publisher_put_again(struct publisher *publisher, const struct publish_request *request)
-{
-    list_add(&publisher->intended, copy_request(request));
-    start_batch(publisher);
 }
 
 bool publisher_is_idle(const struct publisher *publisher)

@@ -38,8 +38,6 @@ typedef void publisher_on_done(void *user, const struct publish_request *request
 struct publisher *publisher_create(uv_loop_t *loop, struct committer *committer, publisher_on_done *on_done, void *user);
 void publisher_destroy(struct publisher *publisher); // legal once idle; accepts NULL
 void publisher_put(struct publisher *publisher, const struct publish_request *request); // copies
-// As publisher_put, for a request whose intent is in the store since before the restart.
-void publisher_put_again(struct publisher *publisher, const struct publish_request *request);
 bool publisher_is_idle(const struct publisher *publisher);
 
 // The frame's row for the store, in the given state.

@@ -1,0 +1,33 @@
+// The frames a worker holds: given to it, begun, rendered and not yet answered for.
+#pragma once
+
+#include "daemon/queue.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct hand_frame {
+    struct queue_ticket ticket;
+    bool is_started;
+    bool is_rendered;   // its picture exists and is being encoded
+    int64_t started_ms; // monotonic
+};
+
+// The zero value is empty. In the order they were given.
+struct hand {
+    struct hand_frame *frames; // owned
+    size_t count, capacity;
+    size_t rendered_count; // of them
+};
+
+void hand_finish(struct hand *hand);
+void hand_add(struct hand *hand, const struct queue_ticket *ticket);
+// NULL: it does not hold that attempt. The pointer is good until the hand changes.
+struct hand_frame *hand_find(const struct hand *hand, int64_t job, int32_t frame, int32_t attempt);
+void hand_start(struct hand *hand, struct hand_frame *frame, int64_t now_ms);
+void hand_render(struct hand *hand, struct hand_frame *frame);
+void hand_remove(struct hand *hand, struct hand_frame *frame);
+// The job of the frame that is being rendered, or else would be next; 0: none.
+int64_t hand_current_job(const struct hand *hand);
+bool hand_holds_job(const struct hand *hand, int64_t job);
