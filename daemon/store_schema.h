@@ -1,0 +1,25 @@
+// The store's tables, their version, and a frame's row.
+#pragma once
+
+#include <stdbool.h>
+
+struct error;
+struct sqlite3;
+struct sqlite3_stmt;
+struct store_frame;
+
+#define STORE_SCHEMA_VERSION 1 // a macro because SQL text holds it
+
+// Whether this version may use the database; changes nothing. An empty one is fine (*is_new).
+bool store_schema_check(struct sqlite3 *db, bool *is_new, struct error *error);
+// Inside a transaction.
+bool store_schema_create(struct sqlite3 *db, struct error *error);
+
+// In the order of store_schema_read_frame.
+#define STORE_SCHEMA_FRAME_COLUMNS                                                                                     \
+    "job, frame_index, state, attempts, epoch, inode, size_bytes, hash, render_s, encode_s, error"
+
+// From a row of the first four of those columns. False when the row cannot be.
+bool store_schema_read_state(struct sqlite3_stmt *row, struct store_frame *frame, struct error *error);
+// From a row of those columns; `frame->error` is lent until the next step.
+bool store_schema_read_frame(struct sqlite3_stmt *row, struct store_frame *frame, struct error *error);
