@@ -9,7 +9,7 @@ struct error;
 
 enum {
     FRAME_NUMBER_LIMIT = 10 * 1000 * 1000, // a frame number is in [0, FRAME_NUMBER_LIMIT)
-    FRAME_COUNT_LIMIT = 4 * 1000 * 1000    // frames in one range
+    FRAME_COUNT_LIMIT = 4 * 1000 * 1000    // frames in one range as written, those named twice counted twice
 };
 
 // first, first + step, ... `count` numbers; step may be negative.
@@ -20,17 +20,25 @@ struct frame_span {
     int32_t before; // how many frames the spans before this one hold
 };
 
+struct frame_place {
+    int32_t frame;
+    int32_t index;
+};
+
 // The zero value is an empty range.
 struct frame_range {
     struct frame_span *spans; // owned; in the user's order, no frame twice
     size_t span_count;
+    struct frame_place
+        *places; // owned; ascending by frame, so that many spans are searched fast; NULL when there are few
 };
 
-// Reads `text` into `range`: comma-separated `7`, `1-10`, `10-1` (reverse), `1-10x3`. On failure `range` is empty and
-// `error` says which part is wrong. `:` is refused with a hint.
+// Reads `text` into `range`: comma-separated `7`, `1-10`, `10-1` (reverse), `1-10x3`; spaces may surround a part. Of a frame
+// named twice the first place counts. On failure `range` is empty and `error` says which part is wrong. `:` is refused
+// with a hint.
 bool frame_range_parse(struct frame_range *range, const char *text, struct error *error);
 void frame_range_finish(struct frame_range *range); // accepts an empty range
 int64_t frame_range_count(const struct frame_range *range);
-int32_t frame_range_at(const struct frame_range *range, int64_t index); // index in [0, count)
+int32_t frame_range_at(const struct frame_range *range, int64_t index);    // index in [0, count)
 int64_t frame_range_index(const struct frame_range *range, int32_t frame); // -1 when the range lacks it
-char *frame_range_format(const struct frame_range *range);                // owned by the caller; parses back to the same
+char *frame_range_format(const struct frame_range *range); // owned by the caller; parses back to the same
