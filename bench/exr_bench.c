@@ -1,0 +1,89 @@
+// What it costs to encode a frame and to gate it, per compression and thread count, in memory.
+#include "core/error.h"
+#include "core/job.h"
+#include "worker/gate.h"
+#include "worker/image.h"
+#include "worker/image_exr.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { WIDTH = 1920, HEIGHT = 1080, RUNS = 5 };
+
+static double now_ms(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+// A cloud's shape: black around it, and inside smooth shading under structure down to the pixel.
+static void paint(struct image *image)
+{
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            float *pixel = image->rgba + ((size_t)y * WIDTH + (size_t)x) * 4;
+            double u = (x - WIDTH / 2) / (HEIGHT * 0.4), v = (y - HEIGHT / 2) / (HEIGHT * 0.4);
+            double density = 1.0 - u * u - v * v;
+
+            for (int octave = 0; octave < 7; octave++)
+                density += 0.5 / (1 << octave) * sin((3 << octave) * u + octave) * sin((3 << octave) * v - octave);
+            for (int c = 0; c < 3; c++)
+                pixel[c] = density > 0 ? (float)(density * (0.8 + 0.1 * c) * (1.2 + u)) : 0.0f;
+            pixel[3] = density > 0 ? (float)(1.0 - exp(-4.0 * density)) : 0.0f;
+        }
+}
+
+static bool measure(const struct image *image, enum job_compression compression, int thread_count)
+{
+    struct job job = {.width_px = WIDTH, .height_px = HEIGHT, .hash = "bench"};
+    struct image_exr_header header = {
+        .compression = compression, .fps_numerator = 24, .fps_denominator = 1, .job_hash = "bench"};
+    struct published_file file = {0};
+    double encode_ms = INFINITY, gate_ms = INFINITY;
+
+    for (int run = 0; run < RUNS; run++) {
+        struct error error = {0};
+        int fd = memfd_create("frame", MFD_CLOEXEC);
+        double start = now_ms(), encoded;
+        bool ok = image_exr_write(fd, image, &header, thread_count, &error);
+
+        encoded = now_ms();
+        ok = ok && gate_check(fd, &job, 0, &file, &error);
+        gate_ms = fmin(gate_ms, now_ms() - encoded);
+        encode_ms = fmin(encode_ms, encoded - start);
+        close(fd);
+        if (ok) continue;
+        fprintf(stderr, "%s\n", error.message);
+        return false;
+    }
+    printf("%-11s %7d %10.1f %8.1f %10.2f\n", job_compression_name(compression), thread_count, encode_ms, gate_ms,
+           (double)file.size_bytes / 1e6);
+    return true;
+}
+
+int main(void)
+{
+    struct image image;
+    struct error error = {0};
+    bool ok = image_init(&image, WIDTH, HEIGHT, false, false, &error);
+
+    if (!ok) {
+        fprintf(stderr, "%s\n", error.message);
+        return 1;
+    }
+    paint(&image);
+    printf("%d x %d half RGBA, best of %d\n%-11s %7s %10s %8s %10s\n", WIDTH, HEIGHT, RUNS, "compression", "threads",
+           "encode ms", "gate ms", "MB");
+    for (int i = JOB_COMPRESSION_NONE; i <= JOB_COMPRESSION_PIZ && ok; i++)
+        for (int threads = 1; threads <= 2 && ok; threads++)
+            ok = measure(&image, (enum job_compression)i, threads);
+    image_finish(&image);
+    return ok ? 0 : 1;
+}

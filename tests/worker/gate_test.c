@@ -1,0 +1,140 @@
+#include "worker/gate.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "worker/image.h"
+#include "worker/image_exr.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static struct job make_job(void)
+{
+    return (struct job){.width_px = 24,
+                        .height_px = 20,
+                        .output = {.pixel = JOB_PIXEL_HALF, .has_depth = true},
+                        .hash = "0123456789abcdef0123456789abcdef"};
+}
+
+// Frame 7 of make_job, `spoilt` at channel G of pixel (3, 2).
+static int make_file(float spoilt)
+{
+    struct image_exr_header header = {.compression = JOB_COMPRESSION_ZIP,
+                                      .fps_numerator = 24,
+                                      .fps_denominator = 1,
+                                      .job_hash = "0123456789abcdef0123456789abcdef",
+                                      .frame = 7};
+    struct image image;
+    int fd = memfd_create("frame", MFD_CLOEXEC);
+
+    assert_true(image_init(&image, 24, 20, true, false, NULL));
+    for (int i = 0; i < 24 * 20; i++) {
+        image.depth[i] = (float)i;
+        for (int c = 0; c < 4; c++)
+            image.rgba[i * 4 + c] = (float)(i % 5) * 0.25f;
+    }
+    image.rgba[(2 * 24 + 3) * 4 + 1] = spoilt;
+    assert_true(image_exr_write(fd, &image, &header, 1, NULL));
+    image_finish(&image);
+    return fd;
+}
+
+static void assert_refused(int fd, const struct job *job, int32_t frame, const char *reason)
+{
+    struct error error = {0};
+
+    assert_false(gate_check(fd, job, frame, NULL, &error));
+    if (!strstr(error.message, reason)) fail_msg("expected \"%s\" in \"%s\"", reason, error.message);
+    close(fd);
+}
+
+static void whole_frame_passes_and_is_described(void **state)
+{
+    struct job job = make_job();
+    struct published_file file;
+    struct error error = {0};
+    struct stat status;
+    char hash[HASH_TEXT_SIZE];
+    int fd = make_file(0.5f);
+
+    if (!gate_check(fd, &job, 7, &file, &error)) fail_msg("%s", error.message);
+    assert_int_equal(fstat(fd, &status), 0);
+    assert_int_equal(file.inode, status.st_ino);
+    assert_int_equal(file.size_bytes, status.st_size);
+    assert_true(hash_file(fd, hash, NULL, NULL));
+    assert_string_equal(file.hash, hash);
+    close(fd);
+}
+
+static void values_that_are_not_finite_are_refused(void **state)
+{
+    struct job job = make_job();
+
+    assert_refused(make_file(NAN), &job, 7, "channel G at pixel (3, 2) is NaN");
+    assert_refused(make_file(INFINITY), &job, 7, "channel G at pixel (3, 2) is infinite");
+    assert_refused(make_file(1e6f), &job, 7, "channel G at pixel (3, 2) is infinite");
+}
+
+static void frame_of_another_number_is_refused(void **state)
+{
+    struct job job = make_job();
+
+    assert_refused(make_file(0), &job, 8, "marchd:frame: expected 8, got 7");
+}
+
+static void frame_of_another_job_is_refused(void **state)
+{
+    struct job job = make_job();
+
+    job.hash[0] = 'f';
+    assert_refused(make_file(0), &job, 7, "marchd:jobHash");
+}
+
+static void frame_of_another_shape_is_refused(void **state)
+{
+    struct job job = make_job();
+
+    job.width_px = 23;
+    assert_refused(make_file(0), &job, 7, "size: expected 23 x 20, got 24 x 20");
+    job = make_job();
+    job.output.pixel = JOB_PIXEL_FLOAT;
+    assert_refused(make_file(0), &job, 7, "pixel: expected float, got half");
+    job = make_job();
+    job.output.has_depth = false;
+    assert_refused(make_file(0), &job, 7, "expected no Z");
+    job = make_job();
+    job.output.has_transmittance = true;
+    assert_refused(make_file(0), &job, 7, "expected transmittance");
+}
+
+static void cut_or_foreign_file_is_refused(void **state)
+{
+    struct job job = make_job();
+    int cut = make_file(0), foreign = memfd_create("text", MFD_CLOEXEC);
+    struct stat status;
+
+    assert_int_equal(fstat(cut, &status), 0);
+    assert_int_equal(ftruncate(cut, status.st_size - 1), 0);
+    assert_refused(cut, &job, 7, "line 16");
+    assert_int_equal(write(foreign, "not an image", 12), 12);
+    assert_refused(foreign, &job, 7, "");
+    assert_refused(memfd_create("empty", MFD_CLOEXEC), &job, 7, "");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(whole_frame_passes_and_is_described), cmocka_unit_test(values_that_are_not_finite_are_refused),
+        cmocka_unit_test(frame_of_another_number_is_refused),  cmocka_unit_test(frame_of_another_job_is_refused),
+        cmocka_unit_test(frame_of_another_shape_is_refused),   cmocka_unit_test(cut_or_foreign_file_is_refused),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,74 @@
+#include "worker/gate.h"
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "core/job.h"
+#include "worker/image.h"
+#include "worker/image_exr.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char *pixel_name(enum job_pixel pixel)
+{
+    return pixel == JOB_PIXEL_HALF ? "half" : "float";
+}
+
+static bool check_channel(const char *name, bool found, bool expected, struct error *error)
+{
+    if (found == expected) return true;
+    error_set(error, "channels: expected %s%s", expected ? "" : "no ", name);
+    return false;
+}
+
+static bool check_facts(const struct image_exr_facts *facts, const struct job *job, int32_t frame, struct error *error)
+{
+    if (strcmp(facts->job_hash, job->hash) != 0) {
+        error_set(error, "marchd:jobHash: expected %s, got %s", job->hash,
+                  facts->job_hash[0] ? facts->job_hash : "nothing");
+        return false;
+    }
+    if (facts->frame != frame) {
+        error_set(error, "marchd:frame: expected %d, got %d", frame, facts->frame);
+        return false;
+    }
+    if (facts->width_px != job->width_px || facts->height_px != job->height_px) {
+        error_set(error, "size: expected %d x %d, got %d x %d", job->width_px, job->height_px, facts->width_px,
+                  facts->height_px);
+        return false;
+    }
+    if (facts->pixel != job->output.pixel) {
+        error_set(error, "pixel: expected %s, got %s", pixel_name(job->output.pixel), pixel_name(facts->pixel));
+        return false;
+    }
+    return check_channel("A", facts->has_alpha, true, error) &&
+           check_channel("Z", facts->has_depth, job->output.has_depth, error) &&
+           check_channel("transmittance", facts->has_transmittance, job->output.has_transmittance, error);
+}
+
+static bool describe_file(int fd, struct published_file *file, struct error *error)
+{
+    struct stat status;
+
+    if (fstat(fd, &status) < 0) {
+        error_set_errno(error, errno, "file");
+        return false;
+    }
+    file->inode = (uint64_t)status.st_ino;
+    return hash_file(fd, file->hash, &file->size_bytes, error);
+}
+
+bool gate_check(int fd, const struct job *job, int32_t frame, struct published_file *file, struct error *error)
+{
+    struct image image = {0};
+    struct image_exr_facts facts;
+    bool ok;
+
+    // The header first: it is cheap, and a file of another job need not be read whole.
+    ok = image_exr_read(fd, NULL, &facts, error) && check_facts(&facts, job, frame, error) &&
+         image_exr_read(fd, &image, NULL, error) && image_is_finite(&image, false, error) &&
+         (!file || describe_file(fd, file, error));
+    image_finish(&image);
+    return ok;
+}
