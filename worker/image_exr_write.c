@@ -19,7 +19,7 @@
 enum {
     CHANNEL_LIMIT = 8,
     THREAD_LIMIT = 64,
-    // zlib's levels above 4 cost a third of the speed each and save a percent or two of a render's bytes.
+    // zlib's own default, 6, takes almost half as long again and saves 3 % of the bytes (bench/exr_bench).
     ZIP_LEVEL = 4
 };
 
