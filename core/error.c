@@ -30,16 +30,19 @@ void error_set_errno(struct error *error, int errnum, const char *format, ...)
 void error_prefix(struct error *error, const char *format, ...)
 {
     char prefix[sizeof error->message];
-    char message[sizeof error->message];
     va_list arguments;
-    int length;
+    size_t length, kept;
+    int written;
 
     if (!error) return;
     va_start(arguments, format);
-    length = vsnprintf(prefix, sizeof prefix, format, arguments);
+    written = vsnprintf(prefix, sizeof prefix, format, arguments);
     va_end(arguments);
-    if (length < 0 || (size_t)length >= sizeof prefix) return;
-    memcpy(message, error->message, sizeof message);
-    snprintf(error->message, sizeof error->message, "%s: %.*s", prefix,
-             (int)(sizeof message - (size_t)length - 3 < sizeof message ? sizeof message - (size_t)length - 3 : 0), message);
+    length = (size_t)written;
+    if (written < 0 || length + sizeof ": " > sizeof prefix) return;
+    kept = strnlen(error->message, sizeof prefix - length - sizeof ": ");
+    memmove(error->message + length + 2, error->message, kept);
+    memcpy(error->message, prefix, length);
+    memcpy(error->message + length, ": ", 2);
+    error->message[length + 2 + kept] = '\0';
 }
