@@ -33,7 +33,7 @@ static void make_room(struct message_stream *stream, size_t wanted)
         }
     }
     if (stream->capacity - stream->end >= wanted) return;
-    if (stream->start >= stream->end - stream->start) {
+    if (stream->start > 0 && stream->start >= stream->end - stream->start) {
         memmove(stream->bytes, stream->bytes + stream->start, stream->end - stream->start);
         stream->end -= stream->start;
         stream->scanned -= stream->start;
