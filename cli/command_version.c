@@ -1,0 +1,10 @@
+#include "cli/commands.h"
+#include "cli/options.h"
+
+#include <stdio.h>
+
+enum exit_status command_version(const struct options *options, struct error *error)
+{
+    printf(options->json ? "{\"version\":\"%s\"}\n" : "march %s\n", MARCHD_VERSION);
+    return EXIT_STATUS_DONE;
+}

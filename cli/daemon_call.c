@@ -1,0 +1,113 @@
+#include "cli/daemon_call.h"
+
+#include "cli/connection.h"
+#include "cli/job_report.h"
+#include "cli/options.h"
+#include "cli/print.h"
+#include "cli/socket_path.h"
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/json_write.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct connection *daemon_call_connect(const struct options *options, struct error *error)
+{
+    const struct socket_path_params params = {.option = options->socket,
+                                              .environment = getenv("MARCHD_SOCKET"),
+                                              .system_path = SOCKET_PATH_SYSTEM,
+                                              .runtime_folder = getenv("XDG_RUNTIME_DIR")};
+    char *path = socket_path_choose(&params);
+    struct connection *connection = connection_open(path, error);
+
+    free(path);
+    return connection;
+}
+
+enum exit_status daemon_call(const struct options *options, const char *method, const char *params,
+                             struct message *reply, struct error *error)
+{
+    struct connection *connection = daemon_call_connect(options, error);
+    enum exit_status status = EXIT_STATUS_DONE;
+
+    if (!connection) return EXIT_STATUS_NO_DAEMON;
+    if (!connection_call(connection, method, params, reply, error)) status = connection_failure(connection);
+    connection_close(connection);
+    return status;
+}
+
+void daemon_call_write_states(struct json_writer *params, const char *states)
+{
+    if (!states) return;
+    json_write_key(params, "state");
+    json_write_begin_array(params);
+    while (*states) {
+        size_t length = strcspn(states, ",");
+        char *state = xstrndup(states, length);
+
+        json_write_string(params, state);
+        free(state);
+        states += length;
+        if (*states == ',') states++;
+    }
+    json_write_end_array(params);
+}
+
+static bool call_job(struct connection *connection, const char *method, int64_t id, struct json_writer *results,
+                     struct error *error)
+{
+    struct job_report report = {0};
+    struct message reply;
+    char params[64];
+    char *text;
+    bool ok;
+
+    snprintf(params, sizeof params, "{\"id\":%" PRId64 "}", id);
+    if (!connection_call(connection, method, params, &reply, error)) return false;
+    ok = job_report_read(&report, &reply.body, error);
+    if (ok && results) {
+        text = json_format(&reply.body);
+        json_write_raw(results, text, strlen(text));
+        free(text);
+    } else if (ok) {
+        printf("job %" PRId64 ": %s%s%s\n", id, report.state, report.reason ? ": " : "",
+               report.reason ? report.reason : "");
+    }
+    job_report_finish(&report);
+    message_finish(&reply);
+    return ok;
+}
+
+enum exit_status daemon_call_each_job(const struct options *options, const char *method, struct error *error)
+{
+    struct connection *connection = NULL;
+    struct json_writer results = {0};
+    enum exit_status status = EXIT_STATUS_USAGE;
+    int64_t id;
+
+    for (size_t i = 0; i < options->operand_count; i++)
+        if (!options_parse_id(options->operands[i], &id, error)) return status;
+    connection = daemon_call_connect(options, error);
+    if (!connection) return EXIT_STATUS_NO_DAEMON;
+    json_write_begin_object(&results);
+    json_write_key(&results, "jobs");
+    json_write_begin_array(&results);
+    for (size_t i = 0; i < options->operand_count; i++) {
+        options_parse_id(options->operands[i], &id, error);
+        if (!call_job(connection, method, id, options->json ? &results : NULL, error)) {
+            status = connection_failure(connection);
+            goto out;
+        }
+    }
+    json_write_end_array(&results);
+    json_write_end_object(&results);
+    if (options->json) print_json_text(&results);
+    status = EXIT_STATUS_DONE;
+out:
+    json_writer_finish(&results);
+    connection_close(connection);
+    return status;
+}

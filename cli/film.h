@@ -1,0 +1,13 @@
+// An MP4 from numbered PNG files, by ffmpeg.
+#pragma once
+
+#include <stdbool.h>
+
+struct error;
+
+bool film_has_ffmpeg(struct error *error); // the message says what to install
+// Reads FOLDER/000000.png and on; `out` appears only when it is whole.
+bool film_encode(const char *folder, double fps, const char *out, struct error *error);
+// A new folder for the pictures, owned by the caller; NULL on failure.
+char *film_create_folder(struct error *error);
+void film_remove_folder(const char *folder); // with the files in it; accepts NULL

@@ -1,0 +1,43 @@
+#include "cli/interrupt.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+void interrupt_init(struct interrupt *interrupt)
+{
+    sigset_t caught;
+
+    memset(interrupt, 0, sizeof *interrupt);
+    sigemptyset(&caught);
+    sigaddset(&caught, SIGINT);
+    sigaddset(&caught, SIGTERM);
+    sigaddset(&caught, SIGHUP);
+    sigprocmask(SIG_BLOCK, &caught, &interrupt->previous);
+    interrupt->fd = signalfd(-1, &caught, SFD_CLOEXEC | SFD_NONBLOCK);
+    if (interrupt->fd < 0) {
+        perror("signalfd");
+        abort();
+    }
+}
+
+void interrupt_finish(struct interrupt *interrupt)
+{
+    if (interrupt->fd <= 0) return;
+    interrupt_is_requested(interrupt);
+    close(interrupt->fd);
+    sigprocmask(SIG_SETMASK, &interrupt->previous, NULL);
+    interrupt->fd = 0;
+}
+
+bool interrupt_is_requested(struct interrupt *interrupt)
+{
+    struct signalfd_siginfo received;
+
+    if (!interrupt || interrupt->fd <= 0) return false;
+    while (read(interrupt->fd, &received, sizeof received) == (ssize_t)sizeof received)
+        interrupt->is_requested = true;
+    return interrupt->is_requested;
+}

@@ -1,0 +1,85 @@
+#include "cli/job_summary.h"
+
+#include "core/alloc.h"
+#include "core/job.h"
+#include "core/json_write.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static char *format_file(const struct job *job, int64_t index)
+{
+    char name[OUTPUT_NAME_SIZE];
+    const char *folder = job->output.path.folder;
+
+    output_path_format_name(&job->output.path, frame_range_at(&job->frames, index), name);
+    return *folder ? xasprintf("%s/%s", folder, name) : xstrdup(name);
+}
+
+static const char *plural(size_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
+static void print_media(const struct scene *scene)
+{
+    printf("%-10s %zu medi%s", "scene", scene->medium_count, scene->medium_count == 1 ? "um" : "a");
+    for (size_t i = 0; i < scene->medium_count; i++)
+        printf("%s%zu phase lobe%s", i == 0 ? " (" : ", ", scene->media[i].lobe_count,
+               plural(scene->media[i].lobe_count));
+    printf("%s, %zu light%s%s%s\n", scene->medium_count > 0 ? ")" : "", scene->light_count, plural(scene->light_count),
+           scene->has_background ? ", a background" : "",
+           scene_is_constant(scene) ? "; nothing moves: rendered once" : "");
+}
+
+void job_summary_print(const struct job *job)
+{
+    int64_t count = frame_range_count(&job->frames);
+    char *range = frame_range_format(&job->frames);
+    char *first = format_file(job, 0), *last = format_file(job, count - 1);
+
+    printf("%-10s %s\n", "name", job->name);
+    printf("%-10s %" PRId64 ": %s\n", "frames", count, range);
+    printf("%-10s %d x %d\n", "resolution", job->width_px, job->height_px);
+    print_media(&job->scene);
+    printf("%-10s %s, step %g m", "quality", job_method_name(job->quality.method), job->quality.step);
+    if (job->quality.method == JOB_METHOD_RIEMANN)
+        printf(", %d light steps\n", job->quality.light_steps);
+    else
+        printf(", light step %g m\n", job->quality.light_step);
+    printf("%-10s %s, %s%s%s\n", "channels", job->output.pixel == JOB_PIXEL_HALF ? "half RGBA" : "float RGBA",
+           job_compression_name(job->output.compression), job->output.has_depth ? ", Z" : "",
+           job->output.has_transmittance ? ", transmittance" : "");
+    printf("%-10s %s%s%s\n", "files", first, count > 1 ? " to " : "", count > 1 ? last : "");
+    free(range);
+    free(first);
+    free(last);
+}
+
+void job_summary_write_members(const struct job *job, struct json_writer *writer)
+{
+    int64_t count = frame_range_count(&job->frames);
+    char *range = frame_range_format(&job->frames);
+    char *first = format_file(job, 0), *last = format_file(job, count - 1);
+
+    json_write_string_member(writer, "name", job->name);
+    json_write_integer_member(writer, "frames", count);
+    json_write_string_member(writer, "range", range);
+    json_write_key(writer, "resolution");
+    json_write_begin_array(writer);
+    json_write_integer(writer, job->width_px);
+    json_write_integer(writer, job->height_px);
+    json_write_end_array(writer);
+    json_write_integer_member(writer, "media", (int64_t)job->scene.medium_count);
+    json_write_integer_member(writer, "lights", (int64_t)job->scene.light_count);
+    json_write_bool_member(writer, "moves", !scene_is_constant(&job->scene));
+    json_write_string_member(writer, "method", job_method_name(job->quality.method));
+    json_write_number_member(writer, "step", job->quality.step);
+    json_write_string_member(writer, "first_file", first);
+    json_write_string_member(writer, "last_file", last);
+    json_write_string_member(writer, "hash", job->hash);
+    free(range);
+    free(first);
+    free(last);
+}

@@ -1,0 +1,8 @@
+// What a job would do, told before it is done.
+#pragma once
+
+struct job;
+struct json_writer;
+
+void job_summary_print(const struct job *job);                                     // on stdout
+void job_summary_write_members(const struct job *job, struct json_writer *writer); // into an open object

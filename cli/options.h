@@ -1,0 +1,63 @@
+// What the user asked of a verb: one set of options, of which each verb accepts some.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+struct error;
+
+enum option {
+    OPTION_HELP,
+    OPTION_JSON,
+    OPTION_SOCKET,
+    OPTION_WAIT,
+    OPTION_WATCH,
+    OPTION_DRY_RUN,
+    OPTION_PAUSED,
+    OPTION_PRIORITY,
+    OPTION_SET,
+    OPTION_STATE,
+    OPTION_RANGE,
+    OPTION_FRAME,
+    OPTION_FRAMES,
+    OPTION_OUT,
+    OPTION_BACKEND,
+    OPTION_DEVICE,
+    OPTION_ENCODE_THREADS,
+    OPTION_WORKER_PROGRAM,
+    OPTION_SHADER,
+    OPTION_SHADER_DIR,
+    OPTION_COLUMNS,
+    OPTION_TILE_WIDTH,
+    OPTION_EXPOSURE,
+    OPTION_FPS,
+    OPTION_COUNT
+};
+
+#define OPTION_BIT(option) (UINT64_C(1) << (option))
+
+// Strings are borrowed from argv. Integers are -1 and numbers NAN when not given.
+struct options {
+    bool help, json, wait, watch, dry_run, paused, shader;
+    const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir;
+    int64_t priority, frame, encode_threads, columns, tile_width_px;
+    double exposure, fps;
+    const char **sets; // owned array; each PATH=VALUE
+    size_t set_count;
+    const char **operands; // owned array; what is no option
+    size_t operand_count;
+};
+
+// `arguments` are those behind the verb. `accepted` holds the OPTION_BITs of the verb; every other option is an error that
+// names the nearest one. On failure `options` is empty; free with options_finish either way.
+bool options_parse(struct options *options, uint64_t accepted, const char *const arguments[], size_t count,
+                   struct error *error);
+void options_finish(struct options *options);
+
+// One line of help an accepted option.
+void options_print_help(FILE *out, uint64_t accepted);
+
+// A job id: a positive integer.
+bool options_parse_id(const char *text, int64_t *id, struct error *error);

@@ -1,0 +1,43 @@
+// A live line a job on a terminal, a plain line now and then elsewhere.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+// How far one job is. Strings are borrowed and may be NULL.
+struct progress {
+    const char *label;
+    const char *state; // shown when it is not "running"
+    int64_t total;
+    int64_t done;             // succeeded or skipped
+    int64_t failed;           // failed or canceled
+    double seconds_per_frame; // negative: unknown
+    double eta_s;             // negative: unknown
+    const char *reason;       // why it waits or failed
+};
+
+// One line without newline, at most `width` columns, for a bar of the room that is left; owned by the caller.
+char *progress_format(const struct progress *progress, int width, bool has_color);
+// "1.2 s", "4:05", "2:03:09", "3 d 04:00"; owned by the caller.
+char *progress_format_duration(double seconds);
+
+// Where progress is shown. Zero value: nothing shown yet.
+struct progress_display {
+    FILE *out; // borrowed
+    bool is_live;
+    bool has_color;
+    int lines;          // now on the screen, the cursor below them
+    int64_t next_ms;    // not drawn again before this time
+    uint64_t last_hash; // of what a plain display showed last
+};
+
+// Live when `out` is a terminal that understands cursor movement; coloured unless NO_COLOR is set.
+void progress_display_init(struct progress_display *display, FILE *out);
+// Draws at most 10 times a second when live, every 5 s otherwise and then only what changed; `is_final` always draws.
+void progress_display_draw(struct progress_display *display, const struct progress *jobs, size_t count, int64_t now_ms,
+                           bool is_final);
+// Takes the live lines off the screen so that other text can be printed; the next draw puts them back.
+void progress_display_clear(struct progress_display *display);
+int64_t progress_now_ms(void); // monotonic

@@ -1,0 +1,32 @@
+// A march-worker of our own, at the other end of a socket pair.
+#pragma once
+
+#include "cli/exit_status.h"
+
+#include <stdbool.h>
+#include <sys/types.h>
+
+struct connection;
+struct error;
+struct interrupt;
+struct message;
+struct options;
+
+// The zero value is no child.
+struct worker_child {
+    pid_t pid;
+    struct connection *connection; // owned
+};
+
+// Starts the program of --worker-program, else $MARCH_WORKER, else the march-worker beside this binary. Its stderr is ours;
+// it dies with us.
+bool worker_child_start(struct worker_child *child, const struct options *options, struct interrupt *interrupt,
+                        struct error *error);
+// Lets it end by itself, for a few seconds at most, or kills it at once. Accepts the zero value.
+void worker_child_stop(struct worker_child *child, bool at_once);
+// Replaces `error` by how the child ended when its end is why the connection broke. Call it after CONNECTION_CLOSED.
+void worker_child_explain_end(struct worker_child *child, struct error *error);
+
+// One request to a worker started for it and stopped after it; `params` and `reply` as connection_call has them.
+enum exit_status worker_child_ask(const struct options *options, const char *method, const char *params,
+                                  struct message *reply, struct error *error);
