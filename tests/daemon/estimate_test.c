@@ -86,12 +86,9 @@ static void eta_is_unknown_without_workers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_known_at_first),
-        cmocka_unit_test(median_ignores_one_slow_frame),
-        cmocka_unit_test(median_follows_the_recent_frames),
-        cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
-        cmocka_unit_test(impossible_durations_are_ignored),
-        cmocka_unit_test(eta_counts_rounds_of_all_workers),
+        cmocka_unit_test(nothing_is_known_at_first),        cmocka_unit_test(median_ignores_one_slow_frame),
+        cmocka_unit_test(median_follows_the_recent_frames), cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
+        cmocka_unit_test(impossible_durations_are_ignored), cmocka_unit_test(eta_counts_rounds_of_all_workers),
         cmocka_unit_test(eta_is_unknown_without_workers),
     };
 
