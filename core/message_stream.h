@@ -27,5 +27,6 @@ void message_stream_commit(struct message_stream *stream, size_t size_bytes);
 void message_stream_append(struct message_stream *stream, const char *bytes, size_t size_bytes);
 
 // The next whole line without its newline (and a carriage return before it): valid until the next reserve, commit or
-// append. Returns NULL when there is none yet; with `error` set when the line is over the limit: the stream is then unusable.
+// append. Returns NULL when there is none yet (and `error` empty), or with `error` set when the line is over the limit: the
+// stream is then unusable.
 const char *message_stream_next(struct message_stream *stream, size_t *length, struct error *error);
