@@ -6,9 +6,28 @@
 #include <sqlite3.h>
 #include <string.h>
 
-static const char *describe_cause(sqlite3 *db)
+static int last_errno_of(sqlite3 *db, int file_opcode)
+{
+    sqlite3_file *file = NULL;
+    int errnum = 0;
+
+    sqlite3_file_control(db, NULL, file_opcode, &file);
+    if (file && file->pMethods) file->pMethods->xFileControl(file, SQLITE_FCNTL_LAST_ERRNO, &errnum);
+    return errnum;
+}
+
+// A failed COMMIT leaves no errno with the connection, only with the file it failed on.
+static int find_errno(sqlite3 *db)
 {
     int errnum = sqlite3_system_errno(db);
+
+    if (!errnum) errnum = last_errno_of(db, SQLITE_FCNTL_JOURNAL_POINTER);
+    return errnum ? errnum : last_errno_of(db, SQLITE_FCNTL_FILE_POINTER);
+}
+
+static const char *describe_cause(sqlite3 *db)
+{
+    int errnum = find_errno(db);
 
     switch (sqlite3_errcode(db)) {
     case SQLITE_FULL:
