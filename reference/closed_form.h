@@ -1,0 +1,23 @@
+// Answers known without integrating numerically, to check the integrators by.
+#pragma once
+
+// Beer-Lambert: the share that passes `length` metres.
+double closed_form_transmittance(double sigma_t, double length);
+// Length of a line inside a sphere when it passes the centre at `offset`; 0 when it misses.
+double closed_form_sphere_chord(double radius, double offset);
+// Length of a line inside a slab of `thickness` when it meets its normal at `cos_normal`.
+double closed_form_slab_length(double thickness, double cos_normal);
+
+// Radiance of a glowing absorbing slab before a background: source per metre `emission`.
+double closed_form_emission_slab(double emission, double sigma_a, double length, double background);
+
+// The integral of max(radius - r, 0)^exponent over a whole line that passes the origin at `offset`; exponent 1 or 2.
+double closed_form_cone_column(double radius, double offset, int exponent);
+
+// Single scattering in a homogeneous slab seen along its normal, `sun` being its irradiance at normal incidence: light that
+// travels with the camera's rays, enters at the near face and is sent back; and light that comes through the slab.
+double closed_form_front_lit_slab(double sigma_s, double sigma_t, double length, double phase, double sun);
+double closed_form_back_lit_slab(double sigma_s, double sigma_t, double length, double phase, double sun);
+
+// The integral of 1 / (height^2 + (t - foot)^2) over t from near to far: inverse-square light beside a ray.
+double closed_form_inverse_square(double height, double foot, double near, double far);

@@ -1,0 +1,243 @@
+#include "reference/integrate.h"
+
+#include "reference/gauss.h"
+#include "reference/transmittance.h"
+
+#include <math.h>
+
+static const double DEFAULT_RELATIVE = 1e-4;
+static const double DEFAULT_FLOOR = 1e-6;
+enum { DEFAULT_HALVING_LIMIT = 20 };
+
+// Behind so much extinction no scattered light is looked for.
+static const double DARKNESS = 1e-12;
+
+struct gatherer {
+    const struct still *still;
+    const struct ray *ray;
+    double shadow_tolerance; // of optical depths
+    double radiance_tolerance[3], share_tolerance;
+    bool hit_limit;
+};
+
+struct cell {
+    double begin, end; // m along the ray
+};
+
+static struct cell cell_of(const struct span *span)
+{
+    return (struct cell){span->begin, span->end};
+}
+
+// What a cell adds to a ray that enters it undimmed.
+struct cell_light {
+    double radiance[3], optical_depth[3];
+};
+
+static void add_light(const struct gatherer *gatherer, const struct light *light, struct vec3 position,
+                      const double *density, double source[static 3])
+{
+    const struct still *still = gatherer->still;
+    struct light_arrival arrival = light_arrive(light, position);
+    struct ray shadow = {position, vec3_scale(arrival.travel, -1.0)};
+    // The scattered light travels against the camera's ray.
+    double cos_theta = -vec3_dot(arrival.travel, gatherer->ray->direction);
+    double share[3];
+
+    transmittance(still->media, still->medium_count, &shadow, 0.0, arrival.distance, gatherer->shadow_tolerance, share);
+    for (size_t m = 0; m < still->medium_count; m++) {
+        double phase = medium_phase(&still->media[m], cos_theta);
+
+        for (int c = 0; c < 3; c++) {
+            source[c] += still->media[m].sigma_s[c] * density[m] * phase * share[c] * arrival.irradiance[c];
+        }
+    }
+}
+
+// Extinction and source per metre at one point of the ray.
+static void sample(const struct gatherer *gatherer, double distance, bool is_dark, double sigma_t[static 3],
+                   double source[static 3])
+{
+    const struct still *still = gatherer->still;
+    struct vec3 position = ray_at(gatherer->ray, distance);
+    double density[SCENE_MEDIUM_LIMIT];
+    double scattering = 0.0;
+
+    for (int c = 0; c < 3; c++)
+        sigma_t[c] = source[c] = 0.0;
+    for (size_t m = 0; m < still->medium_count; m++) {
+        const struct medium *medium = &still->media[m];
+
+        density[m] = medium->density.at(medium->density.field, position);
+        for (int c = 0; c < 3; c++) {
+            sigma_t[c] += (medium->sigma_s[c] + medium->sigma_a[c]) * density[m];
+            source[c] += medium->emission[c] * density[m];
+            scattering += medium->sigma_s[c] * density[m];
+        }
+    }
+    if (scattering == 0.0 || is_dark) return;
+    for (size_t i = 0; i < still->light_count; i++)
+        add_light(gatherer, &still->lights[i], position, density, source);
+}
+
+static struct cell_light light_of_cell(const struct gatherer *gatherer, struct cell cell, bool is_dark)
+{
+    struct cell_light light = {0};
+    double length = cell.end - cell.begin;
+    double sigma_t[GAUSS_NODES][3], source[GAUSS_NODES][3];
+
+    for (int i = 0; i < GAUSS_NODES; i++) {
+        sample(gatherer, cell.begin + GAUSS_NODE[i] * length, is_dark, sigma_t[i], source[i]);
+    }
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < GAUSS_NODES; i++) {
+            double depth_before = 0.0;
+
+            for (int j = 0; j < GAUSS_NODES; j++)
+                depth_before += GAUSS_PARTIAL[i][j] * sigma_t[j][c] * length;
+            light.radiance[c] += GAUSS_WEIGHT[i] * source[i][c] * length * exp(-depth_before);
+            light.optical_depth[c] += GAUSS_WEIGHT[i] * sigma_t[i][c] * length;
+        }
+    }
+    return light;
+}
+
+static struct cell_light follow(const struct cell_light *first, const struct cell_light *second)
+{
+    struct cell_light both;
+
+    for (int c = 0; c < 3; c++) {
+        both.radiance[c] = first->radiance[c] + exp(-first->optical_depth[c]) * second->radiance[c];
+        both.optical_depth[c] = first->optical_depth[c] + second->optical_depth[c];
+    }
+    return both;
+}
+
+static bool agree(const struct gatherer *gatherer, const double throughput[static 3], const struct cell_light *a,
+                  const struct cell_light *b)
+{
+    for (int c = 0; c < 3; c++) {
+        double radiance_change = throughput[c] * fabs(a->radiance[c] - b->radiance[c]);
+        double share_change = throughput[c] * fabs(exp(-a->optical_depth[c]) - exp(-b->optical_depth[c]));
+
+        if (!(radiance_change <= gatherer->radiance_tolerance[c])) return false;
+        if (!(share_change <= gatherer->share_tolerance)) return false;
+    }
+    return true;
+}
+
+static bool is_dark(const double throughput[static 3])
+{
+    return throughput[0] < DARKNESS && throughput[1] < DARKNESS && throughput[2] < DARKNESS;
+}
+
+// Halves the cell until a halving agrees with the one before.
+static struct cell_light refine(struct gatherer *gatherer, struct cell cell, const double throughput[static 3],
+                                const struct cell_light *whole, int halvings_left)
+{
+    double middle = 0.5 * (cell.begin + cell.end);
+    struct cell left = {cell.begin, middle}, right = {middle, cell.end};
+    struct cell_light left_light = light_of_cell(gatherer, left, is_dark(throughput));
+    double throughput_right[3];
+    struct cell_light right_light, halved;
+
+    for (int c = 0; c < 3; c++)
+        throughput_right[c] = throughput[c] * exp(-left_light.optical_depth[c]);
+    right_light = light_of_cell(gatherer, right, is_dark(throughput_right));
+    halved = follow(&left_light, &right_light);
+    if (agree(gatherer, throughput, whole, &halved)) return halved;
+    if (halvings_left == 0) {
+        gatherer->hit_limit = true;
+        return halved;
+    }
+    left_light = refine(gatherer, left, throughput, &left_light, halvings_left - 1);
+    for (int c = 0; c < 3; c++)
+        throughput_right[c] = throughput[c] * exp(-left_light.optical_depth[c]);
+    right_light = refine(gatherer, right, throughput_right, &right_light, halvings_left - 1);
+    return follow(&left_light, &right_light);
+}
+
+// Ends lie where a medium's density or a light's distance is not smooth.
+static void find_spans(const struct still *still, const struct ray *ray, double near, double far,
+                       struct span_list *spans)
+{
+    spans->count = 0;
+    for (size_t m = 0; m < still->medium_count; m++) {
+        const struct density *density = &still->media[m].density;
+        struct span_list own;
+
+        own.count = 0;
+        density->spans(density->field, ray, near, far, &own);
+        if (m == 0) {
+            *spans = own;
+        } else {
+            span_list_merge(spans, &own);
+        }
+    }
+    for (size_t i = 0; i < still->light_count; i++) {
+        if (still->lights[i].kind != SCENE_LIGHT_POINT) continue;
+        span_list_split(spans, vec3_dot(vec3_subtract(still->lights[i].position, ray->origin), ray->direction));
+    }
+}
+
+// `rough` has each span's light as one cell.
+static struct cell_light gather(struct gatherer *gatherer, const struct span_list *spans,
+                                const struct cell_light *rough, int halving_limit)
+{
+    struct cell_light total = {0};
+
+    for (size_t i = 0; i < spans->count; i++) {
+        double throughput[3];
+        struct cell_light light;
+
+        for (int c = 0; c < 3; c++)
+            throughput[c] = exp(-total.optical_depth[c]);
+        light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &rough[i], halving_limit);
+        total = follow(&total, &light);
+    }
+    return total;
+}
+
+struct integrate_result integrate_ray(const struct still *still, const struct ray *ray, double near, double far,
+                                      const struct integrate_accuracy *accuracy)
+{
+    double relative = accuracy && accuracy->relative > 0.0 ? accuracy->relative : DEFAULT_RELATIVE;
+    double floor = accuracy && accuracy->floor > 0.0 ? accuracy->floor : DEFAULT_FLOOR;
+    int limit = accuracy && accuracy->halving_limit > 0 ? accuracy->halving_limit : DEFAULT_HALVING_LIMIT;
+    struct integrate_result result = {.transmittance = {1.0, 1.0, 1.0}, .is_converged = true};
+    struct gatherer gatherer = {.still = still, .ray = ray, .shadow_tolerance = 0.1 * relative};
+    struct span_list spans;
+    struct cell_light rough[SPAN_LIMIT], light = {0};
+    double assumed[3];
+    bool is_assumption_met = false;
+
+    find_spans(still, ray, near, far, &spans);
+    if (spans.count == 0) return result;
+    for (size_t i = 0; i < spans.count; i++) {
+        rough[i] = light_of_cell(&gatherer, cell_of(&spans.spans[i]), false);
+        light = follow(&light, &rough[i]);
+    }
+    for (int c = 0; c < 3; c++)
+        assumed[c] = light.radiance[c];
+
+    // A tolerance relative to the radiance needs the radiance: when the guess was too bright it was too lax.
+    while (!is_assumption_met) {
+        is_assumption_met = true;
+        gatherer.hit_limit = false;
+        for (int c = 0; c < 3; c++) {
+            gatherer.radiance_tolerance[c] = relative * fmax(assumed[c], floor) / (double)spans.count;
+        }
+        gatherer.share_tolerance = relative / (double)spans.count;
+        light = gather(&gatherer, &spans, rough, limit);
+        for (int c = 0; c < 3; c++) {
+            if (assumed[c] > fmax(2.0 * light.radiance[c], floor)) is_assumption_met = false;
+            assumed[c] = light.radiance[c];
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        result.radiance[c] = light.radiance[c];
+        result.transmittance[c] = exp(-light.optical_depth[c]);
+    }
+    result.is_converged = !gatherer.hit_limit;
+    return result;
+}

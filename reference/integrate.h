@@ -1,0 +1,23 @@
+// Gathers the light that reaches the start of a ray: emission and single scattering in media.
+#pragma once
+
+#include "reference/still.h"
+
+#include <stdbool.h>
+
+// Zero means the default.
+struct integrate_accuracy {
+    double relative;   // error of the radiance against itself, of the transmittance against 1, per channel; 1e-4
+    double floor;      // a radiance below it is as accurate as one of this size; 1e-6
+    int halving_limit; // of one smooth stretch; 20
+};
+
+struct integrate_result {
+    double radiance[3];      // without what lies behind
+    double transmittance[3]; // from near to far
+    bool is_converged;       // false when the limit of halvings ended the refinement somewhere
+};
+
+// Each smooth stretch is halved until two halvings agree to its share of the accuracy. `accuracy` may be NULL.
+struct integrate_result integrate_ray(const struct still *still, const struct ray *ray, double near, double far,
+                                      const struct integrate_accuracy *accuracy);

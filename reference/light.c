@@ -1,0 +1,32 @@
+#include "reference/light.h"
+
+#include <math.h>
+
+static struct light_arrival arrive(const struct light *light, struct vec3 travel, double distance, double factor)
+{
+    struct light_arrival arrival = {.travel = travel, .distance = distance};
+
+    for (int c = 0; c < 3; c++)
+        arrival.irradiance[c] = light->intensity[c] * factor;
+    return arrival;
+}
+
+struct light_arrival light_point(const struct light *light, struct vec3 position)
+{
+    struct vec3 way = vec3_subtract(position, light->position);
+    double distance = vec3_length(way);
+    double factor = light->falloff == SCENE_FALLOFF_INVERSE_SQUARE ? 1.0 / (distance * distance) : 1.0;
+
+    // At the light itself no direction is better than another.
+    return arrive(light, vec3_scale(way, distance > 0.0 ? 1.0 / distance : 0.0), distance, factor);
+}
+
+struct light_arrival light_sun(const struct light *light)
+{
+    return arrive(light, light->direction, INFINITY, 1.0);
+}
+
+struct light_arrival light_arrive(const struct light *light, struct vec3 position)
+{
+    return light->kind == SCENE_LIGHT_SUN ? light_sun(light) : light_point(light, position);
+}

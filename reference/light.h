@@ -1,0 +1,23 @@
+// Lights without size: where their light comes from and how much of it arrives when nothing is in the way.
+#pragma once
+
+#include "core/scene.h"
+#include "reference/vec3.h"
+
+struct light {
+    enum scene_light_kind kind;
+    enum scene_falloff falloff; // point only
+    double intensity[3];        // W/sr, or W/m^2 without falloff and of a sun
+    struct vec3 position;       // point only
+    struct vec3 direction;      // sun only: the way its light travels, of length 1
+};
+
+struct light_arrival {
+    struct vec3 travel;   // direction in which the light passes the point
+    double distance;      // m to the light; INFINITY for a sun
+    double irradiance[3]; // W/m^2
+};
+
+struct light_arrival light_point(const struct light *light, struct vec3 position);
+struct light_arrival light_sun(const struct light *light);
+struct light_arrival light_arrive(const struct light *light, struct vec3 position);

@@ -1,0 +1,92 @@
+#include "reference/reference.h"
+
+#include "reference/transmittance.h"
+
+#include <math.h>
+
+// Below it everywhere an image counts as black, and errors are absolute.
+static const double BLACK = 1e-6;
+
+struct reference_pixel reference_measure_pixel(const struct still *still, int x, int y,
+                                               const struct integrate_accuracy *accuracy)
+{
+    const struct camera_pinhole *camera = &still->camera;
+    struct ray ray = camera_pinhole_ray(camera, x + 0.5, y + 0.5);
+    struct integrate_result gathered = integrate_ray(still, &ray, camera->clip_near, camera->clip_far, accuracy);
+    struct reference_pixel pixel = {.is_converged = gathered.is_converged};
+    double sum = 0.0;
+
+    for (int c = 0; c < 3; c++) {
+        pixel.transmittance[c] = gathered.transmittance[c];
+        pixel.radiance[c] = gathered.radiance[c];
+        if (still->has_background) pixel.radiance[c] += gathered.transmittance[c] * still->background[c];
+        sum += gathered.transmittance[c];
+    }
+    pixel.alpha = still->has_background ? 1.0 : 1.0 - sum / 3.0;
+    return pixel;
+}
+
+static double mean_transmittance(const struct still *still, const struct ray *ray, double distance)
+{
+    double share[3];
+
+    transmittance(still->media, still->medium_count, ray, still->camera.clip_near, distance, 1e-7, share);
+    return (share[0] + share[1] + share[2]) / 3.0;
+}
+
+// An end of the media along the ray, so that halving has a finite start.
+static double last_density(const struct still *still, const struct ray *ray)
+{
+    double last = still->camera.clip_near;
+
+    for (size_t m = 0; m < still->medium_count; m++) {
+        const struct density *density = &still->media[m].density;
+        struct span_list spans;
+
+        spans.count = 0;
+        density->spans(density->field, ray, still->camera.clip_near, still->camera.clip_far, &spans);
+        if (spans.count > 0) last = fmax(last, spans.spans[spans.count - 1].end);
+    }
+    return last;
+}
+
+double reference_measure_depth(const struct still *still, int x, int y)
+{
+    struct ray ray = camera_pinhole_ray(&still->camera, x + 0.5, y + 0.5);
+    double before = still->camera.clip_near, after = last_density(still, &ray);
+
+    if (mean_transmittance(still, &ray, after) > 0.5) return 0.0;
+    for (int i = 0; i < 40; i++) {
+        double middle = 0.5 * (before + after);
+
+        if (mean_transmittance(still, &ray, middle) > 0.5) {
+            before = middle;
+        } else {
+            after = middle;
+        }
+    }
+    return after * vec3_dot(ray.direction, still->camera.forward);
+}
+
+struct reference_error reference_image_error(const float *image, const double *reference, size_t count)
+{
+    struct reference_error error = {0};
+    double error_squares = 0.0, squares = 0.0, brightest = 0.0;
+
+    for (size_t i = 0; i < count; i++) {
+        double difference = fabs(image[i] - reference[i]);
+
+        // Not "difference > largest": a NaN must not pass.
+        if (!(difference <= error.largest)) {
+            error.largest = isnan(difference) ? INFINITY : difference;
+            error.largest_index = i;
+        }
+        error_squares += difference * difference;
+        squares += reference[i] * reference[i];
+        brightest = fmax(brightest, fabs(reference[i]));
+    }
+    if (count == 0) return error;
+    error.relative_rmse = brightest < BLACK ? sqrt(error_squares / (double)count) : sqrt(error_squares / squares);
+    if (isnan(error.relative_rmse)) error.relative_rmse = INFINITY;
+    return error;
+}

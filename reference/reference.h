@@ -1,0 +1,30 @@
+// What a pixel of a frame should be, and how far an image is from that.
+#pragma once
+
+#include "reference/integrate.h"
+#include "reference/still.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct reference_pixel {
+    double radiance[3];      // with the background, if there is one, behind the media
+    double transmittance[3]; // of the media between the clips
+    double alpha;            // 1 - mean transmittance; 1 before a background
+    bool is_converged;
+};
+
+// Along the ray through the centre of pixel (x, y), counted from the top left. `accuracy` may be NULL.
+struct reference_pixel reference_measure_pixel(const struct still *still, int x, int y,
+                                               const struct integrate_accuracy *accuracy);
+// Camera-space depth in metres where the mean transmittance of the pixel's ray passes 0.5; 0 where it does not.
+double reference_measure_depth(const struct still *still, int x, int y);
+
+struct reference_error {
+    double relative_rmse; // sqrt(mean (I - R)^2) / sqrt(mean R^2); the numerator alone when all of R is below 1e-6
+    double largest;       // |I - R| over all channels
+    size_t largest_index; // of the value where it is
+};
+
+// `count` values of both, pixels times channels. A value that is not finite makes the error infinite.
+struct reference_error reference_image_error(const float *image, const double *reference, size_t count);

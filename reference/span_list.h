@@ -1,0 +1,26 @@
+// Stretches of a ray, ascending and apart, on which something is smooth.
+#pragma once
+
+#include "reference/vec3.h"
+
+#include <stddef.h>
+
+enum { SPAN_LIMIT = 512 };
+
+struct span {
+    double begin, end; // m along the ray, begin < end
+    struct ray image;  // where a field that folds space puts the ray on this stretch; lost by a merge
+};
+
+// The zero value is empty.
+struct span_list {
+    size_t count;
+    struct span spans[SPAN_LIMIT];
+};
+
+// Empty spans are dropped. A full list lets its last span grow instead: it still covers everything, only less smoothly.
+void span_list_append(struct span_list *list, double begin, double end, const struct ray *image); // NULL: none
+// Splits the span that contains `cut`, if one does.
+void span_list_split(struct span_list *list, double cut);
+// Makes `list` the union of itself and `other`, with the ends of both as ends.
+void span_list_merge(struct span_list *list, const struct span_list *other);

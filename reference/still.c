@@ -1,0 +1,119 @@
+#include "reference/still.h"
+
+#include "core/job.h"
+#include "core/timeline.h"
+
+static double number_at(const struct timeline *timeline, double time)
+{
+    double value[3] = {0.0, 0.0, 0.0};
+
+    timeline_evaluate(timeline, time, value);
+    return value[0];
+}
+
+// A single number stands for all three channels.
+static void color_at(const struct timeline *timeline, double time, double color[static 3])
+{
+    timeline_evaluate(timeline, time, color);
+    if (timeline->component_count == 3) return;
+    color[1] = color[0];
+    color[2] = color[0];
+}
+
+static struct vec3 vector_at(const struct timeline *timeline, double time)
+{
+    double value[3] = {0.0, 0.0, 0.0};
+
+    timeline_evaluate(timeline, time, value);
+    return vec3_from(value);
+}
+
+static double fractal_at(const void *field, struct vec3 position)
+{
+    return density_fold_fractal(field, position);
+}
+
+static double fractal_at_image(const void *field, struct vec3 image)
+{
+    return density_fold_fractal_folded(field, image);
+}
+
+static void fractal_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
+{
+    density_fold_fractal_spans(field, ray, near, far, spans);
+}
+
+struct density still_fractal_density(const struct density_fold_fractal *fractal)
+{
+    return (struct density){.field = fractal, .at = fractal_at, .at_image = fractal_at_image, .spans = fractal_spans};
+}
+
+static void stop_fractal(struct density_fold_fractal *fractal, const struct scene_fold_fractal *source, double time)
+{
+    density_fold_fractal_init(fractal, &(struct density_fold_fractal_params){
+                                           .iterations = source->iterations,
+                                           .offset = number_at(&source->offset, time),
+                                           .radius = number_at(&source->radius, time),
+                                           .exponent = number_at(&source->exponent, time),
+                                           .scale = number_at(&source->scale, time),
+                                           .rotate_x_rad = number_at(&source->rotate_x_rad, time),
+                                           .rotate_y_rad = number_at(&source->rotate_y_rad, time),
+                                       });
+}
+
+static void stop_medium(struct medium *medium, struct density_fold_fractal *fractal, const struct scene_medium *source,
+                        double time)
+{
+    switch (source->density.kind) {
+    case SCENE_DENSITY_FOLD_FRACTAL:
+        stop_fractal(fractal, &source->density.fold_fractal, time);
+        medium->density = still_fractal_density(fractal);
+        break;
+    }
+    color_at(&source->sigma_s, time, medium->sigma_s);
+    color_at(&source->sigma_a, time, medium->sigma_a);
+    if (source->has_emission) color_at(&source->emission, time, medium->emission);
+    medium->lobe_count = source->lobe_count;
+    for (size_t i = 0; i < source->lobe_count; i++) {
+        medium->lobes[i].g = number_at(&source->lobes[i].g, time);
+        medium->lobes[i].weight = number_at(&source->lobes[i].weight, time);
+    }
+}
+
+static void stop_light(struct light *light, const struct scene_light *source, double time)
+{
+    light->kind = source->kind;
+    light->falloff = source->falloff;
+    color_at(&source->intensity, time, light->intensity);
+    if (source->kind == SCENE_LIGHT_SUN) {
+        light->direction = vec3_normalize(vector_at(&source->direction, time));
+    } else {
+        light->position = vector_at(&source->position, time);
+    }
+}
+
+void still_init(struct still *still, const struct job *job, double time)
+{
+    const struct scene *scene = &job->scene;
+
+    *still = (struct still){.light_count = scene->light_count,
+                            .medium_count = scene->medium_count,
+                            .has_background = scene->has_background};
+    camera_pinhole_init(&still->camera, &(struct camera_pinhole_params){
+                                            .position = vector_at(&scene->camera.position, time),
+                                            .target = vector_at(&scene->camera.target, time),
+                                            .up = vector_at(&scene->camera.up, time),
+                                            .fov_deg = number_at(&scene->camera.fov, time),
+                                            .width_px = job->width_px,
+                                            .height_px = job->height_px,
+                                            .mirror = scene->camera.mirror,
+                                            .clip_near = scene->camera.clip_near,
+                                            .clip_far = scene->camera.clip_far,
+                                        });
+    for (size_t i = 0; i < scene->light_count; i++)
+        stop_light(&still->lights[i], &scene->lights[i], time);
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        stop_medium(&still->media[i], &still->fractals[i], &scene->media[i], time);
+    }
+    if (scene->has_background) color_at(&scene->background, time, still->background);
+}

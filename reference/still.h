@@ -1,0 +1,28 @@
+// A job's scene stopped at one moment.
+#pragma once
+
+#include "reference/camera_pinhole.h"
+#include "reference/density_fold_fractal.h"
+#include "reference/light.h"
+#include "reference/medium.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct job;
+
+// Its media point into it: a copy must not outlive it. Tests may fill it by hand.
+struct still {
+    struct camera_pinhole camera;
+    struct light lights[SCENE_LIGHT_LIMIT];
+    size_t light_count;
+    struct medium media[SCENE_MEDIUM_LIMIT];
+    size_t medium_count;
+    struct density_fold_fractal fractals[SCENE_MEDIUM_LIMIT]; // the fields of the media that are fractals
+    double background[3];                                     // radiance
+    bool has_background;
+};
+
+void still_init(struct still *still, const struct job *job, double time); // time in seconds
+// The medium's field; borrowed by the density it makes.
+struct density still_fractal_density(const struct density_fold_fractal *fractal);

@@ -1,0 +1,14 @@
+// Which share of light passes along a stretch of a ray through media (Beer-Lambert).
+#pragma once
+
+#include "reference/medium.h"
+
+#include <stddef.h>
+
+// The integral of the density, within about `tolerance`.
+double transmittance_density_column(const struct density *density, const struct ray *ray, double near, double far,
+                                    double tolerance);
+
+// `optical_depth_tolerance` bounds the relative error of a share that is not nearly 0.
+void transmittance(const struct medium *media, size_t medium_count, const struct ray *ray, double near, double far,
+                   double optical_depth_tolerance, double share[static 3]);
