@@ -1,0 +1,9 @@
+// The jobs of jobs/, read as a user's would be.
+#pragma once
+
+#include "core/job.h"
+
+// Loads jobs/NAME.json; fails the test when it is wrong. Free with job_finish.
+void example_job_load(struct job *job, const char *name);
+// The same picture at another size, and frame 0 at `time` seconds.
+void example_job_shrink(struct job *job, int width_px, int height_px, double time);
