@@ -15,6 +15,7 @@ enum {
     PLAIN_INTERVAL_MS = 5000,
     BAR_MIN = 8,
     BAR_MAX = 40,
+    FACTS_MIN = 7, // with less room for facts there is no bar
     LABEL_MAX = 24,
     WIDTH_UNKNOWN = 100,
     PLAIN_WIDTH = 1000
@@ -100,16 +101,16 @@ char *progress_format(const struct progress *progress, int width, bool has_color
     char *text = NULL;
     size_t length = 0;
     FILE *out = open_memstream(&text, &length);
-    int room, bar;
+    int room, bar, facts_width = (int)table_text_width(facts);
 
     if (!out) abort();
     fit_text(label, LABEL_MAX < width ? LABEL_MAX : width);
     room = width - (int)table_text_width(label) - 2; // behind the label and its gap
-    bar = room - (int)table_text_width(facts) - 4;   // two brackets, two spaces
+    bar = room - facts_width - 4;                    // two brackets, two spaces
     if (bar > BAR_MAX) bar = BAR_MAX;
     if (bar < BAR_MIN) bar = BAR_MIN;
     fputs(label, out);
-    if (room >= bar + 4 + 7) {
+    if (room >= bar + 4 + (facts_width < FACTS_MIN ? facts_width : FACTS_MIN)) {
         fputs("  ", out);
         write_bar(out, progress, bar, has_color);
         room -= bar + 2;
