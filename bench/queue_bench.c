@@ -1,0 +1,148 @@
+// Frames per second through queue and dispatch on one core, and the memory of a million queued frames.
+#include "daemon/dispatch.h"
+#include "daemon/estimate.h"
+#include "daemon/queue.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { FRAME_COUNT = 1000 * 1000, WORKERS = 2, MAX_ATTEMPTS = 3 };
+
+static double now_s(void)
+{
+    struct timespec time;
+
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + (double)time.tv_nsec * 1e-9;
+}
+
+static double resident_mib(void)
+{
+    long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+
+    if (!file || fscanf(file, "%*d %ld", &pages) != 1) pages = 0;
+    if (file) fclose(file);
+    return (double)pages * (double)sysconf(_SC_PAGESIZE) / (1024 * 1024);
+}
+
+static void print_row(const char *what, double seconds, const char *target)
+{
+    printf("%-54s %9.3f %12.0f   %s\n", what, seconds, FRAME_COUNT / seconds, target);
+}
+
+static void add_job(struct queue *queue, int64_t id, const char *frames)
+{
+    struct frame_range range = {0};
+
+    if (!frame_range_parse(&range, frames, NULL)) abort();
+    queue_add_job(queue, id, &range, 50, false);
+}
+
+// The life of every frame as the daemon leads it; `by_number`: tickets are found anew from each message's frame number.
+static void run_all(struct queue *queue, double frame_s, bool by_number)
+{
+    struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
+    struct estimate estimate = {0};
+
+    for (struct queue_job *job; (job = queue_next_job(queue));) {
+        const struct dispatch_load load = {
+            .frame_s = estimate_median_s(&estimate), .left = job->counts[FRAME_QUEUED], .workers = WORKERS};
+        size_t count = queue_take(queue, 1, tickets, dispatch_count(&load));
+
+        for (size_t i = 0; i < count; i++) {
+            struct queue_ticket ticket = tickets[i];
+
+            if (by_number && !queue_ticket_for(queue, ticket.job, ticket.frame, ticket.attempt, &ticket)) abort();
+            if (!queue_begin_publish(queue, &ticket)) abort();
+            if (by_number && !queue_ticket_for(queue, ticket.job, ticket.frame, ticket.attempt, &ticket)) abort();
+            if (!queue_succeed(queue, &ticket)) abort();
+            estimate_add(&estimate, frame_s);
+        }
+    }
+    if (queue_count(queue, FRAME_SUCCEEDED) != FRAME_COUNT) abort();
+}
+
+static void measure(const char *what, const char *frames, double frame_s, bool by_number)
+{
+    struct queue *queue = queue_create(MAX_ATTEMPTS);
+    double start;
+
+    add_job(queue, 1, frames);
+    start = now_s();
+    run_all(queue, frame_s, by_number);
+    print_row(what, now_s() - start, ">= 500000/s");
+    queue_destroy(queue);
+}
+
+// Every frame fails twice before it succeeds.
+static void measure_retries(void)
+{
+    struct queue *queue = queue_create(MAX_ATTEMPTS);
+    struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
+    double start;
+
+    add_job(queue, 1, "0-999999");
+    start = now_s();
+    for (size_t count; (count = queue_take(queue, 1, tickets, DISPATCH_CHUNK_LIMIT)) > 0;) {
+        for (size_t i = 0; i < count; i++)
+            if (tickets[i].attempt < MAX_ATTEMPTS)
+                queue_fail(queue, &tickets[i], false, NULL);
+            else
+                queue_succeed(queue, &tickets[i]);
+    }
+    print_row("frames that fail twice, then succeed", now_s() - start, "");
+    if (queue_count(queue, FRAME_SUCCEEDED) != FRAME_COUNT) abort();
+    queue_destroy(queue);
+}
+
+static void measure_jobs(void)
+{
+    enum { JOBS = 100 * 1000 };
+    struct queue *queue = queue_create(MAX_ATTEMPTS);
+    double start = now_s();
+    char what[80];
+
+    for (int64_t id = 1; id <= JOBS; id++)
+        add_job(queue, id, "0-9");
+    run_all(queue, 0.001, true);
+    snprintf(what, sizeof what, "%d jobs of %d frames, by message, adding included", JOBS, FRAME_COUNT / JOBS);
+    print_row(what, now_s() - start, ">= 500000/s");
+    queue_destroy(queue);
+}
+
+// Taken once and returned, so that every page of it is in use.
+static void measure_memory(void)
+{
+    struct queue_ticket *tickets = malloc(FRAME_COUNT * sizeof tickets[0]);
+    struct queue *queue = queue_create(MAX_ATTEMPTS);
+    double before_mib, mib;
+
+    if (!tickets) abort();
+    memset(tickets, 1, FRAME_COUNT * sizeof tickets[0]);
+    before_mib = resident_mib();
+    add_job(queue, 1, "0-999999");
+    if (queue_take(queue, 1, tickets, FRAME_COUNT) != FRAME_COUNT) abort();
+    for (size_t i = 0; i < FRAME_COUNT; i++)
+        queue_return(queue, &tickets[i]);
+    mib = resident_mib() - before_mib;
+    printf("%-54s %9.1f %12s   %s\n", "memory, all taken once and returned, MiB", mib, "", "<= 200 MiB in all");
+    queue_destroy(queue);
+    free(tickets);
+}
+
+int main(void)
+{
+    printf("%-54s %9s %12s   %s\n", "1,000,000 frames, one core", "seconds", "frames/s", "target");
+    measure_memory();
+    measure("take, publish, succeed; no-op frames", "0-999999", 0, false);
+    measure("the same, frames of 1 s handed out one by one", "0-999999", 1, false);
+    measure("no-op frames, tickets from messages", "0-999999", 0, true);
+    measure("the same, in two interleaved spans", "0-999998x2,1-999999x2", 0, true);
+    measure_retries();
+    measure_jobs();
+    return 0;
+}
