@@ -7,6 +7,8 @@
 struct error;
 struct gl_context;
 
+typedef void gl_function(void);
+
 enum gl_backend {
     GL_BACKEND_AUTO, // EGL on a GPU, then OSMesa, then EGL on software
     GL_BACKEND_EGL,
@@ -24,4 +26,5 @@ struct gl_context_facts {
 struct gl_context *gl_context_create(enum gl_backend backend, const char *device, struct error *error);
 void gl_context_destroy(struct gl_context *context);
 const struct gl_context_facts *gl_context_facts(const struct gl_context *context);
-void *gl_context_function(const struct gl_context *context, const char *name); // NULL when GL lacks it
+// To be cast to the function's own type; NULL when GL lacks it.
+gl_function *gl_context_function(const struct gl_context *context, const char *name);
