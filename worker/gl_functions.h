@@ -1,0 +1,62 @@
+// The GL functions this program calls, found by name in a context.
+#pragma once
+
+#include <GL/glcorearb.h>
+#include <stdbool.h>
+
+struct error;
+struct gl_context;
+
+#define GL_FUNCTIONS(X)                                                                                                \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
+    X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                         \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
+    X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                                               \
+    X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                                       \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
+    X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                                           \
+    X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                                                                 \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
+    X(PFNGLCREATETEXTURESPROC, CreateTextures)                                                                         \
+    X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                                                 \
+    X(PFNGLDEBUGMESSAGECALLBACKPROC, DebugMessageCallback)                                                             \
+    X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                           \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                                                 \
+    X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                                           \
+    X(PFNGLDELETESHADERPROC, DeleteShader)                                                                             \
+    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
+    X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
+    X(PFNGLDISABLEPROC, Disable)                                                                                       \
+    X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                 \
+    X(PFNGLENABLEPROC, Enable)                                                                                         \
+    X(PFNGLFINISHPROC, Finish)                                                                                         \
+    X(PFNGLGETERRORPROC, GetError)                                                                                     \
+    X(PFNGLGETGRAPHICSRESETSTATUSPROC, GetGraphicsResetStatus)                                                         \
+    X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
+    X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
+    X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                     \
+    X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                               \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
+    X(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                       \
+    X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers)                                               \
+    X(PFNGLNAMEDFRAMEBUFFERREADBUFFERPROC, NamedFramebufferReadBuffer)                                                 \
+    X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                                       \
+    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
+    X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
+    X(PFNGLSCISSORPROC, Scissor)                                                                                       \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
+    X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                                     \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
+    X(PFNGLVIEWPORTPROC, Viewport)
+
+struct gl_functions {
+#define GL_FUNCTION_MEMBER(type, name) type name;
+    GL_FUNCTIONS(GL_FUNCTION_MEMBER)
+#undef GL_FUNCTION_MEMBER
+};
+
+// On failure `error` names the first function that GL lacks.
+bool gl_functions_load(struct gl_functions *gl, const struct gl_context *context, struct error *error);

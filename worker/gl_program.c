@@ -1,0 +1,117 @@
+#include "worker/gl_program.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "worker/gl_functions.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Reads "3:12(5)" or "3(12)" at `text`; returns the text after it, or NULL.
+static const char *parse_place(const char *text, unsigned long *module, unsigned long *line)
+{
+    char *end;
+    char separator;
+
+    if (!isdigit((unsigned char)*text)) return NULL;
+    *module = strtoul(text, &end, 10);
+    separator = *end;
+    if ((separator != ':' && separator != '(') || !isdigit((unsigned char)end[1])) return NULL;
+    *line = strtoul(end + 1, &end, 10);
+    if (separator == '(') return *end == ')' ? end + 1 : NULL;
+    if (*end == '(') {
+        end += strcspn(end, ")\n");
+        if (*end == ')') ++end;
+    }
+    return end;
+}
+
+char *gl_program_translate_log(const char *log, const char *const *module_names, size_t module_count)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+
+    while (stream && *log) {
+        size_t length = strcspn(log, "\n") + (strchr(log, '\n') ? 1 : 0);
+        const char *start = strncmp(log, "ERROR: ", 7) == 0 ? log + 7 : log;
+        unsigned long module = 0, line = 0;
+        const char *rest = parse_place(start, &module, &line);
+
+        if (rest && module < module_count) {
+            fprintf(stream, "%s:%lu", module_names[module], line);
+            fwrite(rest, 1, (size_t)(log + length - rest), stream);
+        } else {
+            fwrite(log, 1, length, stream);
+        }
+        log += length;
+    }
+    if (stream) fclose(stream);
+    return text ? text : xstrdup("");
+}
+
+// The first line that is an error rather than a warning; the whole log where none says so.
+static void set_first_error(struct error *error, const char *log)
+{
+    for (const char *line = log; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+        int length = (int)strcspn(line, "\n");
+
+        if (memmem(line, (size_t)length, "error", 5)) {
+            error_set(error, "shader: %.*s", length, line);
+            return;
+        }
+    }
+    error_set(error, "shader: %.*s", (int)strcspn(log, "\n"), log[0] ? log : "GL gives no reason");
+}
+
+static unsigned compile(const struct gl_functions *gl, GLenum stage, const char *source, const char *const *names,
+                        size_t name_count, struct error *error)
+{
+    unsigned shader = gl->CreateShader(stage);
+    char log[8192] = "";
+    char *translated;
+    GLint ok = GL_FALSE;
+
+    gl->ShaderSource(shader, 1, &source, NULL);
+    gl->CompileShader(shader);
+    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (ok) return shader;
+    gl->GetShaderInfoLog(shader, sizeof log, NULL, log);
+    translated = gl_program_translate_log(log, names, name_count);
+    log_debug("shader:\n%s", translated);
+    set_first_error(error, translated);
+    free(translated);
+    gl->DeleteShader(shader);
+    return 0;
+}
+
+unsigned gl_program_create(const struct gl_functions *gl, const struct gl_program_params *params, struct error *error)
+{
+    static const char *const vertex_name = "fullscreen.vert";
+    unsigned vertex = 0, fragment = 0, program = 0;
+    char log[4096] = "";
+    GLint ok = GL_FALSE;
+
+    vertex = compile(gl, GL_VERTEX_SHADER, params->vertex, &vertex_name, 1, error);
+    if (!vertex) goto out;
+    fragment = compile(gl, GL_FRAGMENT_SHADER, params->fragment, params->module_names, params->module_count, error);
+    if (!fragment) goto out;
+    program = gl->CreateProgram();
+    gl->AttachShader(program, vertex);
+    gl->AttachShader(program, fragment);
+    gl->LinkProgram(program);
+    gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
+    if (!ok) {
+        gl->GetProgramInfoLog(program, sizeof log, NULL, log);
+        error_set(error, "shader: does not link: %s", log);
+        gl->DeleteProgram(program);
+        program = 0;
+    }
+out:
+    if (vertex) gl->DeleteShader(vertex);
+    if (fragment) gl->DeleteShader(fragment);
+    return program;
+}
