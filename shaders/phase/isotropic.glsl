@@ -1,0 +1,5 @@
+// Equal in all directions, normalized over the sphere.
+float phase_isotropic()
+{
+    return INV_4PI;
+}
