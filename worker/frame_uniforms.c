@@ -1,0 +1,117 @@
+#include "worker/frame_uniforms.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const type_names[] = {"float", "vec3", "mat3"};
+static const int component_counts[] = {1, 3, 9};
+static const size_t alignments[] = {4, 16, 16}; // std140
+static const size_t sizes_bytes[] = {4, 12, 48};
+
+void frame_uniforms_finish(struct frame_uniforms *uniforms)
+{
+    free(uniforms->values);
+    *uniforms = (struct frame_uniforms){0};
+}
+
+static size_t round_up(size_t bytes, size_t alignment)
+{
+    return (bytes + alignment - 1) & ~(alignment - 1);
+}
+
+void frame_uniforms_add(struct frame_uniforms *uniforms, const struct frame_value *value)
+{
+    struct frame_value *added;
+
+    uniforms->values = xgrow(uniforms->values, &uniforms->capacity, uniforms->count + 1, sizeof *uniforms->values);
+    added = &uniforms->values[uniforms->count++];
+    *added = *value;
+    if (added->is_constant) return;
+    added->offset_bytes = round_up(uniforms->end_bytes, alignments[added->type]);
+    uniforms->end_bytes = added->offset_bytes + sizes_bytes[added->type];
+    uniforms->size_bytes = round_up(uniforms->end_bytes, 16);
+}
+
+const char *frame_uniforms_prefix(const struct frame_uniforms *uniforms, const char *name)
+{
+    for (size_t i = 0; i < uniforms->count; ++i)
+        if (strcmp(uniforms->values[i].name, name) == 0) return uniforms->values[i].is_constant ? "" : "frame.";
+    assert(!"a value is added before it is named");
+    return "";
+}
+
+// Nine digits read back as the same float, so that a constant and a uniform give the same picture.
+static void write_float(FILE *out, double value)
+{
+    char text[32];
+
+    snprintf(text, sizeof text, "%.9g", (double)(float)value);
+    fprintf(out, "%s%s", text, strpbrk(text, ".e") ? "" : ".0");
+}
+
+static void write_literal(FILE *out, const struct frame_value *value)
+{
+    double components[9] = {0};
+    int count = component_counts[value->type];
+
+    value->evaluate(value->source, 0, components);
+    if (count > 1) fprintf(out, "%s(", type_names[value->type]);
+    for (int i = 0; i < count; ++i) {
+        if (i > 0) fputs(", ", out);
+        write_float(out, components[i]);
+    }
+    if (count > 1) fputs(")", out);
+}
+
+void frame_uniforms_declare(const struct frame_uniforms *uniforms, FILE *out)
+{
+    for (size_t i = 0; i < uniforms->count; ++i) {
+        const struct frame_value *value = &uniforms->values[i];
+
+        if (!value->is_constant) continue;
+        fprintf(out, "const %s %s = ", type_names[value->type], value->name);
+        write_literal(out, value);
+        fputs(";\n", out);
+    }
+    if (uniforms->size_bytes == 0) return;
+    fputs("layout(std140, binding = 0) uniform FrameUniforms {\n", out);
+    for (size_t i = 0; i < uniforms->count; ++i)
+        if (!uniforms->values[i].is_constant)
+            fprintf(out, "    %s %s;\n", type_names[uniforms->values[i].type], uniforms->values[i].name);
+    fputs("} frame;\n", out);
+}
+
+static void pack_value(const struct frame_value *value, const double components[9], unsigned char *bytes)
+{
+    for (int i = 0; i < component_counts[value->type]; ++i) {
+        float rounded = (float)components[i];
+        size_t padding = value->type == FRAME_VALUE_MAT3 ? (size_t)(i / 3) * 4 : 0; // a column is 16 bytes
+
+        memcpy(bytes + value->offset_bytes + 4 * (size_t)i + padding, &rounded, sizeof rounded);
+    }
+}
+
+bool frame_uniforms_pack(const struct frame_uniforms *uniforms, double time, void *bytes, struct error *error)
+{
+    memset(bytes, 0, uniforms->size_bytes);
+    for (size_t i = 0; i < uniforms->count; ++i) {
+        const struct frame_value *value = &uniforms->values[i];
+        double components[9] = {0};
+
+        if (value->is_constant) continue;
+        value->evaluate(value->source, time, components);
+        for (int k = 0; k < component_counts[value->type]; ++k)
+            if (!(components[k] >= value->min && components[k] <= value->max)) {
+                error_set(error, "%s (%s): expected a number in [%g, %g], got %g at t = %g s", value->meaning,
+                          value->name, value->min, value->max, components[k], time);
+                return false;
+            }
+        pack_value(value, components, bytes);
+    }
+    return true;
+}

@@ -1,0 +1,330 @@
+#include "worker/scene_glue.h"
+
+#include "core/job.h"
+#include "worker/scene_program.h"
+
+#include <math.h>
+#include <stdarg.h>
+
+// A value's name in the shader, `frame.` before it where it moves. Writes one name and one format argument each.
+__attribute__((format(printf, 3, 4))) static void write_value(FILE *out, const struct scene_program *program,
+                                                              const char *format, ...)
+{
+    char name[48];
+    va_list arguments;
+
+    va_start(arguments, format);
+    vsnprintf(name, sizeof name, format, arguments);
+    va_end(arguments);
+    fprintf(out, "%s%s", frame_uniforms_prefix(&program->uniforms, name), name);
+}
+
+static bool has_column(const struct medium_features *medium)
+{
+    return medium->scatters || medium->absorbs;
+}
+
+// "a OPERATOR b OPERATOR c" over media: call before each term.
+static void write_separator(FILE *out, bool *first, const char *operator)
+{
+    if (!*first) fputs(operator, out);
+    *first = false;
+}
+
+static void write_medium(FILE *out, const struct scene_medium *medium, const struct scene_program *program, size_t i)
+{
+    fprintf(out, "DensityFoldFractal medium_%zu_fold_fractal()\n{\n    return DensityFoldFractal(%d", i,
+            medium->density.fold_fractal.iterations);
+    for (size_t k = 0; k < 5; ++k) {
+        static const char *const members[] = {"rotation", "offset", "radius", "exponent", "scale"};
+
+        fputs(", ", out);
+        write_value(out, program, "medium_%zu_%s", i, members[k]);
+    }
+    fprintf(out, ");\n}\n");
+    fprintf(out, "float medium_%zu_density(float field)\n{\n", i);
+    fprintf(out, "    return density_fold_fractal_at(medium_%zu_fold_fractal(), field);\n}\n", i);
+}
+
+static void write_field(FILE *out, const struct scene *scene, const struct scene_program *program)
+{
+    size_t seen = 0, written = 0;
+
+    fputs("struct MediaField {", out);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (program->features.media[i].is_seen) {
+            fprintf(out, " float medium_%zu;", i);
+            ++seen;
+        }
+    fputs(" };\nMediaField media_field(vec3 p)\n{\n    return MediaField(", out);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (program->features.media[i].is_seen)
+            fprintf(out, "%sdensity_fold_fractal_distance(medium_%zu_fold_fractal(), p)", written++ ? ", " : "", i);
+    fputs(");\n}\nfloat media_field_distance(MediaField field)\n{\n    return ", out);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (program->features.media[i].is_seen) fprintf(out, --seen ? "min(field.medium_%zu, " : "field.medium_%zu", i);
+    while (--written > 0)
+        fputs(")", out);
+    fputs(";\n}\nBall media_ball()\n{\n    return Ball(", out);
+    write_value(out, program, "ball_radius");
+    fputs(");\n}\n", out);
+}
+
+static void write_column_sum(FILE *out, const struct scene *scene, const struct scene_program *program,
+                             const char *before, const char *after)
+{
+    bool first = true;
+
+    for (size_t i = 0; i < scene->medium_count; ++i) {
+        if (!has_column(&program->features.media[i])) continue;
+        write_separator(out, &first, " + ");
+        fputs(before, out);
+        write_value(out, program, "medium_%zu_sigma_t", i);
+        fprintf(out, "%s * column.medium_%zu", after, i);
+    }
+}
+
+static void write_column(FILE *out, const struct scene *scene, const struct scene_program *program)
+{
+    const struct medium_features *media = program->features.media;
+    bool first = true;
+
+    fputs("// Density integrated along a way, a number a medium.\nstruct MediaColumn {", out);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (has_column(&media[i])) fprintf(out, " float medium_%zu;", i);
+    fputs(" };\nMediaColumn media_column_empty()\n{\n    return MediaColumn(", out);
+    for (size_t i = 0; i < scene->medium_count; ++i) {
+        if (!has_column(&media[i])) continue;
+        write_separator(out, &first, ", ");
+        fputs("0.0", out);
+    }
+    fputs(");\n}\nvoid media_column_add(inout MediaColumn column, MediaField field, float length)\n{\n", out);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (has_column(&media[i]))
+            fprintf(out, "    column.medium_%zu += length * medium_%zu_density(field.medium_%zu);\n", i, i, i);
+    fputs("}\nfloat media_column_depth(MediaColumn column)\n{\n    return ", out);
+    write_column_sum(out, scene, program, "spectrum_min(", ")");
+    fputs(";\n}\nSpectrum media_transmittance(MediaColumn column)\n{\n    return exp(-(", out);
+    write_column_sum(out, scene, program, "", "");
+    fputs("));\n}\n", out);
+}
+
+void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene *scene = &job->scene;
+
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (program->features.media[i].is_seen) write_medium(out, &scene->media[i], program, i);
+    write_field(out, scene, program);
+    if (program->features.has_lights) write_column(out, scene, program);
+}
+
+static void write_phase(FILE *out, const struct scene_medium *medium, const struct scene_program *program, size_t i)
+{
+    fprintf(out, "float medium_%zu_phase(float cos_theta)\n{\n    return ", i);
+    if (medium->lobe_count == 0) fputs("phase_isotropic()", out);
+    for (size_t k = 0; k < medium->lobe_count; ++k) {
+        fputs(k ? " + " : "", out);
+        write_value(out, program, "medium_%zu_lobe_%zu_weight", i, k);
+        fputs(" * phase_henyey_greenstein(PhaseHenyeyGreenstein(", out);
+        write_value(out, program, "medium_%zu_lobe_%zu_g", i, k);
+        fputs("), cos_theta)", out);
+    }
+    fputs(";\n}\n", out);
+}
+
+static void write_light(FILE *out, const struct scene_light *light, const struct scene_program *program, size_t i)
+{
+    bool is_sun = light->kind == SCENE_LIGHT_SUN;
+    const char *type = is_sun                                 ? "sun(LightSun"
+                       : light->falloff == SCENE_FALLOFF_NONE ? "point_even(LightPointEven"
+                                                              : "point(LightPoint";
+
+    fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return light_%s(", i, type);
+    write_value(out, program, "light_%zu_intensity", i);
+    fputs(", ", out);
+    write_value(out, program, is_sun ? "light_%zu_direction" : "light_%zu_position", i);
+    fputs(is_sun ? "));\n}\n" : "), point);\n}\n", out);
+}
+
+void scene_glue_write_lights(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene *scene = &job->scene;
+
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (program->features.media[i].scatters) write_phase(out, &scene->media[i], program, i);
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (program->features.light_is_seen[i]) write_light(out, &scene->lights[i], program, i);
+}
+
+static void write_gathered(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    fputs("// What a ray has met so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
+    if (features->has_extinction) fputs("    Spectrum transmittance;\n", out);
+    if (features->has_extinction && features->has_depth) fputs("    float depth; // distance, 0 for none\n", out);
+    fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
+    if (!features->has_extinction)
+        fputs("    return false;\n}\n", out);
+    else if (job->quality.min_transmittance > 0)
+        fprintf(out, "    return spectrum_max(gathered.transmittance) < %.9e;\n}\n", job->quality.min_transmittance);
+    else
+        fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
+}
+
+static void write_shadow(FILE *out, const struct job_quality *quality)
+{
+    if (quality->method == JOB_METHOD_RIEMANN)
+        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d), ", quality->light_steps);
+    else
+        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", quality->light_step);
+    fputs("point, light.direction, light.distance)", out);
+}
+
+static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program, size_t light)
+{
+    bool first = true;
+
+    fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", light);
+    fputs("        // Both directions of travel are reversed here, which leaves their cosine as it is.\n", out);
+    fputs("        float cos_theta = dot(light.direction, direction);\n        Spectrum scattered = ", out);
+    for (size_t i = 0; i < job->scene.medium_count; ++i) {
+        if (!program->features.media[i].scatters) continue;
+        write_separator(out, &first, " + ");
+        write_value(out, program, "medium_%zu_sigma_s", i);
+        fprintf(out, " * (density_%zu * medium_%zu_phase(cos_theta))", i, i);
+    }
+    fputs(";\n        MediaColumn column = ", out);
+    write_shadow(out, &job->quality);
+    fputs(";\n        source += scattered * light.irradiance * media_transmittance(column);\n    }\n", out);
+}
+
+static void write_extinction(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    bool first = true;
+
+    fputs("    Spectrum sigma_t = ", out);
+    for (size_t i = 0; i < job->scene.medium_count; ++i) {
+        if (!has_column(&program->features.media[i])) continue;
+        write_separator(out, &first, " + ");
+        write_value(out, program, "medium_%zu_sigma_t", i);
+        fprintf(out, " * density_%zu", i);
+    }
+    if (job->quality.method == JOB_METHOD_RIEMANN) {
+        fputs(";\n    gathered.radiance += gathered.transmittance * source * length;\n"
+              "    Spectrum after = gathered.transmittance * exp(-sigma_t * length);\n",
+              out);
+    } else {
+        fputs(";\n    Segment part = segment(sigma_t * length);\n"
+              "    gathered.radiance += gathered.transmittance * source * part.escape * length;\n"
+              "    Spectrum after = gathered.transmittance * part.transmittance;\n",
+              out);
+    }
+    if (program->features.has_depth)
+        fputs("    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5)\n"
+              "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
+              out);
+    fputs("    gathered.transmittance = after;\n", out);
+}
+
+void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const struct scene *scene = &job->scene;
+
+    write_gathered(out, job, features);
+    fputs("// `at` is where the segment begins, `point` where the field was taken.\n"
+          "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
+          "length)\n{\n",
+          out);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (features->media[i].is_seen)
+            fprintf(out, "    float density_%zu = medium_%zu_density(field.medium_%zu);\n", i, i, i);
+    fputs("    Spectrum source = spectrum(0.0);\n", out);
+    for (size_t i = 0; i < scene->medium_count; ++i) {
+        if (!features->media[i].emits) continue;
+        fputs("    source += ", out);
+        write_value(out, program, "medium_%zu_emission", i);
+        fprintf(out, " * density_%zu;\n", i);
+    }
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (features->light_is_seen[i]) write_scattering(out, job, program, i);
+    if (features->has_extinction)
+        write_extinction(out, job, program);
+    else
+        fputs("    gathered.radiance += source * length;\n", out);
+    fputs("}\n", out);
+}
+
+static void write_march(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_camera *camera = &job->scene.camera;
+    bool riemann = job->quality.method == JOB_METHOD_RIEMANN;
+    bool is_far = isfinite(camera->clip_far);
+
+    fputs("    CameraPinhole camera = CameraPinhole(", out);
+    for (size_t i = 0; i < 4; ++i) {
+        static const char *const names[] = {"camera_position", "camera_corner", "camera_across", "camera_down"};
+
+        fputs(i ? ", " : "", out);
+        write_value(out, program, "%s", names[i]);
+    }
+    fputs(");\n    vec3 toward = camera_pinhole_toward(camera, gl_FragCoord.xy);\n"
+          "    vec3 direction = normalize(toward);\n",
+          out);
+    if (riemann && is_far) {
+        fprintf(out, "    vec2 interval = vec2(%.9e, %.9e);\n", camera->clip_near, camera->clip_far);
+    } else {
+        fputs("    vec2 interval = ball_interval(media_ball(), camera.position, direction);\n", out);
+        fprintf(out, "    interval.x = max(interval.x, %.9e);\n", camera->clip_near);
+        if (is_far) fprintf(out, "    interval.y = min(interval.y, %.9e);\n", camera->clip_far);
+    }
+    fprintf(out, "    integrator_%s(%s(%.9e), camera.position, direction, interval, gathered);\n",
+            riemann ? "riemann" : "midpoint", riemann ? "IntegratorRiemann" : "IntegratorMidpoint", job->quality.step);
+}
+
+static void write_outputs(FILE *out, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+
+    fputs("layout(location = 0) out vec4 rgba;\n", out);
+    if (features->has_transmittance) fputs("layout(location = 1) out vec4 transmittance;\n", out);
+    if (features->has_depth) fputs("layout(location = 2) out float depth;\n", out);
+}
+
+static void write_background(FILE *out, const struct scene_program *program)
+{
+    fprintf(out, "    rgba = vec4(spectrum_rgb(%s", program->features.has_media ? "gathered.radiance + " : "");
+    if (program->features.has_extinction) fputs("gathered.transmittance * ", out);
+    write_value(out, program, "background");
+    fputs("), 1.0);\n", out);
+}
+
+void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    bool finds_depth = features->has_depth && features->has_extinction;
+
+    write_outputs(out, program);
+    fputs("void main()\n{\n", out);
+    if (features->has_media) {
+        fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
+                features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
+        write_march(out, job, program);
+    }
+    if (job->scene.has_background && features->has_background)
+        write_background(out, program);
+    else if (features->has_media)
+        fprintf(out, "    rgba = vec4(spectrum_rgb(gathered.radiance), %s);\n",
+                job->scene.has_background  ? "1.0"
+                : features->has_extinction ? "1.0 - spectrum_mean(gathered.transmittance)"
+                                           : "0.0");
+    else
+        fprintf(out, "    rgba = vec4(0.0, 0.0, 0.0, %s);\n", job->scene.has_background ? "1.0" : "0.0");
+    if (features->has_transmittance)
+        fprintf(out, "    transmittance = vec4(%s, 0.0);\n",
+                features->has_extinction ? "spectrum_rgb(gathered.transmittance)" : "vec3(1.0)");
+    if (features->has_depth)
+        fprintf(out, "    depth = %s;\n", features->has_extinction ? "gathered.depth / length(toward)" : "0.0");
+    if (features->has_media) fputs("    if (march_was_cut) rgba.a = -1.0; // no picture has it\n", out);
+    fputs("}\n", out);
+}

@@ -1,0 +1,161 @@
+#include "worker/scene_program.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "worker/camera_view.h"
+#include "worker/scene_glue.h"
+#include "worker/scene_values.h"
+#include "worker/shader_sources.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct assembly {
+    struct scene_program *program;
+    const struct job *job;
+    const char *shader_dir;
+    FILE *out;   // the fragment shader's text
+    char **text; // where `out` keeps it, after a flush
+    bool failed; // a module could not be read
+    struct error *error;
+};
+
+static void add_module(struct assembly *assembly, const char *name)
+{
+    struct scene_program *program = assembly->program;
+    char *text;
+    size_t length;
+
+    for (size_t i = 1; i < program->module_count; ++i)
+        if (strcmp(program->module_names[i], name) == 0) return;
+    if (assembly->failed) return;
+    text = shader_sources_load(assembly->shader_dir, name, assembly->error);
+    if (!text) {
+        assembly->failed = true;
+        return;
+    }
+    assert(program->module_count < SCENE_PROGRAM_MODULE_LIMIT);
+    length = strlen(text);
+    fprintf(assembly->out, "#line 1 %zu\n%s%s", program->module_count, text,
+            length > 0 && text[length - 1] == '\n' ? "" : "\n");
+    program->module_names[program->module_count++] = name;
+    free(text);
+}
+
+// What follows is generated: its lines are those of the whole text.
+static void begin_generated(struct assembly *assembly)
+{
+    size_t line = 1;
+
+    fflush(assembly->out);
+    for (const char *at = *assembly->text; (at = strchr(at, '\n')); ++at)
+        ++line;
+    fprintf(assembly->out, "#line %zu 0\n", line + 1);
+}
+
+static void add_media(struct assembly *assembly)
+{
+    const struct scene_features *features = &assembly->program->features;
+
+    add_module(assembly, "math/march.glsl");
+    add_module(assembly, "math/ball.glsl");
+    add_module(assembly, "camera/pinhole.glsl");
+    add_module(assembly, "density/fold_fractal.glsl");
+    if (features->has_extinction && assembly->job->quality.method == JOB_METHOD_MIDPOINT)
+        add_module(assembly, "math/segment.glsl");
+    if (features->has_extinction && features->has_depth)
+        add_module(assembly, features->is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
+    begin_generated(assembly);
+    scene_glue_write_media(assembly->out, assembly->job, assembly->program);
+}
+
+static void add_lights(struct assembly *assembly)
+{
+    const struct scene *scene = &assembly->job->scene;
+    const struct scene_features *features = &assembly->program->features;
+
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (features->media[i].scatters)
+            add_module(assembly, scene->media[i].lobe_count ? "phase/henyey_greenstein.glsl" : "phase/isotropic.glsl");
+    add_module(assembly, "light/sample.glsl");
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (features->light_is_seen[i])
+            add_module(assembly, scene->lights[i].kind == SCENE_LIGHT_SUN         ? "light/sun.glsl"
+                                 : scene->lights[i].falloff == SCENE_FALLOFF_NONE ? "light/point_even.glsl"
+                                                                                  : "light/point.glsl");
+    add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
+                                                                             : "transmittance/midpoint.glsl");
+    begin_generated(assembly);
+    scene_glue_write_lights(assembly->out, assembly->job, assembly->program);
+}
+
+static void add_integrator(struct assembly *assembly)
+{
+    begin_generated(assembly);
+    scene_glue_write_gather(assembly->out, assembly->job, assembly->program);
+    add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
+                                                                             : "integrator/midpoint.glsl");
+}
+
+static bool assemble(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+{
+    size_t length = 0;
+    struct assembly assembly = {
+        .program = program, .job = job, .shader_dir = shader_dir, .text = &program->fragment, .error = error};
+
+    assembly.out = open_memstream(&program->fragment, &length);
+    if (!assembly.out) {
+        error_set(error, "out of memory");
+        return false;
+    }
+    program->module_names[program->module_count++] = "generated";
+    fputs("#version 450 core\n", assembly.out);
+    add_module(&assembly, "math/constants.glsl");
+    add_module(&assembly, program->features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
+    begin_generated(&assembly);
+    frame_uniforms_declare(&program->uniforms, assembly.out);
+    if (program->features.has_media) add_media(&assembly);
+    if (program->features.has_lights) add_lights(&assembly);
+    if (program->features.has_media) add_integrator(&assembly);
+    begin_generated(&assembly);
+    scene_glue_write_main(assembly.out, job, program);
+    fclose(assembly.out);
+    return !assembly.failed;
+}
+
+static void hash_texts(struct scene_program *program)
+{
+    char hashes[2][HASH_TEXT_SIZE];
+
+    hash_bytes(program->vertex, strlen(program->vertex), hashes[0]);
+    hash_bytes(program->fragment, strlen(program->fragment), hashes[1]);
+    hash_bytes(hashes, sizeof hashes, program->hash);
+}
+
+bool scene_program_init(struct scene_program *program, const struct job *job, const char *shader_dir,
+                        struct error *error)
+{
+    struct camera_view view;
+
+    *program = (struct scene_program){.features = scene_features_of(job)};
+    if (!camera_view_init(&view, &job->scene.camera, job_frame_time(job, frame_range_at(&job->frames, 0)),
+                          job->width_px, job->height_px, error))
+        return false;
+    scene_values_add(&program->uniforms, job, &program->features);
+    program->vertex = shader_sources_load(shader_dir, "fullscreen.vert", error);
+    if (!program->vertex || !assemble(program, job, shader_dir, error)) {
+        scene_program_finish(program);
+        return false;
+    }
+    hash_texts(program);
+    return true;
+}
+
+void scene_program_finish(struct scene_program *program)
+{
+    frame_uniforms_finish(&program->uniforms);
+    free(program->vertex);
+    free(program->fragment);
+    *program = (struct scene_program){0};
+}

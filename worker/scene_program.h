@@ -1,0 +1,31 @@
+// The fragment shader of a scene, assembled from the modules it uses and generated glue between them.
+#pragma once
+
+#include "core/hash.h"
+#include "worker/frame_uniforms.h"
+#include "worker/scene_features.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct error;
+struct job;
+
+enum { SCENE_PROGRAM_MODULE_LIMIT = 32 };
+
+// The zero value is empty.
+struct scene_program {
+    char *vertex;   // owned
+    char *fragment; // owned; `#line LINE N` counts lines of module_names[N]
+    // [0] is "generated", whose lines are those of the whole text; static strings.
+    const char *module_names[SCENE_PROGRAM_MODULE_LIMIT];
+    size_t module_count;
+    char hash[HASH_TEXT_SIZE]; // of both texts
+    struct scene_features features;
+    struct frame_uniforms uniforms; // refers to the job
+};
+
+// `job` outlives the program. `shader_dir` is as for shader_sources_load. A camera that cannot look is an error.
+bool scene_program_init(struct scene_program *program, const struct job *job, const char *shader_dir,
+                        struct error *error);
+void scene_program_finish(struct scene_program *program); // accepts an empty one
