@@ -13,8 +13,8 @@ struct renderer;
 
 enum renderer_fault {
     RENDERER_FAULT_NONE,
-    RENDERER_FAULT_JOB,     // the shader does not compile, the scene needs more than GL has
-    RENDERER_FAULT_CONTEXT, // the context is lost
+    RENDERER_FAULT_JOB,     // the shader does not compile, a value is out of range, the scene needs more than GL has
+    RENDERER_FAULT_CONTEXT, // the context is lost or not usable
     RENDERER_FAULT_STOPPED  // on_progress asked for it
 };
 
@@ -27,8 +27,9 @@ void renderer_destroy(struct renderer *renderer);
 
 struct renderer_result {
     enum renderer_fault fault;
-    double seconds;           // GPU work and readback
-    const char *shader_hash;  // borrowed from the renderer until the next call
+    double seconds;                               // GPU work and readback
+    bool is_copy;                                 // nothing was rendered: the frame before has the same inputs
+    const char *shader_hash;                      // borrowed from the renderer until the next call
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };
 

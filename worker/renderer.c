@@ -1,0 +1,279 @@
+#include "worker/renderer.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "worker/camera_view.h"
+#include "worker/gl_context.h"
+#include "worker/gl_debug.h"
+#include "worker/gl_functions.h"
+#include "worker/gl_program.h"
+#include "worker/gl_target.h"
+#include "worker/image.h"
+#include "worker/scene_program.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum {
+    PROGRAM_LIMIT = 16,
+    FIRST_TILE_ROWS = 32,
+    SMALLEST_TILE_ROWS = 8,
+    TILE_GRAIN_ROWS = 64, // software GL shares out its work in squares of this side
+    TILE_GROWTH_LIMIT = 8
+};
+
+static const double tile_seconds = 0.35;
+
+struct kept_program {
+    char hash[HASH_TEXT_SIZE]; // empty: none
+    unsigned name;             // GL's
+    int tile_rows;             // that took about tile_seconds when last seen
+    uint64_t used;             // the greater, the more recently
+};
+
+struct renderer {
+    const struct gl_context *context; // borrowed; outlives us
+    char *shader_dir;                 // owned; NULL for the embedded modules
+    struct gl_functions gl;
+    struct gl_debug debug;
+    struct error unusable; // why no frame can be rendered at all; empty when all is well
+    struct kept_program programs[PROGRAM_LIMIT];
+    uint64_t use_count;
+    unsigned vertex_array, uniform_buffer;
+    struct gl_target target;
+    // What the target shows: a whole frame of this program with these uniforms.
+    bool target_is_whole;
+    char shown_hash[HASH_TEXT_SIZE];
+    unsigned char *shown_uniforms; // owned
+    size_t shown_size_bytes;
+};
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+struct renderer *renderer_create(struct gl_context *context, const char *shader_dir)
+{
+    struct renderer *renderer = xcalloc(1, sizeof *renderer);
+
+    renderer->context = context;
+    renderer->shader_dir = shader_dir ? xstrdup(shader_dir) : NULL;
+    if (!gl_functions_load(&renderer->gl, context, &renderer->unusable)) return renderer;
+    gl_debug_init(&renderer->debug, &renderer->gl);
+    renderer->gl.CreateVertexArrays(1, &renderer->vertex_array);
+    renderer->gl.CreateBuffers(1, &renderer->uniform_buffer);
+    return renderer;
+}
+
+void renderer_destroy(struct renderer *renderer)
+{
+    if (!renderer) return;
+    gl_target_finish(&renderer->target);
+    for (size_t i = 0; i < PROGRAM_LIMIT; ++i)
+        if (renderer->programs[i].name) renderer->gl.DeleteProgram(renderer->programs[i].name);
+    if (renderer->uniform_buffer) renderer->gl.DeleteBuffers(1, &renderer->uniform_buffer);
+    if (renderer->vertex_array) renderer->gl.DeleteVertexArrays(1, &renderer->vertex_array);
+    gl_debug_finish(&renderer->debug);
+    free(renderer->shown_uniforms);
+    free(renderer->shader_dir);
+    free(renderer);
+}
+
+// Turns GL's complaints since the last check, if any, into a fault.
+static bool check_gl(struct renderer *renderer, struct renderer_result *result, struct error *error)
+{
+    switch (gl_debug_check(&renderer->debug, error)) {
+    case GL_DEBUG_FINE:
+        return true;
+    case GL_DEBUG_MEMORY:
+        result->fault = RENDERER_FAULT_JOB;
+        break;
+    case GL_DEBUG_ERROR:
+    case GL_DEBUG_LOST:
+        result->fault = RENDERER_FAULT_CONTEXT;
+        break;
+    }
+    renderer->target_is_whole = false;
+    return false;
+}
+
+static struct kept_program *find_or_link_program(struct renderer *renderer, const struct scene_program *scene,
+                                                 struct error *error)
+{
+    struct kept_program *oldest = &renderer->programs[0];
+    double start = now_s();
+    unsigned name;
+
+    for (size_t i = 0; i < PROGRAM_LIMIT; ++i) {
+        struct kept_program *kept = &renderer->programs[i];
+
+        if (kept->name && strcmp(kept->hash, scene->hash) == 0) {
+            kept->used = ++renderer->use_count;
+            return kept;
+        }
+        if (kept->used < oldest->used) oldest = kept;
+    }
+    name = gl_program_create(&renderer->gl,
+                             &(struct gl_program_params){.vertex = scene->vertex,
+                                                         .fragment = scene->fragment,
+                                                         .module_names = scene->module_names,
+                                                         .module_count = scene->module_count},
+                             error);
+    if (!name) return NULL;
+    log_debug("renderer: program %s linked in %.1f ms", scene->hash, 1000 * (now_s() - start));
+    if (oldest->name) renderer->gl.DeleteProgram(oldest->name);
+    *oldest = (struct kept_program){.name = name, .tile_rows = FIRST_TILE_ROWS, .used = ++renderer->use_count};
+    memcpy(oldest->hash, scene->hash, sizeof oldest->hash);
+    return oldest;
+}
+
+static int next_tile_rows(int rows, double seconds)
+{
+    double factor = tile_seconds / (seconds > 1e-6 ? seconds : 1e-6);
+    int next = (int)(rows * (factor < TILE_GROWTH_LIMIT ? factor : TILE_GROWTH_LIMIT));
+
+    if (next > TILE_GRAIN_ROWS) next -= next % TILE_GRAIN_ROWS;
+    if (next < SMALLEST_TILE_ROWS) next = SMALLEST_TILE_ROWS;
+    return next < JOB_RESOLUTION_LIMIT ? next : JOB_RESOLUTION_LIMIT;
+}
+
+static bool draw_tiles(struct renderer *renderer, struct kept_program *program, renderer_progress *on_progress,
+                       void *user, struct renderer_result *result, struct error *error)
+{
+    const struct gl_functions *gl = &renderer->gl;
+    int height_px = renderer->target.height_px;
+
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, renderer->target.framebuffer);
+    gl->Viewport(0, 0, renderer->target.width_px, height_px);
+    gl->Enable(GL_SCISSOR_TEST);
+    gl->BindVertexArray(renderer->vertex_array);
+    gl->UseProgram(program->name);
+    for (int row = 0; row < height_px;) {
+        int rows = program->tile_rows < height_px - row ? program->tile_rows : height_px - row;
+        double start = now_s();
+
+        gl->Scissor(0, row, renderer->target.width_px, rows);
+        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+        gl->Finish();
+        if (!check_gl(renderer, result, error)) return false;
+        row += rows;
+        program->tile_rows = next_tile_rows(rows, now_s() - start);
+        if (on_progress && !on_progress(user, (double)row / height_px)) {
+            result->fault = RENDERER_FAULT_STOPPED;
+            error_set(error, "the frame was stopped");
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool is_shown(const struct renderer *renderer, const struct scene_program *scene, const unsigned char *uniforms,
+                     const struct image *image)
+{
+    size_t size_bytes = scene->uniforms.size_bytes;
+
+    return renderer->target_is_whole && gl_target_fits(&renderer->target, image) &&
+           strcmp(renderer->shown_hash, scene->hash) == 0 && renderer->shown_size_bytes == size_bytes &&
+           memcmp(renderer->shown_uniforms, uniforms, size_bytes) == 0;
+}
+
+static void note_shown(struct renderer *renderer, const struct scene_program *scene, const unsigned char *uniforms)
+{
+    renderer->shown_size_bytes = scene->uniforms.size_bytes;
+    renderer->shown_uniforms = xrealloc(renderer->shown_uniforms, renderer->shown_size_bytes);
+    memcpy(renderer->shown_uniforms, uniforms, renderer->shown_size_bytes);
+    memcpy(renderer->shown_hash, scene->hash, sizeof renderer->shown_hash);
+    renderer->target_is_whole = true;
+}
+
+// Shaders mark a pixel whose march the driver cut with an alpha that no picture has.
+static bool check_marches(const struct renderer *renderer, const struct image *image, struct error *error)
+{
+    size_t count = (size_t)image->width_px * (size_t)image->height_px;
+
+    for (size_t i = 0; i < count; ++i)
+        if (image->rgba[4 * i + 3] < -0.5f) {
+            error_set(error,
+                      "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected longer steps, "
+                      "or a GPU",
+                      i % (size_t)image->width_px, i / (size_t)image->width_px,
+                      gl_context_facts(renderer->context)->renderer);
+            return false;
+        }
+    return true;
+}
+
+static bool render_scene(struct renderer *renderer, const struct scene_program *scene, const unsigned char *uniforms,
+                         struct image *image, renderer_progress *on_progress, void *user,
+                         struct renderer_result *result, struct error *error)
+{
+    struct kept_program *program = find_or_link_program(renderer, scene, error);
+
+    if (!program) {
+        result->fault = RENDERER_FAULT_JOB;
+        (void)gl_debug_check(&renderer->debug, NULL);
+        return false;
+    }
+    renderer->target_is_whole = false;
+    if (!gl_target_fits(&renderer->target, image)) {
+        gl_target_finish(&renderer->target);
+        if (!gl_target_init(&renderer->target, &renderer->gl, image, error)) {
+            result->fault = RENDERER_FAULT_JOB;
+            (void)gl_debug_check(&renderer->debug, NULL);
+            return false;
+        }
+    }
+    renderer->gl.NamedBufferData(renderer->uniform_buffer, (GLsizeiptr)scene->uniforms.size_bytes, uniforms,
+                                 GL_STREAM_DRAW);
+    if (scene->uniforms.size_bytes > 0) renderer->gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, renderer->uniform_buffer);
+    if (!check_gl(renderer, result, error)) return false;
+    if (!draw_tiles(renderer, program, on_progress, user, result, error)) return false;
+    note_shown(renderer, scene, uniforms);
+    return true;
+}
+
+bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,
+                     renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
+{
+    double time = job_frame_time(job, frame), start;
+    struct scene_program scene = {0};
+    unsigned char *uniforms = NULL;
+    struct camera_view view;
+    bool ok = false;
+
+    *result = (struct renderer_result){.fault = RENDERER_FAULT_JOB};
+    if (renderer->unusable.message[0]) {
+        result->fault = RENDERER_FAULT_CONTEXT;
+        error_set(error, "%s", renderer->unusable.message);
+        return false;
+    }
+    if (!camera_view_init(&view, &job->scene.camera, time, job->width_px, job->height_px, error)) goto out;
+    camera_view_matrices(&view, result->world_to_camera, result->world_to_ndc);
+    if (!scene_program_init(&scene, job, renderer->shader_dir, error)) goto out;
+    uniforms = xmalloc(scene.uniforms.size_bytes);
+    if (!frame_uniforms_pack(&scene.uniforms, time, uniforms, error)) goto out;
+    result->fault = RENDERER_FAULT_NONE;
+    start = now_s();
+    result->is_copy = is_shown(renderer, &scene, uniforms, image);
+    if (result->is_copy) {
+        if (on_progress) (void)on_progress(user, 1);
+    } else if (!render_scene(renderer, &scene, uniforms, image, on_progress, user, result, error)) {
+        goto out;
+    }
+    gl_target_read(&renderer->target, image);
+    if (!check_gl(renderer, result, error)) goto out;
+    result->seconds = now_s() - start;
+    result->shader_hash = renderer->shown_hash;
+    ok = check_marches(renderer, image, error);
+    if (!ok) result->fault = RENDERER_FAULT_JOB;
+out:
+    free(uniforms);
+    scene_program_finish(&scene);
+    return ok;
+}
