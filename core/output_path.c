@@ -229,31 +229,32 @@ int32_t output_path_frame_of(const struct output_path *path, const char *name)
     return -1;
 }
 
-// True when a name that begins with `longer` can also begin with `shorter` and a digit.
-static bool prefixes_agree(const char *shorter, const char *longer)
+static bool is_all_digits(const char *text, size_t length)
 {
-    size_t length = strlen(shorter);
-
-    if (strncmp(shorter, longer, length) != 0) return false;
-    return longer[length] == '\0' || isdigit((unsigned char)longer[length]);
-}
-
-static bool suffixes_agree(const char *shorter, const char *longer)
-{
-    size_t rest = strlen(longer) - strlen(shorter);
-
-    if (strcmp(shorter, longer + rest) != 0) return false;
-    return rest == 0 || isdigit((unsigned char)longer[rest - 1]);
+    for (size_t i = 0; i < length; i++)
+        if (!isdigit((unsigned char)text[i])) return false;
+    return true;
 }
 
 bool output_path_may_collide(const struct output_path *a, const struct output_path *b)
 {
-    bool a_begins_shorter = strlen(a->prefix) <= strlen(b->prefix);
-    bool a_ends_shorter = strlen(a->suffix) <= strlen(b->suffix);
+    size_t a_prefix = strlen(a->prefix), b_prefix = strlen(b->prefix);
+    size_t a_suffix = strlen(a->suffix), b_suffix = strlen(b->suffix);
+    size_t rest;
 
-    if (strcmp(a->folder, b->folder) != 0) return false;
-    return prefixes_agree(a_begins_shorter ? a->prefix : b->prefix, a_begins_shorter ? b->prefix : a->prefix) &&
-           suffixes_agree(a_ends_shorter ? a->suffix : b->suffix, a_ends_shorter ? b->suffix : a->suffix);
+    // From here on the number of `a` begins first.
+    if (a_prefix > b_prefix || (a_prefix == b_prefix && a_suffix > b_suffix)) return output_path_may_collide(b, a);
+    if (strcmp(a->folder, b->folder) != 0 || strncmp(a->prefix, b->prefix, a_prefix) != 0) return false;
+    if (a_suffix <= b_suffix) {
+        // It also ends last, so it covers what `b` has around its own.
+        rest = b_suffix - a_suffix;
+        return strcmp(a->suffix, b->suffix + rest) == 0 && is_all_digits(b->suffix, rest) &&
+               is_all_digits(b->prefix + a_prefix, b_prefix - a_prefix);
+    }
+    // The numbers overlap or follow one another: only the outermost characters of what is between are digits for sure.
+    rest = a_suffix - b_suffix;
+    return strcmp(a->suffix + rest, b->suffix) == 0 && isdigit((unsigned char)b->prefix[a_prefix]) &&
+           isdigit((unsigned char)a->suffix[rest - 1]);
 }
 
 // One component, so that even without openat2 there is nothing but its last link to refuse.
