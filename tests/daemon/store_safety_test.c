@@ -28,6 +28,57 @@ ssize_t pwrite64(int fd, const void *bytes, size_t size_bytes, off64_t offset)
     return syscall(SYS_pwrite64, fd, bytes, size_bytes, offset);
 }
 
+static int sync_count;
+static int sync_errno;
+
+static int count_sync(long call, int fd)
+{
+    if (sync_errno) {
+        errno = sync_errno;
+        return -1;
+    }
+    sync_count++;
+    return (int)syscall(call, fd);
+}
+
+int fdatasync(int fd)
+{
+    return count_sync(SYS_fdatasync, fd);
+}
+
+int fsync(int fd)
+{
+    return count_sync(SYS_fsync, fd);
+}
+
+static void commit_is_synced_before_it_is_acknowledged(void **state)
+{
+    struct store *store = open_store(*state);
+
+    for (int64_t id = 1; id <= 5; id++) {
+        sync_count = 0;
+        commit_one(store, job_op(id));
+        assert_true(sync_count > 0);
+    }
+    store_close(store);
+}
+
+static void failed_sync_fails_the_commit(void **state)
+{
+    struct store *store = open_store(*state);
+    struct store_op op = job_op(1);
+    struct error error = {0};
+
+    sync_errno = EIO;
+    assert_false(store_commit(store, &op, 1, &error));
+    sync_errno = 0;
+    assert_string_equal(error.message, "store: cannot commit: Input/output error");
+    assert_int_equal(load(store).jobs, 0);
+    assert_true(commit(store, &op, 1, &error));
+    assert_int_equal(load(store).jobs, 1);
+    store_close(store);
+}
+
 static void failed_commit_leaves_nothing(void **state)
 {
     struct store *store = open_store(*state);
@@ -289,6 +340,8 @@ static void size_limit_loses_nothing_committed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(commit_is_synced_before_it_is_acknowledged, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(failed_sync_fails_the_commit, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(failed_commit_leaves_nothing, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(full_disk_is_named_and_survived, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(broken_disk_is_named, make_folder, remove_folder),
