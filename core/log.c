@@ -14,6 +14,9 @@ void log_set_level(enum log_level level)
 }
 
 static void write_line(enum log_level level, const char *format, va_list arguments)
+    __attribute__((format(printf, 2, 0)));
+
+static void write_line(enum log_level level, const char *format, va_list arguments)
 {
     char line[2048];
     char stamp[32];
