@@ -25,6 +25,7 @@ struct telling {
     struct json_writer frames; // an array that stays open until the end
     int64_t counts[RENDER_FAILED + 1];
     int64_t began_ms;
+    bool knows_worker; // it was told what renders
 };
 
 static const char *const outcome_names[] = {"succeeded", "skipped", "failed"};
@@ -54,8 +55,18 @@ static void on_worker(void *user, const char *backend, const char *renderer)
 {
     struct telling *telling = user;
 
+    if (telling->knows_worker) return;
+    telling->knows_worker = true;
     progress_display_clear(&telling->display);
     fprintf(stderr, "rendering with %s: %s\n", backend, renderer);
+}
+
+static void on_worker_lost(void *user, const char *why)
+{
+    struct telling *telling = user;
+
+    progress_display_clear(&telling->display);
+    fprintf(stderr, "%s; what it had in hand is tried again\n", why);
 }
 
 static void write_result(struct json_writer *writer, const struct render_result *result)
@@ -165,6 +176,7 @@ static enum exit_status render(const struct options *options, const struct job *
                                                  .on_result = on_result,
                                                  .on_tick = on_tick,
                                                  .on_worker = on_worker,
+                                                 .on_worker_lost = on_worker_lost,
                                                  .user = &telling};
     enum exit_status status;
 

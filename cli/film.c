@@ -14,8 +14,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
-
 // Returns 0 and the exit status, or why the program could not be started.
 static int run(char *const arguments[], int *exit_status)
 {

@@ -271,8 +271,13 @@ static bool replace_worker(struct session *session, struct error *error)
     for (size_t i = 0; i < count; i++)
         report_failed(session, given_up[i].frame, error->message);
     if (!was_ready) return false;
+    if (render_plan_is_done(&session->plan)) {
+        error->message[0] = 0;
+        return true;
+    }
+    session->params->on_worker_lost(session->params->user, error->message);
     error->message[0] = 0;
-    return render_plan_is_done(&session->plan) || start_worker(session, error);
+    return start_worker(session, error);
 }
 
 static enum exit_status run_frames(struct session *session, struct error *error)

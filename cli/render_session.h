@@ -37,6 +37,7 @@ struct render_session_params {
     void (*on_result)(void *user, const struct render_result *result);
     void (*on_tick)(void *user);                                              // now and then
     void (*on_worker)(void *user, const char *backend, const char *renderer); // a worker is ready
+    void (*on_worker_lost)(void *user, const char *why);                      // and replaced
     void *user;
 };
 

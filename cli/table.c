@@ -33,13 +33,13 @@ void table_add(struct table *table, const char *cell)
 
 void table_add_format(struct table *table, const char *format, ...)
 {
-    char cell[256];
+    char *cell = NULL;
     va_list arguments;
 
     va_start(arguments, format);
-    vsnprintf(cell, sizeof cell, format, arguments);
+    if (vasprintf(&cell, format, arguments) < 0) abort();
     va_end(arguments);
-    table_add(table, cell);
+    add_owned(table, cell);
 }
 
 size_t table_text_width(const char *text)
@@ -87,8 +87,10 @@ char *table_format(const struct table *table, bool has_titles)
         widths[column] = column_width(table, column, has_titles);
     for (size_t column = 0; has_titles && column < table->column_count; column++)
         write_cell(out, table, column, widths[column], table->columns[column].title);
-    for (size_t i = 0; i < table->cell_count; i++)
-        write_cell(out, table, i % table->column_count, widths[i % table->column_count], table->cells[i]);
+    for (size_t i = 0, column = 0; i < table->cell_count; i++) {
+        write_cell(out, table, column, widths[column], table->cells[i]);
+        if (++column == table->column_count) column = 0;
+    }
     fclose(out);
     free(widths);
     return text;
