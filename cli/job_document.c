@@ -28,7 +28,7 @@ static char *read_standard_input(size_t *length, struct error *error)
         count = fread(text + *length, 1, capacity - *length - 1, stdin);
         *length += count;
         if (*length > JOB_DOCUMENT_LIMIT) {
-            error_set(error, "over %d bytes, which is the most a job may have", JOB_DOCUMENT_LIMIT);
+            error_set(error, "standard input: over %d bytes, which is the most a job may have", JOB_DOCUMENT_LIMIT);
             free(text);
             return NULL;
         }
@@ -45,7 +45,7 @@ static char *read_document(const char *path, struct error *error)
     if (strcmp(path, "-") == 0)
         text = read_standard_input(&length, error);
     else if (!file_read_text(path, JOB_DOCUMENT_LIMIT, &text, &length, error))
-        return NULL;
+        error_prefix(error, "%s", path);
     if (text && strlen(text) != length) {
         error_set(error, "%s: expected JSON, got a NUL byte at offset %zu", job_document_name(path), strlen(text));
         free(text);

@@ -1,0 +1,88 @@
+#!/bin/sh
+# `march` without a daemon and without a worker: job files, usage, exit codes.
+set -u
+PATH=$PROGRAM_FOLDER:$PATH
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_local_test.XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch" || exit 1
+unset MARCHD_SOCKET
+cloud=$PROJECT_ROOT/jobs/cloud.json
+failures=0
+
+# expect CODE WORDS COMMAND...: the exit code, and the words somewhere in what it prints (stdout and stderr).
+expect() {
+    code=$1 words=$2
+    shift 2
+    "$@" >out 2>err </dev/null
+    got=$?
+    if [ "$got" -ne "$code" ] || ! cat out err | grep -qF -- "$words"; then
+        echo "FAILED: $*: expected exit $code and \"$words\", got $got and:"
+        cat out err
+        failures=$((failures + 1))
+    fi
+}
+# expect_stdout TEXT: the last command's whole standard output.
+expect_stdout() {
+    [ "$(cat out)" = "$1" ] && return
+    echo "FAILED: expected stdout \"$1\", got:"
+    cat out
+    failures=$((failures + 1))
+}
+
+expect 0 "ok, 240 frames of 1920 x 1080" march validate "$cloud"
+expect 0 "cloud_seed.json: ok" march validate "$cloud" "$PROJECT_ROOT/jobs/cloud_seed.json"
+expect 2 "scene.media[0].phase[0].g: expected a number in (-1, 1), got 1.2" \
+    march validate "$cloud" --set 'scene.media[0].phase[0].g=1.2'
+expect 2 'did you mean "light_step"' march validate "$cloud" --set quality.ligth_step=1
+expect 2 "--set scene.media[4]: the array has 1 element" march validate "$cloud" --set 'scene.media[4].sigma_s=1'
+expect 2 "none.json: cannot open: No such file" march validate none.json
+expect 2 '"valid":false' march validate --json "$cloud" none.json
+printf '{"version": 1,\n "name": x}' >broken.json
+expect 2 "broken.json: line 2, column 10" march validate broken.json
+printf '{"version": 1}\0' >zero.json
+expect 2 "zero.json: " march validate zero.json
+head -c 5000000 /dev/zero | tr '\0' ' ' >large.json
+expect 2 "large.json: " march validate large.json
+if ! march validate - <"$cloud" | grep -qF "standard input: ok"; then
+    echo "FAILED: a job on standard input"
+    failures=$((failures + 1))
+fi
+
+expect 0 "cloud/cloud.0000.exr to cloud/cloud.0230.exr" march submit --dry-run "$cloud" --set frames=0-239x10
+expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10
+expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=101
+expect 2 "--priority: expected an integer in [0, 100]" march submit --dry-run "$cloud" --priority 101
+
+for verb in list workers "show 1" "frames 1" "log 1" "watch 1" "wait 1" "pause 1" "resume 1" "cancel 1" "retry 1" "prio 1 5"; do
+    # shellcheck disable=SC2086 # the verb and its operands
+    expect 3 "$scratch/none.sock" march $verb --socket "$scratch/none.sock"
+done
+expect 3 "marchd --socket" march submit "$cloud" --socket "$scratch/none.sock"
+expect 3 "$scratch/env.sock" env MARCHD_SOCKET="$scratch/env.sock" march list
+expect 3 '{"error":' march list --json --socket "$scratch/none.sock"
+: >file.sock
+expect 3 "file.sock" march list --socket file.sock
+
+expect 2 'unknown verb "sumbit", did you mean "submit"?' march sumbit
+expect 2 "unknown option --wiat, did you mean --wait?" march submit --wiat "$cloud"
+expect 2 "expected ID" march show
+expect 2 'expected a job id such as 7, got "x"' march show x
+expect 2 "expected a priority in [0, 100]" march prio 1 200
+expect 2 "usage: march VERB" march
+expect 0 "Example:" march render --help
+expect 0 "march retry 7" march help retry
+expect 0 '"name":"submit"' march help --json
+expect 0 "march " march version
+expect 0 '{"version":"' march version --json
+
+expect 1 "$scratch/none: the worker cannot be started" march render "$cloud" --worker-program "$scratch/none"
+expect 1 "march-worker ended with exit status 1" march render "$cloud" --worker-program /bin/false
+expect 1 "march-worker ended with exit status 1" march explain "$cloud" --worker-program /bin/false
+expect 2 "output.path" march render "$cloud" --out ../cloud.####.exr --worker-program /bin/false
+expect 2 "output.path" march render "$cloud" --out cloud.exr --worker-program /bin/false
+expect 2 "frames: " march render "$cloud" --frames 1:10 --worker-program /bin/false
+expect 2 "none.####.exr: no such files" march preview 'none.####.exr'
+expect 2 "expected NAME.png or NAME.mp4" march preview file.sock --out sheet.jpg
+expect_stdout ""
+
+[ "$failures" -eq 0 ]
