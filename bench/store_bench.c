@@ -1,4 +1,4 @@
-// What durability costs: frames per second with the store committing, submit latency, and restarts with a million frames.
+// What durability costs: frames per second with the store committing, submit latency, restarts with a million frames.
 #include "core/alloc.h"
 #include "core/error.h"
 #include "daemon/queue.h"

@@ -1,4 +1,4 @@
-// How many frames a worker gets at once: enough that handing them out costs next to nothing, few enough to share the end.
+// How many frames a worker gets at once: enough that handing them out costs nothing, few enough to share the end.
 #pragma once
 
 #include <stddef.h>
@@ -14,7 +14,7 @@ struct dispatch_load {
     size_t in_hand; // frames this worker was given and has not rendered (nor skipped) yet; encoding ones do not count
 };
 
-// How many frames to give the worker now; 0: none yet, ask again when it has rendered one. With long frames it holds the
-// one it renders and gets the next on frame.rendered, while that one is encoded; with short ones it is topped up to a
-// chunk when half of it is gone.
+// How many frames to give the worker now; 0: none yet, ask again when it has rendered one. With long frames it holds
+// the one it renders and gets the next on frame.rendered, while that one is encoded; with short ones it is topped up
+// to a chunk when half of it is gone.
 size_t dispatch_count(const struct dispatch_load *load);

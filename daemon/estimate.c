@@ -47,8 +47,10 @@ double estimate_median_s(struct estimate *estimate)
 
 double estimate_eta_s(struct estimate *estimate, int64_t left, int workers)
 {
+    int64_t rounds; // the last one takes as long as a full one
+
     if (left <= 0) return 0;
     if (workers < 1 || estimate->count == 0) return -1;
-    // The last round takes as long as a full one.
-    return estimate_median_s(estimate) * (double)((left + workers - 1) / workers);
+    rounds = (left + workers - 1) / workers;
+    return estimate_median_s(estimate) * (double)rounds;
 }

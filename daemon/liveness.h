@@ -45,7 +45,7 @@ void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms);
 enum { LIVENESS_REASON_SIZE = 160 };
 
 // To be called about once a second. `median_s` of `known` durations belongs to the job of the frame it renders. On
-// anything but LIVENESS_ALIVE `reason` says what was missed, as in "no message for 10 s". When the caller itself is late
-// (stopped, or its loop blocked), the clocks stand still for that time: what it did not read is not the worker's silence.
+// anything but LIVENESS_ALIVE `reason` says what was missed, as in "no message for 10 s". When the caller itself is
+// late (stopped, or its loop blocked), the clocks stand still for that time: what it did not read is no silence.
 enum liveness_verdict liveness_check(struct liveness *liveness, double median_s, size_t known, int64_t now_ms,
                                      char reason[static LIVENESS_REASON_SIZE]);

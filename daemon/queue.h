@@ -92,19 +92,19 @@ bool queue_job_is_live(const struct queue_job *job); // queued, running or pause
 size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tickets, size_t max);
 struct queue_job *queue_next_job(struct queue *queue); // whose frames queue_take would take; NULL: it would take none
 
-// The ticket of a message that names a job, a frame's number and an attempt. False when the queue has no such job or the
-// job no such frame; that the attempt is the running one is queue_owns' to say.
+// The ticket of a message that names a job, a frame's number and an attempt. False when the queue has no such job or
+// the job no such frame; that the attempt is the running one is queue_owns' to say.
 bool queue_ticket_for(const struct queue *queue, int64_t job, int32_t frame, int32_t attempt,
                       struct queue_ticket *ticket);
 
-// True while that attempt of the frame is the running one. Everything below that takes a ticket does nothing and returns
-// false otherwise: a late answer harms nothing.
+// True while that attempt of the frame is the running one. Everything below that takes a ticket does nothing and
+// returns false otherwise: a late answer harms nothing.
 bool queue_owns(const struct queue *queue, const struct queue_ticket *ticket);
 bool queue_begin_publish(struct queue *queue, const struct queue_ticket *ticket); // false also when it is publishing
 bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket);       // also from publishing
 bool queue_skip(struct queue *queue, const struct queue_ticket *ticket);
 // The attempt failed: the frame is queued again, or failed (*is_final, may be NULL) when it had its attempts, or when
-// `final` says so. A frame that was publishing when its job was canceled or failed becomes that, here and in queue_return.
+// `final` says so. A frame that was publishing when its job was canceled or failed becomes that; also in queue_return.
 bool queue_fail(struct queue *queue, const struct queue_ticket *ticket, bool final, bool *is_final);
 // The frame goes back and the attempt does not count against max_attempts, yet its number is not used again.
 bool queue_return(struct queue *queue, const struct queue_ticket *ticket);

@@ -22,8 +22,8 @@ enum retry_action {
     RETRY_PAUSE_JOB   // queue_return and queue_pause, the fault's text as the job's reason
 };
 
-// `is_started`: the worker had begun the frame; what only waited in its hand is not to blame. `tries` counts the attempt
-// that failed (struct queue_frame).
+// `is_started`: the worker had begun the frame; what only waited in its hand is not to blame. `tries` counts the
+// attempt that failed (struct queue_frame).
 enum retry_action retry_decide(enum retry_fault fault, bool is_started, int tries, int max_attempts);
 
 // Of a slot whose worker cannot start, or dies before it finishes a frame. The zero value waits for nothing.

@@ -23,7 +23,7 @@ enum store_op_kind {
 };
 
 // A frame has a row once it left the queue for good or is being published; a queued or running frame has none, so a
-// million queued frames cost a line. The frames without a row of a canceled or failed job are canceled or failed as it is:
+// million queued frames cost a line. The frames without a row of a canceled or failed job are as it is:
 // before a retry lets some of its frames live again, STORE_MARK_FRAMES writes down the others.
 struct store_job {
     int64_t id;
@@ -98,6 +98,6 @@ bool store_commit(struct store *store, const struct store_op *ops, size_t op_cou
 // Called once a row; what they are given is lent for the call. False stops with the callback's error.
 typedef bool store_on_job(void *user, const struct store_job *job, struct error *error);
 typedef bool store_on_frame(void *user, const struct store_frame *frame, struct error *error);
-// All jobs by id, then all frames by job and index. Of a frame with no publish intent only job, index, state and attempts
-// are set: a restart needs no more, and a million rows are read in a second.
+// All jobs by id, then all frames by job and index. Of a frame with no publish intent only job, index, state and
+// attempts are set: a restart needs no more, and a million rows are read in a second.
 bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error);

@@ -3,6 +3,6 @@
 
 struct error;
 
-// Makes `folder` with mode 0700 if it is missing (its parent must exist) and locks it as long as the descriptor is open;
+// Makes `folder` with mode 0700 if it is missing (its parent must exist) and locks it while the descriptor is open;
 // -1 on failure.
 int store_lock_take(const char *folder, struct error *error);
