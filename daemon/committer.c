@@ -33,12 +33,9 @@ struct committer {
     uv_work_t work;
     struct commit_batch gathering, in_flight;
     bool is_working; // `work` is queued: in_flight belongs to its thread
-    bool is_closed;
     bool has_failed;
     bool result;
     struct error error;
-    void (*on_idle)(void *user);
-    void *idle_user; // borrowed
 };
 
 static void start_batch(struct committer *committer);
@@ -90,9 +87,14 @@ void committer_put(struct committer *committer, enum commit_policy policy, struc
     start_batch(committer);
 }
 
+size_t committer_waiting(const struct committer *committer)
+{
+    return committer->gathering.op_count + committer->in_flight.op_count;
+}
+
 bool committer_is_idle(const struct committer *committer)
 {
-    return !committer->is_working && committer->gathering.op_count == 0 && committer->in_flight.op_count == 0;
+    return !committer->is_working && committer_waiting(committer) == 0;
 }
 
 const char *committer_trouble(const struct committer *committer)
@@ -100,21 +102,9 @@ const char *committer_trouble(const struct committer *committer)
     return committer->has_failed ? committer->error.message : NULL;
 }
 
-void committer_on_idle(struct committer *committer, void (*on_idle)(void *user), void *user)
+void committer_close(struct committer *committer)
 {
-    committer->on_idle = on_idle;
-    committer->idle_user = user;
-}
-
-static void on_timer_closed(uv_handle_t *handle)
-{
-    ((struct committer *)handle->data)->is_closed = true;
-}
-
-size_t committer_close(struct committer *committer)
-{
-    uv_close((uv_handle_t *)&committer->retry_timer, on_timer_closed);
-    return committer->gathering.op_count + committer->in_flight.op_count;
+    uv_close((uv_handle_t *)&committer->retry_timer, NULL);
 }
 
 static void start_batch(struct committer *committer)
@@ -205,7 +195,6 @@ static void on_commit_done(uv_work_t *work, int status)
         settle_success(committer);
     else
         settle_failure(committer);
-    if (committer->on_idle && committer_is_idle(committer)) committer->on_idle(committer->idle_user);
 }
 
 static void on_retry(uv_timer_t *timer)

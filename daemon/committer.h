@@ -22,13 +22,11 @@ enum commit_policy {
 typedef void committer_on_done(void *user, bool ok, const struct error *error);
 
 struct committer *committer_create(uv_loop_t *loop, struct store *store); // the store is lent until destroy
-void committer_destroy(struct committer *committer);                      // legal once idle and closed; accepts NULL
+void committer_destroy(struct committer *committer);                      // after the loop closed its handles; accepts NULL
 // Moves `op_count` ops in. They are committed together, in the order of the calls. `on_done` is called on the loop.
 void committer_put(struct committer *committer, enum commit_policy policy, struct store_op *ops, size_t op_count,
                    committer_on_done *on_done, void *user);
+size_t committer_waiting(const struct committer *committer); // ops that are not on disk yet
 bool committer_is_idle(const struct committer *committer);
 const char *committer_trouble(const struct committer *committer); // why the last try failed; NULL: it did not
-// `on_idle` is called after each commit that leaves nothing to do; NULL: nobody waits.
-void committer_on_idle(struct committer *committer, void (*on_idle)(void *user), void *user);
-// Stops the retries and closes the timer; ops that are still here will never reach the disk. Returns how many.
-size_t committer_close(struct committer *committer);
+void committer_close(struct committer *committer); // legal once idle

@@ -78,24 +78,21 @@ struct store_op job_record_format_op(const struct job_record *record)
 }
 
 // Walks the range with fewer frames, for each could name a file of the other.
-static bool ranges_collide(const struct output_path *path, const struct frame_range *frames,
-                           const struct output_path *other_path, const struct frame_range *other, int32_t *frame)
+static bool ranges_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
 {
-    bool is_smaller = frame_range_count(frames) <= frame_range_count(other);
-    const struct output_path *walked_path = is_smaller ? path : other_path;
-    const struct output_path *asked_path = is_smaller ? other_path : path;
-    const struct frame_range *walked = is_smaller ? frames : other;
-    const struct frame_range *asked = is_smaller ? other : frames;
-    int64_t count = frame_range_count(walked);
+    bool is_smaller = frame_range_count(files->frames) <= frame_range_count(others->frames);
+    const struct job_files *walked = is_smaller ? files : others;
+    const struct job_files *asked = is_smaller ? others : files;
+    int64_t count = frame_range_count(walked->frames);
     char name[OUTPUT_NAME_SIZE];
 
     for (int64_t i = 0; i < count; i++) {
-        int32_t number = frame_range_at(walked, i);
+        int32_t number = frame_range_at(walked->frames, i);
         int32_t twin;
 
-        output_path_format_name(walked_path, number, name);
-        twin = output_path_frame_of(asked_path, name);
-        if (twin < 0 || frame_range_index(asked, twin) < 0) continue;
+        output_path_format_name(walked->path, number, name);
+        twin = output_path_frame_of(asked->path, name);
+        if (twin < 0 || frame_range_index(asked->frames, twin) < 0) continue;
         *frame = is_smaller ? number : twin;
         return true;
     }
@@ -108,30 +105,34 @@ static char *folder_below(const char *root, const char *folder)
 }
 
 // Jobs of an earlier start may have had another root: then the folders are compared in full.
-static bool may_collide(const char *root, const struct output_path *path, const struct job_record *record)
+static bool may_collide(const struct job_files *files, const struct job_files *others)
 {
-    struct output_path full = *path, other = record->path;
+    struct output_path path = *files->path, other = *others->path;
     bool collides;
 
-    if (strcmp(root, record->root) == 0) return output_path_may_collide(path, &record->path);
-    full.folder = folder_below(root, path->folder);
-    other.folder = folder_below(record->root, record->path.folder);
-    collides = output_path_may_collide(&full, &other);
-    free(full.folder);
+    if (strcmp(files->root, others->root) == 0) return output_path_may_collide(&path, &other);
+    path.folder = folder_below(files->root, path.folder);
+    other.folder = folder_below(others->root, other.folder);
+    collides = output_path_may_collide(&path, &other);
+    free(path.folder);
     free(other.folder);
     return collides;
 }
 
-struct job_record *job_table_find_collision(const struct job_table *table, const char *root,
-                                            const struct output_path *path, const struct frame_range *frames,
-                                            int32_t *frame)
+bool job_files_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
+{
+    return may_collide(files, others) && ranges_collide(files, others, frame);
+}
+
+struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files, int32_t *frame)
 {
     for (size_t i = 0; i < table->count; i++) {
         struct job_record *record = table->records[i];
+        struct job_files others = {record->root, &record->path, &record->queued->frames};
 
+        if (others.frames == files->frames) continue;
         if (!queue_job_is_live(record->queued) && record->in_hand == 0) continue;
-        if (!may_collide(root, path, record)) continue;
-        if (ranges_collide(path, frames, &record->path, &record->queued->frames, frame)) return record;
+        if (job_files_collide(files, &others, frame)) return record;
     }
     return NULL;
 }

@@ -22,11 +22,13 @@ struct job_record {
     char *reason;                                  // owned; why it is paused or failed; NULL: none
     struct estimate estimate;
     int in_hand;       // frames that workers hold or that are being published
-    bool is_ending;    // it ended; its leftovers are being removed
-    bool is_settled;   // it ended, and that is on its way to the store: finished_ms may be written
+    bool is_ending;    // it ended, and nobody holds a frame of it
+    bool is_sweeping;  // its leftovers are being removed
+    bool is_settled;   // they are: finished_ms may be written
     enum job_state told_state; // what subscribers were told last
     int64_t told_ms;           // and when; monotonic
     bool is_changed;           // since then
+    bool restored_canceled, restored_failed; // while a store is loaded: what its row says
 };
 
 // The zero value is empty. Ascending by id.
@@ -42,8 +44,15 @@ struct job_record *job_table_find(const struct job_table *table, int64_t id); //
 void job_record_set_reason(struct job_record *record, const char *reason); // copies; NULL: none
 // An op that stores what may change of the job.
 struct store_op job_record_format_op(const struct job_record *record);
-// The first live job that writes a file which `frames` at `path` below `root` would write too; NULL: none. `*frame` is
-// the number whose file it is for them.
-struct job_record *job_table_find_collision(const struct job_table *table, const char *root,
-                                            const struct output_path *path, const struct frame_range *frames,
-                                            int32_t *frame);
+
+// The files a job writes. Borrowed.
+struct job_files {
+    const char *root;
+    const struct output_path *path;
+    const struct frame_range *frames;
+};
+
+// True when they have a file in common; `*frame` is its frame in `files`.
+bool job_files_collide(const struct job_files *files, const struct job_files *others, int32_t *frame);
+// The first other job that is live, or whose frames are still in hand, and collides with `files`; NULL: none.
+struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files, int32_t *frame);

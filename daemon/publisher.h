@@ -25,6 +25,7 @@ enum publish_outcome {
 struct publish_request {
     struct job_record *record; // borrowed; outlives us
     struct queue_ticket ticket;
+    int worker;    // that made it
     int64_t epoch; // whose part file it is
     struct published_file file;
     double render_s, encode_s;

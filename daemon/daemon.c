@@ -1,0 +1,233 @@
+#include "daemon/daemon.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "daemon/committer.h"
+#include "daemon/events.h"
+#include "daemon/farm.h"
+#include "daemon/feed.h"
+#include "daemon/folders.h"
+#include "daemon/frame_life.h"
+#include "daemon/listener.h"
+#include "daemon/options.h"
+#include "daemon/publisher.h"
+#include "daemon/requests.h"
+#include "daemon/restore.h"
+#include "daemon/store.h"
+#include "daemon/store_reader.h"
+#include "daemon/sweeper.h"
+#include "daemon/worker_pool.h"
+
+#include <assert.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <systemd/sd-daemon.h>
+#include <unistd.h>
+
+enum { GIVE_UP_MS = 5000 }; // on a store that does not commit, when stopping
+
+enum daemon_phase {
+    DAEMON_RUNNING,
+    DAEMON_STOPPING, // workers finish what they began
+    DAEMON_FLUSHING, // what they made is published and committed
+    DAEMON_CLOSING   // handles are being closed
+};
+
+struct daemon {
+    uv_loop_t loop;
+    struct farm farm;
+    struct store *store;
+    struct listener *listener;
+    uv_signal_t terminate, interrupt;
+    uv_prepare_t turn; // at the end of each turn of the loop
+    enum daemon_phase phase;
+    int64_t flushing_since_ms;
+};
+
+static void on_message(void *user, struct client *client, const struct message *message);
+static void on_client_gone(void *user, struct client *client);
+static void on_turn(uv_prepare_t *turn);
+static void on_signal(uv_signal_t *handle, int signal_number);
+
+static bool open_store(struct daemon *daemon, const struct options *options, struct error *error)
+{
+    if (!folders_make(options->state_folder, 0700, error) || !folders_make(options->output_root, 0755, error))
+        return false;
+    daemon->store = store_open(options->state_folder, error);
+    if (!daemon->store) return false;
+    daemon->farm.reader = store_reader_open(options->state_folder, error);
+    return daemon->farm.reader != NULL;
+}
+
+static void create_modules(struct daemon *daemon, const struct options *options)
+{
+    struct farm *farm = &daemon->farm;
+    int slots = options->worker_count ? options->worker_count : (int)uv_available_parallelism();
+
+    farm->committer = committer_create(farm->loop, daemon->store);
+    farm->publisher = publisher_create(farm->loop, farm->committer, frame_life_on_published, farm);
+    farm->sweeper = sweeper_create(farm->loop, farm_on_swept, farm);
+    farm->events = events_create(farm);
+    farm->pool = worker_pool_create(farm, slots);
+    uv_signal_init(farm->loop, &daemon->terminate);
+    uv_signal_init(farm->loop, &daemon->interrupt);
+    uv_prepare_init(farm->loop, &daemon->turn);
+    daemon->terminate.data = daemon->interrupt.data = daemon->turn.data = daemon;
+}
+
+static bool listen_for_clients(struct daemon *daemon, const struct options *options, struct error *error)
+{
+    struct listener_handlers handlers = {.on_message = on_message, .on_gone = on_client_gone, .user = daemon};
+
+    daemon->listener = listener_open(&daemon->loop, options->socket_path, &handlers, error);
+    return daemon->listener != NULL;
+}
+
+static void start(struct daemon *daemon)
+{
+    uv_signal_start(&daemon->terminate, on_signal, SIGTERM);
+    uv_signal_start(&daemon->interrupt, on_signal, SIGINT);
+    uv_prepare_start(&daemon->turn, on_turn);
+    worker_pool_start(daemon->farm.pool);
+    restore_wind_up(&daemon->farm);
+    farm_want_feed(&daemon->farm);
+    log_info("marchd %s: %zu jobs, %lld frames queued, output below %s", MARCHD_VERSION, daemon->farm.jobs.count,
+             (long long)queue_count(daemon->farm.queue, FRAME_QUEUED), daemon->farm.options->output_root);
+    sd_notify(0, "READY=1");
+}
+
+static void close_all(struct daemon *daemon)
+{
+    daemon->phase = DAEMON_CLOSING;
+    if (daemon->listener) listener_close(daemon->listener);
+    worker_pool_close(daemon->farm.pool);
+    events_close(daemon->farm.events);
+    committer_close(daemon->farm.committer);
+    uv_close((uv_handle_t *)&daemon->terminate, NULL);
+    uv_close((uv_handle_t *)&daemon->interrupt, NULL);
+    uv_close((uv_handle_t *)&daemon->turn, NULL);
+}
+
+struct daemon *daemon_create(const struct options *options, struct error *error)
+{
+    struct daemon *daemon = xcalloc(1, sizeof *daemon);
+    struct farm *farm = &daemon->farm;
+
+    uv_loop_init(&daemon->loop);
+    farm->loop = &daemon->loop;
+    farm->options = options;
+    farm->queue = queue_create(options->max_attempts);
+    farm->started_ms = farm_clock_ms();
+    farm->owner_uid = geteuid();
+    if (!open_store(daemon, options, error) || !restore_farm(farm, daemon->store, error)) {
+        daemon_destroy(daemon);
+        return NULL;
+    }
+    create_modules(daemon, options);
+    if (!listen_for_clients(daemon, options, error)) {
+        close_all(daemon);
+        daemon_destroy(daemon);
+        return NULL;
+    }
+    start(daemon);
+    return daemon;
+}
+
+void daemon_run(struct daemon *daemon)
+{
+    uv_run(&daemon->loop, UV_RUN_DEFAULT);
+}
+
+void daemon_destroy(struct daemon *daemon)
+{
+    struct farm *farm;
+    int status;
+
+    if (!daemon) return;
+    farm = &daemon->farm;
+    uv_run(&daemon->loop, UV_RUN_DEFAULT);
+    worker_pool_destroy(farm->pool);
+    events_destroy(farm->events);
+    sweeper_destroy(farm->sweeper);
+    publisher_destroy(farm->publisher);
+    committer_destroy(farm->committer);
+    queue_destroy(farm->queue);
+    job_table_finish(&farm->jobs);
+    store_reader_close(farm->reader);
+    store_close(daemon->store);
+    status = uv_loop_close(&daemon->loop);
+    assert(status == 0);
+    (void)status;
+    free(daemon);
+}
+
+static void on_message(void *user, struct client *client, const struct message *message)
+{
+    struct daemon *daemon = user;
+
+    requests_handle(&daemon->farm, client, message);
+}
+
+static void on_client_gone(void *user, struct client *client)
+{
+    struct daemon *daemon = user;
+
+    events_forget(daemon->farm.events, client);
+}
+
+static void begin_stop(struct daemon *daemon)
+{
+    log_info("stopping: running frames get %lld s", (long long)daemon->farm.options->stop_timeout_ms / 1000);
+    sd_notify(0, "STOPPING=1");
+    daemon->phase = DAEMON_STOPPING;
+    listener_stop(daemon->listener);
+    worker_pool_stop(daemon->farm.pool, daemon->farm.options->stop_timeout_ms);
+}
+
+static void on_signal(uv_signal_t *handle, int signal_number)
+{
+    struct daemon *daemon = handle->data;
+
+    if (daemon->phase == DAEMON_RUNNING) {
+        begin_stop(daemon);
+        return;
+    }
+    log_warn("stopped at once by a second signal");
+    _exit(128 + signal_number);
+}
+
+static bool is_flushed(const struct farm *farm)
+{
+    return publisher_is_idle(farm->publisher) && sweeper_is_idle(farm->sweeper) && !farm->submits &&
+           committer_is_idle(farm->committer);
+}
+
+// What is published has its intent on disk, so a restart brings its result back.
+static void give_up_on_store(const struct daemon *daemon)
+{
+    const char *trouble = committer_trouble(daemon->farm.committer);
+
+    if (!trouble || farm_now_ms(&daemon->farm) - daemon->flushing_since_ms < GIVE_UP_MS) return;
+    log_error("stopped with %zu changes that the store could not commit: %s",
+              committer_waiting(daemon->farm.committer), trouble);
+    _exit(1);
+}
+
+static void on_turn(uv_prepare_t *turn)
+{
+    struct daemon *daemon = turn->data;
+
+    if (daemon->phase == DAEMON_RUNNING && daemon->farm.wants_feed) {
+        daemon->farm.wants_feed = false;
+        feed_workers(&daemon->farm);
+    }
+    if (daemon->phase == DAEMON_STOPPING && worker_pool_is_empty(daemon->farm.pool)) {
+        daemon->phase = DAEMON_FLUSHING;
+        daemon->flushing_since_ms = farm_now_ms(&daemon->farm);
+    }
+    if (daemon->phase == DAEMON_FLUSHING && is_flushed(&daemon->farm))
+        close_all(daemon);
+    else if (daemon->phase == DAEMON_FLUSHING)
+        give_up_on_store(daemon);
+}

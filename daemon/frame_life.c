@@ -1,0 +1,290 @@
+#include "daemon/frame_life.h"
+
+#include "core/alloc.h"
+#include "core/log.h"
+#include "daemon/committer.h"
+#include "daemon/events.h"
+#include "daemon/farm.h"
+#include "daemon/options.h"
+#include "daemon/publisher.h"
+#include "daemon/retry.h"
+#include "daemon/sweeper.h"
+#include "daemon/worker_pool.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EXIT_AFTER_FAULT_MS = 10000 };
+
+// An attempt that did not make its frame.
+struct attempt_end {
+    struct job_record *record;
+    struct queue_ticket ticket;
+    enum retry_fault fault;
+    bool is_started;
+    bool has_row; // a publish intent is in the store
+    int worker;
+    const char *error;
+    const char *log;
+};
+
+static void put_silent(struct farm *farm, struct store_op op)
+{
+    committer_put(farm->committer, COMMIT_SILENT, &op, 1, NULL, NULL);
+}
+
+static void store_attempt(struct farm *farm, const struct attempt_end *end, const char *outcome)
+{
+    struct store_op op = {.kind = STORE_ADD_ATTEMPT,
+                          .attempt = {.job = end->ticket.job,
+                                      .frame = end->ticket.frame,
+                                      .attempt = end->ticket.attempt,
+                                      .worker = end->worker,
+                                      .ended_ms = farm_clock_ms(),
+                                      .log = xstrdup(end->log)}};
+
+    strncpy(op.attempt.outcome, outcome, sizeof op.attempt.outcome - 1);
+    put_silent(farm, op);
+}
+
+static void store_failed_frame(struct farm *farm, const struct attempt_end *end)
+{
+    put_silent(farm, (struct store_op){.kind = STORE_SET_FRAME,
+                                       .frame = {.job = end->ticket.job,
+                                                 .index = end->ticket.index,
+                                                 .state = FRAME_FAILED,
+                                                 .attempts = end->ticket.attempt,
+                                                 .epoch = farm->epoch,
+                                                 .error = xstrdup(end->error)}});
+}
+
+static void remove_row(struct farm *farm, const struct attempt_end *end)
+{
+    struct store_op op = {.kind = STORE_RESET_FRAMES, .reset = {.job = end->ticket.job, .count = 1}};
+
+    op.reset.indices = xmalloc(sizeof op.reset.indices[0]);
+    op.reset.indices[0] = end->ticket.index;
+    put_silent(farm, op);
+}
+
+static void fail_job(struct farm *farm, const struct attempt_end *end)
+{
+    job_record_set_reason(end->record, end->error);
+    queue_fail_job(farm->queue, end->record->queued);
+    worker_pool_drop_job(farm->pool, end->record->id, true);
+    farm_store_job(farm, end->record);
+}
+
+static void pause_job(struct farm *farm, const struct attempt_end *end)
+{
+    char *reason;
+
+    queue_return(farm->queue, &end->ticket);
+    if (end->record->queued->is_paused || !queue_job_is_live(end->record->queued)) return;
+    reason = xasprintf("paused: output: %s", end->error);
+    job_record_set_reason(end->record, reason);
+    log_warn("job %lld: %s", (long long)end->record->id, reason);
+    free(reason);
+    queue_pause(farm->queue, end->record->queued);
+    worker_pool_drop_job(farm->pool, end->record->id, false);
+    farm_store_job(farm, end->record);
+}
+
+// The ticket owns its frame.
+static void end_attempt(struct farm *farm, const struct attempt_end *end)
+{
+    int tries = end->record->queued->states[end->ticket.index].tries;
+    enum retry_action action = retry_decide(end->fault, end->is_started, tries, farm->options->max_attempts);
+    bool is_final = false;
+
+    switch (action) {
+    case RETRY_FRAME:
+    case RETRY_FAIL_FRAME:
+        queue_fail(farm->queue, &end->ticket, action == RETRY_FAIL_FRAME, &is_final);
+        break;
+    case RETRY_FREE:
+        queue_return(farm->queue, &end->ticket);
+        break;
+    case RETRY_FAIL_JOB:
+        queue_fail(farm->queue, &end->ticket, true, &is_final);
+        fail_job(farm, end);
+        break;
+    case RETRY_PAUSE_JOB:
+        pause_job(farm, end);
+        break;
+    }
+    if (is_final)
+        store_failed_frame(farm, end);
+    else if (end->has_row)
+        remove_row(farm, end);
+    if (end->is_started) {
+        log_info("job %lld frame %d attempt %d: %s", (long long)end->ticket.job, end->ticket.frame, end->ticket.attempt,
+                 end->error);
+        store_attempt(farm, end, end->fault == RETRY_FAULT_LOST ? "lost" : "failed");
+        events_tell_frame(farm->events, &end->ticket, is_final ? FRAME_FAILED : FRAME_QUEUED, end->error);
+    }
+    farm_want_feed(farm);
+}
+
+static void leave_hand(struct job_record *record, struct worker_process *worker, struct hand_frame *frame)
+{
+    hand_remove(&worker->hand, frame);
+    record->in_hand--;
+}
+
+// Since it began, or since the worker's answer before when it came without a beginning.
+static double frame_seconds(struct worker_process *worker)
+{
+    uint64_t now_ns = uv_hrtime();
+    double seconds = (double)(now_ns - worker->answered_ns) * 1e-9;
+
+    worker->answered_ns = now_ns;
+    return seconds > 1e-6 ? seconds : 1e-6;
+}
+
+static void note_finished(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
+                          struct job_record *record, struct hand_frame *frame)
+{
+    struct publish_request request = {.record = record,
+                                      .ticket = frame->ticket,
+                                      .worker = worker->id,
+                                      .epoch = farm->epoch,
+                                      .file = report->file,
+                                      .render_s = report->render_s,
+                                      .encode_s = report->encode_s};
+
+    worker->done++;
+    frame_seconds(worker);
+    if (!queue_begin_publish(farm->queue, &frame->ticket)) {
+        sweeper_remove_part(farm->sweeper, record, frame->ticket.frame, farm->epoch, frame->ticket.attempt);
+        leave_hand(record, worker, frame);
+        return;
+    }
+    hand_remove(&worker->hand, frame);
+    estimate_add(&record->estimate, report->render_s);
+    publisher_put(farm->publisher, &request);
+}
+
+static void note_skipped(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
+                         struct job_record *record, struct hand_frame *frame)
+{
+    struct publish_request request = {
+        .record = record, .ticket = frame->ticket, .epoch = farm->epoch, .file = report->file};
+
+    worker->done++;
+    estimate_add(&record->estimate, frame_seconds(worker));
+    if (queue_skip(farm->queue, &frame->ticket)) {
+        put_silent(farm, publish_request_format_op(&request, FRAME_SKIPPED));
+        events_tell_frame(farm->events, &frame->ticket, FRAME_SKIPPED, NULL);
+    }
+    leave_hand(record, worker, frame);
+}
+
+static void note_failed(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
+                        struct job_record *record, struct hand_frame *frame)
+{
+    struct queue_ticket ticket = frame->ticket;
+    char *log = worker_process_format_log(worker, report->error);
+    struct attempt_end end = {.record = record,
+                              .ticket = ticket,
+                              .fault = report->fault,
+                              .is_started = true,
+                              .worker = worker->id,
+                              .error = report->error,
+                              .log = log};
+
+    if (report->fault == RETRY_FAULT_WORKER) worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
+    frame_seconds(worker);
+    leave_hand(record, worker, frame);
+    if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
+    sweeper_remove_part(farm->sweeper, record, ticket.frame, farm->epoch, ticket.attempt);
+    free(log);
+}
+
+void frame_life_note_report(struct farm *farm, struct worker_process *worker, const struct worker_report *report)
+{
+    struct hand_frame *frame = hand_find(&worker->hand, report->job, report->frame, report->attempt);
+    struct job_record *record = job_table_find(&farm->jobs, report->job);
+
+    if (!frame || !record) return;
+    switch (report->kind) {
+    case WORKER_REPORT_STARTED:
+        hand_start(&worker->hand, frame, farm_now_ms(farm));
+        if (queue_owns(farm->queue, &frame->ticket)) events_tell_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
+        return;
+    case WORKER_REPORT_RENDERED:
+        hand_render(&worker->hand, frame);
+        farm_want_feed(farm);
+        return;
+    case WORKER_REPORT_FINISHED:
+        note_finished(farm, worker, report, record, frame);
+        break;
+    case WORKER_REPORT_SKIPPED:
+        note_skipped(farm, worker, report, record, frame);
+        break;
+    case WORKER_REPORT_FAILED:
+        note_failed(farm, worker, report, record, frame);
+        break;
+    default:
+        queue_return(farm->queue, &frame->ticket);
+        leave_hand(record, worker, frame);
+        break;
+    }
+    farm_want_feed(farm);
+    farm_note_change(farm, record);
+}
+
+void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, const char *reason)
+{
+    char *log = worker_process_format_log(worker, reason);
+
+    while (worker->hand.count > 0) {
+        struct hand_frame frame = worker->hand.frames[0];
+        struct job_record *record = job_table_find(&farm->jobs, frame.ticket.job);
+        struct attempt_end end = {.record = record,
+                                  .ticket = frame.ticket,
+                                  .fault = RETRY_FAULT_LOST,
+                                  .is_started = frame.is_started,
+                                  .worker = worker->id,
+                                  .error = reason,
+                                  .log = log};
+
+        leave_hand(record, worker, &worker->hand.frames[0]);
+        if (frame.is_started)
+            sweeper_remove_part(farm->sweeper, record, frame.ticket.frame, farm->epoch, frame.ticket.attempt);
+        if (queue_owns(farm->queue, &frame.ticket)) end_attempt(farm, &end);
+        farm_note_change(farm, record);
+    }
+    free(log);
+}
+
+static void note_unpublished(struct farm *farm, const struct publish_request *request)
+{
+    struct attempt_end end = {.record = request->record,
+                              .ticket = request->ticket,
+                              .fault = request->outcome == PUBLISH_OUTCOME_BAD_FOLDER ? RETRY_FAULT_OUTPUT
+                                                                                       : RETRY_FAULT_FRAME,
+                              .is_started = true,
+                              .has_row = true,
+                              .worker = request->worker,
+                              .error = request->error.message,
+                              .log = request->error.message};
+
+    end_attempt(farm, &end);
+    sweeper_remove_part(farm->sweeper, request->record, request->ticket.frame, request->epoch, request->ticket.attempt);
+}
+
+void frame_life_on_published(void *user, const struct publish_request *request)
+{
+    struct farm *farm = user;
+
+    request->record->in_hand--;
+    if (request->outcome != PUBLISH_OUTCOME_DONE) {
+        note_unpublished(farm, request);
+    } else if (queue_succeed(farm->queue, &request->ticket)) {
+        put_silent(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
+        events_tell_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
+    }
+    farm_note_change(farm, request->record);
+}

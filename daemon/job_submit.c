@@ -1,0 +1,211 @@
+#include "daemon/job_submit.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/job.h"
+#include "core/job_json.h"
+#include "core/json_write.h"
+#include "core/log.h"
+#include "daemon/client.h"
+#include "daemon/committer.h"
+#include "daemon/events.h"
+#include "daemon/farm.h"
+#include "daemon/options.h"
+#include "daemon/requests.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// A job on its way in.
+struct job_submit {
+    struct farm *farm; // borrowed; outlives us
+    struct answer *answer; // owned
+    uv_work_t work;
+    struct store_job row; // owned, until it moves into the commit
+    struct frame_range frames; // owned
+    struct output_path path;   // owned
+    bool folder_ok;
+    struct error error;
+    struct job_submit *next; // on the farm's list of submits
+};
+
+static void on_folder_run(uv_work_t *work);
+static void on_folder_done(uv_work_t *work, int status);
+static void on_committed(void *user, bool ok, const struct error *error);
+
+static void submit_destroy(struct job_submit *submit)
+{
+    struct job_submit **link = &submit->farm->submits;
+    struct store_op op = {.kind = STORE_ADD_JOB, .job = submit->row};
+
+    while (*link && *link != submit)
+        link = &(*link)->next;
+    if (*link) *link = submit->next;
+    store_op_finish(&op);
+    frame_range_finish(&submit->frames);
+    output_path_finish(&submit->path);
+    free(submit);
+}
+
+static void refuse(struct job_submit *submit, enum message_code code, const char *text)
+{
+    answer_send_error(submit->answer, code, text);
+    submit_destroy(submit);
+}
+
+static bool fail_collision(struct request *request, const struct output_path *path, int32_t frame, int64_t id,
+                           const char *name)
+{
+    char file[OUTPUT_NAME_SIZE];
+
+    output_path_format_name(path, frame, file);
+    if (id)
+        request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: job %lld (\"%s\") writes %s too", (long long)id, name,
+                     file);
+    else
+        request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: a job just submitted (\"%s\") writes %s too", name, file);
+    return false;
+}
+
+static bool check_collisions(struct request *request, const struct job *job)
+{
+    const struct farm *farm = request->farm;
+    const struct job_files files = {farm->options->output_root, &job->output.path, &job->frames};
+    const struct job_record *record;
+    int32_t frame;
+
+    record = job_table_find_collision(&farm->jobs, &files, &frame);
+    if (record) return fail_collision(request, files.path, frame, record->id, record->name);
+    for (const struct job_submit *submit = farm->submits; submit; submit = submit->next) {
+        const struct job_files others = {submit->row.root, &submit->path, &submit->frames};
+
+        if (job_files_collide(&files, &others, &frame))
+            return fail_collision(request, files.path, frame, submit->row.id, submit->row.name);
+    }
+    return true;
+}
+
+// Takes over what it needs of `job`.
+static struct job_submit *create_submit(const struct request *request, struct job *job, char *owned_document, bool paused)
+{
+    struct job_submit *submit = xcalloc(1, sizeof *submit);
+
+    submit->farm = request->farm;
+    submit->answer = answer_owe(request);
+    submit->row = (struct store_job){.document = owned_document,
+                                     .name = xstrdup(job->name),
+                                     .owner = xstrdup(request->client->user),
+                                     .owner_uid = request->client->uid,
+                                     .priority = job->priority,
+                                     .is_paused = paused,
+                                     .submitted_ms = farm_clock_ms(),
+                                     .root = xstrdup(request->farm->options->output_root)};
+    submit->frames = job->frames;
+    submit->path = job->output.path;
+    job->frames = (struct frame_range){0};
+    job->output.path = (struct output_path){0};
+    return submit;
+}
+
+bool job_submit_start(struct request *request, const struct json_node *document, bool paused)
+{
+    struct farm *farm = request->farm;
+    struct job job = {0};
+    struct job_submit *submit;
+    char *text = NULL;
+    bool ok = false;
+
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!job_from_json(&job, document, farm->options->output_root, &request->error)) goto out;
+    if (!check_collisions(request, &job)) goto out;
+    text = json_format(document);
+    submit = create_submit(request, &job, text, paused);
+    submit->work.data = submit;
+    submit->next = farm->submits;
+    farm->submits = submit;
+    uv_queue_work(farm->loop, &submit->work, on_folder_run, on_folder_done);
+    ok = true;
+out:
+    job_finish(&job);
+    return ok;
+}
+
+static void on_folder_run(uv_work_t *work)
+{
+    struct job_submit *submit = work->data;
+    int folder = output_path_open_folder(&submit->path, submit->row.root, true, &submit->error);
+
+    submit->folder_ok = folder >= 0;
+    if (folder >= 0) close(folder);
+}
+
+static struct store_op format_op(const struct job_submit *submit)
+{
+    struct store_op op = {.kind = STORE_ADD_JOB, .job = submit->row};
+
+    op.job.name = xstrdup(submit->row.name);
+    op.job.owner = xstrdup(submit->row.owner);
+    op.job.root = xstrdup(submit->row.root);
+    if (submit->row.is_paused) op.job.reason = xasprintf("paused by %s", submit->row.owner);
+    return op;
+}
+
+static void on_folder_done(uv_work_t *work, int status)
+{
+    struct job_submit *submit = work->data;
+    struct store_op op;
+
+    if (!submit->folder_ok) {
+        error_prefix(&submit->error, "output.path");
+        refuse(submit, MESSAGE_CODE_PARAMS, submit->error.message);
+        return;
+    }
+    submit->row.id = submit->farm->next_job_id++;
+    op = format_op(submit);
+    submit->row.document = NULL;
+    committer_put(submit->farm->committer, COMMIT_OR_DROP, &op, 1, on_committed, submit);
+}
+
+static struct job_record *queue_submit(struct job_submit *submit)
+{
+    struct farm *farm = submit->farm;
+    struct store_job *row = &submit->row;
+    struct job_record *record = job_table_add(&farm->jobs, row->id);
+
+    record->name = row->name;
+    record->owner = row->owner;
+    record->owner_uid = row->owner_uid;
+    record->root = row->root;
+    record->submitted_ms = row->submitted_ms;
+    record->path = submit->path;
+    record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
+    record->told_state = JOB_STATE_COUNT;
+    if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);
+    row->name = row->owner = row->root = NULL;
+    submit->path = (struct output_path){0};
+    return record;
+}
+
+static void on_committed(void *user, bool ok, const struct error *error)
+{
+    struct job_submit *submit = user;
+    struct farm *farm = submit->farm;
+    struct json_writer value = {0};
+    struct job_record *record;
+
+    if (!ok) {
+        refuse(submit, MESSAGE_CODE_STORE, error->message);
+        return;
+    }
+    record = queue_submit(submit);
+    log_info("job %lld (\"%s\"): submitted by %s", (long long)record->id, record->name, record->owner);
+    json_write_begin_object(&value);
+    json_write_integer_member(&value, "id", record->id);
+    json_write_end_object(&value);
+    answer_send_result(submit->answer, &value);
+    json_writer_finish(&value);
+    submit_destroy(submit);
+    farm_want_feed(farm);
+    farm_note_change(farm, record);
+}

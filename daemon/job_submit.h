@@ -1,0 +1,12 @@
+// Takes a job in: checks it, its folder and whose files it would write, commits it, queues it, answers.
+#pragma once
+
+#include "core/json_read.h"
+
+#include <stdbool.h>
+
+struct farm;
+struct request;
+
+// False with request's code and error when the document is refused at once; else the answer comes later.
+bool job_submit_start(struct request *request, const struct json_node *document, bool paused);

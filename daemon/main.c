@@ -1,0 +1,78 @@
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "daemon/daemon.h"
+#include "daemon/options.h"
+
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { EXIT_USAGE = 2 };
+
+static void find_program_folder(char folder[static PATH_MAX])
+{
+    ssize_t length = readlink("/proc/self/exe", folder, PATH_MAX - 1);
+    char *slash;
+
+    folder[length > 0 ? length : 0] = '\0';
+    slash = strrchr(folder, '/');
+    if (slash) *slash = '\0';
+}
+
+static bool read_options(struct options *options, int argc, char **argv, struct error *error)
+{
+    char program_folder[PATH_MAX];
+    char current_folder[PATH_MAX];
+    struct options_surroundings surroundings = {.home = getenv("HOME"),
+                                                .xdg_state_home = getenv("XDG_STATE_HOME"),
+                                                .xdg_runtime_dir = getenv("XDG_RUNTIME_DIR"),
+                                                .marchd_socket = getenv("MARCHD_SOCKET"),
+                                                .current_folder = current_folder,
+                                                .program_folder = program_folder,
+                                                .is_root = geteuid() == 0};
+
+    find_program_folder(program_folder);
+    if (!getcwd(current_folder, sizeof current_folder)) strcpy(current_folder, "/");
+    return options_parse(options, argc, argv, &surroundings, error);
+}
+
+static int run(const struct options *options)
+{
+    struct error error = {0};
+    struct daemon *daemon;
+
+    log_set_level(options->log_level);
+    signal(SIGPIPE, SIG_IGN);
+    daemon = daemon_create(options, &error);
+    if (!daemon) {
+        log_error("%s", error.message);
+        return EXIT_FAILURE;
+    }
+    daemon_run(daemon);
+    daemon_destroy(daemon);
+    return EXIT_SUCCESS;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options;
+    struct error error = {0};
+    int status = EXIT_SUCCESS;
+
+    if (!read_options(&options, argc, argv, &error)) {
+        fprintf(stderr, "marchd: %s\n", error.message);
+        return EXIT_USAGE;
+    }
+    if (options.wants_help)
+        fputs(options_help, stdout);
+    else if (options.wants_version)
+        puts("marchd " MARCHD_VERSION);
+    else
+        status = run(&options);
+    options_finish(&options);
+    return status;
+}

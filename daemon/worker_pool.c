@@ -1,0 +1,354 @@
+#include "daemon/worker_pool.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/json_write.h"
+#include "core/log.h"
+#include "core/message.h"
+#include "daemon/events.h"
+#include "daemon/farm.h"
+#include "daemon/frame_life.h"
+#include "daemon/options.h"
+#include "daemon/retry.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TICK_MS = 250, EXIT_MS = 5000 };
+
+struct worker_slot {
+    struct worker_process *worker; // NULL: none runs
+    struct retry_backoff backoff;
+    char *reason; // owned; why the worker before could not work; NULL: it could
+    int64_t done; // frames, by the workers before
+};
+
+struct worker_pool {
+    struct farm *farm; // borrowed; outlives us
+    struct worker_handlers handlers;
+    uv_timer_t tick;
+    struct worker_slot *slots; // owned
+    int slot_count;
+    bool is_stopping;
+};
+
+static void on_tick(uv_timer_t *tick);
+static void on_report(void *user, struct worker_process *worker, const struct worker_report *report);
+static void on_gone(void *user, struct worker_process *worker);
+
+struct worker_pool *worker_pool_create(struct farm *farm, int slot_count)
+{
+    struct worker_pool *pool = xcalloc(1, sizeof *pool);
+
+    pool->farm = farm;
+    pool->handlers = (struct worker_handlers){.on_report = on_report, .on_gone = on_gone, .user = pool};
+    pool->slots = xcalloc((size_t)slot_count, sizeof pool->slots[0]);
+    pool->slot_count = slot_count;
+    uv_timer_init(farm->loop, &pool->tick);
+    pool->tick.data = pool;
+    return pool;
+}
+
+static struct worker_slot *slot_of(struct worker_pool *pool, const struct worker_process *worker)
+{
+    return &pool->slots[worker->id - 1];
+}
+
+static void set_reason(struct worker_slot *slot, char *owned_reason)
+{
+    free(slot->reason);
+    slot->reason = owned_reason;
+}
+
+static void start_worker(struct worker_pool *pool, int index)
+{
+    const struct options *options = pool->farm->options;
+    struct worker_slot *slot = &pool->slots[index];
+    struct worker_params params = {.program = options->worker_program,
+                                   .backend = options->backend,
+                                   .shader_folder = options->shader_folder,
+                                   .thread_count = options->thread_count,
+                                   .id = index + 1};
+    struct error error = {0};
+
+    slot->worker = worker_process_start(pool->farm->loop, &params, &pool->handlers, &error);
+    if (slot->worker) {
+        log_debug("worker %d: started, pid %d", index + 1, worker_process_pid(slot->worker));
+    } else {
+        retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
+        set_reason(slot, xstrdup(error.message));
+        log_warn("worker %d: %s", index + 1, error.message);
+    }
+    events_tell_worker(pool->farm->events, index);
+}
+
+static void start_due(struct worker_pool *pool)
+{
+    int64_t now_ms = farm_now_ms(pool->farm);
+
+    for (int i = 0; i < pool->slot_count && !pool->is_stopping; i++) {
+        if (!pool->slots[i].worker && retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0) start_worker(pool, i);
+    }
+}
+
+void worker_pool_start(struct worker_pool *pool)
+{
+    start_due(pool);
+    uv_timer_start(&pool->tick, on_tick, TICK_MS, TICK_MS);
+}
+
+static void check_liveness(struct worker_pool *pool, struct worker_process *worker, int64_t now_ms)
+{
+    struct job_record *record = job_table_find(&pool->farm->jobs, hand_current_job(&worker->hand));
+    double median_s = record ? estimate_median_s(&record->estimate) : 0;
+    size_t known = record ? estimate_count(&record->estimate) : 0;
+    char reason[LIVENESS_REASON_SIZE];
+
+    if (liveness_check(&worker->liveness, median_s, known, now_ms, reason) == LIVENESS_ALIVE) return;
+    if (worker->end_reason) return;
+    log_warn("worker %d: killed: %s", worker->id, reason);
+    worker_process_kill(worker, reason);
+}
+
+static void on_tick(uv_timer_t *tick)
+{
+    struct worker_pool *pool = tick->data;
+    int64_t now_ms = farm_now_ms(pool->farm);
+
+    for (int i = 0; i < pool->slot_count; i++) {
+        if (pool->slots[i].worker) check_liveness(pool, pool->slots[i].worker, now_ms);
+        if (pool->slots[i].worker) worker_process_check(pool->slots[i].worker, now_ms);
+    }
+    start_due(pool);
+}
+
+static char *copy_text(const char *text)
+{
+    return text ? xstrdup(text) : NULL;
+}
+
+static void note_ready(struct worker_pool *pool, struct worker_process *worker, const struct worker_report *report)
+{
+    if (worker->state != WORKER_STARTING) return;
+    liveness_ready(&worker->liveness, farm_now_ms(pool->farm));
+    worker->state = WORKER_READY;
+    worker->backend = xstrdup(report->backend);
+    worker->vendor = xstrdup(report->vendor);
+    worker->renderer = xstrdup(report->renderer);
+    worker->version = xstrdup(report->version);
+    worker->device_uuid = copy_text(report->device_uuid);
+    log_info("worker %d: ready: %s on %s (%s)", worker->id, report->backend, report->renderer, report->version);
+    set_reason(slot_of(pool, worker), NULL);
+    events_tell_worker(pool->farm->events, worker->id - 1);
+    farm_want_feed(pool->farm);
+}
+
+static void note_unable(struct worker_process *worker, const char *error, int64_t now_ms)
+{
+    if (!worker->end_reason) worker->end_reason = xstrdup(error);
+    worker_process_expect_exit(worker, now_ms + EXIT_MS);
+}
+
+static void note_clocks(struct worker_process *worker, const struct worker_report *report, int64_t now_ms)
+{
+    switch (report->kind) {
+    case WORKER_REPORT_BEAT:
+        liveness_progress(&worker->liveness, report->progress, now_ms);
+        break;
+    case WORKER_REPORT_STARTED:
+        liveness_begin_frame(&worker->liveness, now_ms);
+        break;
+    case WORKER_REPORT_RENDERED:
+    case WORKER_REPORT_SKIPPED:
+    case WORKER_REPORT_FAILED:
+        liveness_end_frame(&worker->liveness, now_ms);
+        break;
+    default:
+        liveness_hear(&worker->liveness, now_ms);
+        break;
+    }
+}
+
+static void on_report(void *user, struct worker_process *worker, const struct worker_report *report)
+{
+    struct worker_pool *pool = user;
+    int64_t now_ms = farm_now_ms(pool->farm);
+
+    note_clocks(worker, report, now_ms);
+    if (report->kind == WORKER_REPORT_READY) note_ready(pool, worker, report);
+    if (report->kind == WORKER_REPORT_UNABLE) note_unable(worker, report->error, now_ms);
+    if (report->kind >= WORKER_REPORT_STARTED && report->kind <= WORKER_REPORT_DROPPED)
+        frame_life_note_report(pool->farm, worker, report);
+    if (report->kind == WORKER_REPORT_FINISHED || report->kind == WORKER_REPORT_SKIPPED)
+        retry_backoff_succeed(&slot_of(pool, worker)->backoff);
+    liveness_set_busy(&worker->liveness, worker->hand.count > 0, now_ms);
+}
+
+static void on_gone(void *user, struct worker_process *worker)
+{
+    struct worker_pool *pool = user;
+    struct worker_slot *slot = slot_of(pool, worker);
+    char *reason = worker_process_describe_end(worker);
+    bool is_expected = pool->is_stopping && worker->exit_status == 0 && worker->exit_signal == 0;
+
+    if (!is_expected) log_warn("worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
+    frame_life_lose_hand(pool->farm, worker, reason);
+    slot->done += worker->done;
+    slot->worker = NULL;
+    if (worker->done == 0) retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
+    set_reason(slot, reason);
+    events_tell_worker(pool->farm->events, worker->id - 1);
+    worker_process_close(worker);
+    start_due(pool);
+}
+
+void worker_pool_stop(struct worker_pool *pool, int64_t timeout_ms)
+{
+    int64_t stop_by_ms = farm_now_ms(pool->farm) + timeout_ms;
+
+    pool->is_stopping = true;
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (!worker) continue;
+        if (worker->state == WORKER_STARTING)
+            worker_process_kill(worker, "the daemon stops");
+        else
+            worker_process_exit(worker, stop_by_ms);
+        events_tell_worker(pool->farm->events, i);
+    }
+}
+
+bool worker_pool_is_empty(const struct worker_pool *pool)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        if (pool->slots[i].worker) return false;
+    }
+    return true;
+}
+
+void worker_pool_close(struct worker_pool *pool)
+{
+    assert(worker_pool_is_empty(pool));
+    uv_close((uv_handle_t *)&pool->tick, NULL);
+}
+
+void worker_pool_destroy(struct worker_pool *pool)
+{
+    if (!pool) return;
+    for (int i = 0; i < pool->slot_count; i++)
+        free(pool->slots[i].reason);
+    free(pool->slots);
+    free(pool);
+}
+
+int worker_pool_slot_count(const struct worker_pool *pool)
+{
+    return pool->slot_count;
+}
+
+struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index)
+{
+    struct worker_process *worker = pool->slots[index].worker;
+
+    return worker && worker->state == WORKER_READY ? worker : NULL;
+}
+
+int worker_pool_ready_count(const struct worker_pool *pool)
+{
+    int count = 0;
+
+    for (int i = 0; i < pool->slot_count; i++)
+        count += worker_pool_ready_at(pool, i) != NULL;
+    return count;
+}
+
+char *worker_pool_format_trouble(const struct worker_pool *pool)
+{
+    const char *reason = NULL;
+
+    if (pool->is_stopping) return xstrdup("the daemon is stopping");
+    for (int i = 0; i < pool->slot_count; i++) {
+        if (worker_pool_ready_at(pool, i)) return NULL;
+        if (!reason) reason = pool->slots[i].reason;
+    }
+    return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("no worker is ready: they are starting");
+}
+
+static void send_about_job(struct worker_process *worker, const char *method, int64_t job, bool has_running, bool running)
+{
+    struct json_writer writer = {0};
+
+    message_begin_notification(&writer, method);
+    json_write_begin_object(&writer);
+    json_write_integer_member(&writer, "job", job);
+    if (has_running) json_write_bool_member(&writer, "running", running);
+    json_write_end_object(&writer);
+    message_end(&writer);
+    worker_process_send(worker, &writer);
+    json_writer_finish(&writer);
+}
+
+void worker_pool_drop_job(struct worker_pool *pool, int64_t job, bool running)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (worker && hand_holds_job(&worker->hand, job)) send_about_job(worker, "worker.drop", job, true, running);
+    }
+}
+
+void worker_pool_forget_job(struct worker_pool *pool, int64_t job)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (!worker || !worker_process_knows_job(worker, job)) continue;
+        worker_process_forget_job(worker, job);
+        send_about_job(worker, "worker.forget", job, false, false);
+    }
+}
+
+static const char *slot_state(const struct worker_slot *slot)
+{
+    if (!slot->worker) return "backing_off";
+    if (slot->worker->state == WORKER_STARTING) return "starting";
+    if (slot->worker->state == WORKER_STOPPING) return "stopping";
+    return slot->worker->hand.count > 0 ? "busy" : "idle";
+}
+
+static void write_process(const struct worker_process *worker, struct json_writer *writer)
+{
+    int64_t job = worker ? hand_current_job(&worker->hand) : 0;
+
+    json_write_string_member(writer, "backend", worker ? worker->backend : NULL);
+    json_write_string_member(writer, "vendor", worker ? worker->vendor : NULL);
+    json_write_string_member(writer, "renderer", worker ? worker->renderer : NULL);
+    json_write_string_member(writer, "version", worker ? worker->version : NULL);
+    json_write_string_member(writer, "device_uuid", worker ? worker->device_uuid : NULL);
+    json_write_key(writer, "job");
+    if (job)
+        json_write_integer(writer, job);
+    else
+        json_write_null(writer);
+    json_write_integer_member(writer, "frames", worker ? (int64_t)worker->hand.count : 0);
+}
+
+void worker_pool_write_slot(const struct worker_pool *pool, int index, struct json_writer *writer)
+{
+    const struct worker_slot *slot = &pool->slots[index];
+
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "id", index + 1);
+    json_write_key(writer, "pid");
+    if (slot->worker)
+        json_write_integer(writer, worker_process_pid(slot->worker));
+    else
+        json_write_null(writer);
+    json_write_string_member(writer, "state", slot_state(slot));
+    write_process(slot->worker, writer);
+    json_write_integer_member(writer, "done", slot->done + (slot->worker ? slot->worker->done : 0));
+    json_write_string_member(writer, "reason", slot->reason);
+    json_write_end_object(writer);
+}
