@@ -24,12 +24,12 @@ struct client {
     uv_idle_t idle; // active while whole lines wait in `stream`
     const struct client_handlers *handlers;
     struct message_stream stream;
-    int64_t uid;         // of the peer; -1: unknown
-    char *user;          // owned; the peer's user name, or its number
-    size_t owed;         // answers that are still being made
+    int64_t uid; // of the peer; -1: unknown
+    char *user;  // owned; the peer's user name, or its number
+    size_t owed; // answers that are still being made
     int open_handles;
     bool is_reading;
-    bool has_ended;      // the peer sends no more
+    bool has_ended; // the peer sends no more
     bool is_closing;
     uv_shutdown_t shutdown;
     struct client *next, *previous; // on the listener's list

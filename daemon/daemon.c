@@ -209,8 +209,8 @@ static void give_up_on_store(const struct daemon *daemon)
     const char *trouble = committer_trouble(daemon->farm.committer);
 
     if (!trouble || farm_now_ms(&daemon->farm) - daemon->flushing_since_ms < GIVE_UP_MS) return;
-    log_error("stopped with %zu changes that the store could not commit: %s",
-              committer_waiting(daemon->farm.committer), trouble);
+    log_error("stopped with %zu changes that the store could not commit: %s", committer_waiting(daemon->farm.committer),
+              trouble);
     _exit(1);
 }
 

@@ -20,8 +20,8 @@ struct subscription {
 };
 
 struct events {
-    struct farm *farm; // borrowed; outlives us
-    uv_timer_t timer;  // active while a job's counts have changed and were not told
+    struct farm *farm;                  // borrowed; outlives us
+    uv_timer_t timer;                   // active while a job's counts have changed and were not told
     struct subscription *subscriptions; // owned
     size_t count, capacity;
     struct job_record **changed; // owned; records with is_changed

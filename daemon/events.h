@@ -16,10 +16,11 @@ void events_close(struct events *events);
 void events_destroy(struct events *events); // after the loop closed its handles; accepts NULL
 
 void events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames); // job 0: all
-void events_forget(struct events *events, const struct client *client); // it is gone
+void events_forget(struct events *events, const struct client *client);                              // it is gone
 bool events_has_subscribers(const struct events *events);
 
-void events_note_job(struct events *events, struct job_record *record); // a change of state at once, counts 4 times a second
+void events_note_job(struct events *events,
+                     struct job_record *record); // a change of state at once, counts 4 times a second
 void events_tell_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
                        const char *error); // NULL: none
 void events_tell_worker(struct events *events, int slot_index);

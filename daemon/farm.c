@@ -39,7 +39,8 @@ static void wind_up(struct farm *farm, struct job_record *record)
 {
     record->is_ending = true;
     record->is_sweeping = true;
-    log_info("job %lld (\"%s\"): %s", (long long)record->id, record->name, job_state_name(queue_job_state(record->queued)));
+    log_info("job %lld (\"%s\"): %s", (long long)record->id, record->name,
+             job_state_name(queue_job_state(record->queued)));
     worker_pool_forget_job(farm->pool, record->id);
     sweeper_sweep_job(farm->sweeper, record);
 }

@@ -28,7 +28,7 @@ struct farm {
     struct sweeper *sweeper;
     struct worker_pool *pool;
     struct events *events;
-    struct job_submit *submits;       // list of those whose commit is under way
+    struct job_submit *submits;        // list of those whose commit is under way
     struct job_retry *waiting_retries; // list of those that wait until their job is swept
     int64_t epoch;
     int64_t next_job_id;

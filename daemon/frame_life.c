@@ -194,7 +194,8 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
                               .error = report->error,
                               .log = log};
 
-    if (report->fault == RETRY_FAULT_WORKER) worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
+    if (report->fault == RETRY_FAULT_WORKER)
+        worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
     frame_seconds(worker);
     leave_hand(record, worker, frame);
     if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
@@ -211,7 +212,8 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
     switch (report->kind) {
     case WORKER_REPORT_STARTED:
         hand_start(&worker->hand, frame, farm_now_ms(farm));
-        if (queue_owns(farm->queue, &frame->ticket)) events_tell_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
+        if (queue_owns(farm->queue, &frame->ticket))
+            events_tell_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
         return;
     case WORKER_REPORT_RENDERED:
         hand_render(&worker->hand, frame);
@@ -264,7 +266,7 @@ static void note_unpublished(struct farm *farm, const struct publish_request *re
     struct attempt_end end = {.record = request->record,
                               .ticket = request->ticket,
                               .fault = request->outcome == PUBLISH_OUTCOME_BAD_FOLDER ? RETRY_FAULT_OUTPUT
-                                                                                       : RETRY_FAULT_FRAME,
+                                                                                      : RETRY_FAULT_FRAME,
                               .is_started = true,
                               .has_row = true,
                               .worker = request->worker,

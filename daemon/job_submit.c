@@ -19,10 +19,10 @@
 
 // A job on its way in.
 struct job_submit {
-    struct farm *farm; // borrowed; outlives us
+    struct farm *farm;     // borrowed; outlives us
     struct answer *answer; // owned
     uv_work_t work;
-    struct store_job row; // owned, until it moves into the commit
+    struct store_job row;      // owned, until it moves into the commit
     struct frame_range frames; // owned
     struct output_path path;   // owned
     bool folder_ok;
@@ -61,10 +61,11 @@ static bool fail_collision(struct request *request, const struct output_path *pa
 
     output_path_format_name(path, frame, file);
     if (id)
-        request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: job %lld (\"%s\") writes %s too", (long long)id, name,
-                     file);
+        request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: job %lld (\"%s\") writes %s too", (long long)id,
+                     name, file);
     else
-        request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: a job just submitted (\"%s\") writes %s too", name, file);
+        request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: a job just submitted (\"%s\") writes %s too", name,
+                     file);
     return false;
 }
 
@@ -87,7 +88,8 @@ static bool check_collisions(struct request *request, const struct job *job)
 }
 
 // Takes over what it needs of `job`.
-static struct job_submit *create_submit(const struct request *request, struct job *job, char *owned_document, bool paused)
+static struct job_submit *create_submit(const struct request *request, struct job *job, char *owned_document,
+                                        bool paused)
 {
     struct job_submit *submit = xcalloc(1, sizeof *submit);
 

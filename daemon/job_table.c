@@ -124,7 +124,8 @@ bool job_files_collide(const struct job_files *files, const struct job_files *ot
     return may_collide(files, others) && ranges_collide(files, others, frame);
 }
 
-struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files, int32_t *frame)
+struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
+                                            int32_t *frame)
 {
     for (size_t i = 0; i < table->count; i++) {
         struct job_record *record = table->records[i];

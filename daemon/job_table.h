@@ -16,18 +16,18 @@ struct job_record {
     struct queue_job *queued; // borrowed from the queue
     char *name, *owner;       // owned
     int64_t owner_uid;
-    char *root;              // owned; output root it was accepted under
-    struct output_path path; // owned
+    char *root;                                    // owned; output root it was accepted under
+    struct output_path path;                       // owned
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; why it is paused or failed; NULL: none
     struct estimate estimate;
-    int in_hand;       // frames that workers hold or that are being published
-    bool is_ending;    // it ended, and nobody holds a frame of it
-    bool is_sweeping;  // its leftovers are being removed
-    bool is_settled;   // they are: finished_ms may be written
-    enum job_state told_state; // what subscribers were told last
-    int64_t told_ms;           // and when; monotonic
-    bool is_changed;           // since then
+    int in_hand;                             // frames that workers hold or that are being published
+    bool is_ending;                          // it ended, and nobody holds a frame of it
+    bool is_sweeping;                        // its leftovers are being removed
+    bool is_settled;                         // they are: finished_ms may be written
+    enum job_state told_state;               // what subscribers were told last
+    int64_t told_ms;                         // and when; monotonic
+    bool is_changed;                         // since then
     bool restored_canceled, restored_failed; // while a store is loaded: what its row says
 };
 
@@ -38,7 +38,7 @@ struct job_table {
 };
 
 void job_table_finish(struct job_table *table);
-struct job_record *job_table_add(struct job_table *table, int64_t id); // greater than any before
+struct job_record *job_table_add(struct job_table *table, int64_t id);        // greater than any before
 struct job_record *job_table_find(const struct job_table *table, int64_t id); // NULL: there is none
 
 void job_record_set_reason(struct job_record *record, const char *reason); // copies; NULL: none
@@ -55,4 +55,5 @@ struct job_files {
 // True when they have a file in common; `*frame` is its frame in `files`.
 bool job_files_collide(const struct job_files *files, const struct job_files *others, int32_t *frame);
 // The first other job that is live, or whose frames are still in hand, and collides with `files`; NULL: none.
-struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files, int32_t *frame);
+struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
+                                            int32_t *frame);

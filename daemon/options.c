@@ -14,7 +14,8 @@ const char options_help[] =
     "Takes jobs over a unix socket, keeps them in a durable queue and feeds their frames to workers.\n"
     "\n"
     "  --state DIR             where the queue is kept (root: /var/lib/marchd, else $XDG_STATE_HOME/marchd)\n"
-    "  --socket PATH           where clients connect (root: /run/marchd/marchd.sock, else $XDG_RUNTIME_DIR/marchd.sock)\n"
+    "  --socket PATH           where clients connect (root: /run/marchd/marchd.sock, else "
+    "$XDG_RUNTIME_DIR/marchd.sock)\n"
     "  --output-root DIR       the folder that no output leaves (root: /srv/marchd, else ~/marchd)\n"
     "  --workers N|auto        worker processes (auto: one a core)\n"
     "  --threads N             threads one worker renders with (1)\n"
@@ -201,8 +202,11 @@ bool options_parse(struct options *options, int argc, char **argv, const struct 
 {
     int code;
 
-    *options = (struct options){
-        .thread_count = 1, .max_attempts = 3, .stop_timeout_ms = 30000, .log_level = LOG_INFO, .backend = xstrdup("auto")};
+    *options = (struct options){.thread_count = 1,
+                                .max_attempts = 3,
+                                .stop_timeout_ms = 30000,
+                                .log_level = LOG_INFO,
+                                .backend = xstrdup("auto")};
     optind = 0;
     opterr = 0;
     while ((code = getopt_long(argc, argv, "+:", long_options, NULL)) != -1) {
@@ -220,8 +224,7 @@ bool options_parse(struct options *options, int argc, char **argv, const struct 
         error_set(error, "%s: expected options only, see --help", argv[optind]);
         goto fail;
     }
-    if (!options->worker_program)
-        options->worker_program = xasprintf("%s/march-worker", surroundings->program_folder);
+    if (!options->worker_program) options->worker_program = xasprintf("%s/march-worker", surroundings->program_folder);
     if (!set_defaults(options, surroundings, error)) goto fail;
     return true;
 fail:

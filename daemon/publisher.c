@@ -140,8 +140,7 @@ static void rename_part(struct publish_request *request, int folder)
     output_path_format_part(path, request->ticket.frame, request->ticket.job, request->epoch, request->ticket.attempt,
                             part);
     output_path_format_name(path, request->ticket.frame, name);
-    if (!publish_file(folder, part, name, &request->file, &request->error))
-        request->outcome = PUBLISH_OUTCOME_BAD_FILE;
+    if (!publish_file(folder, part, name, &request->file, &request->error)) request->outcome = PUBLISH_OUTCOME_BAD_FILE;
 }
 
 // All of one job, whose files share a folder.

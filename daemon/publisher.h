@@ -36,8 +36,9 @@ struct publish_request {
 // Called on the loop once the file has its name, durably, or will not have it. The result is the callee's to commit.
 typedef void publisher_on_done(void *user, const struct publish_request *request);
 
-struct publisher *publisher_create(uv_loop_t *loop, struct committer *committer, publisher_on_done *on_done, void *user);
-void publisher_destroy(struct publisher *publisher); // legal once idle; accepts NULL
+struct publisher *publisher_create(uv_loop_t *loop, struct committer *committer, publisher_on_done *on_done,
+                                   void *user);
+void publisher_destroy(struct publisher *publisher);                                    // legal once idle; accepts NULL
 void publisher_put(struct publisher *publisher, const struct publish_request *request); // copies
 bool publisher_is_idle(const struct publisher *publisher);
 

@@ -49,8 +49,9 @@ static enum request_outcome fail_method(struct request *request, const char *nam
     for (size_t i = 0; i < METHOD_COUNT; i++)
         names[i] = methods[i].name;
     nearest = json_nearest_name(name, names);
-    return request_fail(request, MESSAGE_CODE_NO_METHOD, nearest ? "method: there is no \"%.60s\", did you mean \"%s\"?"
-                                                                 : "method: there is no \"%.60s\"%s",
+    return request_fail(request, MESSAGE_CODE_NO_METHOD,
+                        nearest ? "method: there is no \"%.60s\", did you mean \"%s\"?"
+                                : "method: there is no \"%.60s\"%s",
                         name, nearest ? nearest : "");
 }
 

@@ -16,7 +16,7 @@
 
 struct restore_state {
     struct farm *farm;
-    struct job_record *record;  // of the newest frame row
+    struct job_record *record;   // of the newest frame row
     struct store_frame *intents; // owned; rows of files on their way to their names
     size_t intent_count, intent_capacity;
     struct store_op *ops; // owned; what came of them
@@ -66,7 +66,8 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
     struct restore_state *state = user;
 
     if (!state->record || state->record->id != row->job) state->record = job_table_find(&state->farm->jobs, row->job);
-    if (!state->record || row->index < 0 || row->index >= frame_range_count(&state->record->queued->frames)) return true;
+    if (!state->record || row->index < 0 || row->index >= frame_range_count(&state->record->queued->frames))
+        return true;
     if (row->state != FRAME_RUNNING) {
         queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);
         return true;

@@ -88,7 +88,8 @@ static void start_due(struct worker_pool *pool)
     int64_t now_ms = farm_now_ms(pool->farm);
 
     for (int i = 0; i < pool->slot_count && !pool->is_stopping; i++) {
-        if (!pool->slots[i].worker && retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0) start_worker(pool, i);
+        if (!pool->slots[i].worker && retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0)
+            start_worker(pool, i);
     }
 }
 
@@ -276,7 +277,8 @@ char *worker_pool_format_trouble(const struct worker_pool *pool)
     return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("no worker is ready: they are starting");
 }
 
-static void send_about_job(struct worker_process *worker, const char *method, int64_t job, bool has_running, bool running)
+static void send_about_job(struct worker_process *worker, const char *method, int64_t job, bool has_running,
+                           bool running)
 {
     struct json_writer writer = {0};
 

@@ -41,9 +41,9 @@ static void init_pipes(uv_loop_t *loop, struct worker_process *worker)
 static int spawn(uv_loop_t *loop, struct worker_process *worker, const struct worker_params *params, char **environment)
 {
     // libuv takes them without const and changes none.
-    const char *arguments[] = {params->program, "--fd",         "3",
-                               "--backend",     params->backend, params->shader_folder ? "--shader-dir" : NULL,
-                               params->shader_folder, NULL};
+    const char *arguments[] = {
+        params->program,       "--fd", "3", "--backend", params->backend, params->shader_folder ? "--shader-dir" : NULL,
+        params->shader_folder, NULL};
     uv_stdio_container_t stdio[] = {
         {.flags = UV_IGNORE},
         {.flags = UV_INHERIT_FD, .data.fd = 2},
@@ -217,7 +217,8 @@ void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms)
 
 void worker_process_check(struct worker_process *worker, int64_t now_ms)
 {
-    bool is_overdue = worker->ended_ms != 0 && now_ms - worker->ended_ms > (worker->has_exited ? LAST_WORDS_MS : EXIT_MS);
+    bool is_overdue =
+        worker->ended_ms != 0 && now_ms - worker->ended_ms > (worker->has_exited ? LAST_WORDS_MS : EXIT_MS);
 
     if (worker->has_exited && is_overdue) {
         worker->has_channel_ended = worker->has_errors_ended = true;
@@ -250,7 +251,8 @@ static void on_written(uv_write_t *request, int status)
 char *worker_process_describe_end(const struct worker_process *worker)
 {
     if (worker->end_reason) return xstrdup(worker->end_reason);
-    if (worker->exit_signal) return xasprintf("killed by signal %d (%s)", worker->exit_signal, strsignal(worker->exit_signal));
+    if (worker->exit_signal)
+        return xasprintf("killed by signal %d (%s)", worker->exit_signal, strsignal(worker->exit_signal));
     return xasprintf("exit status %lld", (long long)worker->exit_status);
 }
 

@@ -42,16 +42,16 @@ struct worker_params {
 struct worker_process {
     int id;
     enum worker_state state;
-    const struct worker_handlers *handlers; // borrowed; outlive us
+    const struct worker_handlers *handlers;                    // borrowed; outlive us
     char *backend, *vendor, *renderer, *version, *device_uuid; // owned; NULL until ready
     struct hand hand;
     int64_t *known_jobs; // owned; whose worker.job it was sent
     size_t known_count, known_capacity;
     struct liveness liveness;
-    uint64_t answered_ns; // when it last answered for a frame, or got one with empty hands
-    int64_t done;         // frames it finished or skipped
-    int64_t stop_by_ms;   // monotonic; killed after it while stopping
-    char *end_reason;     // owned; why it was killed or says it cannot work; NULL: not known
+    uint64_t answered_ns;           // when it last answered for a frame, or got one with empty hands
+    int64_t done;                   // frames it finished or skipped
+    int64_t stop_by_ms;             // monotonic; killed after it while stopping
+    char *end_reason;               // owned; why it was killed or says it cannot work; NULL: not known
     char log[WORKER_LOG_BYTES + 1]; // the end of what it wrote to standard error
     size_t log_length;
 
@@ -72,10 +72,11 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
 int worker_process_pid(const struct worker_process *worker);
 // Ends it with SIGKILL; `reason` goes into the log of the attempts it held.
 void worker_process_kill(struct worker_process *worker, const char *reason);
-void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms); // worker.exit, and killed if it has not by then
+void worker_process_exit(struct worker_process *worker,
+                         int64_t stop_by_ms); // worker.exit, and killed if it has not by then
 void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_ms); // the same without a word to it
-void worker_process_check(struct worker_process *worker, int64_t now_ms);    // to be called now and then
-void worker_process_close(struct worker_process *worker);                    // frees itself once its handles are closed
+void worker_process_check(struct worker_process *worker, int64_t now_ms);           // to be called now and then
+void worker_process_close(struct worker_process *worker); // frees itself once its handles are closed
 
 void worker_process_send(struct worker_process *worker, const struct json_writer *messages);
 // "exit status 1", "killed: no message for 10 s", ... ; owned by the caller.

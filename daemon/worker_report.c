@@ -127,10 +127,10 @@ static const struct report_method {
     enum worker_report_kind kind;
     bool (*read)(struct worker_report *report, const struct json_node *body, struct error *error);
 } methods[] = {
-    {"frame.skipped", WORKER_REPORT_SKIPPED, read_skipped},   {"frame.started", WORKER_REPORT_STARTED, read_frame},
-    {"frame.rendered", WORKER_REPORT_RENDERED, read_frame},   {"frame.finished", WORKER_REPORT_FINISHED, read_finished},
-    {"frame.failed", WORKER_REPORT_FAILED, read_failed},      {"frame.dropped", WORKER_REPORT_DROPPED, read_frame},
-    {"worker.beat", WORKER_REPORT_BEAT, read_beat},           {"worker.ready", WORKER_REPORT_READY, read_ready},
+    {"frame.skipped", WORKER_REPORT_SKIPPED, read_skipped}, {"frame.started", WORKER_REPORT_STARTED, read_frame},
+    {"frame.rendered", WORKER_REPORT_RENDERED, read_frame}, {"frame.finished", WORKER_REPORT_FINISHED, read_finished},
+    {"frame.failed", WORKER_REPORT_FAILED, read_failed},    {"frame.dropped", WORKER_REPORT_DROPPED, read_frame},
+    {"worker.beat", WORKER_REPORT_BEAT, read_beat},         {"worker.ready", WORKER_REPORT_READY, read_ready},
     {"worker.failed", WORKER_REPORT_UNABLE, read_unable},
 };
 

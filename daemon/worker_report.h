@@ -27,13 +27,13 @@ enum worker_report_kind {
 struct worker_report {
     enum worker_report_kind kind;
     const char *backend, *vendor, *renderer, *version, *device_uuid; // ready; device_uuid may be NULL
-    double progress;                                                // beat
-    int64_t job;                                                    // of a frame
+    double progress;                                                 // beat
+    int64_t job;                                                     // of a frame
     int32_t frame, attempt;
-    struct published_file file;   // finished; skipped without inode
-    double render_s, encode_s;    // finished
-    enum retry_fault fault;       // failed
-    const char *error;            // failed, unable
+    struct published_file file; // finished; skipped without inode
+    double render_s, encode_s;  // finished
+    enum retry_fault fault;     // failed
+    const char *error;          // failed, unable
 };
 
 bool worker_report_read(struct worker_report *report, const struct message *message, struct error *error);

@@ -1,0 +1,418 @@
+// A worker that renders nothing: it speaks the protocol, for the daemon's benchmarks and process tests.
+//
+// stub-worker --fd N [--mode MODE], other options are taken and ignored. MODE is
+//   skip         answers each frame with frame.skipped at once (default)
+//   sleep:MS     the same after MS milliseconds
+//   write:MS     writes a small file after MS milliseconds and reports it finished
+//   fail:FAULT   answers frame.failed with that fault
+//   crash        dies when it begins a frame
+//   hang         begins a frame and says nothing more
+//   garbage      begins a frame and says what is no message
+//   nocontext    says worker.failed and exits 1
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/hash.h"
+#include "core/job.h"
+#include "core/job_json.h"
+#include "core/json_write.h"
+#include "core/message.h"
+#include "core/message_stream.h"
+#include "core/output_path.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { BEAT_MS = 1000 };
+
+struct stub_frame {
+    int64_t job;
+    int32_t frame, attempt;
+};
+
+struct stub_job {
+    int64_t id, epoch;
+    char *root;
+    struct output_path path;
+};
+
+struct stub {
+    int fd;
+    const char *mode;
+    int64_t frame_ms; // 0: answered at once
+    struct message_stream stream;
+    struct json_writer out;
+    struct stub_frame *frames; // [next, count) are in hand; the one at `next` is begun if `is_begun`
+    size_t next, count, capacity;
+    bool is_begun, is_exiting;
+    int64_t due_ms, beat_ms;
+    double progress;
+    struct stub_job *jobs;
+    size_t job_count, job_capacity;
+};
+
+static int64_t now_ms(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+static bool has_mode(const struct stub *stub, const char *mode)
+{
+    return strncmp(stub->mode, mode, strlen(mode)) == 0;
+}
+
+static void begin_report(struct stub *stub, const char *method, const struct stub_frame *frame)
+{
+    message_begin_notification(&stub->out, method);
+    json_write_begin_object(&stub->out);
+    json_write_integer_member(&stub->out, "job", frame->job);
+    json_write_integer_member(&stub->out, "frame", frame->frame);
+    json_write_integer_member(&stub->out, "attempt", frame->attempt);
+}
+
+static void end_report(struct stub *stub)
+{
+    json_write_end_object(&stub->out);
+    message_end(&stub->out);
+}
+
+static void flush(struct stub *stub)
+{
+    if (stub->out.length > 0 && !file_write_all(stub->fd, stub->out.text, stub->out.length, NULL)) exit(0);
+    json_writer_clear(&stub->out);
+}
+
+static void say_ready(struct stub *stub)
+{
+    message_begin_notification(&stub->out, "worker.ready");
+    json_write_begin_object(&stub->out);
+    json_write_integer_member(&stub->out, "pid", getpid());
+    json_write_string_member(&stub->out, "backend", "stub");
+    json_write_string_member(&stub->out, "vendor", "marchd");
+    json_write_string_member(&stub->out, "renderer", "none");
+    json_write_string_member(&stub->out, "version", MARCHD_VERSION);
+    json_write_string_member(&stub->out, "device_uuid", NULL);
+    end_report(stub);
+}
+
+static void say_unable(struct stub *stub)
+{
+    message_begin_notification(&stub->out, "worker.failed");
+    json_write_begin_object(&stub->out);
+    json_write_string_member(&stub->out, "error", "there is no GL context to be had here");
+    end_report(stub);
+}
+
+static void say_beat(struct stub *stub)
+{
+    message_begin_notification(&stub->out, "worker.beat");
+    json_write_begin_object(&stub->out);
+    json_write_number_member(&stub->out, "progress", stub->progress++);
+    end_report(stub);
+}
+
+static void say_skipped(struct stub *stub, const struct stub_frame *frame)
+{
+    begin_report(stub, "frame.skipped", frame);
+    json_write_integer_member(&stub->out, "size_bytes", 0);
+    json_write_string_member(&stub->out, "hash", "00000000000000000000000000000000");
+    end_report(stub);
+}
+
+static void say_failed(struct stub *stub, const struct stub_frame *frame, const char *fault, const char *error)
+{
+    begin_report(stub, "frame.failed", frame);
+    json_write_string_member(&stub->out, "fault", fault);
+    json_write_string_member(&stub->out, "error", error);
+    end_report(stub);
+}
+
+static const struct stub_job *find_job(const struct stub *stub, int64_t id)
+{
+    for (size_t i = 0; i < stub->job_count; i++) {
+        if (stub->jobs[i].id == id) return &stub->jobs[i];
+    }
+    return NULL;
+}
+
+static bool write_part(const struct stub_job *job, const struct stub_frame *frame, struct stat *status,
+                       char hash[static HASH_TEXT_SIZE], struct error *error)
+{
+    char part[OUTPUT_NAME_SIZE], text[64];
+    int folder = output_path_open_folder(&job->path, job->root, true, error);
+    int file = -1;
+    bool ok = false;
+
+    if (folder < 0) return false;
+    output_path_format_part(&job->path, frame->frame, frame->job, job->epoch, frame->attempt, part);
+    snprintf(text, sizeof text, "frame %d\n", frame->frame);
+    file = openat(folder, part, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    if (file < 0) {
+        error_set_errno(error, errno, "%s", part);
+        goto out;
+    }
+    if (!file_write_all(file, text, strlen(text), error)) goto out;
+    if (fsync(file) != 0 || fstat(file, status) != 0) {
+        error_set_errno(error, errno, "%s", part);
+        goto out;
+    }
+    hash_bytes(text, strlen(text), hash);
+    ok = true;
+out:
+    if (file >= 0) close(file);
+    if (!ok) unlinkat(folder, part, 0);
+    close(folder);
+    return ok;
+}
+
+static void write_and_say_finished(struct stub *stub, const struct stub_frame *frame)
+{
+    const struct stub_job *job = find_job(stub, frame->job);
+    struct error error = {0};
+    char hash[HASH_TEXT_SIZE], inode[32];
+    struct stat status;
+
+    if (!job) {
+        say_failed(stub, frame, "frame", "the job was not told");
+    } else if (!write_part(job, frame, &status, hash, &error)) {
+        say_failed(stub, frame, "output", error.message);
+    } else {
+        snprintf(inode, sizeof inode, "%llu", (unsigned long long)status.st_ino);
+        begin_report(stub, "frame.finished", frame);
+        json_write_string_member(&stub->out, "inode", inode);
+        json_write_integer_member(&stub->out, "size_bytes", status.st_size);
+        json_write_string_member(&stub->out, "hash", hash);
+        json_write_number_member(&stub->out, "render_s", (double)stub->frame_ms / 1000);
+        json_write_number_member(&stub->out, "encode_s", 0);
+        end_report(stub);
+    }
+}
+
+static void begin_frame(struct stub *stub)
+{
+    const struct stub_frame *frame = &stub->frames[stub->next];
+
+    stub->is_begun = true;
+    stub->due_ms = now_ms() + stub->frame_ms;
+    if (has_mode(stub, "skip")) return;
+    begin_report(stub, "frame.started", frame);
+    end_report(stub);
+    if (has_mode(stub, "garbage")) json_write_raw(&stub->out, "what?\n", 6);
+    if (has_mode(stub, "crash")) {
+        flush(stub);
+        fprintf(stderr, "stub: crashing on frame %d\n", frame->frame);
+        signal(SIGSEGV, SIG_DFL);
+        raise(SIGSEGV);
+    }
+}
+
+static void end_frame(struct stub *stub)
+{
+    const struct stub_frame frame = stub->frames[stub->next++];
+
+    stub->is_begun = false;
+    if (has_mode(stub, "fail:"))
+        say_failed(stub, &frame, stub->mode + 5, "the stub was told to fail");
+    else if (has_mode(stub, "write"))
+        write_and_say_finished(stub, &frame);
+    else
+        say_skipped(stub, &frame);
+}
+
+// Begins and ends what is due; the milliseconds until there is more to do, or -1.
+static int work(struct stub *stub)
+{
+    while (stub->next < stub->count) {
+        int64_t left_ms;
+
+        if (!stub->is_begun) begin_frame(stub);
+        if (has_mode(stub, "hang") || has_mode(stub, "garbage")) return -1;
+        left_ms = stub->frame_ms > 0 ? stub->due_ms - now_ms() : 0;
+        if (left_ms > 0) return (int)left_ms;
+        end_frame(stub);
+    }
+    stub->next = stub->count = 0;
+    return -1;
+}
+
+static int64_t read_integer(const struct json_node *object, const char *key)
+{
+    struct json_node node = json_node_child(object, key);
+    int64_t integer = 0;
+
+    json_read_integer(&node, 0, INT64_MAX, &integer, NULL);
+    return integer;
+}
+
+static void note_assignment(struct stub *stub, const struct json_node *params)
+{
+    struct json_node frames = json_node_child(params, "frames");
+    struct json_node pair = {0};
+
+    while (json_node_next(&frames, &pair)) {
+        struct json_node frame = json_node_element(&pair, 0), attempt = json_node_element(&pair, 1);
+        int64_t number = 0, tries = 0;
+
+        json_read_integer(&frame, 0, INT32_MAX, &number, NULL);
+        json_read_integer(&attempt, 0, INT32_MAX, &tries, NULL);
+        stub->frames = xgrow(stub->frames, &stub->capacity, stub->count + 1, sizeof stub->frames[0]);
+        stub->frames[stub->count++] = (struct stub_frame){
+            .job = read_integer(params, "job"), .frame = (int32_t)number, .attempt = (int32_t)tries};
+    }
+}
+
+static void note_job(struct stub *stub, const struct json_node *params)
+{
+    struct json_node document = json_node_child(params, "document"), root = json_node_child(params, "root");
+    struct stub_job *job;
+    struct job parsed = {0};
+    struct error error = {0};
+    const char *folder = "";
+
+    if (!has_mode(stub, "write") || !json_read_string(&root, &folder, NULL)) return;
+    if (!job_from_json(&parsed, &document, folder, &error)) {
+        fprintf(stderr, "stub: %s\n", error.message);
+        return;
+    }
+    stub->jobs = xgrow(stub->jobs, &stub->job_capacity, stub->job_count + 1, sizeof stub->jobs[0]);
+    job = &stub->jobs[stub->job_count++];
+    *job = (struct stub_job){.id = read_integer(params, "job"),
+                             .epoch = read_integer(params, "epoch"),
+                             .root = xstrdup(folder),
+                             .path = parsed.output.path};
+    parsed.output.path = (struct output_path){0};
+    job_finish(&parsed);
+}
+
+static void forget_job(struct stub *stub, int64_t id)
+{
+    for (size_t i = 0; i < stub->job_count; i++) {
+        if (stub->jobs[i].id != id) continue;
+        free(stub->jobs[i].root);
+        output_path_finish(&stub->jobs[i].path);
+        stub->jobs[i--] = stub->jobs[--stub->job_count];
+    }
+}
+
+// Job 0: of all jobs.
+static void drop_frames(struct stub *stub, int64_t job, bool running)
+{
+    size_t first = stub->is_begun && !running ? stub->next + 1 : stub->next;
+    size_t kept = first;
+
+    for (size_t i = first; i < stub->count; i++) {
+        const struct stub_frame frame = stub->frames[i];
+
+        if (job && frame.job != job) {
+            stub->frames[kept++] = frame;
+            continue;
+        }
+        if (i == stub->next) stub->is_begun = false;
+        begin_report(stub, "frame.dropped", &frame);
+        end_report(stub);
+    }
+    stub->count = kept;
+}
+
+static void note_message(struct stub *stub, const struct message *message)
+{
+    struct json_node running = json_node_child(&message->body, "running");
+    int64_t job = read_integer(&message->body, "job");
+    bool drops_running = false;
+
+    if (strcmp(message->method, "worker.assign") == 0) note_assignment(stub, &message->body);
+    if (strcmp(message->method, "worker.job") == 0) note_job(stub, &message->body);
+    if (strcmp(message->method, "worker.forget") == 0) forget_job(stub, job);
+    if (strcmp(message->method, "worker.drop") == 0) {
+        json_read_bool(&running, &drops_running, NULL);
+        drop_frames(stub, job, drops_running);
+    }
+    if (strcmp(message->method, "worker.exit") == 0) {
+        drop_frames(stub, 0, false);
+        stub->is_exiting = true;
+    }
+}
+
+// False at the end of the stream.
+static bool take_messages(struct stub *stub)
+{
+    size_t room, length;
+    char *bytes = message_stream_reserve(&stub->stream, &room);
+    ssize_t count = read(stub->fd, bytes, room);
+    const char *line;
+
+    if (count <= 0) return count < 0 && errno == EINTR;
+    message_stream_commit(&stub->stream, (size_t)count);
+    while ((line = message_stream_next(&stub->stream, &length, NULL))) {
+        struct message message = {0};
+        enum message_code code;
+
+        if (message_decode(&message, line, length, &code, NULL) && message.method) note_message(stub, &message);
+        message_finish(&message);
+    }
+    return true;
+}
+
+static void run(struct stub *stub)
+{
+    struct pollfd poll_fd = {.fd = stub->fd, .events = POLLIN};
+
+    for (;;) {
+        int wait_ms = work(stub);
+
+        if (stub->is_exiting && stub->next == stub->count) break;
+        if (now_ms() - stub->beat_ms >= BEAT_MS && !has_mode(stub, "hang")) {
+            stub->beat_ms = now_ms();
+            say_beat(stub);
+        }
+        flush(stub);
+        if (wait_ms < 0 || wait_ms > BEAT_MS) wait_ms = BEAT_MS;
+        if (poll(&poll_fd, 1, wait_ms) > 0 && !take_messages(stub)) break;
+    }
+    flush(stub);
+}
+
+static void finish(struct stub *stub)
+{
+    while (stub->job_count > 0)
+        forget_job(stub, stub->jobs[0].id);
+    free(stub->jobs);
+    free(stub->frames);
+    message_stream_finish(&stub->stream);
+    json_writer_finish(&stub->out);
+}
+
+int main(int argc, char **argv)
+{
+    struct stub stub = {.fd = 3, .mode = "skip"};
+    const char *colon;
+
+    for (int i = 1; i + 1 < argc; i++) {
+        if (strcmp(argv[i], "--fd") == 0) stub.fd = atoi(argv[i + 1]);
+        if (strcmp(argv[i], "--mode") == 0) stub.mode = argv[i + 1];
+    }
+    colon = strchr(stub.mode, ':');
+    if (colon) stub.frame_ms = atoi(colon + 1);
+    signal(SIGPIPE, SIG_IGN);
+    if (has_mode(&stub, "nocontext")) {
+        say_unable(&stub);
+        flush(&stub);
+        finish(&stub);
+        return 1;
+    }
+    say_ready(&stub);
+    run(&stub);
+    finish(&stub);
+    return 0;
+}

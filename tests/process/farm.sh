@@ -1,0 +1,142 @@
+# Shared by the daemon's process tests: a private daemon in a scratch folder, requests to it, and what to expect.
+# The test sets nothing; it calls start_daemon with marchd's options, and ends with `finish`.
+set -u
+bin=${PROGRAM_FOLDER:?}
+scratch=$(mktemp -d)
+socket=$scratch/sock
+daemon_pid=
+
+fail()
+{
+    echo "FAIL: $*" >&2
+    [ -f "$scratch/daemon.log" ] && tail -n 40 "$scratch/daemon.log" >&2
+    exit 1
+}
+
+clean_up()
+{
+    [ -n "$daemon_pid" ] && kill -KILL "$daemon_pid" 2>/dev/null
+    wait 2>/dev/null
+    mountpoint -q "$scratch/disk" 2>/dev/null && umount "$scratch/disk"
+    rm -rf "$scratch"
+}
+trap clean_up EXIT
+
+# stub MODE: makes the worker program that does it.
+stub()
+{
+    local program=$scratch/worker-${1//:/-}
+
+    printf '#!/bin/sh\nexec "%s/stub-worker" --mode %s "$@"\n' "$bin" "$1" >"$program"
+    chmod +x "$program"
+    echo "$program"
+}
+
+# start_daemon OPTION...: returns once it answers.
+start_daemon()
+{
+    "$bin/marchd" --state "$scratch/state" --socket "$socket" --output-root "$scratch/out" --workers 2 "$@" \
+        2>>"$scratch/daemon.log" &
+    daemon_pid=$!
+    for _ in $(seq 200); do
+        [ -S "$socket" ] && ask daemon.status >/dev/null 2>&1 && return
+        kill -0 "$daemon_pid" 2>/dev/null || fail "the daemon did not start"
+        sleep 0.05
+    done
+    fail "the daemon does not answer"
+}
+
+# stop_daemon: SIGTERM, and the exit status must be 0 (which also says that no memory leaked).
+stop_daemon()
+{
+    local status=0
+
+    kill -TERM "$daemon_pid"
+    wait "$daemon_pid" || status=$?
+    daemon_pid=
+    [ "$status" = 0 ] || fail "the daemon ended with status $status"
+}
+
+kill_daemon()
+{
+    kill -KILL "$daemon_pid"
+    wait "$daemon_pid" 2>/dev/null
+    daemon_pid=
+}
+
+# ask METHOD [PARAMS]: prints the answer's line.
+ask()
+{
+    printf '{"jsonrpc":"2.0","id":1,"method":"%s","params":%s}\n' "$1" "${2:-{\}}" | "$bin/socket-client" "$socket"
+}
+
+# ask_raw: standard input is sent as it is.
+ask_raw()
+{
+    "$bin/socket-client" "$socket"
+}
+
+# job RANGE [JQ-FILTER]: prints a small job document.
+job()
+{
+    jq -c --arg range "$1" '.frames = $range | .resolution = [32, 18] | '"${2:-.}" "$PROJECT_ROOT/jobs/cloud.json"
+}
+
+# submit DOCUMENT [PAUSED]: prints the new job's id.
+submit()
+{
+    local answer
+
+    answer=$(ask job.submit "{\"document\":$1,\"paused\":${2:-false}}")
+    jq -e '.result.id' <<<"$answer" || fail "submit: $answer"
+}
+
+# field ID JQ-FILTER: of the job.
+field()
+{
+    ask job.show "{\"id\":$1}" | jq -r ".result | $2"
+}
+
+# wait_until SECONDS WHAT COMMAND...: until the command succeeds.
+wait_until()
+{
+    local seconds=$1 what=$2
+
+    shift 2
+    for _ in $(seq $((seconds * 20))); do
+        "$@" && return
+        sleep 0.05
+    done
+    fail "not within $seconds s: $what"
+}
+
+has_state()
+{
+    [ "$(field "$1" .state)" = "$2" ]
+}
+
+# wait_state ID STATE [SECONDS]
+wait_state()
+{
+    wait_until "${3:-60}" "job $1 $2 (it is $(field "$1" '{state, reason, running}'))" has_state "$1" "$2"
+}
+
+# expect WHAT ACTUAL WANTED
+expect()
+{
+    [ "$2" = "$3" ] || fail "$1: expected \"$3\", got \"$2\""
+}
+
+# expect_error ANSWER CODE TEXT: the answer is an error with that code, whose message holds the text.
+expect_error()
+{
+    expect "error code of $1" "$(jq '.error.code' <<<"$1")" "$2"
+    [[ $(jq -r '.error.message' <<<"$1") == *"$3"* ]] || fail "expected an error with \"$3\", got $1"
+}
+
+# expect_files FOLDER COUNT: so many EXR files and nothing else.
+expect_files()
+{
+    expect "files in $1" "$(find "$scratch/out/$1" -name '*.exr' | wc -l)" "$2"
+    expect "leftovers in $1" "$(find "$scratch/out/$1" -type f ! -name '*.exr')" ""
+}
