@@ -12,9 +12,13 @@ enum { DEFAULT_HALVING_LIMIT = 20 };
 // Behind so much extinction no scattered light is looked for.
 static const double DARKNESS = 1e-12;
 
+// A cell of more optical depth may hide its bright front from every node, and two halvings agree on black.
+static const double THICKEST_CELL = 2.0;
+
 struct gatherer {
     const struct still *still;
     const struct ray *ray;
+    double relative;         // accuracy
     double shadow_tolerance; // of optical depths
     double radiance_tolerance[3], share_tolerance;
     bool hit_limit;
@@ -117,6 +121,9 @@ static bool agree(const struct gatherer *gatherer, const double throughput[stati
                   const struct cell_light *b)
 {
     for (int c = 0; c < 3; c++) {
+        if (throughput[c] > DARKNESS && b->optical_depth[c] > THICKEST_CELL) return false;
+    }
+    for (int c = 0; c < 3; c++) {
         double radiance_change = throughput[c] * fabs(a->radiance[c] - b->radiance[c]);
         double share_change = throughput[c] * fabs(exp(-a->optical_depth[c]) - exp(-b->optical_depth[c]));
 
@@ -190,8 +197,13 @@ static struct cell_light gather(struct gatherer *gatherer, const struct span_lis
         double throughput[3];
         struct cell_light light;
 
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
+            double gathered = gatherer->relative * total.radiance[c] / (double)spans->count;
+
             throughput[c] = exp(-total.optical_depth[c]);
+            // No medium takes light away again: what is gathered so far is a lower bound.
+            gatherer->radiance_tolerance[c] = fmax(gatherer->radiance_tolerance[c], gathered);
+        }
         light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &rough[i], halving_limit);
         total = follow(&total, &light);
     }
@@ -205,7 +217,7 @@ struct integrate_result integrate_ray(const struct still *still, const struct ra
     double floor = accuracy && accuracy->floor > 0.0 ? accuracy->floor : DEFAULT_FLOOR;
     int limit = accuracy && accuracy->halving_limit > 0 ? accuracy->halving_limit : DEFAULT_HALVING_LIMIT;
     struct integrate_result result = {.transmittance = {1.0, 1.0, 1.0}, .is_converged = true};
-    struct gatherer gatherer = {.still = still, .ray = ray, .shadow_tolerance = 0.1 * relative};
+    struct gatherer gatherer = {.still = still, .ray = ray, .relative = relative, .shadow_tolerance = 0.1 * relative};
     struct span_list spans;
     struct cell_light rough[SPAN_LIMIT], light = {0};
     double assumed[3];

@@ -1,0 +1,260 @@
+#include "reference/integrate.h"
+
+#include "reference/closed_form.h"
+#include "reference/phase_henyey_greenstein.h"
+#include "tests/support/assert_near.h"
+#include "tests/support/homogeneous.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+static const struct ray ALONG_Z = {{0.0, 0.0, -3.0}, {0.0, 0.0, 1.0}};
+static const struct homogeneous_box SLAB = {INFINITY, INFINITY, 0.5}; // 1 m thick
+
+static void fill(double color[static 3], double value)
+{
+    color[0] = color[1] = color[2] = value;
+}
+
+static struct still slab_still(double sigma_s, double sigma_a)
+{
+    struct still still = {.medium_count = 1};
+
+    still.media[0].density = homogeneous_box_density(&SLAB);
+    fill(still.media[0].sigma_s, sigma_s);
+    fill(still.media[0].sigma_a, sigma_a);
+    return still;
+}
+
+static void add_sun(struct still *still, struct vec3 direction, double irradiance)
+{
+    struct light *light = &still->lights[still->light_count++];
+
+    light->kind = SCENE_LIGHT_SUN;
+    light->direction = direction;
+    fill(light->intensity, irradiance);
+}
+
+static void add_point(struct still *still, struct vec3 position, double intensity)
+{
+    struct light *light = &still->lights[still->light_count++];
+
+    light->kind = SCENE_LIGHT_POINT;
+    light->falloff = SCENE_FALLOFF_INVERSE_SQUARE;
+    light->position = position;
+    fill(light->intensity, intensity);
+}
+
+// The default accuracy, 1e-4, is what each radiance is held to.
+static void assert_radiance(const struct still *still, const struct ray *ray, double wanted)
+{
+    struct integrate_result result = integrate_ray(still, ray, 0.0, INFINITY, NULL);
+
+    assert_true(result.is_converged);
+    for (int c = 0; c < 3; c++)
+        assert_near(result.radiance[c], wanted, 1e-4 * wanted);
+}
+
+static void glowing_slab_is_as_bright_as_its_closed_form(void **state)
+{
+    static const double SIGMA_A[] = {0.0, 1e-6, 1.0, 50.0, 1e4};
+
+    for (size_t i = 0; i < sizeof SIGMA_A / sizeof SIGMA_A[0]; i++) {
+        struct still still = slab_still(0.0, SIGMA_A[i]);
+
+        fill(still.media[0].emission, 3.0);
+        assert_radiance(&still, &ALONG_Z, closed_form_emission_slab(3.0, SIGMA_A[i], 1.0, 0.0));
+    }
+}
+
+static void front_lit_slab_sends_light_backwards(void **state)
+{
+    static const double SIGMA_S[] = {1e-4, 1.0, 300.0};
+
+    for (size_t i = 0; i < sizeof SIGMA_S / sizeof SIGMA_S[0]; i++) {
+        struct still still = slab_still(SIGMA_S[i], 0.5);
+
+        still.media[0].lobes[0].g = 0.6;
+        still.media[0].lobes[0].weight = 1.0;
+        still.media[0].lobe_count = 1;
+        add_sun(&still, (struct vec3){0.0, 0.0, 1.0}, 7.0);
+        assert_radiance(
+            &still, &ALONG_Z,
+            closed_form_front_lit_slab(SIGMA_S[i], SIGMA_S[i] + 0.5, 1.0, phase_henyey_greenstein(0.6, -1.0), 7.0));
+    }
+}
+
+static void back_lit_slab_sends_light_forwards(void **state)
+{
+    struct still still = slab_still(2.0, 0.5);
+
+    still.media[0].lobes[0].g = 0.6;
+    still.media[0].lobes[0].weight = 1.0;
+    still.media[0].lobe_count = 1;
+    add_sun(&still, (struct vec3){0.0, 0.0, -1.0}, 7.0);
+    assert_radiance(&still, &ALONG_Z, closed_form_back_lit_slab(2.0, 2.5, 1.0, phase_henyey_greenstein(0.6, 1.0), 7.0));
+}
+
+// The nearer the light to the ray, the narrower the peak that the refinement must find.
+static void light_beside_a_ray_falls_with_the_square(void **state)
+{
+    static const double HEIGHTS[] = {1.0, 0.1, 1e-3, 1e-5};
+    const double thin = 1e-7;
+
+    for (size_t i = 0; i < sizeof HEIGHTS / sizeof HEIGHTS[0]; i++) {
+        struct still still = slab_still(thin, 0.0);
+
+        add_point(&still, (struct vec3){0.0, HEIGHTS[i], 0.13}, 5e9);
+        assert_radiance(&still, &ALONG_Z,
+                        thin * 5e9 / (4.0 * M_PI) * closed_form_inverse_square(HEIGHTS[i], 0.13, -0.5, 0.5));
+    }
+}
+
+// The slab reaches 10 m beyond the light, all of it behind the light as seen from the ray.
+static void shadows_end_at_the_light(void **state)
+{
+    struct homogeneous_box thick = {INFINITY, INFINITY, 10.0};
+    struct still still = {.medium_count = 1};
+    double toward, away;
+
+    still.media[0].density = homogeneous_box_density(&thick);
+    fill(still.media[0].sigma_s, 1.0);
+    add_point(&still, (struct vec3){0.0, 0.0, -8.0}, 1.0);
+    still.lights[0].falloff = SCENE_FALLOFF_NONE;
+    // One metre of the ray, the light one metre before its start: T T_light = exp(-t) exp(-(t + 1)).
+    toward = integrate_ray(&still, &(struct ray){{0.0, 0.0, -7.0}, {0.0, 0.0, 1.0}}, 0.0, 1.0, NULL).radiance[0];
+    assert_near(toward, exp(-1.0) * (1.0 - exp(-2.0)) / 2.0 / (4.0 * M_PI), 1e-4 * toward);
+    // The other way, one metre short of the light: T T_light = exp(-t) exp(-(2 - t)).
+    away = integrate_ray(&still, &(struct ray){{0.0, 0.0, -6.0}, {0.0, 0.0, -1.0}}, 0.0, 1.0, NULL).radiance[0];
+    assert_near(away, exp(-2.0) / (4.0 * M_PI), 1e-4 * away);
+}
+
+static void clips_bound_the_gathering_not_the_shadows(void **state)
+{
+    struct still still = slab_still(1.0, 0.0);
+    struct integrate_result result;
+
+    add_sun(&still, (struct vec3){0.0, 0.0, 1.0}, 1.0);
+    // The last half metre of the slab: its light has crossed the first half, the camera's ray has not.
+    result = integrate_ray(&still, &ALONG_Z, 3.0, 3.5, NULL);
+    assert_near(result.radiance[0], exp(-0.5) * (1.0 - exp(-1.0)) / 2.0 / (4.0 * M_PI), 1e-5);
+    assert_near(result.transmittance[0], exp(-0.5), 1e-4);
+}
+
+static void colors_are_gathered_apart(void **state)
+{
+    struct still still = slab_still(0.0, 0.0);
+    struct integrate_result result;
+
+    for (int c = 0; c < 3; c++)
+        still.media[0].sigma_s[c] = c + 1.0;
+    add_sun(&still, (struct vec3){0.0, 0.0, -1.0}, 1.0);
+    still.lights[0].intensity[2] = 5.0;
+    result = integrate_ray(&still, &ALONG_Z, 0.0, INFINITY, NULL);
+    for (int c = 0; c < 3; c++) {
+        double wanted = closed_form_back_lit_slab(c + 1.0, c + 1.0, 1.0, 1.0 / (4.0 * M_PI), c == 2 ? 5.0 : 1.0);
+
+        assert_near(result.radiance[c], wanted, 1e-4 * wanted);
+        assert_near(result.transmittance[c], exp(-(c + 1.0)), 1e-4);
+    }
+}
+
+static void media_and_lights_add(void **state)
+{
+    struct still one = slab_still(2.0, 1.0), two = slab_still(1.5, 0.25);
+    double wanted;
+
+    fill(one.media[0].emission, 0.5);
+    add_sun(&one, (struct vec3){0.0, 0.0, -1.0}, 3.0);
+    fill(two.media[0].emission, 0.5);
+    two.media[1] = slab_still(0.5, 0.75).media[0];
+    two.medium_count = 2;
+    add_sun(&two, (struct vec3){0.0, 0.0, -1.0}, 1.0);
+    add_sun(&two, (struct vec3){0.0, 0.0, -1.0}, 2.0);
+    wanted = closed_form_emission_slab(0.5, 3.0, 1.0, 0.0) + closed_form_back_lit_slab(2.0, 3.0, 1.0, 0.25 / M_PI, 3.0);
+    assert_radiance(&one, &ALONG_Z, wanted);
+    assert_radiance(&two, &ALONG_Z, wanted);
+}
+
+// Power that leaves a sphere of radius 1 in all directions, per power of the sun that falls on it.
+static double scattered_share(double sigma_s, double g)
+{
+    enum { POLAR = 10, RADIAL = 8, AROUND = 8 };
+    struct homogeneous_sphere sphere = {1.0};
+    struct still still = {.medium_count = 1};
+    double sum = 0.0;
+
+    still.media[0].density = homogeneous_sphere_density(&sphere);
+    fill(still.media[0].sigma_s, sigma_s);
+    still.media[0].lobes[0].g = g;
+    still.media[0].lobes[0].weight = 1.0;
+    still.media[0].lobe_count = 1;
+    add_sun(&still, (struct vec3){0.0, 0.0, 1.0}, 1.0);
+    for (int i = 0; i < POLAR * RADIAL * AROUND; i++) {
+        double cosine = -1.0 + 2.0 * (i / (RADIAL * AROUND) + 0.5) / POLAR, sine = sqrt(1.0 - cosine * cosine);
+        double radius = sqrt((i / AROUND % RADIAL + 0.5) / RADIAL), angle = 2.0 * M_PI * (i % AROUND + 0.5) / AROUND;
+        struct vec3 out = {sine, 0.0, cosine}, across = {cosine, 0.0, -sine}, side = {0.0, 1.0, 0.0};
+        struct vec3 start = vec3_add(vec3_scale(out, 2.0), vec3_add(vec3_scale(across, radius * cos(angle)),
+                                                                    vec3_scale(side, radius * sin(angle))));
+        struct ray ray = {start, vec3_scale(out, -1.0)};
+
+        sum += integrate_ray(&still, &ray, 0.0, INFINITY, &(struct integrate_accuracy){.relative = 1e-3}).radiance[0];
+    }
+    // Each of the rays stands for an equal part of 4 pi directions times the sphere's cross-section.
+    return 4.0 * M_PI * sum / (POLAR * RADIAL * AROUND);
+}
+
+static void no_more_light_leaves_than_arrives(void **state)
+{
+    assert_true(scattered_share(0.5, 0.0) <= 1.0);
+    assert_true(scattered_share(5.0, 0.3) <= 1.0);
+    assert_true(scattered_share(100.0, 0.0) <= 1.0);
+}
+
+static void thin_medium_sends_out_all_it_scatters(void **state)
+{
+    // Volume 4 pi / 3 over cross-section pi; 1 %: the directions and rays are few.
+    assert_near(scattered_share(1e-4, 0.3) / (1e-4 * 4.0 / 3.0), 1.0, 0.01);
+}
+
+static void refinement_says_when_it_was_stopped_short(void **state)
+{
+    struct still still = slab_still(0.0, 1e4);
+    struct integrate_accuracy accuracy = {.halving_limit = 2};
+
+    fill(still.media[0].emission, 3.0);
+    assert_false(integrate_ray(&still, &ALONG_Z, 0.0, INFINITY, &accuracy).is_converged);
+}
+
+static void empty_ray_is_black_and_clear(void **state)
+{
+    struct still still = slab_still(1.0, 1.0);
+    struct ray aside = {{0.0, 0.0, -3.0}, {1.0, 0.0, 0.0}};
+    struct integrate_result result = integrate_ray(&still, &aside, 0.0, INFINITY, NULL);
+
+    assert_true(result.radiance[0] == 0.0 && result.transmittance[0] == 1.0 && result.is_converged);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(glowing_slab_is_as_bright_as_its_closed_form),
+        cmocka_unit_test(front_lit_slab_sends_light_backwards),
+        cmocka_unit_test(back_lit_slab_sends_light_forwards),
+        cmocka_unit_test(light_beside_a_ray_falls_with_the_square),
+        cmocka_unit_test(shadows_end_at_the_light),
+        cmocka_unit_test(clips_bound_the_gathering_not_the_shadows),
+        cmocka_unit_test(colors_are_gathered_apart),
+        cmocka_unit_test(media_and_lights_add),
+        cmocka_unit_test(no_more_light_leaves_than_arrives),
+        cmocka_unit_test(thin_medium_sends_out_all_it_scatters),
+        cmocka_unit_test(refinement_says_when_it_was_stopped_short),
+        cmocka_unit_test(empty_ray_is_black_and_clear),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

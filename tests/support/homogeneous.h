@@ -1,0 +1,16 @@
+// Media of constant density, whose light is known in closed form.
+#pragma once
+
+#include "reference/medium.h"
+
+// Density 1 within; all centred on the origin. The makers borrow what they are given.
+struct homogeneous_sphere {
+    double radius; // m
+};
+
+struct homogeneous_box {
+    double half_x, half_y, half_z; // m; INFINITY makes a slab of it
+};
+
+struct density homogeneous_sphere_density(const struct homogeneous_sphere *sphere);
+struct density homogeneous_box_density(const struct homogeneous_box *box);

@@ -1,0 +1,12 @@
+// The same random numbers in every run of a test.
+#pragma once
+
+#include <stdint.h>
+
+// Any start but 0.
+struct random {
+    uint64_t state;
+};
+
+// Uniform in [low, high). Marsaglia, Xorshift RNGs, Journal of Statistical Software 8, 2003, with Vigna's multiplier.
+double random_between(struct random *random, double low, double high);
