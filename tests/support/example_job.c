@@ -14,13 +14,19 @@
 
 void example_job_load(struct job *job, const char *name)
 {
-    struct error error = {{0}};
     char path[512];
+
+    snprintf(path, sizeof path, "%s/jobs/%s.json", PROJECT_ROOT, name);
+    example_job_load_file(job, path);
+}
+
+void example_job_load_file(struct job *job, const char *path)
+{
+    struct error error = {{0}};
     char *text = NULL;
     size_t length = 0;
     bool ok;
 
-    snprintf(path, sizeof path, "%s/jobs/%s.json", PROJECT_ROOT, name);
     ok = file_read_text(path, JOB_DOCUMENT_LIMIT, &text, &length, &error) && job_parse(job, text, length, NULL, &error);
     free(text);
     if (!ok) fail_msg("%s: %s", path, error.message);

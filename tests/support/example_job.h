@@ -5,5 +5,6 @@
 
 // Loads jobs/NAME.json; fails the test when it is wrong. Free with job_finish.
 void example_job_load(struct job *job, const char *name);
+void example_job_load_file(struct job *job, const char *path);
 // The same picture at another size, and frame 0 at `time` seconds.
 void example_job_shrink(struct job *job, int width_px, int height_px, double time);

@@ -1,0 +1,5 @@
+// Keeps drivers loaded to the end, so that the leak checker can say whose memory it finds.
+#pragma once
+
+// Call while a context is alive: the libraries loaded by then stay.
+void keep_libraries(void);
