@@ -42,6 +42,26 @@ static struct followed *find_followed(struct follow *follow, int64_t id)
     return NULL;
 }
 
+// The job as events have it: without the document that job.show adds.
+static char *format_job(const struct json_node *job)
+{
+    struct json_writer writer = {0};
+    struct json_node member = {0};
+
+    json_write_begin_object(&writer);
+    while (json_node_next(job, &member)) {
+        char *text;
+
+        if (strcmp(member.key, "document") == 0) continue;
+        text = json_format(&member);
+        json_write_key(&writer, member.key);
+        json_write_raw(&writer, text, strlen(text));
+        free(text);
+    }
+    json_write_end_object(&writer);
+    return writer.text;
+}
+
 static bool note_job(struct follow *follow, const struct json_node *node, struct error *error)
 {
     struct job_report report;
@@ -61,7 +81,7 @@ static bool note_job(struct follow *follow, const struct json_node *node, struct
     job_report_finish(&followed->report);
     free(followed->json);
     followed->report = report;
-    followed->json = json_format(node);
+    followed->json = format_job(node);
     return true;
 }
 
