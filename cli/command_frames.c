@@ -120,8 +120,8 @@ enum exit_status command_frames(const struct options *options, struct error *err
     int64_t id;
 
     if (!options_parse_id(options->operands[0], &id, error)) return EXIT_STATUS_USAGE;
-    connection = daemon_call_connect(options, error);
-    if (!connection) return EXIT_STATUS_NO_DAEMON;
+    connection = daemon_call_connect(options, &status, error);
+    if (!connection) return status;
     status = print_frames(options, connection, id, error);
     connection_close(connection);
     return status;

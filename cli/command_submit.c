@@ -109,11 +109,12 @@ static enum exit_status follow_submitted(const struct options *options, struct c
 
 static enum exit_status submit(const struct options *options, const char *document, struct error *error)
 {
-    struct connection *connection = daemon_call_connect(options, error);
-    enum exit_status status = EXIT_STATUS_DONE;
+    enum exit_status status;
+    struct connection *connection = daemon_call_connect(options, &status, error);
     int64_t id = 0;
 
-    if (!connection) return EXIT_STATUS_NO_DAEMON;
+    if (!connection) return status;
+    status = EXIT_STATUS_DONE;
     if (!send_document(options, connection, document, &id, error)) {
         status = connection_failure(connection);
         goto out;

@@ -21,8 +21,7 @@ enum exit_status command_watch(const struct options *options, struct error *erro
 
     for (size_t i = 0; i < options->operand_count; i++)
         if (!options_parse_id(options->operands[i], &ids[i], error)) goto out;
-    status = EXIT_STATUS_NO_DAEMON;
-    connection = daemon_call_connect(options, error);
+    connection = daemon_call_connect(options, &status, error);
     if (connection) status = follow_jobs(connection, &params, error);
 out:
     connection_close(connection);
@@ -43,8 +42,7 @@ enum exit_status command_wait(const struct options *options, struct error *error
 
     for (size_t i = 0; i < options->operand_count; i++)
         if (!options_parse_id(options->operands[i], &ids[i], error)) goto out;
-    status = EXIT_STATUS_NO_DAEMON;
-    connection = daemon_call_connect(options, error);
+    connection = daemon_call_connect(options, &status, error);
     if (connection) status = follow_jobs(connection, &params, error);
     if (jobs.text) print_json_text(&jobs);
 out:

@@ -14,14 +14,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct connection *daemon_call_connect(const struct options *options, struct error *error)
+struct connection *daemon_call_connect(const struct options *options, enum exit_status *status, struct error *error)
 {
     const struct socket_path_params params = {.option = options->socket,
                                               .environment = getenv("MARCHD_SOCKET"),
                                               .system_path = SOCKET_PATH_SYSTEM,
                                               .runtime_folder = getenv("XDG_RUNTIME_DIR")};
     char *path = socket_path_choose(&params);
-    struct connection *connection = connection_open(path, error);
+    struct connection *connection = connection_open(path, status, error);
 
     free(path);
     return connection;
@@ -30,10 +30,11 @@ struct connection *daemon_call_connect(const struct options *options, struct err
 enum exit_status daemon_call(const struct options *options, const char *method, const char *params,
                              struct message *reply, struct error *error)
 {
-    struct connection *connection = daemon_call_connect(options, error);
-    enum exit_status status = EXIT_STATUS_DONE;
+    enum exit_status status;
+    struct connection *connection = daemon_call_connect(options, &status, error);
 
-    if (!connection) return EXIT_STATUS_NO_DAEMON;
+    if (!connection) return status;
+    status = EXIT_STATUS_DONE;
     if (!connection_call(connection, method, params, reply, error)) status = connection_failure(connection);
     connection_close(connection);
     return status;
@@ -90,8 +91,8 @@ enum exit_status daemon_call_each_job(const struct options *options, const char 
 
     for (size_t i = 0; i < options->operand_count; i++)
         if (!options_parse_id(options->operands[i], &id, error)) return status;
-    connection = daemon_call_connect(options, error);
-    if (!connection) return EXIT_STATUS_NO_DAEMON;
+    connection = daemon_call_connect(options, &status, error);
+    if (!connection) return status;
     json_write_begin_object(&results);
     json_write_key(&results, "jobs");
     json_write_begin_array(&results);

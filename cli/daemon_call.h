@@ -9,8 +9,8 @@ struct error;
 struct json_writer;
 struct options;
 
-// Connects where the options and the environment say. NULL: no daemon, exit with EXIT_STATUS_NO_DAEMON.
-struct connection *daemon_call_connect(const struct options *options, struct error *error);
+// Connects where the options and the environment say. On failure NULL, and `status` is the exit code to end with.
+struct connection *daemon_call_connect(const struct options *options, enum exit_status *status, struct error *error);
 // `params` is one JSON value; NULL: {}. On EXIT_STATUS_DONE the caller frees `reply` with message_finish.
 enum exit_status daemon_call(const struct options *options, const char *method, const char *params,
                              struct message *reply, struct error *error);

@@ -6,15 +6,23 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+// What we were started to ignore (nohup, a shell's background) stays ignored.
+static void catch_signal(sigset_t *caught, int number)
+{
+    struct sigaction action;
+
+    if (sigaction(number, NULL, &action) == 0 && action.sa_handler != SIG_IGN) sigaddset(caught, number);
+}
+
 void interrupt_init(struct interrupt *interrupt)
 {
     sigset_t caught;
 
     memset(interrupt, 0, sizeof *interrupt);
     sigemptyset(&caught);
-    sigaddset(&caught, SIGINT);
-    sigaddset(&caught, SIGTERM);
-    sigaddset(&caught, SIGHUP);
+    catch_signal(&caught, SIGINT);
+    catch_signal(&caught, SIGTERM);
+    catch_signal(&caught, SIGHUP);
     sigprocmask(SIG_BLOCK, &caught, &interrupt->previous);
     interrupt->fd = signalfd(-1, &caught, SFD_CLOEXEC | SFD_NONBLOCK);
     if (interrupt->fd < 0) {

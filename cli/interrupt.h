@@ -11,7 +11,7 @@ struct interrupt {
     bool is_requested;
 };
 
-// Blocks SIGINT, SIGTERM and SIGHUP for the rest of the program and collects them.
+// Blocks SIGINT, SIGTERM and SIGHUP until interrupt_finish and collects them.
 void interrupt_init(struct interrupt *interrupt);
 void interrupt_finish(struct interrupt *interrupt);       // lets signals through again
 bool interrupt_is_requested(struct interrupt *interrupt); // accepts NULL; does not block

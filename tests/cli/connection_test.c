@@ -141,8 +141,10 @@ static void interrupt_ends_waiting(void **state)
 static void path_that_is_no_socket_is_named(void **state)
 {
     struct error error = {0};
+    enum exit_status status = EXIT_STATUS_DONE;
 
-    assert_null(connection_open("/nowhere/marchd.sock", &error));
+    assert_null(connection_open("/nowhere/marchd.sock", &status, &error));
+    assert_int_equal(status, EXIT_STATUS_NO_DAEMON);
     assert_non_null(strstr(error.message, "/nowhere/marchd.sock"));
     assert_non_null(strstr(error.message, "marchd --socket"));
 }
