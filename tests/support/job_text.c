@@ -1,0 +1,51 @@
+#include "tests/support/job_text.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/job_json.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+char *job_text_load(const char *name)
+{
+    char *path = xasprintf("%s/jobs/%s", PROJECT_ROOT, name);
+    char *text;
+    size_t length;
+    struct error error = {0};
+
+    if (!file_read_text(path, JOB_DOCUMENT_LIMIT, &text, &length, &error)) {
+        fprintf(stderr, "%s\n", error.message);
+        abort();
+    }
+    free(path);
+    return text;
+}
+
+const char job_text_full[] =
+    "{\"version\":1,\"name\":\"full\",\"frames\":\"1-9x2\",\"fps\":[24000,1001],\"time_offset\":0.5,"
+    "\"resolution\":[64,48],"
+    "\"camera\":{\"position\":{\"orbit\":{\"center\":[0,0,0],\"radius\":3,\"height\":1,\"axis\":[0,1,0],\"period\":10,"
+    "\"phase_deg\":45}},"
+    "\"target\":{\"keys\":[[0,[0,0,0]],[1,[0.5,0,0]]],\"interpolation\":\"smooth\"},\"up\":[0.5,1,0],"
+    "\"fov\":{\"start\":40,\"rate\":0.5},\"clip\":[1,5],\"mirror\":true,\"shutter\":0},"
+    "\"lights\":[{\"kind\":\"point\",\"falloff\":\"inverse_square\",\"intensity\":[10,20,30],"
+    "\"position\":{\"start\":[0,3,0],\"rate\":[0.1,0,0]}},"
+    "{\"kind\":\"sun\",\"intensity\":{\"lissajous\":{\"center\":3,\"amplitude\":1,\"frequency_rad\":2,\"phase_rad\":0."
+    "5,"
+    "\"speed\":2}},"
+    "\"direction\":{\"keys\":[[0,[0,-1,0]],[2,[1,-1,0]]],\"interpolation\":\"hold\"}},"
+    "{\"kind\":\"point\",\"intensity\":{\"keys\":[[0,[1,2,3]],[4,[3,2,1]]]},\"position\":[3,3,3]}],"
+    "\"background\":{\"lissajous\":{\"center\":[1,1,1],\"amplitude\":[0.5,0.5,0.5],\"frequency_rad\":[1,2,3]}},"
+    "\"scene\":{\"media\":[{\"density\":{\"kind\":\"fold_fractal\",\"iterations\":3,\"offset\":0.05,"
+    "\"radius\":{\"keys\":[[0,0.2],[5,0.3]]},\"rotate_x_rad\":0.3,"
+    "\"rotate_y_rad\":{\"lissajous\":{\"center\":0,\"amplitude\":1,\"frequency_rad\":1}},\"exponent\":1.5,"
+    "\"scale\":{\"start\":5,\"rate\":1}},\"sigma_s\":[1,2,3],\"sigma_a\":{\"start\":[1,1,1],\"rate\":[0,0,0.1]},"
+    "\"emission\":0.5,\"phase\":[{\"kind\":\"henyey_greenstein\",\"g\":{\"lissajous\":{\"center\":0.2,"
+    "\"amplitude\":0.5,\"frequency_rad\":1}},\"weight\":0.25},{\"g\":-0.5,\"weight\":0.75}]},"
+    "{\"density\":{\"kind\":\"fold_fractal\",\"iterations\":1,\"offset\":0,\"radius\":1,\"exponent\":1,\"scale\":1},"
+    "\"sigma_a\":2,\"phase\":[{\"g\":0}]}]},"
+    "\"quality\":{\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.1,\"min_transmittance\":0.001,\"samples\":1},"
+    "\"output\":{\"path\":\"full/full.%04d.exr\",\"pixel\":\"float\",\"compression\":\"piz\",\"aovs\":[\"Z\"],"
+    "\"existing\":\"fail\"},\"priority\":7}";

@@ -1,0 +1,10 @@
+// Tells whether a document obeys a JSON Schema, for the keywords that jobs/schema.json uses.
+#pragma once
+
+#include "core/json_read.h"
+
+#include <stdbool.h>
+
+// `root` is the schema's own document: a "$ref" names one of its "$defs". Ends the program at a keyword that it does not
+// know, so that no rule is passed over. Patterns are read as POSIX extended expressions.
+bool schema_accepts(const struct json_node *root, const struct json_node *document);
