@@ -1,0 +1,193 @@
+#include "core/job_hash.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "core/job_json.h"
+#include "tests/support/job_text.h"
+#include "tests/support/json_edit.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+struct hash {
+    char text[HASH_TEXT_SIZE];
+};
+
+static bool find_hash(const char *text, struct hash *hash)
+{
+    struct job job;
+    bool ok = job_parse(&job, text, strlen(text), NULL, NULL);
+
+    if (ok) memcpy(hash->text, job.hash, sizeof hash->text);
+    job_finish(&job);
+    return ok;
+}
+
+static struct hash hash_of(const char *text)
+{
+    struct hash hash = {0};
+
+    if (!find_hash(text, &hash)) fail_msg("refused: %s", text);
+    return hash;
+}
+
+static struct hash hash_with(const char *path, const char *value)
+{
+    char *text = json_edit_set(job_text_full, path, value);
+    struct hash hash = hash_of(text);
+
+    free(text);
+    return hash;
+}
+
+static void layout_and_order_of_keys_do_not_count(void **state)
+{
+    char *cloud = job_text_load("cloud.json");
+    char *compact = json_edit_set(cloud, "priority", "50"); // parsed and written anew: other spaces, other digits
+    char *moved = json_edit_set(compact, "version", NULL);
+    char *reordered = json_edit_set(moved, "version", "1");
+
+    assert_string_equal(hash_of(compact).text, hash_of(cloud).text);
+    assert_string_equal(hash_of(reordered).text, hash_of(cloud).text);
+    assert_string_not_equal(reordered, compact);
+    free(reordered);
+    free(moved);
+    free(compact);
+    free(cloud);
+}
+
+static void spelled_out_defaults_do_not_count(void **state)
+{
+    struct hash hash = hash_of(job_text_full);
+
+    assert_string_equal(hash_with("scene.media[1].sigma_s", "0").text, hash.text);
+    assert_string_equal(hash_with("scene.media[1].phase[0].weight", "1").text, hash.text);
+    assert_string_equal(hash_with("scene.media[1].density.rotate_x_rad", "-0.0").text, hash.text);
+    assert_string_equal(hash_with("lights[2].falloff", "\"inverse_square\"").text, hash.text);
+    assert_string_equal(hash_with("fps", "[48000, 2002]").text, hash.text);
+}
+
+static void what_no_picture_depends_on_does_not_count(void **state)
+{
+    static const char *const edits[][2] = {{"name", "\"other\""},
+                                           {"frames", "\"5\""},
+                                           {"priority", "99"},
+                                           {"output.path", "\"other.#.exr\""},
+                                           {"output.compression", "\"none\""},
+                                           {"output.existing", "\"overwrite\""}};
+    struct hash hash = hash_of(job_text_full);
+
+    for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++)
+        assert_string_equal(hash_with(edits[i][0], edits[i][1]).text, hash.text);
+}
+
+// Places that have one value only, that no picture depends on, or that change along with another.
+static bool is_left_out(const char *path)
+{
+    static const char *const paths[] = {"version",
+                                        "name",
+                                        "frames",
+                                        "priority",
+                                        "output.path",
+                                        "output.compression",
+                                        "output.existing",
+                                        "camera.shutter",
+                                        "quality.samples",
+                                        "quality.method",
+                                        "lights[0].kind",
+                                        "lights[1].kind",
+                                        "lights[2].kind",
+                                        "scene.media[0].density.kind",
+                                        "scene.media[1].density.kind",
+                                        "scene.media[0].phase[0].kind",
+                                        "scene.media[0].phase[0].weight",
+                                        "scene.media[0].phase[1].weight"};
+
+    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++)
+        if (strcmp(paths[i], path) == 0) return true;
+    return false;
+}
+
+static bool some_value_changes_the_hash(const char *path, const struct hash *hash)
+{
+    static const char *const values[] = {
+        "0.4",        "1",      "2",        "3",          "7",        "-0.4",     "50",
+        "true",       "false",  "\"hold\"", "\"linear\"", "\"none\"", "\"half\"", "\"transmittance\"",
+        "\"linear\"", "[1,1,1]"};
+
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
+        char *text = json_edit_set(job_text_full, path, values[i]);
+        struct hash changed;
+        bool differs = find_hash(text, &changed) && strcmp(changed.text, hash->text) != 0;
+
+        free(text);
+        if (differs) return true;
+    }
+    return false;
+}
+
+static void every_value_that_a_picture_depends_on_counts(void **state)
+{
+    struct hash hash = hash_of(job_text_full);
+    size_t count, checked = 0;
+    struct json_place *places = json_edit_places(job_text_full, &count);
+
+    for (size_t i = 0; i < count; i++) {
+        size_t length = strlen(places[i].path);
+        bool is_leaf = i + 1 == count || strncmp(places[i + 1].path, places[i].path, length) != 0;
+
+        if (!is_leaf || is_left_out(places[i].path)) continue;
+        if (!some_value_changes_the_hash(places[i].path, &hash)) fail_msg("%s does not count", places[i].path);
+        checked++;
+    }
+    assert_true(checked > 100);
+    json_edit_free_places(places, count);
+}
+
+static void what_changes_along_with_another_counts(void **state)
+{
+    static const char *const edits[][2] = {
+        {"scene.media[0].phase", "[{\"g\":{\"lissajous\":{\"center\":0.2,\"amplitude\":0.5,\"frequency_rad\":1}},"
+                                 "\"weight\":0.5},{\"g\":-0.5,\"weight\":0.5}]"},
+        {"scene.media[1].phase", NULL},
+        {"quality", "{\"method\":\"riemann\",\"step\":0.05,\"light_steps\":4,\"min_transmittance\":0.001}"},
+        {"quality", "{\"method\":\"riemann\",\"step\":0.05,\"light_steps\":5,\"min_transmittance\":0.001}"},
+        {"lights[0]", NULL},
+        {"background", NULL},
+        {"scene.media[0].emission", NULL},
+        {"scene.media[1]", NULL},
+        {"output.aovs", "[]"},
+        {"output.aovs", "[\"Z\",\"transmittance\"]"},
+        {"camera.clip", NULL},
+        {"camera.up", "{\"start\":[0.5,1,0],\"rate\":[0,0,0]}"},
+    };
+    enum { COUNT = sizeof edits / sizeof edits[0] };
+    struct hash hashes[COUNT + 1];
+
+    hashes[COUNT] = hash_of(job_text_full);
+    for (size_t i = 0; i < COUNT; i++)
+        hashes[i] = hash_with(edits[i][0], edits[i][1]);
+    for (size_t i = 0; i <= COUNT; i++)
+        for (size_t k = 0; k < i; k++)
+            if (strcmp(hashes[i].text, hashes[k].text) == 0) fail_msg("edits %zu and %zu hash alike", i, k);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(layout_and_order_of_keys_do_not_count),
+        cmocka_unit_test(spelled_out_defaults_do_not_count),
+        cmocka_unit_test(what_no_picture_depends_on_does_not_count),
+        cmocka_unit_test(every_value_that_a_picture_depends_on_counts),
+        cmocka_unit_test(what_changes_along_with_another_counts),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,28 @@
+#include "core/error.h"
+#include "core/job.h"
+#include "core/job_json.h"
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+
+// A job that is taken can be asked for any of its times; one that is refused says why and leaves nothing behind.
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    struct error error = {0};
+    struct job job;
+    double value[3];
+
+    if (!job_parse(&job, (const char *)bytes, size, "/srv/out", &error)) {
+        if (!error.message[0] || job.name || job.frames.spans || job.scene.light_count) abort();
+        return 0;
+    }
+    if (strlen(job.hash) != HASH_TEXT_SIZE - 1 || frame_range_count(&job.frames) < 1) abort();
+    timeline_evaluate(&job.scene.camera.position, job_frame_time(&job, frame_range_at(&job.frames, 0)), value);
+    if (!(value[0] - value[0] == 0.0)) abort();
+    job_finish(&job);
+    return 0;
+}
