@@ -25,4 +25,6 @@ struct preview_result {
 // Chosen exposure: the 99th percentile of the sequence's luminance goes to 0.8. Written through sRGB, over black.
 bool preview_write_sheet(const struct preview_params *params, struct preview_result *result, struct error *error);
 // Writes 000000.png, 000001.png, ... of the full size into the folder `out`.
+enum { PREVIEW_NAME_SIZE = 32 };
+void preview_format_name(size_t index, char name[static PREVIEW_NAME_SIZE]);
 bool preview_write_frames(const struct preview_params *params, struct preview_result *result, struct error *error);

@@ -1,0 +1,132 @@
+#include "worker/encoder.h"
+
+#include "core/error.h"
+#include "worker/gate.h"
+#include "worker/image_exr.h"
+#include "worker/options.h"
+#include "worker/part_file.h"
+#include "worker/report.h"
+#include "worker/worker.h"
+
+#include <errno.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+static struct image_exr_header make_header(const struct worker *worker, const struct picture *picture)
+{
+    const struct assignment_frame *frame = picture->frame;
+    const struct job *job = &frame->job->job;
+    struct image_exr_header header = {
+        .pixel = job->output.pixel,
+        .compression = job->output.compression,
+        .fps_numerator = job->fps_numerator,
+        .fps_denominator = job->fps_denominator,
+        .owner = frame->job->owner,
+        .job_id = frame->job->id,
+        .job_hash = job->hash,
+        .frame = frame->frame,
+        .attempt = frame->attempt,
+        .method = job_method_name(job->quality.method),
+        .step = job->quality.step,
+        .backend = worker->backend,
+        .renderer = worker->renderer,
+        .shader_hash = picture->shader_hash,
+        .render_seconds = picture->render_s,
+        .captured = (int64_t)time(NULL),
+    };
+
+    memcpy(header.world_to_camera, picture->world_to_camera, sizeof header.world_to_camera);
+    memcpy(header.world_to_ndc, picture->world_to_ndc, sizeof header.world_to_ndc);
+    return header;
+}
+
+// Leaves a whole, gated file or none.
+static bool write_part(struct worker *worker, const struct picture *picture, struct published_file *file,
+                       enum report_fault *fault, struct error *error)
+{
+    struct image_exr_header header = make_header(worker, picture);
+    int fd = part_file_create(picture->frame, picture->folder_fd, error);
+    bool ok;
+
+    *fault = REPORT_FAULT_OUTPUT;
+    if (fd < 0) {
+        // The name is this attempt's own: a file under it is an accident that the next attempt does not meet.
+        if (errno == EEXIST) *fault = REPORT_FAULT_FRAME;
+        return false;
+    }
+    ok = image_exr_write(fd, &picture->image, &header, worker->options->encode_threads, error);
+    if (!ok && errno == 0) *fault = REPORT_FAULT_FRAME;
+    worker_advance(worker);
+    if (ok) {
+        *fault = REPORT_FAULT_FRAME;
+        ok = gate_check(fd, &picture->frame->job->job, picture->frame->frame, file, error);
+        if (!ok) error_prefix(error, "the file written does not verify");
+    }
+    close(fd);
+    if (!ok) part_file_remove(picture->frame, picture->folder_fd);
+    return ok;
+}
+
+static void encode(struct worker *worker, struct picture *picture)
+{
+    struct assignment_frame *frame = picture->frame;
+    bool is_half = frame->job->job.output.pixel == JOB_PIXEL_HALF;
+    enum report_fault fault = REPORT_FAULT_FRAME;
+    struct published_file file;
+    struct error error = {0};
+    double start_s = now_s();
+
+    if (worker_is_unwanted(worker, frame)) {
+        worker_drop_frame(worker, frame);
+        return;
+    }
+    if (!image_is_finite(&picture->image, is_half, &error) || !write_part(worker, picture, &file, &fault, &error)) {
+        report_frame_failed(&worker->connection, frame, fault, error.message);
+        worker_end_frame(worker, frame);
+        return;
+    }
+    if (worker_is_unwanted(worker, frame)) {
+        part_file_remove(frame, picture->folder_fd);
+        worker_drop_frame(worker, frame);
+        return;
+    }
+    report_finished(&worker->connection, frame, &file, picture->render_s, now_s() - start_s);
+    worker_end_frame(worker, frame);
+}
+
+// NULL when none will come any more.
+static struct picture *take_picture(struct worker *worker)
+{
+    struct picture *picture;
+
+    pthread_mutex_lock(&worker->lock);
+    while (!worker->rendered && !worker->has_renderer_ended)
+        pthread_cond_wait(&worker->changed, &worker->lock);
+    picture = worker->rendered;
+    worker->rendered = NULL;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->lock);
+    return picture;
+}
+
+void *encoder_run(void *user)
+{
+    struct worker *worker = user;
+    struct picture *picture;
+
+    while ((picture = take_picture(worker))) {
+        encode(worker, picture);
+        picture_destroy(picture);
+    }
+    worker_end_thread(worker);
+    return NULL;
+}

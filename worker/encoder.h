@@ -1,0 +1,7 @@
+// The thread that turns rendered pictures into files: encodes, syncs, gates and reports each.
+#pragma once
+
+struct worker;
+
+// The thread's function; `user` is the worker. Ends when the renderer has and nothing waits.
+void *encoder_run(void *user);

@@ -1,0 +1,9 @@
+// PNG files for eyes: 8-bit sRGB.
+#pragma once
+
+#include <stdbool.h>
+
+struct error;
+
+// `rgb`: 3 bytes a pixel, first row on top. The file appears whole or not at all.
+bool image_png_write(const char *path, const unsigned char *rgb, int width_px, int height_px, struct error *error);

@@ -1,0 +1,154 @@
+#include "core/error.h"
+#include "core/log.h"
+#include "worker/encoder.h"
+#include "worker/options.h"
+#include "worker/orders.h"
+#include "worker/render_loop.h"
+#include "worker/report.h"
+#include "worker/worker.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    BEAT_MS = 1000,
+    // How long an abandoned worker waits for a tile or an encoding to end before it leaves them where they are.
+    ABANDON_MS = 2000
+};
+
+static int64_t now_ms(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+// A terminal sends SIGINT to whoever started us too, who then tells us what to do about it.
+static int open_signals(void)
+{
+    sigset_t set;
+
+    signal(SIGINT, SIG_IGN);
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    // Before there are threads, so that they all inherit it.
+    pthread_sigmask(SIG_BLOCK, &set, NULL);
+    return signalfd(-1, &set, SFD_CLOEXEC);
+}
+
+static void take_lines(struct worker *worker)
+{
+    struct error error = {0};
+    const char *line;
+    size_t length;
+
+    while ((line = connection_next(&worker->connection, &length, &error)))
+        if (!orders_take_line(worker, line, length, &error)) break;
+    if (!error.message[0]) return;
+    log_error("%s", error.message);
+    worker_abandon(worker, 1);
+}
+
+struct state {
+    bool has_ended, is_abandoned, is_ready;
+};
+
+static struct state look(struct worker *worker)
+{
+    struct state state;
+
+    pthread_mutex_lock(&worker->lock);
+    state = (struct state){worker->running_threads == 0, worker->is_abandoned, worker->is_ready};
+    pthread_mutex_unlock(&worker->lock);
+    return state;
+}
+
+// Waits for at most `timeout_ms` and deals with what has come.
+static bool wait_for_orders(struct worker *worker, int signal_fd, bool is_abandoned, int timeout_ms)
+{
+    struct pollfd ready[] = {{.fd = worker->wake_fd, .events = POLLIN},
+                             {.fd = is_abandoned ? -1 : signal_fd, .events = POLLIN},
+                             {.fd = is_abandoned ? -1 : worker->connection.fd, .events = POLLIN}};
+    struct signalfd_siginfo signal;
+    uint64_t count;
+
+    if (poll(ready, 3, timeout_ms) < 0) return errno == EINTR;
+    if (ready[0].revents && read(worker->wake_fd, &count, sizeof count) < 0) return false;
+    if (ready[1].revents && read(signal_fd, &signal, sizeof signal) > 0) worker_exit(worker, 0);
+    if (!ready[2].revents) return true;
+    if (connection_receive(&worker->connection))
+        take_lines(worker);
+    else
+        worker_abandon(worker, 0);
+    return true;
+}
+
+// Reads orders and beats until the other threads have ended. False when they do not although nobody listens.
+static bool serve(struct worker *worker, int signal_fd)
+{
+    int64_t next_beat_ms = now_ms(), deadline_ms = INT64_MAX;
+
+    for (struct state state = look(worker); !state.has_ended; state = look(worker)) {
+        int64_t now = now_ms();
+
+        if (state.is_abandoned && deadline_ms == INT64_MAX) deadline_ms = now + ABANDON_MS;
+        if (now >= deadline_ms) return false;
+        if (now >= next_beat_ms) {
+            next_beat_ms = now + BEAT_MS;
+            if (state.is_ready && !state.is_abandoned) report_beat(&worker->connection, atomic_load(&worker->progress));
+        }
+        if (!wait_for_orders(worker, signal_fd, state.is_abandoned,
+                             (int)((next_beat_ms < deadline_ms ? next_beat_ms : deadline_ms) - now)))
+            return false;
+    }
+    return true;
+}
+
+static bool start_threads(struct worker *worker, pthread_t threads[2])
+{
+    void *(*const runs[])(void *) = {render_loop_run, encoder_run};
+
+    worker->running_threads = 2;
+    for (int i = 0; i < 2; i++) {
+        int errnum = pthread_create(&threads[i], NULL, runs[i], worker);
+
+        if (!errnum) continue;
+        log_error("thread: %s", strerrordesc_np(errnum));
+        return false;
+    }
+    return true;
+}
+
+int main(int argc, char *argv[])
+{
+    struct options options;
+    struct worker worker;
+    struct error error = {0};
+    pthread_t threads[2];
+    int signal_fd;
+
+    if (!options_parse(&options, argc, argv, &error)) {
+        log_error("%s", error.message);
+        return 2;
+    }
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    signal_fd = open_signals();
+    if (signal_fd < 0 || !worker_init(&worker, &options)) return 1;
+    // Threads that do not end, or were not all started, are left to the end of the process.
+    if (!start_threads(&worker, threads) || !serve(&worker, signal_fd)) _exit(1);
+    for (int i = 0; i < 2; i++)
+        pthread_join(threads[i], NULL);
+    worker_finish(&worker);
+    close(signal_fd);
+    return worker.exit_code;
+}

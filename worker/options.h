@@ -1,0 +1,19 @@
+// The worker's command line.
+#pragma once
+
+#include "worker/gl_context.h"
+
+#include <stdbool.h>
+
+struct error;
+
+struct options {
+    int fd;           // the socket to whoever started us
+    bool has_context; // false with --backend none: explains and previews, renders nothing
+    enum gl_backend backend;
+    const char *device;     // borrowed from argv; NULL: the first that works
+    const char *shader_dir; // borrowed from argv; NULL: the shaders built in
+    int encode_threads;
+};
+
+bool options_parse(struct options *options, int argc, char *const argv[], struct error *error);

@@ -1,0 +1,226 @@
+#include "worker/render_loop.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "worker/gl_context.h"
+#include "worker/options.h"
+#include "worker/part_file.h"
+#include "worker/renderer.h"
+#include "worker/report.h"
+#include "worker/request.h"
+#include "worker/worker.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct render_loop {
+    struct worker *worker;
+    struct gl_context *context;     // NULL with --backend none
+    struct renderer *renderer;      // likewise
+    struct assignment_frame *frame; // being rendered
+};
+
+static bool on_progress(void *user, double done)
+{
+    struct render_loop *loop = user;
+
+    worker_advance(loop->worker);
+    return !worker_is_unwanted(loop->worker, loop->frame);
+}
+
+static bool make_renderer(struct render_loop *loop)
+{
+    struct worker *worker = loop->worker;
+    const struct options *options = worker->options;
+    const struct gl_context_facts *facts;
+    struct error error = {0};
+
+    if (!options->has_context) {
+        report_ready(&worker->connection, NULL);
+        worker_set_ready(worker);
+        return true;
+    }
+    loop->context = gl_context_create(options->backend, options->device, &error);
+    if (!loop->context) {
+        report_no_context(&worker->connection, error.message);
+        return false;
+    }
+    loop->renderer = renderer_create(loop->context, options->shader_dir);
+    facts = gl_context_facts(loop->context);
+    snprintf(worker->backend, sizeof worker->backend, "%s", facts->backend);
+    snprintf(worker->renderer, sizeof worker->renderer, "%s", facts->renderer);
+    report_ready(&worker->connection, facts);
+    worker_set_ready(worker);
+    return true;
+}
+
+static enum report_fault fault_of(enum renderer_fault fault)
+{
+    switch (fault) {
+    case RENDERER_FAULT_JOB:
+        return REPORT_FAULT_JOB;
+    case RENDERER_FAULT_CONTEXT:
+        return REPORT_FAULT_WORKER;
+    default:
+        return REPORT_FAULT_FRAME;
+    }
+}
+
+static void fail_frame(struct render_loop *loop, enum report_fault fault, const char *reason)
+{
+    report_frame_failed(&loop->worker->connection, loop->frame, fault, reason);
+    worker_end_frame(loop->worker, loop->frame);
+}
+
+// The encoder has taken the picture before: no frame is begun while one waits.
+static void hand_over(struct render_loop *loop, struct picture *picture)
+{
+    struct worker *worker = loop->worker;
+
+    report_rendered(&worker->connection, loop->frame);
+    pthread_mutex_lock(&worker->lock);
+    worker->rendered = picture;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->lock);
+}
+
+static struct picture *make_picture(struct assignment_frame *frame, struct error *error)
+{
+    struct picture *picture = xcalloc(1, sizeof *picture);
+    const struct job *job = &frame->job->job;
+
+    picture->frame = frame;
+    picture->folder_fd = -1;
+    if (image_init(&picture->image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
+                   error))
+        return picture;
+    picture_destroy(picture);
+    return NULL;
+}
+
+// Takes over `folder_fd`.
+static void render_picture(struct render_loop *loop, int folder_fd, struct picture *picture)
+{
+    struct renderer_result result = {0};
+    struct error error = {0};
+
+    picture->folder_fd = folder_fd;
+    if (renderer_render(loop->renderer, &loop->frame->job->job, loop->frame->frame, &picture->image, on_progress, loop,
+                        &result, &error)) {
+        picture->render_s = result.seconds;
+        memcpy(picture->world_to_camera, result.world_to_camera, sizeof picture->world_to_camera);
+        memcpy(picture->world_to_ndc, result.world_to_ndc, sizeof picture->world_to_ndc);
+        snprintf(picture->shader_hash, sizeof picture->shader_hash, "%s", result.shader_hash ? result.shader_hash : "");
+        hand_over(loop, picture);
+        return;
+    }
+    picture_destroy(picture);
+    if (result.fault == RENDERER_FAULT_STOPPED) {
+        worker_drop_frame(loop->worker, loop->frame);
+        return;
+    }
+    fail_frame(loop, fault_of(result.fault), error.message);
+    if (result.fault == RENDERER_FAULT_CONTEXT) worker_exit(loop->worker, 1);
+}
+
+static void render_frame(struct render_loop *loop)
+{
+    struct connection *connection = &loop->worker->connection;
+    const struct held_job *job = loop->frame->job;
+    struct published_file file;
+    struct error error = {0};
+    struct picture *picture;
+    int folder_fd;
+
+    report_started(connection, loop->frame);
+    if (job->fault) {
+        fail_frame(loop, REPORT_FAULT_JOB, job->fault);
+        return;
+    }
+    if (!loop->renderer) {
+        fail_frame(loop, REPORT_FAULT_WORKER, "the worker has no GL context: it was started with --backend none");
+        return;
+    }
+    folder_fd = part_file_open_folder(loop->frame, &error);
+    if (folder_fd < 0) {
+        fail_frame(loop, REPORT_FAULT_OUTPUT, error.message);
+        return;
+    }
+    switch (part_file_find_existing(loop->frame, folder_fd, &file, &error)) {
+    case PART_FILE_SKIP:
+        report_skipped(connection, loop->frame, &file);
+        worker_end_frame(loop->worker, loop->frame);
+        break;
+    case PART_FILE_REFUSE:
+        fail_frame(loop, REPORT_FAULT_FRAME, error.message);
+        break;
+    case PART_FILE_RENDER:
+        picture = make_picture(loop->frame, &error);
+        if (picture) {
+            render_picture(loop, folder_fd, picture);
+            return;
+        }
+        fail_frame(loop, REPORT_FAULT_FRAME, error.message);
+    }
+    close(folder_fd);
+}
+
+// True with something to do: a request, else a frame.
+static bool wait_for_work(struct render_loop *loop, struct request **request)
+{
+    struct worker *worker = loop->worker;
+
+    *request = NULL;
+    loop->frame = NULL;
+    pthread_mutex_lock(&worker->lock);
+    while (!worker->is_abandoned) {
+        if (worker->requests) {
+            *request = worker->requests;
+            worker->requests = (*request)->next;
+            break;
+        }
+        if (worker->is_exiting) break;
+        if (!worker->rendered) loop->frame = assignment_start_frame(&worker->assignment);
+        if (loop->frame) break;
+        pthread_cond_wait(&worker->changed, &worker->lock);
+    }
+    pthread_mutex_unlock(&worker->lock);
+    return *request || loop->frame;
+}
+
+static void work(struct render_loop *loop)
+{
+    struct worker *worker = loop->worker;
+    struct request *request;
+
+    while (wait_for_work(loop, &request)) {
+        if (!request) {
+            render_frame(loop);
+            continue;
+        }
+        request_answer(request, worker->options->shader_dir, &worker->connection);
+        request_destroy(request);
+        worker_advance(worker);
+    }
+}
+
+void *render_loop_run(void *user)
+{
+    struct render_loop loop = {.worker = user};
+    struct worker *worker = user;
+
+    if (make_renderer(&loop))
+        work(&loop);
+    else
+        worker_exit(worker, 1);
+    if (loop.renderer) renderer_destroy(loop.renderer);
+    if (loop.context) gl_context_destroy(loop.context);
+    pthread_mutex_lock(&worker->lock);
+    worker->has_renderer_ended = true;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->lock);
+    worker_end_thread(worker);
+    return NULL;
+}

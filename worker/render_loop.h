@@ -1,0 +1,5 @@
+// The thread that owns the GL context: renders frames as they are assigned and answers requests between them.
+#pragma once
+
+// The thread's function; `user` is the worker. Says first whether there is a context.
+void *render_loop_run(void *user);

@@ -1,0 +1,132 @@
+#include "worker/report.h"
+
+#include "core/json_write.h"
+#include "core/log.h"
+#include "core/message.h"
+#include "core/publish.h"
+#include "worker/assignment.h"
+#include "worker/connection.h"
+#include "worker/gl_context.h"
+
+#include <inttypes.h>
+#include <unistd.h>
+
+static void begin(struct json_writer *writer, const char *method)
+{
+    message_begin_notification(writer, method);
+    json_write_begin_object(writer);
+}
+
+static void begin_frame(struct json_writer *writer, const char *method, int64_t job, int32_t frame, int attempt)
+{
+    begin(writer, method);
+    json_write_integer_member(writer, "job", job);
+    json_write_integer_member(writer, "frame", frame);
+    json_write_integer_member(writer, "attempt", attempt);
+}
+
+static void send_and_finish(struct connection *connection, struct json_writer *writer)
+{
+    json_write_end_object(writer);
+    message_end(writer);
+    connection_send(connection, writer);
+    json_writer_finish(writer);
+}
+
+void report_ready(struct connection *connection, const struct gl_context_facts *facts)
+{
+    struct json_writer writer = {0};
+
+    begin(&writer, "worker.ready");
+    json_write_integer_member(&writer, "pid", getpid());
+    json_write_string_member(&writer, "backend", facts ? facts->backend : "none");
+    json_write_string_member(&writer, "vendor", facts ? facts->vendor : NULL);
+    json_write_string_member(&writer, "renderer", facts ? facts->renderer : NULL);
+    json_write_string_member(&writer, "version", facts ? facts->version : NULL);
+    json_write_string_member(&writer, "device_uuid", facts && facts->device_uuid[0] ? facts->device_uuid : NULL);
+    send_and_finish(connection, &writer);
+}
+
+void report_no_context(struct connection *connection, const char *reason)
+{
+    struct json_writer writer = {0};
+
+    log_error("no GL context: %s", reason);
+    begin(&writer, "worker.failed");
+    json_write_string_member(&writer, "error", reason);
+    send_and_finish(connection, &writer);
+}
+
+void report_beat(struct connection *connection, uint64_t progress)
+{
+    struct json_writer writer = {0};
+
+    begin(&writer, "worker.beat");
+    json_write_integer_member(&writer, "progress", (int64_t)progress);
+    send_and_finish(connection, &writer);
+}
+
+static void report_plain(struct connection *connection, const char *method, const struct assignment_frame *frame)
+{
+    struct json_writer writer = {0};
+
+    begin_frame(&writer, method, frame->job->id, frame->frame, frame->attempt);
+    send_and_finish(connection, &writer);
+}
+
+void report_started(struct connection *connection, const struct assignment_frame *frame)
+{
+    report_plain(connection, "frame.started", frame);
+}
+
+void report_rendered(struct connection *connection, const struct assignment_frame *frame)
+{
+    report_plain(connection, "frame.rendered", frame);
+}
+
+void report_finished(struct connection *connection, const struct assignment_frame *frame,
+                     const struct published_file *file, double render_s, double encode_s)
+{
+    struct json_writer writer = {0};
+
+    begin_frame(&writer, "frame.finished", frame->job->id, frame->frame, frame->attempt);
+    json_write_integer_member(&writer, "inode", (int64_t)file->inode);
+    json_write_integer_member(&writer, "size_bytes", (int64_t)file->size_bytes);
+    json_write_string_member(&writer, "hash", file->hash);
+    json_write_number_member(&writer, "render_s", render_s);
+    json_write_number_member(&writer, "encode_s", encode_s);
+    send_and_finish(connection, &writer);
+}
+
+void report_skipped(struct connection *connection, const struct assignment_frame *frame,
+                    const struct published_file *file)
+{
+    struct json_writer writer = {0};
+
+    begin_frame(&writer, "frame.skipped", frame->job->id, frame->frame, frame->attempt);
+    json_write_integer_member(&writer, "size_bytes", (int64_t)file->size_bytes);
+    json_write_string_member(&writer, "hash", file->hash);
+    send_and_finish(connection, &writer);
+}
+
+void report_dropped(struct connection *connection, const struct assignment_dropped *dropped)
+{
+    struct json_writer writer = {0};
+
+    begin_frame(&writer, "frame.dropped", dropped->job, dropped->frame, dropped->attempt);
+    send_and_finish(connection, &writer);
+}
+
+void report_frame_failed(struct connection *connection, const struct assignment_frame *frame, enum report_fault fault,
+                         const char *reason)
+{
+    static const char *const names[] = {"job", "frame", "worker", "output"};
+    struct json_writer writer = {0};
+
+    log_error("job %" PRId64 " frame %d attempt %d (%s): %s", frame->job->id, frame->frame, frame->attempt,
+              names[fault], reason);
+    begin_frame(&writer, "frame.failed", frame->job->id, frame->frame, frame->attempt);
+    json_write_string_member(&writer, "fault", names[fault]);
+    json_write_string_member(&writer, "error", reason);
+    send_and_finish(connection, &writer);
+}

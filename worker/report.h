@@ -1,0 +1,32 @@
+// What the worker says of its frames, as messages.
+#pragma once
+
+#include <stdint.h>
+
+struct assignment_frame;
+struct assignment_dropped;
+struct connection;
+struct gl_context_facts;
+struct published_file;
+
+void report_ready(struct connection *connection, const struct gl_context_facts *facts); // NULL: without a context
+void report_no_context(struct connection *connection, const char *reason);
+void report_beat(struct connection *connection, uint64_t progress);
+void report_started(struct connection *connection, const struct assignment_frame *frame);
+void report_rendered(struct connection *connection, const struct assignment_frame *frame);
+void report_finished(struct connection *connection, const struct assignment_frame *frame,
+                     const struct published_file *file, double render_s, double encode_s);
+void report_skipped(struct connection *connection, const struct assignment_frame *frame,
+                    const struct published_file *file);
+void report_dropped(struct connection *connection, const struct assignment_dropped *dropped);
+
+enum report_fault {
+    REPORT_FAULT_JOB,    // no frame of it can work
+    REPORT_FAULT_FRAME,  // this one does not
+    REPORT_FAULT_WORKER, // the context is lost: another worker may do
+    REPORT_FAULT_OUTPUT  // the disk is full or may not be written
+};
+
+// Logs the reason too: the log is what a user reads of an attempt.
+void report_frame_failed(struct connection *connection, const struct assignment_frame *frame, enum report_fault fault,
+                         const char *reason);
