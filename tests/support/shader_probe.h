@@ -1,0 +1,18 @@
+// Evaluates shader modules at many inputs and brings back what they say.
+#pragma once
+
+#include <stddef.h>
+
+enum { SHADER_PROBE_INPUT_LIMIT = 1024 }; // vec4s: what every GL 4.5 takes as one block
+
+struct shader_probe_params {
+    const char *const *modules; // names of shader modules in the order of their use, ends in NULL
+    // GLSL that defines `vec4 probe(int index)` and reads `inputs[]`.
+    const char *body;
+    const float (*inputs)[4];
+    size_t input_count; // vec4s
+    size_t count;       // outputs: probe(0), probe(1), ...
+};
+
+// On OSMesa; fails the test when something does not compile.
+void shader_probe_run(const struct shader_probe_params *params, float (*outputs)[4]);
