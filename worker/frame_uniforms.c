@@ -3,7 +3,6 @@
 #include "core/alloc.h"
 #include "core/error.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,14 +36,6 @@ void frame_uniforms_add(struct frame_uniforms *uniforms, const struct frame_valu
     uniforms->size_bytes = round_up(uniforms->end_bytes, 16);
 }
 
-const char *frame_uniforms_prefix(const struct frame_uniforms *uniforms, const char *name)
-{
-    for (size_t i = 0; i < uniforms->count; ++i)
-        if (strcmp(uniforms->values[i].name, name) == 0) return uniforms->values[i].is_constant ? "" : "frame.";
-    assert(!"a value is added before it is named");
-    return "";
-}
-
 // Nine digits read back as the same float, so that a constant and a uniform give the same picture.
 static void write_float(FILE *out, double value)
 {
@@ -68,6 +59,19 @@ static void write_literal(FILE *out, const struct frame_value *value)
     if (count > 1) fputs(")", out);
 }
 
+// Read from the block once a pixel: inside a loop software GL would fetch, check and spread each number anew.
+static void write_copies(const struct frame_uniforms *uniforms, FILE *out)
+{
+    for (size_t i = 0; i < uniforms->count; ++i)
+        if (!uniforms->values[i].is_constant)
+            fprintf(out, "%s %s;\n", type_names[uniforms->values[i].type], uniforms->values[i].name);
+    fputs("void frame_uniforms_read()\n{\n", out);
+    for (size_t i = 0; i < uniforms->count; ++i)
+        if (!uniforms->values[i].is_constant)
+            fprintf(out, "    %s = frame.%s;\n", uniforms->values[i].name, uniforms->values[i].name);
+    fputs("}\n", out);
+}
+
 void frame_uniforms_declare(const struct frame_uniforms *uniforms, FILE *out)
 {
     for (size_t i = 0; i < uniforms->count; ++i) {
@@ -84,6 +88,7 @@ void frame_uniforms_declare(const struct frame_uniforms *uniforms, FILE *out)
         if (!uniforms->values[i].is_constant)
             fprintf(out, "    %s %s;\n", type_names[uniforms->values[i].type], uniforms->values[i].name);
     fputs("} frame;\n", out);
+    write_copies(uniforms, out);
 }
 
 static void pack_value(const struct frame_value *value, const double components[9], unsigned char *bytes)

@@ -37,9 +37,8 @@ struct frame_uniforms {
 
 void frame_uniforms_finish(struct frame_uniforms *uniforms);
 void frame_uniforms_add(struct frame_uniforms *uniforms, const struct frame_value *value);
-// How the shader names a value that was added: itself, or a member of `frame`.
-const char *frame_uniforms_prefix(const struct frame_uniforms *uniforms, const char *name);
-// Writes a `const` for what is fixed and the block FrameUniforms for what moves.
+// Writes a `const` for what is fixed; for what moves the block FrameUniforms and a variable, set by
+// `frame_uniforms_read()`, which main() calls first. Either way the shader has it by its name.
 void frame_uniforms_declare(const struct frame_uniforms *uniforms, FILE *out);
 // Evaluates what moves at `time` into `bytes` (size_bytes of them), rounded to float. Refuses what is out of range.
 bool frame_uniforms_pack(const struct frame_uniforms *uniforms, double time, void *bytes, struct error *error);

@@ -4,20 +4,6 @@
 #include "worker/scene_program.h"
 
 #include <math.h>
-#include <stdarg.h>
-
-// A value's name in the shader, `frame.` before it where it moves. Writes one name and one format argument each.
-__attribute__((format(printf, 3, 4))) static void write_value(FILE *out, const struct scene_program *program,
-                                                              const char *format, ...)
-{
-    char name[48];
-    va_list arguments;
-
-    va_start(arguments, format);
-    vsnprintf(name, sizeof name, format, arguments);
-    va_end(arguments);
-    fprintf(out, "%s%s", frame_uniforms_prefix(&program->uniforms, name), name);
-}
 
 static bool has_column(const struct medium_features *medium)
 {
@@ -39,7 +25,7 @@ static void write_medium(FILE *out, const struct scene_medium *medium, const str
         static const char *const members[] = {"rotation", "offset", "radius", "exponent", "scale"};
 
         fputs(", ", out);
-        write_value(out, program, "medium_%zu_%s", i, members[k]);
+        fprintf(out, "medium_%zu_%s", i, members[k]);
     }
     fprintf(out, ");\n}\n");
     fprintf(out, "float medium_%zu_density(float field)\n{\n", i);
@@ -66,7 +52,7 @@ static void write_field(FILE *out, const struct scene *scene, const struct scene
     while (--written > 0)
         fputs(")", out);
     fputs(";\n}\nBall media_ball()\n{\n    return Ball(", out);
-    write_value(out, program, "ball_radius");
+    fprintf(out, "ball_radius");
     fputs(");\n}\n", out);
 }
 
@@ -79,7 +65,7 @@ static void write_column_sum(FILE *out, const struct scene *scene, const struct 
         if (!has_column(&program->features.media[i])) continue;
         write_separator(out, &first, " + ");
         fputs(before, out);
-        write_value(out, program, "medium_%zu_sigma_t", i);
+        fprintf(out, "medium_%zu_sigma_t", i);
         fprintf(out, "%s * column.medium_%zu", after, i);
     }
 }
@@ -125,9 +111,9 @@ static void write_phase(FILE *out, const struct scene_medium *medium, const stru
     if (medium->lobe_count == 0) fputs("phase_isotropic()", out);
     for (size_t k = 0; k < medium->lobe_count; ++k) {
         fputs(k ? " + " : "", out);
-        write_value(out, program, "medium_%zu_lobe_%zu_weight", i, k);
+        fprintf(out, "medium_%zu_lobe_%zu_weight", i, k);
         fputs(" * phase_henyey_greenstein(PhaseHenyeyGreenstein(", out);
-        write_value(out, program, "medium_%zu_lobe_%zu_g", i, k);
+        fprintf(out, "medium_%zu_lobe_%zu_g", i, k);
         fputs("), cos_theta)", out);
     }
     fputs(";\n}\n", out);
@@ -141,9 +127,9 @@ static void write_light(FILE *out, const struct scene_light *light, const struct
                                                               : "point(LightPoint";
 
     fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return light_%s(", i, type);
-    write_value(out, program, "light_%zu_intensity", i);
+    fprintf(out, "light_%zu_intensity", i);
     fputs(", ", out);
-    write_value(out, program, is_sun ? "light_%zu_direction" : "light_%zu_position", i);
+    fprintf(out, is_sun ? "light_%zu_direction" : "light_%zu_position", i);
     fputs(is_sun ? "));\n}\n" : "), point);\n}\n", out);
 }
 
@@ -190,7 +176,7 @@ static void write_scattering(FILE *out, const struct job *job, const struct scen
     for (size_t i = 0; i < job->scene.medium_count; ++i) {
         if (!program->features.media[i].scatters) continue;
         write_separator(out, &first, " + ");
-        write_value(out, program, "medium_%zu_sigma_s", i);
+        fprintf(out, "medium_%zu_sigma_s", i);
         fprintf(out, " * (density_%zu * medium_%zu_phase(cos_theta))", i, i);
     }
     fputs(";\n        MediaColumn column = ", out);
@@ -206,7 +192,7 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
     for (size_t i = 0; i < job->scene.medium_count; ++i) {
         if (!has_column(&program->features.media[i])) continue;
         write_separator(out, &first, " + ");
-        write_value(out, program, "medium_%zu_sigma_t", i);
+        fprintf(out, "medium_%zu_sigma_t", i);
         fprintf(out, " * density_%zu", i);
     }
     if (job->quality.method == JOB_METHOD_RIEMANN) {
@@ -243,7 +229,7 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
     for (size_t i = 0; i < scene->medium_count; ++i) {
         if (!features->media[i].emits) continue;
         fputs("    source += ", out);
-        write_value(out, program, "medium_%zu_emission", i);
+        fprintf(out, "medium_%zu_emission", i);
         fprintf(out, " * density_%zu;\n", i);
     }
     for (size_t i = 0; i < scene->light_count; ++i)
@@ -266,7 +252,7 @@ static void write_march(FILE *out, const struct job *job, const struct scene_pro
         static const char *const names[] = {"camera_position", "camera_corner", "camera_across", "camera_down"};
 
         fputs(i ? ", " : "", out);
-        write_value(out, program, "%s", names[i]);
+        fprintf(out, "%s", names[i]);
     }
     fputs(");\n    vec3 toward = camera_pinhole_toward(camera, gl_FragCoord.xy);\n"
           "    vec3 direction = normalize(toward);\n",
@@ -295,7 +281,7 @@ static void write_background(FILE *out, const struct scene_program *program)
 {
     fprintf(out, "    rgba = vec4(spectrum_rgb(%s", program->features.has_media ? "gathered.radiance + " : "");
     if (program->features.has_extinction) fputs("gathered.transmittance * ", out);
-    write_value(out, program, "background");
+    fprintf(out, "background");
     fputs("), 1.0);\n", out);
 }
 
@@ -306,6 +292,7 @@ void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_
 
     write_outputs(out, program);
     fputs("void main()\n{\n", out);
+    if (program->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
     if (features->has_media) {
         fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
                 features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
