@@ -18,7 +18,6 @@ struct egl_library {
     PFNEGLQUERYSTRINGPROC query_string;
     PFNEGLGETERRORPROC get_error;
     PFNEGLINITIALIZEPROC initialize;
-    PFNEGLTERMINATEPROC terminate;
     PFNEGLBINDAPIPROC bind_api;
     PFNEGLCREATECONTEXTPROC create_context;
     PFNEGLDESTROYCONTEXTPROC destroy_context;
@@ -33,7 +32,7 @@ struct egl_library {
 struct egl_context {
     struct gl_context base; // first: the base is this struct's address
     struct egl_library egl;
-    EGLDisplay display; // owned
+    EGLDisplay display; // EGL's own; stays initialised, for drivers do not survive being unloaded
     EGLContext handle;  // owned
 };
 
@@ -68,14 +67,13 @@ static bool load_library(struct egl_library *egl, struct gl_context_trials *tria
     *(void **)&egl->query_string = dlsym(library, "eglQueryString");
     *(void **)&egl->get_error = dlsym(library, "eglGetError");
     *(void **)&egl->initialize = dlsym(library, "eglInitialize");
-    *(void **)&egl->terminate = dlsym(library, "eglTerminate");
     *(void **)&egl->bind_api = dlsym(library, "eglBindAPI");
     *(void **)&egl->create_context = dlsym(library, "eglCreateContext");
     *(void **)&egl->destroy_context = dlsym(library, "eglDestroyContext");
     *(void **)&egl->make_current = dlsym(library, "eglMakeCurrent");
     *(void **)&egl->release_thread = dlsym(library, "eglReleaseThread");
-    if (!egl->get_proc_address || !egl->query_string || !egl->get_error || !egl->initialize || !egl->terminate ||
-        !egl->bind_api || !egl->create_context || !egl->destroy_context || !egl->make_current || !egl->release_thread) {
+    if (!egl->get_proc_address || !egl->query_string || !egl->get_error || !egl->initialize || !egl->bind_api ||
+        !egl->create_context || !egl->destroy_context || !egl->make_current || !egl->release_thread) {
         gl_context_trials_add(trials, "egl: libEGL.so.1 is not whole");
         return false;
     }
@@ -106,7 +104,6 @@ static void destroy(struct gl_context *context)
     if (made->display != EGL_NO_DISPLAY) {
         made->egl.make_current(made->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         if (made->handle != EGL_NO_CONTEXT) made->egl.destroy_context(made->display, made->handle);
-        made->egl.terminate(made->display);
         made->egl.release_thread();
     }
     free(made);

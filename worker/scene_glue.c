@@ -245,7 +245,7 @@ static void write_march(FILE *out, const struct job *job, const struct scene_pro
 {
     const struct scene_camera *camera = &job->scene.camera;
     bool riemann = job->quality.method == JOB_METHOD_RIEMANN;
-    bool is_far = isfinite(camera->clip_far);
+    bool is_bounded = isfinite(camera->clip_far);
 
     fputs("    CameraPinhole camera = CameraPinhole(", out);
     for (size_t i = 0; i < 4; ++i) {
@@ -257,12 +257,12 @@ static void write_march(FILE *out, const struct job *job, const struct scene_pro
     fputs(");\n    vec3 toward = camera_pinhole_toward(camera, gl_FragCoord.xy);\n"
           "    vec3 direction = normalize(toward);\n",
           out);
-    if (riemann && is_far) {
+    if (riemann && is_bounded) {
         fprintf(out, "    vec2 interval = vec2(%.9e, %.9e);\n", camera->clip_near, camera->clip_far);
     } else {
         fputs("    vec2 interval = ball_interval(media_ball(), camera.position, direction);\n", out);
         fprintf(out, "    interval.x = max(interval.x, %.9e);\n", camera->clip_near);
-        if (is_far) fprintf(out, "    interval.y = min(interval.y, %.9e);\n", camera->clip_far);
+        if (is_bounded) fprintf(out, "    interval.y = min(interval.y, %.9e);\n", camera->clip_far);
     }
     fprintf(out, "    integrator_%s(%s(%.9e), camera.position, direction, interval, gathered);\n",
             riemann ? "riemann" : "midpoint", riemann ? "IntegratorRiemann" : "IntegratorMidpoint", job->quality.step);

@@ -1,0 +1,289 @@
+#include "worker/scene_program.h"
+
+#include "core/error.h"
+#include "core/file.h"
+#include "tests/support/ball_job.h"
+#include "tests/support/example_job.h"
+#include "tests/support/temp_folder.h"
+
+#include <glob.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include <cmocka.h>
+
+static const char *const lights[] = {
+    "",
+    "\"lights\": [{\"kind\": \"point\", \"intensity\": [1, 2, 3], \"position\": {\"orbit\": {\"center\": [0, 0, 0],"
+    " \"radius\": 3, \"period\": 2}}}, {\"kind\": \"sun\", \"direction\": [0, -1, 0], \"intensity\": 2}],",
+    "\"lights\": [{\"kind\": \"point\", \"falloff\": \"none\", \"intensity\": {\"start\": 1, \"rate\": 0.5},"
+    " \"position\": [2, 1, 2]}],",
+};
+static const char *const media[] = {
+    BALL_JOB_SIGMA_A_1,
+    BALL_JOB_SIGMA_S_1,
+    "\"sigma_s\": 0, \"sigma_a\": 0, \"emission\": [1, 0.5, 0]",
+    "\"sigma_s\": [1, 2, 3], \"sigma_a\": 0.5, \"emission\": 1, \"phase\": [{\"g\": 0.9, \"weight\": 0.25},"
+    " {\"g\": {\"start\": 0, \"rate\": 0.01}, \"weight\": 0.75}]",
+    "\"sigma_s\": 0, \"sigma_a\": 0",
+};
+static const char *const backgrounds[] = {"", "\"background\": 0.5,", "\"background\": [0, 0, 1],"};
+static const char *const qualities[] = {BALL_JOB_MIDPOINT, BALL_JOB_RIEMANN};
+
+static void assemble(struct scene_program *program, struct job *job, const char *medium, const char *rest)
+{
+    struct error error = {{0}};
+
+    ball_job_parse(job, medium, rest);
+    if (!scene_program_init(program, job, NULL, &error)) fail_msg("%s", error.message);
+}
+
+static void release(struct scene_program *program, struct job *job)
+{
+    scene_program_finish(program);
+    job_finish(job);
+}
+
+static void assert_has(const struct scene_program *program, const char *text)
+{
+    if (!strstr(program->fragment, text)) fail_msg("expected \"%s\" in the shader", text);
+}
+
+static void assert_lacks(const struct scene_program *program, const char *text)
+{
+    if (strstr(program->fragment, text)) fail_msg("expected no \"%s\" in the shader", text);
+}
+
+static void a_scene_without_lights_has_no_shadow_code(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble(&program, &job, BALL_JOB_SIGMA_S_1, BALL_JOB_MIDPOINT);
+    assert_lacks(&program, "transmittance_");
+    assert_lacks(&program, "MediaColumn");
+    assert_lacks(&program, "phase");
+    assert_lacks(&program, "light_");
+    assert_lacks(&program, "LightSample");
+    assert_lacks(&program, "sigma_s");
+    release(&program, &job);
+}
+
+static void a_light_that_nothing_scatters_adds_no_code(void **state)
+{
+    struct scene_program dark, lit;
+    struct job dark_job, lit_job;
+
+    assemble(&dark, &dark_job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    assemble(&lit, &lit_job, BALL_JOB_SIGMA_A_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    assert_string_equal(dark.fragment, lit.fragment);
+    assert_string_equal(dark.hash, lit.hash);
+    release(&dark, &dark_job);
+    release(&lit, &lit_job);
+}
+
+static void what_is_not_asked_for_is_not_written(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    job.output.has_depth = job.output.has_transmittance = false;
+    assert_true(scene_program_init(&program, &job, NULL, NULL));
+    assert_lacks(&program, "depth_half");
+    assert_lacks(&program, "out float depth");
+    assert_lacks(&program, "out vec4 transmittance");
+    assert_lacks(&program, "emission");
+    assert_lacks(&program, "background");
+    assert_lacks(&program, "FrameUniforms");
+    release(&program, &job);
+}
+
+static void emission_alone_has_no_extinction(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble(&program, &job, media[2], BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    assert_lacks(&program, "sigma_t");
+    assert_lacks(&program, "gathered.transmittance");
+    assert_lacks(&program, "segment(");
+    assert_has(&program, "medium_0_emission");
+    release(&program, &job);
+}
+
+static void only_what_moves_is_a_uniform(void **state)
+{
+    struct scene_program program;
+    struct job job;
+    float bytes[64];
+
+    example_job_load(&job, "cloud");
+    assert_true(scene_program_init(&program, &job, NULL, NULL));
+    assert_has(&program, "    mat3 medium_0_rotation;\n    vec3 light_0_position;\n} frame;");
+    assert_has(&program, "const float medium_0_offset = 0.0599999987;");
+    assert_int_equal(program.uniforms.size_bytes, 64);
+    assert_true(frame_uniforms_pack(&program.uniforms, 2.0, bytes, NULL));
+    // -0.4 and -0.2 rad after two seconds; the second column of Ry Rx, then the light.
+    assert_true(bytes[4] == (float)(sin(-0.2) * sin(-0.4)));
+    assert_true(bytes[5] == (float)cos(-0.4));
+    assert_true(bytes[12] == (float)(1.5 * sin(3.1 * 0.2 * 2 + 0.2)));
+    release(&program, &job);
+}
+
+static void a_moving_value_out_of_range_is_refused_with_its_time(void **state)
+{
+    struct error error = {{0}};
+    struct scene_program program;
+    struct job job;
+    float bytes[64];
+
+    assemble(&program, &job, media[3],
+             "\"lights\": [{\"kind\": \"sun\", \"direction\": [0, -1, 0], \"intensity\": 2}], " BALL_JOB_MIDPOINT);
+    assert_true(frame_uniforms_pack(&program.uniforms, 50, bytes, &error));
+    assert_false(frame_uniforms_pack(&program.uniforms, 150, bytes, &error));
+    assert_non_null(strstr(error.message, "phase.g"));
+    assert_non_null(strstr(error.message, "got 1.5 at t = 150 s"));
+    release(&program, &job);
+}
+
+static void each_module_is_emitted_once(void **state)
+{
+    struct scene_program program;
+    struct job job;
+    char rest[1024];
+
+    snprintf(rest, sizeof rest, "%s%s", lights[1], BALL_JOB_MIDPOINT);
+    assemble(&program, &job, media[3], rest);
+    for (size_t i = 1; i < program.module_count; ++i) {
+        char line[32];
+        const char *first;
+
+        snprintf(line, sizeof line, "#line 1 %zu\n", i);
+        first = strstr(program.fragment, line);
+        assert_non_null(first);
+        assert_null(strstr(first + 1, line));
+        for (size_t k = 0; k < i; ++k)
+            assert_string_not_equal(program.module_names[i], program.module_names[k]);
+    }
+    release(&program, &job);
+}
+
+static void generated_lines_are_those_of_the_whole_text(void **state)
+{
+    struct scene_program program;
+    struct job job;
+    size_t line = 1, found = 0;
+
+    assemble(&program, &job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    for (const char *at = program.fragment; at; at = strchr(at, '\n'), at = at ? at + 1 : NULL, ++line) {
+        size_t named = 0, module = 1;
+
+        if (sscanf(at, "#line %zu %zu", &named, &module) == 2 && module == 0) {
+            assert_int_equal(named, line + 1);
+            ++found;
+        }
+    }
+    assert_true(found > 1);
+    release(&program, &job);
+}
+
+// Writes both shaders into the folder of `state` and runs glslangValidator over them.
+static void assert_valid_glsl(void **state, const struct scene_program *program)
+{
+    const char *fragment = temp_folder_path(state, "scene.frag"), *vertex = temp_folder_path(state, "scene.vert");
+    char command[1200];
+    int status;
+
+    assert_true(file_write_atomic(fragment, program->fragment, strlen(program->fragment), NULL));
+    assert_true(file_write_atomic(vertex, program->vertex, strlen(program->vertex), NULL));
+    snprintf(command, sizeof command, "glslangValidator %s %s > %s/log 2>&1", fragment, vertex, (char *)*state);
+    status = system(command);
+    if (WEXITSTATUS(status) == 127) {
+        print_message("skipped: glslangValidator is not installed\n");
+        skip();
+    }
+    if (status != 0) {
+        char *log = NULL;
+        size_t length;
+
+        (void)file_read_text(temp_folder_path(state, "log"), 1 << 20, &log, &length, NULL);
+        fail_msg("glslangValidator: %s\n%s", log ? log : "", program->fragment);
+    }
+}
+
+static void every_example_is_valid_glsl(void **state)
+{
+    glob_t found;
+
+    assert_int_equal(glob(PROJECT_ROOT "/jobs/*.json", 0, NULL, &found), 0);
+    for (size_t i = 0; i < found.gl_pathc; ++i) {
+        char name[256];
+        struct scene_program program;
+        struct job job;
+
+        snprintf(name, sizeof name, "%s", strrchr(found.gl_pathv[i], '/') + 1);
+        *strrchr(name, '.') = '\0';
+        if (strcmp(name, "schema") == 0) continue;
+        example_job_load(&job, name);
+        assert_true(scene_program_init(&program, &job, NULL, NULL));
+        assert_valid_glsl(state, &program);
+        release(&program, &job);
+    }
+    globfree(&found);
+}
+
+static void every_combination_of_features_is_valid_glsl(void **state)
+{
+    for (size_t i = 0; i < 5 * 3 * 3 * 2 * 2; ++i) {
+        struct scene_program program;
+        struct job job;
+        char rest[1024];
+
+        snprintf(rest, sizeof rest, "%s%s%s", lights[i / 5 % 3], backgrounds[i / 15 % 3], qualities[i / 45 % 2]);
+        ball_job_parse(&job, media[i % 5], rest);
+        job.output.has_depth = job.output.has_transmittance = i / 90 == 0;
+        assert_true(scene_program_init(&program, &job, NULL, NULL));
+        assert_valid_glsl(state, &program);
+        release(&program, &job);
+    }
+}
+
+static void a_module_folder_overrides_what_it_has(void **state)
+{
+    static const char text[] = "// Mine.\nstruct Ball { float radius; };\n";
+    struct scene_program program;
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    assert_int_equal(mkdir(temp_folder_path(state, "math"), 0700), 0);
+    assert_true(file_write_atomic(temp_folder_path(state, "math/ball.glsl"), text, sizeof text - 1, NULL));
+    assert_true(scene_program_init(&program, &job, *state, NULL));
+    assert_has(&program, "// Mine.");
+    assert_has(&program, "density_fold_fractal_at");
+    release(&program, &job);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scene_without_lights_has_no_shadow_code),
+        cmocka_unit_test(a_light_that_nothing_scatters_adds_no_code),
+        cmocka_unit_test(what_is_not_asked_for_is_not_written),
+        cmocka_unit_test(emission_alone_has_no_extinction),
+        cmocka_unit_test(only_what_moves_is_a_uniform),
+        cmocka_unit_test(a_moving_value_out_of_range_is_refused_with_its_time),
+        cmocka_unit_test(each_module_is_emitted_once),
+        cmocka_unit_test(generated_lines_are_those_of_the_whole_text),
+        cmocka_unit_test_setup_teardown(every_example_is_valid_glsl, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(every_combination_of_features_is_valid_glsl, temp_folder_create,
+                                        temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_module_folder_overrides_what_it_has, temp_folder_create, temp_folder_destroy),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
