@@ -16,8 +16,8 @@ enum {
     JOB_PRIORITY_MAX = 100,
     JOB_RESOLUTION_LIMIT = 16384,       // pixels a side
     JOB_PIXEL_LIMIT = 64 * 1024 * 1024, // pixels in all
-    JOB_LIGHT_STEPS_LIMIT = 100 * 1000,
-    JOB_MARCH_STEPS_LIMIT = 100 * 1000 // along one ray
+    // Software GL ends a loop after 65535 turns, so the shaders' loops are bounded a little below.
+    JOB_MARCH_STEPS_LIMIT = 60 * 1000 // along one camera or shadow ray
 };
 
 enum job_method {

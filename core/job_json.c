@@ -131,7 +131,7 @@ static bool read_method(struct job_quality *quality, const struct json_node *nod
     switch (quality->method) {
     case JOB_METHOD_RIEMANN:
         if (!json_check_keys(node, riemann, error) ||
-            !json_read_integer(&light_steps, 1, JOB_LIGHT_STEPS_LIMIT, &count, error))
+            !json_read_integer(&light_steps, 1, JOB_MARCH_STEPS_LIMIT, &count, error))
             return false;
         quality->light_steps = (int)count;
         return true;

@@ -2,6 +2,7 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
+#include "core/file.h"
 #include "core/job.h"
 #include "core/job_later.h"
 #include "tests/support/job_text.h"
@@ -85,6 +86,25 @@ static void cloud_seed_is_read_in_full(void **state)
     assert_false(job.output.has_depth || job.output.has_transmittance);
     job_finish(&job);
     free(text);
+}
+
+static void the_first_job_of_the_documentation_is_taken(void **state)
+{
+    static const char opening[] = "```json\n", closing[] = "```";
+    char *page, *start, *end;
+    size_t length;
+    struct job job;
+
+    assert_true(file_read_text(PROJECT_ROOT "/docs/job_format.md", JOB_DOCUMENT_LIMIT, &page, &length, NULL));
+    start = strstr(page, opening);
+    assert_non_null(start);
+    start += strlen(opening);
+    end = strstr(start, closing);
+    assert_non_null(end);
+    *end = '\0';
+    job = parse(start);
+    job_finish(&job);
+    free(page);
 }
 
 static void frame_times_are_offset_plus_frame_over_fps(void **state)
@@ -180,7 +200,7 @@ static void wrong_values_are_refused_by_place(void **state)
     assert_edit_refused("output.path", "\"/x.#.exr\"",
                         "output.path: expected a path below \"/srv/out\", got \"/x.#.exr\"");
     assert_edit_refused("quality.step", "0.00001",
-                        "quality.step: expected at most 100000 steps along a ray, got 111962: 1.119615242 m through "
+                        "quality.step: expected at most 60000 steps along a ray, got 111962: 1.119615242 m through "
                         "scene.media[0] in steps of 1e-05 m");
     assert_edit_refused("quality.light_steps", "8",
                         "quality: unknown key \"light_steps\", did you mean \"light_step\"?");
@@ -272,7 +292,7 @@ static void riemann_needs_an_end(void **state)
 
     assert_refused(text, "quality.method: riemann needs camera.clip: it steps from the near to the far distance");
     job = json_edit_set(text, "camera.clip", "[0, 10001]");
-    assert_refused(job, "quality.step: expected at most 100000 steps along a ray, got 100010: 10001 m between the clip "
+    assert_refused(job, "quality.step: expected at most 60000 steps along a ray, got 100010: 10001 m between the clip "
                         "distances in steps of 0.1 m");
     free(job);
     job = json_edit_set(text, "camera.clip", "[0, 0.04]");
@@ -285,7 +305,7 @@ static void riemann_needs_an_end(void **state)
 static void shadow_rays_are_limited_too(void **state)
 {
     assert_edit_refused("quality.light_step", "1e-9",
-                        "quality.light_step: expected at most 100000 steps along a ray, got 1119615243: 1.119615242 m "
+                        "quality.light_step: expected at most 60000 steps along a ray, got 1119615243: 1.119615242 m "
                         "through scene.media[0] in steps of 1e-09 m");
 }
 
@@ -347,6 +367,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cloud_is_read_in_full),
         cmocka_unit_test(cloud_seed_is_read_in_full),
+        cmocka_unit_test(the_first_job_of_the_documentation_is_taken),
         cmocka_unit_test(frame_times_are_offset_plus_frame_over_fps),
         cmocka_unit_test(time_span_holds_all_frames),
         cmocka_unit_test(absent_keys_have_their_defaults),
