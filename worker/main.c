@@ -33,12 +33,14 @@ static int64_t now_ms(void)
     return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-// A terminal sends SIGINT to whoever started us too, who then tells us what to do about it.
+// A terminal sends SIGINT to whoever started us too, who then tells us what to do about it. A file over the size allowed
+// is to fail like a full disk, not to end us.
 static int open_signals(void)
 {
     sigset_t set;
 
     signal(SIGINT, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
     sigemptyset(&set);
     sigaddset(&set, SIGTERM);
     // Before there are threads, so that they all inherit it.

@@ -36,6 +36,7 @@ static bool read_text(const struct json_node *params, const char *key, char **te
 static bool take_job(struct worker *worker, const struct json_node *params, struct error *error)
 {
     struct json_node document = json_node_child(params, "document");
+    struct json_node root = json_node_root(document.value); // whose places are named as in the job file
     struct json_node epoch = json_node_child(params, "epoch");
     struct held_job *job = held_job_create();
     struct error reason = {0};
@@ -45,7 +46,7 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
         held_job_destroy(job);
         return false;
     }
-    if (!job_from_json(&job->job, &document, job->root, &reason)) job->fault = xstrdup(reason.message);
+    if (!job_from_json(&job->job, &root, job->root, &reason)) job->fault = xstrdup(reason.message);
     pthread_mutex_lock(&worker->lock);
     assignment_add_job(&worker->assignment, job);
     pthread_mutex_unlock(&worker->lock);

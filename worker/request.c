@@ -24,14 +24,15 @@ static bool answer_explain(const struct json_node *params, const char *shader_di
                            enum message_code *code, struct error *error)
 {
     struct json_node document = json_node_child(params, "document");
-    struct json_node root = json_node_child(params, "root");
-    const char *root_path = NULL;
+    struct json_node document_root = json_node_root(document.value); // whose places are named as in the job file
+    struct json_node output_root = json_node_child(params, "root");
+    const char *output_root_path = NULL;
     struct job job = {0};
     bool ok;
 
     *code = MESSAGE_CODE_PARAMS;
-    if (!json_node_is_absent(&root) && !json_read_string(&root, &root_path, error)) return false;
-    if (!job_from_json(&job, &document, root_path, error)) return false;
+    if (!json_node_is_absent(&output_root) && !json_read_string(&output_root, &output_root_path, error)) return false;
+    if (!job_from_json(&job, &document_root, output_root_path, error)) return false;
     *code = MESSAGE_CODE_INTERNAL;
     ok = explain_write(&job, shader_dir, writer, error);
     job_finish(&job);
