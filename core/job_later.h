@@ -11,10 +11,10 @@ enum job_later_place { JOB_LATER_CAMERA, JOB_LATER_SCENE, JOB_LATER_DENSITY, JOB
 
 struct job_later {
     enum job_later_place place;
+    bool has_number;
     const char *key;  // NULL ends the table
     const char *text; // the value that comes later; NULL: any but `number`, if there is one
-    bool has_number;
-    double number; // the value that is there already
+    double number;    // the value that is there already
 };
 
 extern const struct job_later job_later_table[];

@@ -128,34 +128,53 @@ static void find_key_bounds(const struct timeline *timeline, int i, double *min,
     }
 }
 
+static void find_orbit_bounds(const struct timeline *timeline, double min[3], double max[3])
+{
+    double axis[3];
+
+    normalize(timeline->orbit.axis, axis);
+    for (int i = 0; i < 3; i++) {
+        double middle = timeline->orbit.center[i] + timeline->orbit.height * axis[i];
+        double reach = fabs(timeline->orbit.radius) * sqrt(fmax(1.0 - axis[i] * axis[i], 0.0));
+
+        min[i] = middle - reach;
+        max[i] = middle + reach;
+    }
+}
+
+static void find_component_bounds(const struct timeline *timeline, struct timeline_span span, int i, double *min,
+                                  double *max)
+{
+    double first[3], last[3], reach;
+
+    switch (timeline->kind) {
+    case TIMELINE_CONSTANT:
+    case TIMELINE_LINEAR:
+        timeline_evaluate(timeline, span.first, first);
+        timeline_evaluate(timeline, span.last, last);
+        *min = fmin(first[i], last[i]);
+        *max = fmax(first[i], last[i]);
+        break;
+    case TIMELINE_LISSAJOUS:
+        reach = fabs(timeline->lissajous.amplitude[i]);
+        *min = timeline->lissajous.center[i] - reach;
+        *max = timeline->lissajous.center[i] + reach;
+        break;
+    case TIMELINE_KEYS:
+        find_key_bounds(timeline, i, min, max);
+        break;
+    case TIMELINE_ORBIT:
+        break;
+    }
+}
+
 void timeline_find_bounds(const struct timeline *timeline, struct timeline_span span, double min[static 3],
                           double max[static 3])
 {
-    double axis[3], first[3], last[3], reach;
-
-    if (timeline->kind == TIMELINE_ORBIT) normalize(timeline->orbit.axis, axis);
-    for (int i = 0; i < timeline->component_count; i++) {
-        switch (timeline->kind) {
-        case TIMELINE_CONSTANT:
-        case TIMELINE_LINEAR:
-            timeline_evaluate(timeline, span.first, first);
-            timeline_evaluate(timeline, span.last, last);
-            min[i] = fmin(first[i], last[i]);
-            max[i] = fmax(first[i], last[i]);
-            break;
-        case TIMELINE_LISSAJOUS:
-            reach = fabs(timeline->lissajous.amplitude[i]);
-            min[i] = timeline->lissajous.center[i] - reach;
-            max[i] = timeline->lissajous.center[i] + reach;
-            break;
-        case TIMELINE_KEYS:
-            find_key_bounds(timeline, i, &min[i], &max[i]);
-            break;
-        case TIMELINE_ORBIT:
-            reach = fabs(timeline->orbit.radius) * sqrt(fmax(1.0 - axis[i] * axis[i], 0.0));
-            min[i] = timeline->orbit.center[i] + timeline->orbit.height * axis[i] - reach;
-            max[i] = timeline->orbit.center[i] + timeline->orbit.height * axis[i] + reach;
-            break;
-        }
+    if (timeline->kind == TIMELINE_ORBIT) {
+        find_orbit_bounds(timeline, min, max);
+        return;
     }
+    for (int i = 0; i < timeline->component_count; i++)
+        find_component_bounds(timeline, span, i, &min[i], &max[i]);
 }
