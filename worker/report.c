@@ -9,6 +9,7 @@
 #include "worker/gl_context.h"
 
 #include <inttypes.h>
+#include <stdio.h>
 #include <unistd.h>
 
 static void begin(struct json_writer *writer, const char *method)
@@ -88,9 +89,11 @@ void report_finished(struct connection *connection, const struct assignment_fram
                      const struct published_file *file, double render_s, double encode_s)
 {
     struct json_writer writer = {0};
+    char inode[24]; // a number of JSON's may not hold it
 
+    snprintf(inode, sizeof inode, "%" PRIu64, file->inode);
     begin_frame(&writer, "frame.finished", frame->job->id, frame->frame, frame->attempt);
-    json_write_integer_member(&writer, "inode", (int64_t)file->inode);
+    json_write_string_member(&writer, "inode", inode);
     json_write_integer_member(&writer, "size_bytes", (int64_t)file->size_bytes);
     json_write_string_member(&writer, "hash", file->hash);
     json_write_number_member(&writer, "render_s", render_s);
