@@ -65,6 +65,7 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
     }
     ok = image_exr_write(fd, &picture->image, &header, worker->options->encode_threads, error);
     if (!ok && errno == 0) *fault = REPORT_FAULT_FRAME;
+    if (!ok) error_prefix(error, "cannot write the frame's file");
     worker_advance(worker);
     if (ok) {
         *fault = REPORT_FAULT_FRAME;
