@@ -9,11 +9,11 @@ MediaColumn transmittance_midpoint(TransmittanceMidpoint method, vec3 point, vec
     float at = 0.0;
     for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
         float half_length = 0.5 * min(method.step, end - at);
-        at += half_length;
-        MediaField field = media_field(point + at * direction);
+        MediaField field = media_field(point + (at + half_length) * direction);
         media_column_add(column, field, 2.0 * half_length);
         if (media_column_depth(column) > BLACK) break;
-        at += max(half_length, media_field_distance(field)); // nothing is within a field's distance
+        // Nothing is within a field's distance. One sum, not two: a last half may be too small to change `at`.
+        at += half_length + max(half_length, media_field_distance(field));
     }
     if (at < end && media_column_depth(column) <= BLACK) march_was_cut = true;
     return column;
