@@ -6,6 +6,7 @@
 #include "daemon/job_table.h"
 
 #include <assert.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>

@@ -15,7 +15,8 @@ fail()
 
 clean_up()
 {
-    [ -n "$daemon_pid" ] && kill -KILL "$daemon_pid" 2>/dev/null
+    # shellcheck disable=SC2046 # a list of numbers
+    kill -KILL $(jobs -p) 2>/dev/null
     wait 2>/dev/null
     mountpoint -q "$scratch/disk" 2>/dev/null && umount "$scratch/disk"
     rm -rf "$scratch"
@@ -74,6 +75,14 @@ ask()
 ask_raw()
 {
     "$bin/socket-client" "$socket"
+}
+
+# listen FILE [PARAMS]: events into the file, from now on.
+listen()
+{
+    "$bin/socket-client" --keep "$socket" >"$1" \
+        <<<"{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"events.subscribe\",\"params\":${2:-{\}}}" &
+    wait_until 5 "the subscription is answered" test -s "$1"
 }
 
 # job RANGE [JQ-FILTER]: prints a small job document.

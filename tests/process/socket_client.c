@@ -1,10 +1,10 @@
-// socket-client SOCKET: standard input goes to the socket, what comes from it to standard output, until the peer closes.
-// At the end of the input it says that it sends no more.
-#include <poll.h>
+// socket-client [--keep] SOCKET: standard input goes to the socket, what comes from it to standard output, until the peer
+// closes. At the end of the input it says that it sends no more, unless told to keep the connection as it is.
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -31,32 +31,36 @@ static bool write_all(int fd, const char *bytes, size_t size_bytes)
     return true;
 }
 
-// False when there is nothing more to copy.
-static bool copy(int from, int to)
+static void copy_all(int from, int to)
 {
     char bytes[65536];
-    ssize_t count = read(from, bytes, sizeof bytes);
+    ssize_t count;
 
-    return count > 0 && write_all(to, bytes, (size_t)count);
+    do {
+        count = read(from, bytes, sizeof bytes);
+    } while (count > 0 && write_all(to, bytes, (size_t)count));
 }
 
 int main(int argc, char **argv)
 {
-    int fd = argc == 2 ? connect_to(argv[1]) : -1;
-    struct pollfd polled[2] = {{.fd = fd, .events = POLLIN}, {.fd = STDIN_FILENO, .events = POLLIN}};
+    bool keeps = argc == 3 && strcmp(argv[1], "--keep") == 0;
+    int fd = argc == 2 || keeps ? connect_to(argv[argc - 1]) : -1;
+    pid_t writer;
 
     if (fd < 0) {
-        perror(argc == 2 ? argv[1] : "usage: socket-client SOCKET");
+        perror(argc == 2 || keeps ? argv[argc - 1] : "usage: socket-client [--keep] SOCKET");
         return 1;
     }
     signal(SIGPIPE, SIG_IGN);
-    while (poll(polled, 2, -1) >= 0) {
-        if (polled[0].revents && !copy(fd, STDOUT_FILENO)) break;
-        if (polled[1].revents && !copy(STDIN_FILENO, fd)) {
-            shutdown(fd, SHUT_WR);
-            polled[1].fd = -1;
-        }
+    // Two processes, for a peer that waits until its answers are read must not keep them from being read.
+    writer = fork();
+    if (writer == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        copy_all(STDIN_FILENO, fd);
+        if (!keeps) shutdown(fd, SHUT_WR);
+        return 0;
     }
-    close(fd);
+    copy_all(fd, STDOUT_FILENO);
+    kill(writer, SIGKILL);
     return 0;
 }

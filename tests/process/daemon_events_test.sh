@@ -1,0 +1,35 @@
+#!/bin/bash
+# What subscribers are told, and that one who does not read is left behind.
+. "$(dirname "$0")/farm.sh"
+
+start_daemon --worker-program "$(stub write:20)"
+listen "$scratch/all"
+id=$(submit "$(job 1-50)")
+listen "$scratch/one" "{\"id\":$id,\"frames\":false}"
+other=$(submit "$(job 1-5 '.output.path = "other/o.####.exr"')")
+wait_state "$id" succeeded
+wait_state "$other" succeeded
+sleep 0.5
+all="jq -c .params $scratch/all"
+
+expect "states told" "$($all | jq -r --argjson id "$id" 'select(.type == "job" and .job.id == $id) | .job.state' | uniq | xargs)" \
+    "queued running succeeded"
+expect "frames told done" "$($all | jq --argjson id "$id" 'select(.type == "frame" and .id == $id and .state == "succeeded") |
+    .frame' | sort -n | uniq | wc -l)" 50
+expect "frames told begun" "$($all | jq --argjson id "$id" 'select(.type == "frame" and .id == $id and .state == "running") |
+    .frame' | sort -n | uniq | wc -l)" 50
+expect "jobs told to who asked for one" "$(jq -c 'select(.params) | .params | [.type, .job.id]' "$scratch/one" | grep -c job)" \
+    "$(jq -c 'select(.params) | .params | [.type, .job.id]' "$scratch/one" | grep -c "\"job\",$id")"
+expect "frames told to who asked for none" "$(jq -c 'select(.params.type == "frame")' "$scratch/one")" ""
+told=$($all | jq --argjson id "$id" 'select(.type == "job" and .job.id == $id) | .type' | wc -l)
+[ "$told" -le 20 ] || fail "a job of a second was told $told times"
+stop_daemon
+
+# A subscriber that stops reading: 16 MiB later it is cut off; others never notice.
+start_daemon --worker-program "$(stub skip)"
+listen "$scratch/stopped"
+kill -STOP $!
+id=$(submit "$(job 0-119999 '.output.path = "many/m.####.exr"')")
+wait_state "$id" succeeded 120
+grep -q "does not read its events" "$scratch/daemon.log" || fail "it was not cut off"
+stop_daemon

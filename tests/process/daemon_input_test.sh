@@ -1,0 +1,69 @@
+#!/bin/bash
+# Wrong input over the socket: an error that names the place, and nothing lost for anybody else.
+. "$(dirname "$0")/farm.sh"
+
+start_daemon --worker-program "$(stub write:5)"
+expect "the socket's mode" "$(stat -c %a "$socket")" 660
+
+expect_error "$(ask_raw <<<'{"jsonrpc":"2.0","id":')" -32700 "line 1"
+expect_error "$(ask_raw <<<'[1,2]')" -32600 ""
+expect_error "$(ask job.sumbit)" -32601 'did you mean "job.submit"'
+expect_error "$(ask job.show)" -32602 "params.id"
+expect_error "$(ask job.show '{"id":77}')" 1 "job 77"
+expect_error "$(ask job.show '{"id":"x"}')" -32602 "params.id: expected"
+expect_error "$(ask job.list '{"stat":"queued"}')" -32602 'unknown key "stat", did you mean "state"'
+expect_error "$(ask job.submit '{"document":{"version":1}}')" -32602 ""
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.scene.media[0].phase[0].g = 1.2')}")" -32602 "scene.media[0].phase[0].g"
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.resolution = [1e9, 2]')}")" -32602 "resolution"
+expect_error "$(ask job.submit "{\"document\":$(job 0-9999999)}")" -32602 "frames"
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "../up.####.exr"')}")" -32602 "output.path"
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "/etc/up.####.exr"')}")" -32602 "output.path"
+deep=$(printf '%0.s[' $(seq 40))$(printf '%0.s]' $(seq 40))
+expect_error "$(ask job.submit "{\"document\":$deep}")" -32700 "deep"
+expect_error "$(ask_raw <<<'{"jsonrpc":"2.0","id":1,"method":"job.priority","params":{"id":NaN}}')" -32700 ""
+
+# Several in one go, good after bad: each is answered.
+answers=$(printf '%s\n' '{"jsonrpc":"2.0","id":"a","method":"nothing"}' 'rubbish' '' \
+    '{"jsonrpc":"2.0","id":2,"method":"daemon.status"}' | ask_raw)
+expect "answers" "$(jq -c '[.id, has("result")]' <<<"$answers" | xargs)" '[a,false] [null,false] [2,true]'
+
+# A link on the way out of the root.
+mkdir -p "$scratch/elsewhere"
+ln -s "$scratch/elsewhere" "$scratch/out/link"
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "link/x.####.exr"')}")" -32602 "output.path"
+expect "files that left the root" "$(ls "$scratch/elsewhere")" ""
+
+# Two jobs that would write one file.
+first=$(submit "$(job 1-10)" true)
+expect_error "$(ask job.submit "{\"document\":$(job 10-20)}")" 3 "output.path: job $first (\"cloud\") writes cloud.0010.exr too"
+second=$(submit "$(job 11-20)" true)
+expect "both in one breath" "$(
+    line="{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"job.submit\",\"params\":{\"paused\":true,\"document\":$(job 21-30)}}"
+    printf '%s\n%s\n' "$line" "$line" | ask_raw | jq -c .error.code | sort | xargs)" "3 null"
+
+# Lines without end, half lines, floods.
+head -c 104857600 /dev/zero | tr '\0' 'x' | ask_raw >"$scratch/long" 2>/dev/null
+expect_error "$(cat "$scratch/long")" -32600 ""
+printf '{"jsonrpc":"2.0","id":1,"method":"job.cancel","params":{"id":%s' "$first" | ask_raw >"$scratch/half"
+expect "the answer to half a line" "$(cat "$scratch/half")" ""
+expect "the job that half a line named" "$(field "$first" .state)" paused
+yes '{"jsonrpc":"2.0","id":1,"method":"daemon.status"}' | head -n 20000 | ask_raw >"$scratch/flood" &
+flood=$!
+started=$(date +%s%N)
+ask daemon.status >/dev/null
+[ $((($(date +%s%N) - started) / 1000000)) -lt 2000 ] || fail "a flood by one made another wait"
+wait "$flood"
+expect "answers to the flood" "$(wc -l <"$scratch/flood")" 20000
+memory=$(sed -n 's/^VmRSS:[^0-9]*\([0-9]*\) kB/\1/p' "/proc/$daemon_pid/status")
+[ "$memory" -lt 1000000 ] || fail "the daemon holds $memory kB after a long line and a flood"
+
+# Another user may look, not touch.
+if [ "$(id -u)" = 0 ]; then
+    chmod 755 "$scratch"
+    chmod 666 "$socket"
+    answer=$(printf '{"jsonrpc":"2.0","id":1,"method":"job.cancel","params":{"id":%s}}\n' "$first" |
+        setpriv --reuid=65534 --clear-groups "$bin/socket-client" "$socket")
+    expect_error "$answer" 2 "belongs to $(id -un)"
+fi
+expect "the queue" "$(ask job.list | jq -c '[.result.jobs[].state] | unique')" '["paused"]'
+stop_daemon

@@ -1,0 +1,44 @@
+#!/bin/bash
+# An output that cannot be written: the job waits with the reason, no frame pays for it, and it goes on when told.
+. "$(dirname "$0")/farm.sh"
+
+[ "$(id -u)" = 0 ] || { echo "skip: a small file system can be mounted by root only"; exit 77; }
+mkdir -p "$scratch/disk"
+mount -t tmpfs -o size=64k tmpfs "$scratch/disk" 2>/dev/null || { echo "skip: no file system can be mounted here"; exit 77; }
+
+start_daemon --worker-program "$(stub write:10)" --output-root "$scratch/disk"
+id=$(submit "$(job 1-40)")
+wait_state "$id" paused 30
+[[ $(field "$id" .reason) == "paused: output: "*"No space left on device"* ]] || fail "reason: $(field "$id" .reason)"
+expect "frames that failed" "$(field "$id" .failed)" 0
+mount -o remount,size=4m "$scratch/disk"
+ask job.resume "{\"id\":$id}" >/dev/null
+wait_state "$id" succeeded
+wait_until 5 "leftovers are gone" eval '[ -z "$(find "$scratch/disk" -name "*.part")" ]'
+expect "files" "$(find "$scratch/disk" -name '*.exr' | wc -l)" 40
+
+# A folder that went read-only.
+id=$(submit "$(job 41-60)")
+mount -o remount,ro "$scratch/disk"
+wait_state "$id" paused 30
+[[ $(field "$id" .reason) == "paused: output: "*"ead-only"* ]] || fail "reason: $(field "$id" .reason)"
+expect_error "$(ask job.submit "{\"document\":$(job 1 '.output.path = "new/n.####.exr"')}")" -32602 "output.path"
+mount -o remount,rw "$scratch/disk"
+ask job.resume "{\"id\":$id}" >/dev/null
+wait_state "$id" succeeded
+stop_daemon
+umount "$scratch/disk"
+
+# A store on a full disk: the submit is refused with the cause, and taken when there is room.
+mount -t tmpfs -o size=600k tmpfs "$scratch/disk"
+start_daemon --worker-program "$(stub skip)" --state "$scratch/disk/state"
+dd if=/dev/zero of="$scratch/disk/filler" bs=1k 2>/dev/null
+big=$(job 1 '.name = ("x" * 100) | .lights = [range(12) as $i | .lights[0]]')
+for _ in $(seq 60); do
+    answer=$(ask job.submit "{\"paused\":true,\"document\":$(jq -c --arg n "$RANDOM$RANDOM" '.output.path = "f" + $n + "/x.####.exr"' <<<"$big")}")
+    [ "$(jq 'has("error")' <<<"$answer")" = true ] && break
+done
+expect_error "$answer" 4 ""
+rm "$scratch/disk/filler"
+wait_until 10 "it takes jobs again" eval 'ask job.submit "{\"paused\":true,\"document\":$big}" | jq -e .result.id >/dev/null'
+stop_daemon

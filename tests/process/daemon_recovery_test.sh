@@ -1,0 +1,79 @@
+#!/bin/bash
+# Workers and daemons that die: no frame is lost, none is published twice, no part file stays.
+. "$(dirname "$0")/farm.sh"
+
+published_once()
+{
+    expect "frames published twice" "$(jq -r 'select(.params.type == "frame" and .params.state == "succeeded") |
+        .params.frame' "$1" | sort -n | uniq -d)" ""
+}
+
+worker_in_hand()
+{
+    ask worker.list | jq -r '[.result.workers[] | select(.frames > 0) | .pid][0] // empty'
+}
+
+frames_done()
+{
+    [ "$(field "$1" .succeeded)" -ge "$2" ]
+}
+
+# A worker killed in mid-frame: its frame is tried again, in a new worker.
+start_daemon --worker-program "$(stub write:100)"
+listen "$scratch/events"
+id=$(submit "$(job 1-30)")
+wait_until 20 "some frames are done" frames_done "$id" 4
+kill -KILL "$(worker_in_hand)"
+wait_state "$id" succeeded
+expect_files cloud 30
+published_once "$scratch/events"
+expect "lost attempts" "$(ask job.log "{\"id\":$id}" | jq -r '[.result.attempts[].outcome] | unique | join(" ")')" lost
+[[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"signal 9"* ]] || fail "the log lacks the signal"
+stop_daemon
+
+# A worker that dies on every frame: three attempts each, then failed, with what it wrote.
+start_daemon --worker-program "$(stub crash)"
+id=$(submit "$(job 5 '.output.path = "crash/c.####.exr"')")
+wait_state "$id" failed 60
+expect "attempts" "$(ask job.frames "{\"id\":$id}" | jq -c '.result.frames[0] | [.frame, .state, .attempts]')" '[5,"failed",3]'
+expect "logged" "$(ask job.log "{\"id\":$id,\"frame\":5}" | jq '.result.attempts | length')" 3
+[[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"crashing on frame 5"* ]] ||
+    fail "the log lacks what the worker wrote: $(ask job.log "{\"id\":$id}")"
+stop_daemon
+
+# A daemon killed in mid-job, three times: the job goes on where it was.
+worker=$(stub write:20)
+start_daemon --worker-program "$worker"
+id=$(submit "$(job 1-120 '.output.path = "killed/k.####.exr"')")
+for done in 10 40 70; do
+    wait_until 20 "$done frames are done" frames_done "$id" "$done"
+    kill_daemon
+    before=$(find "$scratch/out/killed" -name '*.exr' | wc -l)
+    start_daemon --worker-program "$worker"
+    [ "$(field "$id" .succeeded)" -ge "$before" ] || fail "$before files, yet $(field "$id" .succeeded) frames known"
+done
+wait_state "$id" succeeded
+expect "frames" "$(field "$id" '[.frames, .succeeded] | join(" ")')" "120 120"
+wait_until 5 "leftovers are removed" eval '[ -z "$(find "$scratch/out/killed" -name "*.part")" ]'
+expect_files killed 120
+expect "whole files" "$(cat "$scratch"/out/killed/*.exr | sort -u | wc -l)" 120
+
+# SIGTERM in mid-job: what is begun is finished, the rest waits in the store.
+id=$(submit "$(job 1-200 '.output.path = "stopped/s.####.exr"')")
+wait_until 20 "some frames are done" frames_done "$id" 20
+stop_daemon
+expect "parts after an orderly stop" "$(find "$scratch/out/stopped" -name '*.part')" ""
+files=$(find "$scratch/out/stopped" -name '*.exr' | wc -l)
+start_daemon --worker-program "$worker"
+[ "$(field "$id" .succeeded)" -ge "$files" ] || fail "frames were forgotten by an orderly stop"
+wait_state "$id" succeeded
+expect_files stopped 200
+stop_daemon
+
+# A worker that does not stop is killed when its time is over.
+start_daemon --worker-program "$(stub sleep:60000)" --stop-timeout 1
+id=$(submit "$(job 1-9 '.output.path = "slow/s.####.exr"')")
+wait_until 20 "a worker is busy" eval '[ -n "$(worker_in_hand)" ]'
+before=$SECONDS
+stop_daemon
+[ $((SECONDS - before)) -le 10 ] || fail "it took $((SECONDS - before)) s to stop"

@@ -1,0 +1,63 @@
+#!/bin/bash
+# What keeps a daemon or its workers from starting, and what is said then.
+. "$(dirname "$0")/farm.sh"
+
+# refuse TEXT OPTION...: marchd ends at once, with an error that holds the text.
+refuse()
+{
+    local text=$1 said status=0
+
+    shift
+    said=$(timeout 20 "$bin/marchd" "$@" 2>&1) || status=$?
+    [ "$status" != 0 ] && [ "$status" != 124 ] || fail "marchd $*: status $status"
+    [[ $said == *"$text"* ]] || fail "marchd $*: expected \"$text\", got \"$said\""
+}
+
+refuse "--workers: expected" --workers many
+refuse "there is no such option" --nothing
+"$bin/marchd" --version | grep -q '^marchd ' || fail "--version"
+"$bin/marchd" --help | grep -q -- --output-root || fail "--help"
+
+start_daemon --worker-program "$(stub skip)"
+refuse "" --state "$scratch/state" --socket "$scratch/other" --output-root "$scratch/out"
+refuse "another daemon answers" --state "$scratch/state2" --socket "$socket" --output-root "$scratch/out"
+ask daemon.status | jq -e .result.pid >/dev/null || fail "the first daemon suffered"
+
+# A killed daemon leaves its socket; the next one replaces it.
+kill_daemon
+[ -S "$socket" ] || fail "the socket of a killed daemon should be there"
+start_daemon --worker-program "$(stub nocontext)"
+id=$(submit "$(job 1-3)")
+wait_until 10 "the reason is known" eval '[[ $(field "$id" .reason) == "no worker is ready: there is no GL context"* ]]'
+expect "its workers" "$(ask worker.list | jq -c '[.result.workers[] | .reason] | unique')" '["there is no GL context to be had here"]'
+expect "attempts spent" "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')" 0
+stop_daemon
+[ ! -e "$socket" ] || fail "an orderly stop leaves the socket"
+
+start_daemon --worker-program "$scratch/no-such-program"
+wait_until 10 "the reason is known" eval '[[ $(field "$id" .reason) == *"no such file"* ]]'
+stop_daemon
+
+# Workers that break the protocol are killed, and the frame's attempts end.
+start_daemon --worker-program "$(stub garbage)"
+wait_state "$id" failed 60
+[[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"it said what is no message"* ]] || fail "log: $(ask job.log "{\"id\":$id}")"
+stop_daemon
+
+# The faults a worker may name.
+for fault in job frame; do
+    start_daemon --worker-program "$(stub fail:$fault)"
+    id=$(submit "$(job 1-4 ".output.path = \"$fault/f.####.exr\"")")
+    wait_state "$id" failed
+    attempts=$(ask job.log "{\"id\":$id}" | jq '.result.attempts | length')
+    if [ $fault = job ]; then
+        [ "$attempts" -le 2 ] || fail "$attempts attempts at a job that cannot work, by two workers"
+    else
+        expect "attempts at four frames" "$attempts" 12
+    fi
+    stop_daemon
+done
+
+# A store that a newer version wrote is left alone.
+sqlite3 "$scratch/state/queue.db" 'PRAGMA user_version = 1000' 2>/dev/null || { echo "no sqlite3: the newer store is not tried"; exit 0; }
+refuse "newer" --state "$scratch/state" --socket "$socket" --output-root "$scratch/out"
