@@ -10,14 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Reads "3:12(5)" or "3(12)" at `text`; returns the text after it, or NULL.
-static const char *parse_place(const char *text, unsigned long *module, unsigned long *line)
+// Reads "3:30012(5)" or "3(30012)" at `text`; returns the text after it, or NULL.
+static const char *parse_place(const char *text, unsigned long *line)
 {
     char *end;
     char separator;
 
     if (!isdigit((unsigned char)*text)) return NULL;
-    *module = strtoul(text, &end, 10);
+    (void)strtoul(text, &end, 10);
     separator = *end;
     if ((separator != ':' && separator != '(') || !isdigit((unsigned char)end[1])) return NULL;
     *line = strtoul(end + 1, &end, 10);
@@ -38,11 +38,12 @@ char *gl_program_translate_log(const char *log, const char *const *module_names,
     while (stream && *log) {
         size_t length = strcspn(log, "\n") + (strchr(log, '\n') ? 1 : 0);
         const char *start = strncmp(log, "ERROR: ", 7) == 0 ? log + 7 : log;
-        unsigned long module = 0, line = 0;
-        const char *rest = parse_place(start, &module, &line);
+        unsigned long line = 0;
+        const char *rest = parse_place(start, &line);
+        unsigned long module = line / GL_PROGRAM_LINE_STRIDE;
 
         if (rest && module < module_count) {
-            fprintf(stream, "%s:%lu", module_names[module], line);
+            fprintf(stream, "%s:%lu", module_names[module], line % GL_PROGRAM_LINE_STRIDE);
             fwrite(rest, 1, (size_t)(log + length - rest), stream);
         } else {
             fwrite(log, 1, length, stream);

@@ -7,9 +7,13 @@
 struct error;
 struct gl_functions;
 
+// `#line` gives the lines of module N the numbers N * GL_PROGRAM_LINE_STRIDE + 1 and up. The source string number that GLSL
+// has for this is 0 in some of Mesa's messages.
+enum { GL_PROGRAM_LINE_STRIDE = 10000 };
+
 struct gl_program_params {
     const char *vertex, *fragment;
-    // What the N of `#line LINE N` in `fragment` stands for; in the vertex shader 0 is the full-screen triangle.
+    // Of `fragment`; the vertex shader is the full-screen triangle.
     const char *const *module_names;
     size_t module_count;
 };
@@ -17,6 +21,6 @@ struct gl_program_params {
 // Returns the program's GL name, or 0. The driver's first complaint is in `error`, the whole log at debug level.
 unsigned gl_program_create(const struct gl_functions *gl, const struct gl_program_params *params, struct error *error);
 
-// Rewrites the places of a driver's log ("3:12(5): error: ...", "3(12) : error ...", "ERROR: 3:12: ...") as
+// Rewrites the places of a driver's log ("3:30012(5): error: ...", "3(30012) : error ...", "ERROR: 3:30012: ...") as
 // "density/fold_fractal.glsl:12". Owned by the caller.
 char *gl_program_translate_log(const char *log, const char *const *module_names, size_t module_count);

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "worker/camera_view.h"
+#include "worker/gl_program.h"
 #include "worker/scene_glue.h"
 #include "worker/scene_values.h"
 #include "worker/shader_sources.h"
@@ -37,8 +38,8 @@ static void add_module(struct assembly *assembly, const char *name)
     }
     assert(program->module_count < SCENE_PROGRAM_MODULE_LIMIT);
     length = strlen(text);
-    fprintf(assembly->out, "#line 1 %zu\n%s%s", program->module_count, text,
-            length > 0 && text[length - 1] == '\n' ? "" : "\n");
+    fprintf(assembly->out, "#line %zu %zu\n%s%s", program->module_count * GL_PROGRAM_LINE_STRIDE + 1,
+            program->module_count, text, length > 0 && text[length - 1] == '\n' ? "" : "\n");
     program->module_names[program->module_count++] = name;
     free(text);
 }

@@ -16,7 +16,7 @@ enum { SCENE_PROGRAM_MODULE_LIMIT = 32 };
 // The zero value is empty.
 struct scene_program {
     char *vertex;   // owned
-    char *fragment; // owned; `#line LINE N` counts lines of module_names[N]
+    char *fragment; // owned; `#line` numbers it as gl_program.h says, by module_names
     // [0] is "generated", whose lines are those of the whole text; static strings.
     const char *module_names[SCENE_PROGRAM_MODULE_LIMIT];
     size_t module_count;

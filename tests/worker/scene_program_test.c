@@ -5,6 +5,7 @@
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
 #include "tests/support/temp_folder.h"
+#include "worker/gl_program.h"
 
 #include <glob.h>
 #include <math.h>
@@ -163,7 +164,7 @@ static void each_module_is_emitted_once(void **state)
         char line[32];
         const char *first;
 
-        snprintf(line, sizeof line, "#line 1 %zu\n", i);
+        snprintf(line, sizeof line, "#line %zu %zu\n", i * GL_PROGRAM_LINE_STRIDE + 1, i);
         first = strstr(program.fragment, line);
         assert_non_null(first);
         assert_null(strstr(first + 1, line));
@@ -192,16 +193,23 @@ static void generated_lines_are_those_of_the_whole_text(void **state)
     release(&program, &job);
 }
 
-// Writes both shaders into the folder of `state` and runs glslangValidator over them.
-static void assert_valid_glsl(void **state, const struct scene_program *program)
+static void write_shaders(void **state, const struct scene_program *program, size_t index)
 {
-    const char *fragment = temp_folder_path(state, "scene.frag"), *vertex = temp_folder_path(state, "scene.vert");
+    char name[32];
+
+    snprintf(name, sizeof name, "%zu.frag", index);
+    assert_true(file_write_atomic(temp_folder_path(state, name), program->fragment, strlen(program->fragment), NULL));
+    assert_true(
+        file_write_atomic(temp_folder_path(state, "fullscreen.vert"), program->vertex, strlen(program->vertex), NULL));
+}
+
+// Runs glslangValidator over what was written.
+static void assert_shaders_are_valid(void **state)
+{
     char command[1200];
     int status;
 
-    assert_true(file_write_atomic(fragment, program->fragment, strlen(program->fragment), NULL));
-    assert_true(file_write_atomic(vertex, program->vertex, strlen(program->vertex), NULL));
-    snprintf(command, sizeof command, "glslangValidator %s %s > %s/log 2>&1", fragment, vertex, (char *)*state);
+    snprintf(command, sizeof command, "cd %s && glslangValidator *.frag *.vert > log 2>&1", (char *)*state);
     status = system(command);
     if (WEXITSTATUS(status) == 127) {
         print_message("skipped: glslangValidator is not installed\n");
@@ -212,7 +220,7 @@ static void assert_valid_glsl(void **state, const struct scene_program *program)
         size_t length;
 
         (void)file_read_text(temp_folder_path(state, "log"), 1 << 20, &log, &length, NULL);
-        fail_msg("glslangValidator: %s\n%s", log ? log : "", program->fragment);
+        fail_msg("glslangValidator: %s", log ? log : "");
     }
 }
 
@@ -231,9 +239,10 @@ static void every_example_is_valid_glsl(void **state)
         if (strcmp(name, "schema") == 0) continue;
         example_job_load(&job, name);
         assert_true(scene_program_init(&program, &job, NULL, NULL));
-        assert_valid_glsl(state, &program);
+        write_shaders(state, &program, i);
         release(&program, &job);
     }
+    assert_shaders_are_valid(state);
     globfree(&found);
 }
 
@@ -248,9 +257,10 @@ static void every_combination_of_features_is_valid_glsl(void **state)
         ball_job_parse(&job, media[i % 5], rest);
         job.output.has_depth = job.output.has_transmittance = i / 90 == 0;
         assert_true(scene_program_init(&program, &job, NULL, NULL));
-        assert_valid_glsl(state, &program);
+        write_shaders(state, &program, i);
         release(&program, &job);
     }
+    assert_shaders_are_valid(state);
 }
 
 static void a_module_folder_overrides_what_it_has(void **state)
