@@ -1,0 +1,171 @@
+#include "worker/explain.h"
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "core/json_read.h"
+#include "core/json_write.h"
+#include "tests/support/ball_job.h"
+#include "tests/support/example_job.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+struct explanation {
+    struct json_writer writer;
+    struct cJSON *root;
+    struct json_node node;
+};
+
+static void explain(struct explanation *explanation, const struct job *job)
+{
+    struct error error = {{0}};
+
+    *explanation = (struct explanation){0};
+    if (!explain_write(job, NULL, &explanation->writer, &error) ||
+        !json_parse(&explanation->root, explanation->writer.text, explanation->writer.length, &error))
+        fail_msg("%s", error.message);
+    explanation->node = json_node_root(explanation->root);
+}
+
+static void explanation_finish(struct explanation *explanation)
+{
+    json_delete(explanation->root);
+    json_writer_finish(&explanation->writer);
+}
+
+// The reason that `list` gives for `feature`, or NULL when the list lacks it.
+static const char *find_why(const struct explanation *explanation, const char *list, const char *feature)
+{
+    struct json_node array = json_node_child(&explanation->node, list), entry = {0};
+
+    assert_int_equal(json_node_type(&array), JSON_ARRAY);
+    while (json_node_next(&array, &entry)) {
+        struct json_node name = json_node_child(&entry, "feature"), reason = json_node_child(&entry, "why");
+        const char *text, *why;
+
+        assert_true(json_read_string(&name, &text, NULL) && json_read_string(&reason, &why, NULL));
+        assert_true(why[0] != '\0');
+        if (strcmp(text, feature) == 0) return why;
+    }
+    return NULL;
+}
+
+static void assert_modelled(const struct explanation *explanation, const char *feature)
+{
+    if (!find_why(explanation, "modelled", feature)) fail_msg("expected \"%s\" to be modelled", feature);
+    assert_null(find_why(explanation, "not_modelled", feature));
+}
+
+static void assert_not_modelled(const struct explanation *explanation, const char *feature)
+{
+    if (!find_why(explanation, "not_modelled", feature)) fail_msg("expected \"%s\" not to be modelled", feature);
+    assert_null(find_why(explanation, "modelled", feature));
+}
+
+static void the_cloud_is_explained(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    example_job_load(&job, "cloud");
+    explain(&explanation, &job);
+    assert_modelled(&explanation, "medium 0");
+    assert_modelled(&explanation, "medium 0: scattering");
+    assert_modelled(&explanation, "light 0");
+    assert_modelled(&explanation, "shadows");
+    assert_modelled(&explanation, "depth");
+    assert_modelled(&explanation, "motion of light_0_position");
+    assert_modelled(&explanation, "motion of medium_0_rotation");
+    assert_not_modelled(&explanation, "medium 0: absorption");
+    assert_not_modelled(&explanation, "medium 0: emission");
+    assert_not_modelled(&explanation, "colour");
+    assert_not_modelled(&explanation, "background");
+    assert_not_modelled(&explanation, "multiple scattering");
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
+static void a_light_that_nothing_scatters_is_not_modelled(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    explain(&explanation, &job);
+    assert_not_modelled(&explanation, "light 0");
+    assert_not_modelled(&explanation, "shadows");
+    assert_not_modelled(&explanation, "frames that differ");
+    assert_modelled(&explanation, "extinction");
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
+static bool names_module(const struct explanation *explanation, const char *name)
+{
+    struct json_node array = json_node_child(&explanation->node, "modules"), entry = {0};
+
+    while (json_node_next(&array, &entry)) {
+        const char *text;
+
+        assert_true(json_read_string(&entry, &text, NULL));
+        if (strcmp(text, name) == 0) return true;
+    }
+    return false;
+}
+
+static void the_shader_is_shown_with_its_modules_and_hash(void **state)
+{
+    struct json_node shader, hash, bytes;
+    struct explanation explanation;
+    const char *text, *digits;
+    struct job job;
+    int64_t size;
+
+    example_job_load(&job, "cloud_seed");
+    explain(&explanation, &job);
+    shader = json_node_child(&explanation.node, "shader");
+    hash = json_node_child(&explanation.node, "shader_hash");
+    bytes = json_node_child(&explanation.node, "uniform_bytes");
+    assert_true(json_read_string(&shader, &text, NULL));
+    assert_non_null(strstr(text, "void main()"));
+    assert_true(json_read_string(&hash, &digits, NULL));
+    assert_int_equal(strlen(digits), HASH_TEXT_SIZE - 1);
+    assert_true(json_read_integer(&bytes, 0, 1 << 16, &size, NULL));
+    assert_int_equal(size, 64);
+    assert_true(names_module(&explanation, "integrator/riemann.glsl"));
+    assert_true(names_module(&explanation, "phase/henyey_greenstein.glsl"));
+    assert_false(names_module(&explanation, "integrator/midpoint.glsl"));
+    assert_false(names_module(&explanation, "math/segment.glsl"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
+static void a_missing_camera_view_is_an_error(void **state)
+{
+    struct error error = {{0}};
+    struct json_writer writer = {0};
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    job.scene.camera.target = job.scene.camera.position;
+    assert_false(explain_write(&job, NULL, &writer, &error));
+    assert_non_null(strstr(error.message, "camera.target"));
+    assert_int_equal(writer.length, 0);
+    json_writer_finish(&writer);
+    job_finish(&job);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_cloud_is_explained),
+        cmocka_unit_test(a_light_that_nothing_scatters_is_not_modelled),
+        cmocka_unit_test(the_shader_is_shown_with_its_modules_and_hash),
+        cmocka_unit_test(a_missing_camera_view_is_an_error),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
