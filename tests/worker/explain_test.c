@@ -44,7 +44,7 @@ static const char *find_why(const struct explanation *explanation, const char *l
     assert_int_equal(json_node_type(&array), JSON_ARRAY);
     while (json_node_next(&array, &entry)) {
         struct json_node name = json_node_child(&entry, "feature"), reason = json_node_child(&entry, "why");
-        const char *text, *why;
+        const char *text = NULL, *why = NULL;
 
         assert_true(json_read_string(&name, &text, NULL) && json_read_string(&reason, &why, NULL));
         assert_true(why[0] != '\0');
@@ -108,7 +108,7 @@ static bool names_module(const struct explanation *explanation, const char *name
     struct json_node array = json_node_child(&explanation->node, "modules"), entry = {0};
 
     while (json_node_next(&array, &entry)) {
-        const char *text;
+        const char *text = NULL;
 
         assert_true(json_read_string(&entry, &text, NULL));
         if (strcmp(text, name) == 0) return true;
@@ -120,7 +120,7 @@ static void the_shader_is_shown_with_its_modules_and_hash(void **state)
 {
     struct json_node shader, hash, bytes;
     struct explanation explanation;
-    const char *text, *digits;
+    const char *text = NULL, *digits = NULL;
     struct job job;
     int64_t size;
 
