@@ -178,7 +178,7 @@ static bool read_header(struct reader *reader, struct image_exr_facts *facts, st
     if (!read_compression(reader, &facts->compression, error)) return false;
     facts->pixel = JOB_PIXEL_HALF;
     for (int i = 0; i < channels->num_channels; i++)
-        if (strcmp(channels->entries[i].name.str, "Z") && channels->entries[i].pixel_type != EXR_PIXEL_HALF)
+        if (strcmp(channels->entries[i].name.str, "Z") != 0 && channels->entries[i].pixel_type != EXR_PIXEL_HALF)
             facts->pixel = JOB_PIXEL_FLOAT;
     facts->has_depth = has_channel(channels, "Z");
     facts->has_transmittance = has_channel(channels, "transmittance.R") && has_channel(channels, "transmittance.G") &&
@@ -237,7 +237,7 @@ static exr_result_t on_unpack(exr_decode_pipeline_t *pipeline)
     if (!packed || line_bytes * (uint64_t)pipeline->chunk.height != pipeline->chunk.unpacked_size)
         return EXR_ERR_CORRUPT_CHUNK;
     for (int line = 0; line < pipeline->chunk.height; line++) {
-        size_t y = (size_t)(pipeline->chunk.start_y - window.min.y + line);
+        size_t y = (size_t)((int64_t)pipeline->chunk.start_y - window.min.y + line);
 
         for (int i = 0; i < pipeline->channel_count; i++) {
             const exr_coding_channel_info_t *channel = &pipeline->channels[i];

@@ -45,7 +45,7 @@ static unsigned char encode_srgb(float linear, float gain)
 
     if (!(value > 0)) return 0; // NaN too
     value = value <= 0.0031308f ? value * 12.92f : 1.055f * powf(value, 1.0f / 2.4f) - 0.055f;
-    return value >= 1.0f ? 255 : (unsigned char)(value * 255.0f + 0.5f);
+    return value >= 1.0f ? 255 : (unsigned char)lroundf(value * 255.0f);
 }
 
 // What one output pixel gathers of a row or column of input: [first, end) with the share of each.
@@ -102,8 +102,9 @@ struct sheet {
     int width, height;
 };
 
-static void choose_columns(struct sheet *sheet)
+static int choose_columns(const struct sheet *sheet)
 {
+    int best_columns = 1;
     int count = (int)sheet->params->file_count;
     double best = INFINITY;
 
@@ -114,8 +115,9 @@ static void choose_columns(struct sheet *sheet)
 
         if (distance >= best) continue;
         best = distance;
-        sheet->columns = columns;
+        best_columns = columns;
     }
+    return best_columns;
 }
 
 // Decides the layout by the first image.
@@ -131,7 +133,7 @@ static bool lay_out(struct sheet *sheet, const struct image *image, struct error
     if (sheet->tile_height < 1) sheet->tile_height = 1;
     sheet->columns = params->columns;
     if (sheet->columns > (int)params->file_count) sheet->columns = (int)params->file_count;
-    if (!sheet->columns) choose_columns(sheet);
+    if (sheet->columns < 1) sheet->columns = choose_columns(sheet);
     sheet->rows = (int)((params->file_count + (size_t)sheet->columns - 1) / (size_t)sheet->columns);
     width = (int64_t)sheet->columns * (sheet->tile_width + GAP_PX) - GAP_PX;
     height = (int64_t)sheet->rows * (sheet->tile_height + GAP_PX) - GAP_PX;
