@@ -22,7 +22,7 @@ struct edit {
     struct step steps[STEP_LIMIT];
     size_t step_count;
     const char *value; // borrowed; the right side of the assignment
-    bool value_is_json;
+    bool value_is_json, value_is_number;
     struct json_writer writer;
 };
 
@@ -166,6 +166,8 @@ static bool write_edited_array(struct edit *edit, const struct json_node *array,
 static bool write_edited(struct edit *edit, const struct json_node *node, size_t step, struct error *error)
 {
     if (step == edit->step_count) {
+        // frames=48 means the text: what is a string stays one when a mere number comes.
+        if (json_node_type(node) == JSON_STRING && edit->value_is_number) edit->value_is_json = false;
         write_value(edit);
         return true;
     }
@@ -193,6 +195,8 @@ char *json_set(const char *document, const char *assignment, struct error *error
     edit.path = path;
     edit.value = equals + 1;
     edit.value_is_json = json_parse(&value, edit.value, strlen(edit.value), NULL);
+    node = json_node_root(value);
+    edit.value_is_number = edit.value_is_json && json_node_type(&node) == JSON_NUMBER;
     if (!parse_path(&edit, error)) goto out;
     if (!json_parse(&root, document, strlen(document), error)) goto out;
     node = json_node_root(root);

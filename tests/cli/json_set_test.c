@@ -51,6 +51,13 @@ static void value_that_is_no_json_is_a_string(void **state)
     assert_edited("{\"a\":1}", "a=\"7\"", "{\"a\":\"7\"}");
 }
 
+static void number_in_place_of_a_string_is_its_text(void **state)
+{
+    assert_edited("{\"frames\":\"0-9\"}", "frames=48", "{\"frames\":\"48\"}");
+    assert_edited("{\"frames\":\"0-9\"}", "frames=[48]", "{\"frames\":[48]}");
+    assert_edited("{\"fps\":24}", "fps=48", "{\"fps\":48}");
+}
+
 static void missing_keys_are_added_with_what_leads_to_them(void **state)
 {
     assert_edited("{}", "quality.step=0.5", "{\"quality\":{\"step\":0.5}}");
@@ -107,6 +114,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(value_at_a_path_is_replaced_and_the_rest_stays),
         cmocka_unit_test(value_that_is_no_json_is_a_string),
+        cmocka_unit_test(number_in_place_of_a_string_is_its_text),
         cmocka_unit_test(missing_keys_are_added_with_what_leads_to_them),
         cmocka_unit_test(index_equal_to_the_count_appends),
         cmocka_unit_test(nested_arrays_are_reached),
