@@ -5,7 +5,7 @@
 
 struct error;
 
-// `assignment` is PATH=VALUE: keys joined by dots, elements as [N]. VALUE is JSON, else taken as a string; a
-// number in place of a string is taken as a string too. A missing key is added, an index equal to the array's count appends. Returns the whole edited document as compact JSON, owned by the
-// caller; NULL on failure, with `error` naming the place.
+// `assignment` is PATH=VALUE: keys joined by dots, elements as [N]. VALUE is JSON, else taken as a string; a number in place
+// of a string is taken as a string too. A missing key is added, an index equal to the array's count appends. Returns the
+// whole edited document as compact JSON, owned by the caller; NULL on failure, with `error` naming the place.
 char *json_set(const char *document, const char *assignment, struct error *error);
