@@ -99,7 +99,8 @@ static enum exit_status follow_submitted(const struct options *options, struct c
                                          .id_count = 1,
                                          .shows_progress = options->watch && !options->json,
                                          .prints_events = options->watch && options->json,
-                                         .jobs = wants_jobs ? &jobs : NULL};
+                                         .jobs = wants_jobs ? &jobs : NULL,
+                                         .ends = options->json || options->watch ? NULL : stderr};
     enum exit_status status = follow_jobs(connection, &params, error);
 
     if (jobs.text) print_json_text(&jobs);

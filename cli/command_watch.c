@@ -36,7 +36,7 @@ enum exit_status command_wait(const struct options *options, struct error *error
     const struct follow_params params = {.ids = ids,
                                          .id_count = options->operand_count,
                                          .jobs = options->json ? &jobs : NULL,
-                                         .prints_end = !options->json};
+                                         .ends = options->json ? NULL : stdout};
     struct connection *connection = NULL;
     enum exit_status status = EXIT_STATUS_USAGE;
 

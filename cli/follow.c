@@ -195,9 +195,9 @@ static enum exit_status report_end(struct follow *follow)
 
         if (job_report_status(report) != EXIT_STATUS_DONE) status = EXIT_STATUS_FAILED;
         if (jobs) json_write_raw(jobs, follow->jobs[i].json, strlen(follow->jobs[i].json));
-        if (follow->params->prints_end)
-            printf("job %" PRId64 ": %s%s%s\n", report->id, report->state, report->reason ? ": " : "",
-                   report->reason ? report->reason : "");
+        if (follow->params->ends)
+            fprintf(follow->params->ends, "job %" PRId64 ": %s%s%s\n", report->id, report->state,
+                    report->reason ? ": " : "", report->reason ? report->reason : "");
     }
     if (jobs) json_write_end_array(jobs);
     if (jobs) json_write_end_object(jobs);

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 struct connection;
 struct error;
@@ -17,7 +18,7 @@ struct follow_params {
     bool shows_progress;      // on stderr
     bool prints_events;       // on stdout, a JSON object a line; begins with the jobs as they are
     struct json_writer *jobs; // borrowed; may be NULL: receives {"jobs":[...]} as they ended
-    bool prints_end;          // a line a job on stdout
+    FILE *ends;               // borrowed; may be NULL: a line a job, how it ended
 };
 
 // EXIT_STATUS_DONE when all jobs succeeded, EXIT_STATUS_FAILED when one did not.
