@@ -1,0 +1,138 @@
+#!/bin/sh
+# `march` with a daemon: a job from submit to its files, and everything that can be asked about it.
+set -u
+PATH=$PROGRAM_FOLDER:$PATH
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_farm_test.XXXXXX")
+daemon=
+finish() {
+    [ -z "$daemon" ] || { kill "$daemon" && wait "$daemon"; } 2>/dev/null
+    rm -rf "$scratch"
+}
+trap finish EXIT
+cd "$scratch" || exit 1
+MARCHD_SOCKET=$scratch/marchd.sock
+export MARCHD_SOCKET
+unset MARCH_WORKER
+cloud=$PROJECT_ROOT/jobs/cloud.json
+failures=0
+
+fail() {
+    echo "FAILED: $*"
+    [ ! -f out ] || { echo "stdout:"; cat out; }
+    [ ! -f err ] || { echo "stderr:"; cat err; }
+    failures=$((failures + 1))
+}
+# expect CODE COMMAND...: keeps stdout in `out`, stderr in `err`.
+expect() {
+    code=$1
+    shift
+    "$@" >out 2>err </dev/null
+    got=$?
+    [ "$got" -eq "$code" ] || fail "$*: expected exit $code, got $got"
+}
+expect_stdout() { [ "$(cat out)" = "$1" ] || fail "expected stdout \"$1\""; }
+submit() { march submit "$cloud" --set 'resolution=[32,18]' --set quality.step=0.05 --set quality.light_step=0.05 "$@"; }
+
+mkdir pictures
+marchd --state "$scratch/state" --output-root "$scratch/pictures" --workers 1 2>marchd.log &
+daemon=$!
+tries=0
+until march workers >/dev/null 2>&1; do
+    tries=$((tries + 1))
+    [ $tries -lt 200 ] && kill -0 "$daemon" || { echo "FAILED: no daemon"; cat marchd.log; exit 1; }
+    sleep 0.05
+done
+
+expect 0 submit --set frames=48-50 --wait
+expect_stdout 1
+grep -q "job 1: 3 frames to $scratch/pictures/cloud/cloud.####.exr" err || fail "submit says where the files go"
+grep -q "^job 1: succeeded" err || fail "submit --wait says how the job ended"
+[ "$(ls pictures/cloud)" = "cloud.0048.exr
+cloud.0049.exr
+cloud.0050.exr" ] || fail "the job's files: $(ls pictures/cloud)"
+expect 0 submit --set frames=48,49 --set output.path=two/two.####.exr --watch
+expect_stdout 2
+grep -q "#2 cloud: 2/2" err || fail "--watch tells the end"
+expect 0 submit --json --set frames=48 --set output.path=three/three.####.exr --wait
+grep -q '{"jobs":\[{"id":3,.*"state":"succeeded"' out || fail "submit --wait --json"
+
+expect 2 submit --set output.path=../out.####.exr
+grep -q "cloud.json: " err || fail "a refused job is named by its file"
+expect 2 submit --set output.path=/etc/x.####.exr
+grep -q "output" err || fail "a path outside the root"
+
+expect 0 submit --paused --set frames=0-9 --set output.path=four/four.####.exr --priority 7
+expect 1 submit --set frames=5 --set output.path=four/four.####.exr
+grep -q "4" err || fail "a second job on the same files is refused, naming the first"
+expect 0 march list --state paused
+[ "$(wc -l <out)" -eq 2 ] || fail "list --state shows the titles and one job"
+grep -q "paused by" out || fail "list shows why a job waits"
+expect 0 march list --json
+[ "$(grep -o '"id":' out | wc -l)" -eq 4 ] || fail "list --json"
+expect 2 march list --state paussed
+expect 0 march show 4
+grep -q "^priority   7$" out || fail "show"
+grep -q "^reason     paused" out || fail "show says why it waits"
+expect 0 march prio 4 60
+expect_stdout "job 4: priority 60"
+expect 0 march frames 1
+[ "$(grep -c "succeeded.*$scratch/pictures/cloud/cloud.00" out)" -eq 3 ] || fail "frames"
+expect 0 march frames 4 --range 2-4 --json
+grep -q '"total":3}$' out || fail "frames --range"
+expect 0 march frames 1 --state failed --json
+expect_stdout '{"frames":[],"total":0}'
+expect 0 march cancel 4
+expect 1 march wait 4
+grep -q "^job 4: canceled" out || fail "wait tells what became of the job"
+expect 0 march retry 4 --state canceled --range 0-1
+expect_stdout "job 4: 2 frames queued again"
+expect 0 march resume 4
+march wait 4 >/dev/null
+expect 0 march frames 4 --state succeeded --json
+grep -q '"total":2}$' out || fail "frames queued again are rendered"
+expect 0 march watch 1 2 --json
+[ "$(grep -c '^{"type":"job"' out)" -eq 2 ] || fail "watch --json begins with the jobs as they are"
+expect 0 march wait 1 2 3 --json
+expect 0 march log 1
+expect 1 march show 99
+grep -q "99" err || fail "a job that is not there is named"
+expect 0 march workers
+grep -q "osmesa\|egl" out || fail "workers tells the backend"
+
+# One page is 10000 frames; the daemon is asked for as many as there are.
+expect 0 submit --paused --set frames=0-25000 --set output.path=many/many.#####.exr
+expect 0 march frames 5
+[ "$(wc -l <out)" -eq 25002 ] || fail "frames of all pages"
+march frames 5 | head -n 1 >/dev/null || fail "a reader that goes away"
+
+march watch >watched 2>&1 &
+watcher=$!
+sleep 0.3
+kill -TERM "$watcher"
+wait "$watcher"
+[ $? -eq 130 ] || fail "an interrupted watch ends with 130"
+
+if [ "$(id -u)" -eq 0 ] && command -v setpriv >/dev/null; then
+    nobody() { setpriv --reuid=65534 --regid=65534 --clear-groups "$@"; }
+    chmod 755 "$scratch"
+    cp "$PROGRAM_FOLDER/march" march
+    if nobody ./march version >/dev/null 2>&1; then
+        expect 4 nobody ./march list
+        grep -q "is not for you" err || fail "a socket one may not open is named"
+        chmod 666 marchd.sock
+        expect 4 nobody ./march cancel 5
+        expect 0 nobody ./march list
+    fi
+fi
+
+march wait 5 >out 2>err &
+waiter=$!
+sleep 0.3
+kill "$daemon"
+wait "$daemon" || fail "the daemon's end: $(tail -n 3 marchd.log)"
+daemon=
+wait "$waiter"
+[ $? -eq 3 ] || fail "wait without its daemon ends with 3"
+expect 3 march list
+
+[ "$failures" -eq 0 ]

@@ -1,0 +1,113 @@
+#!/bin/sh
+# `march` with a worker of its own: render, explain, preview.
+set -u
+PATH=$PROGRAM_FOLDER:$PATH
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_render_test.XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch" || exit 1
+unset MARCH_WORKER
+cloud=$PROJECT_ROOT/jobs/cloud.json
+failures=0
+
+fail() {
+    echo "FAILED: $*"
+    [ ! -f out ] || { echo "stdout:"; cat out; }
+    [ ! -f err ] || { echo "stderr:"; cat err; }
+    failures=$((failures + 1))
+}
+# expect CODE COMMAND...: keeps stdout in `out`, stderr in `err`.
+expect() {
+    code=$1
+    shift
+    "$@" >out 2>err </dev/null
+    got=$?
+    [ "$got" -eq "$code" ] || fail "$*: expected exit $code, got $got"
+}
+render() { march render "$cloud" --set 'resolution=[32,18]' --set quality.step=0.05 --set quality.light_step=0.05 "$@"; }
+
+expect 0 render --frames 48-50
+[ "$(ls cloud)" = "cloud.0048.exr
+cloud.0049.exr
+cloud.0050.exr" ] || fail "expected three frames and nothing else, got: $(ls cloud)"
+[ "$(grep -c '^cloud/cloud.00[0-9]*.exr  rendered [0-9.]* s  encoded [0-9.]* s$' out)" -eq 3 ] ||
+    fail "expected a line a frame"
+
+expect 0 render --frames 48-50
+[ "$(grep -c 'was there already' out)" -eq 3 ] || fail "frames that are there are skipped"
+expect 0 render --frames 50,51 --json
+grep -q '"succeeded":1,"skipped":1,"failed":0' out || fail "counts in JSON"
+[ "$(wc -l <out)" -eq 1 ] || fail "JSON is one line"
+
+expect 0 render --frames 7 --out "$scratch/far/away/picture.%03d.exr"
+[ -f far/away/picture.007.exr ] || fail "an absolute --out"
+expect 0 render --frames 7 --out near.####.exr
+[ -f near.0007.exr ] || fail "a relative --out"
+
+mkdir taken taken/cloud.0001.exr
+expect 1 render --frames 1,2 --set output.path=taken/cloud.####.exr --set output.existing=overwrite
+[ -f taken/cloud.0002.exr ] || fail "the other frames go on when one fails"
+[ "$(ls taken | wc -l)" -eq 2 ] || fail "no part file stays: $(ls taken)"
+
+ln -s far link
+expect 1 render --frames 1 --out link/cloud.####.exr
+grep -q link err || fail "a link on the way is named"
+
+# A worker that is killed is replaced, and the frames it had are tried again.
+march render "$cloud" --frames 48-50 --set 'resolution=[480,270]' --out killed/k.####.exr >out 2>err &
+pid=$!
+tries=0
+until ls killed/*.part >/dev/null 2>&1 || [ $tries -ge 200 ]; do
+    sleep 0.05
+    tries=$((tries + 1))
+done
+worker=$(cat "/proc/$pid/task/$pid/children")
+# shellcheck disable=SC2086 # one child
+kill -KILL $worker
+wait "$pid" || fail "a killed worker"
+grep -q "ended by signal 9" err || fail "a killed worker is told"
+[ "$(ls killed)" = "k.0048.exr
+k.0049.exr
+k.0050.exr" ] || fail "after a killed worker: $(ls killed)"
+
+# Interrupted: no worker, no part file stays.
+march render "$cloud" --frames 40-239 --set 'resolution=[480,270]' --out stopped/s.####.exr >out 2>err &
+pid=$!
+tries=0
+until ls stopped/*.part >/dev/null 2>&1 || [ $tries -ge 200 ]; do
+    sleep 0.05
+    tries=$((tries + 1))
+done
+worker=$(cat "/proc/$pid/task/$pid/children")
+kill -TERM "$pid"
+wait "$pid"
+[ $? -eq 130 ] || fail "an interrupted render ends with 130"
+# shellcheck disable=SC2086 # one child
+! kill -0 $worker 2>/dev/null || fail "the worker outlives an interrupted render"
+! ls stopped/*.part 2>/dev/null || fail "a part file outlives an interrupted render"
+
+expect 0 march explain "$cloud"
+grep -q "fold_fractal" out || fail "explain names the density"
+grep -q "^Not modelled" out || fail "explain says what is not modelled"
+expect 0 march explain "$cloud" --shader
+grep -q "void main" out || fail "explain --shader prints GLSL"
+expect 0 march explain "$cloud" --json
+grep -q '"shader_hash":"' out || fail "explain --json"
+expect 2 march explain "$cloud" --set lights=7
+grep -q "lights: " err || fail "explain names the place"
+
+expect 0 march preview 'cloud/cloud.####.exr' --frames 48-50 --out sheet.png --columns 2 --tile-width 64
+[ "$(cat out)" = "$scratch/sheet.png" ] || fail "preview prints the sheet's path"
+[ "$(head -c 4 sheet.png | tail -c 3)" = PNG ] || fail "preview makes a PNG"
+expect 0 march preview cloud/cloud.0048.exr --out one.png --exposure -1 --json
+grep -q '"exposure":-1' out || fail "preview --json tells the exposure"
+expect 1 march preview "$cloud" --out no.png
+[ ! -e no.png ] || fail "a preview of no picture leaves no file"
+if command -v ffmpeg >/dev/null; then
+    expect 0 march preview 'cloud/cloud.####.exr' --out film.mp4 --fps 12
+    [ -s film.mp4 ] || fail "a film"
+else
+    expect 1 march preview 'cloud/cloud.####.exr' --out film.mp4
+    grep -q "apt install ffmpeg" err || fail "a missing ffmpeg is named"
+fi
+
+[ "$failures" -eq 0 ]
