@@ -155,7 +155,7 @@ static void settle_failure(struct committer *committer)
     struct commit_batch kept = {0};
     struct error error = committer->error;
 
-    if (!committer->has_failed) log_error("store: %s; tried again every second", error.message);
+    if (!committer->has_failed) log_error("%s; tried again every second", error.message);
     committer->has_failed = true;
     kept.ops = xmalloc(batch.op_count * sizeof *kept.ops);
     kept.op_capacity = batch.op_count;

@@ -9,20 +9,13 @@
 #include "daemon/farm.h"
 #include "daemon/frame_life.h"
 #include "daemon/options.h"
-#include "daemon/retry.h"
+#include "daemon/worker_slot.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { TICK_MS = 250, EXIT_MS = 5000 };
-
-struct worker_slot {
-    struct worker_process *worker; // NULL: none runs
-    struct retry_backoff backoff;
-    char *reason; // owned; why the worker before could not work; NULL: it could
-    int64_t done; // frames, by the workers before
-};
 
 struct worker_pool {
     struct farm *farm; // borrowed; outlives us
@@ -55,12 +48,6 @@ static struct worker_slot *slot_of(struct worker_pool *pool, const struct worker
     return &pool->slots[worker->id - 1];
 }
 
-static void set_reason(struct worker_slot *slot, char *owned_reason)
-{
-    free(slot->reason);
-    slot->reason = owned_reason;
-}
-
 static void start_worker(struct worker_pool *pool, int index)
 {
     const struct options *options = pool->farm->options;
@@ -77,7 +64,7 @@ static void start_worker(struct worker_pool *pool, int index)
         log_debug("worker %d: started, pid %d", index + 1, worker_process_pid(slot->worker));
     } else {
         retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
-        set_reason(slot, xstrdup(error.message));
+        worker_slot_set_reason(slot, xstrdup(error.message));
         log_warn("worker %d: %s", index + 1, error.message);
     }
     events_tell_worker(pool->farm->events, index);
@@ -140,7 +127,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     worker->version = xstrdup(report->version);
     worker->device_uuid = copy_text(report->device_uuid);
     log_info("worker %d: ready: %s on %s (%s)", worker->id, report->backend, report->renderer, report->version);
-    set_reason(slot_of(pool, worker), NULL);
+    worker_slot_set_reason(slot_of(pool, worker), NULL);
     events_tell_worker(pool->farm->events, worker->id - 1);
     farm_want_feed(pool->farm);
 }
@@ -198,7 +185,7 @@ static void on_gone(void *user, struct worker_process *worker)
     slot->done += worker->done;
     slot->worker = NULL;
     if (worker->done == 0) retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
-    set_reason(slot, reason);
+    worker_slot_set_reason(slot, reason);
     events_tell_worker(pool->farm->events, worker->id - 1);
     worker_process_close(worker);
     start_due(pool);
@@ -239,7 +226,7 @@ void worker_pool_destroy(struct worker_pool *pool)
 {
     if (!pool) return;
     for (int i = 0; i < pool->slot_count; i++)
-        free(pool->slots[i].reason);
+        worker_slot_finish(&pool->slots[i]);
     free(pool->slots);
     free(pool);
 }
@@ -312,45 +299,7 @@ void worker_pool_forget_job(struct worker_pool *pool, int64_t job)
     }
 }
 
-static const char *slot_state(const struct worker_slot *slot)
-{
-    if (!slot->worker) return "backing_off";
-    if (slot->worker->state == WORKER_STARTING) return "starting";
-    if (slot->worker->state == WORKER_STOPPING) return "stopping";
-    return slot->worker->hand.count > 0 ? "busy" : "idle";
-}
-
-static void write_process(const struct worker_process *worker, struct json_writer *writer)
-{
-    int64_t job = worker ? hand_current_job(&worker->hand) : 0;
-
-    json_write_string_member(writer, "backend", worker ? worker->backend : NULL);
-    json_write_string_member(writer, "vendor", worker ? worker->vendor : NULL);
-    json_write_string_member(writer, "renderer", worker ? worker->renderer : NULL);
-    json_write_string_member(writer, "version", worker ? worker->version : NULL);
-    json_write_string_member(writer, "device_uuid", worker ? worker->device_uuid : NULL);
-    json_write_key(writer, "job");
-    if (job)
-        json_write_integer(writer, job);
-    else
-        json_write_null(writer);
-    json_write_integer_member(writer, "frames", worker ? (int64_t)worker->hand.count : 0);
-}
-
 void worker_pool_write_slot(const struct worker_pool *pool, int index, struct json_writer *writer)
 {
-    const struct worker_slot *slot = &pool->slots[index];
-
-    json_write_begin_object(writer);
-    json_write_integer_member(writer, "id", index + 1);
-    json_write_key(writer, "pid");
-    if (slot->worker)
-        json_write_integer(writer, worker_process_pid(slot->worker));
-    else
-        json_write_null(writer);
-    json_write_string_member(writer, "state", slot_state(slot));
-    write_process(slot->worker, writer);
-    json_write_integer_member(writer, "done", slot->done + (slot->worker ? slot->worker->done : 0));
-    json_write_string_member(writer, "reason", slot->reason);
-    json_write_end_object(writer);
+    worker_slot_write(&pool->slots[index], index + 1, writer);
 }

@@ -77,3 +77,12 @@ wait_until 20 "a worker is busy" eval '[ -n "$(worker_in_hand)" ]'
 before=$SECONDS
 stop_daemon
 [ $((SECONDS - before)) -le 10 ] || fail "it took $((SECONDS - before)) s to stop"
+
+# A worker that falls silent is killed by its clock, and says so in the frame's log.
+start_daemon --worker-program "$(stub hang)" --workers 1 --max-attempts 1
+ask job.cancel "{\"id\":$id}" >/dev/null
+id=$(submit "$(job 3 '.output.path = "hung/h.####.exr"')")
+wait_state "$id" failed 30
+[[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == "killed: no message for "* ]] ||
+    fail "log: $(ask job.log "{\"id\":$id}")"
+stop_daemon

@@ -19,7 +19,7 @@ refuse "there is no such option" --nothing
 "$bin/marchd" --help | grep -q -- --output-root || fail "--help"
 
 start_daemon --worker-program "$(stub skip)"
-refuse "" --state "$scratch/state" --socket "$scratch/other" --output-root "$scratch/out"
+refuse "another marchd" --state "$scratch/state" --socket "$scratch/other" --output-root "$scratch/out"
 refuse "another daemon answers" --state "$scratch/state2" --socket "$socket" --output-root "$scratch/out"
 ask daemon.status | jq -e .result.pid >/dev/null || fail "the first daemon suffered"
 
@@ -37,6 +37,20 @@ stop_daemon
 start_daemon --worker-program "$scratch/no-such-program"
 wait_until 10 "the reason is known" eval '[[ $(field "$id" .reason) == *"no such file"* ]]'
 stop_daemon
+
+# On a socket that systemd made, which is systemd's to remove.
+if command -v systemd-socket-activate >/dev/null; then
+    systemd-socket-activate -l "$scratch/activated" "$bin/marchd" --state "$scratch/state" --socket "$socket" \
+        --output-root "$scratch/out" --worker-program "$(stub nocontext)" 2>>"$scratch/daemon.log" &
+    daemon_pid=$!
+    own_socket=$socket
+    socket=$scratch/activated
+    wait_until 10 "the activated daemon answers" eval 'ask daemon.status 2>/dev/null | jq -e .result.pid >/dev/null'
+    [ ! -e "$own_socket" ] || fail "it made a socket of its own"
+    stop_daemon
+    [ -S "$socket" ] || fail "it removed a socket that is not its own"
+    socket=$own_socket
+fi
 
 # Workers that break the protocol are killed, and the frame's attempts end.
 start_daemon --worker-program "$(stub garbage)"

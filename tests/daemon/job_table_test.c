@@ -1,0 +1,147 @@
+#include "core/alloc.h"
+#include "daemon/job_table.h"
+#include "daemon/sweeper.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+struct fixture {
+    struct queue *queue;
+    struct job_table table;
+};
+
+static int create(void **state)
+{
+    struct fixture *fixture = xcalloc(1, sizeof *fixture);
+
+    fixture->queue = queue_create(3);
+    *state = fixture;
+    return 0;
+}
+
+static int destroy(void **state)
+{
+    struct fixture *fixture = *state;
+
+    job_table_finish(&fixture->table);
+    queue_destroy(fixture->queue);
+    free(fixture);
+    return 0;
+}
+
+static struct job_record *add(struct fixture *fixture, int64_t id, const char *pattern, const char *range)
+{
+    struct job_record *record = job_table_add(&fixture->table, id);
+    struct frame_range frames = {0};
+
+    record->root = xstrdup("/out");
+    assert_true(output_path_parse(&record->path, pattern, NULL));
+    assert_true(frame_range_parse(&frames, range, NULL));
+    record->queued = queue_add_job(fixture->queue, id, &frames, 50, false);
+    return record;
+}
+
+static int64_t find(const struct fixture *fixture, const char *root, const char *pattern, const char *range,
+                    int32_t *frame)
+{
+    struct output_path path = {0};
+    struct frame_range frames = {0};
+    const struct job_record *found;
+
+    assert_true(output_path_parse(&path, pattern, NULL));
+    assert_true(frame_range_parse(&frames, range, NULL));
+    found = job_table_find_collision(&fixture->table, &(struct job_files){root, &path, &frames}, frame);
+    output_path_finish(&path);
+    frame_range_finish(&frames);
+    return found ? found->id : 0;
+}
+
+static void jobs_are_found_by_id(void **state)
+{
+    struct fixture *fixture = *state;
+
+    for (int64_t id = 1; id <= 20; id += 3)
+        add(fixture, id, "a.#.exr", "1");
+    for (int64_t id = 0; id <= 22; id++)
+        assert_true((job_table_find(&fixture->table, id) != NULL) == (id % 3 == 1 && id <= 20));
+}
+
+static void ranges_that_meet_in_one_file_collide(void **state)
+{
+    struct fixture *fixture = *state;
+    int32_t frame = -1;
+
+    add(fixture, 1, "cloud/c.####.exr", "1-100");
+    assert_int_equal(find(fixture, "/out", "cloud/c.####.exr", "100-200", &frame), 1);
+    assert_int_equal(frame, 100);
+    assert_int_equal(find(fixture, "/out", "cloud/c.####.exr", "101-200", &frame), 0);
+    assert_int_equal(find(fixture, "/out", "cloud/d.####.exr", "1-100", &frame), 0);
+    assert_int_equal(find(fixture, "/out", "c.####.exr", "1-100", &frame), 0);
+}
+
+static void a_wider_number_of_the_same_digits_is_the_same_file(void **state)
+{
+    struct fixture *fixture = *state;
+    int32_t frame = -1;
+
+    add(fixture, 1, "c.##.exr", "90-110");
+    assert_int_equal(find(fixture, "/out", "c.###.exr", "1-99", &frame), 0);
+    assert_int_equal(find(fixture, "/out", "c.###.exr", "1-99,111-200", &frame), 0);
+    assert_int_equal(find(fixture, "/out", "c.###.exr", "1-105", &frame), 1);
+    assert_int_equal(frame, 100);
+}
+
+static void another_root_is_compared_in_full(void **state)
+{
+    struct fixture *fixture = *state;
+    int32_t frame = -1;
+
+    add(fixture, 1, "show/c.#.exr", "1-9");
+    assert_int_equal(find(fixture, "/out/show", "c.#.exr", "9", &frame), 1);
+    assert_int_equal(find(fixture, "/out/other", "c.#.exr", "9", &frame), 0);
+}
+
+static void a_job_that_is_over_keeps_nobody_out(void **state)
+{
+    struct fixture *fixture = *state;
+    struct job_record *record = add(fixture, 1, "c.#.exr", "1-9");
+    int32_t frame = -1;
+
+    queue_cancel(fixture->queue, record->queued);
+    record->in_hand = 1;
+    assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 1);
+    record->in_hand = 0;
+    assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 0);
+}
+
+static void only_the_jobs_own_parts_are_swept(void **state)
+{
+    struct fixture *fixture = *state;
+    const struct job_record *record = add(fixture, 12, "c.##.exr", "1-9");
+
+    assert_true(sweeper_is_part_of(record, "c.07.exr.12.3.1.part"));
+    assert_false(sweeper_is_part_of(record, "c.07.exr.13.3.1.part"));
+    assert_false(sweeper_is_part_of(record, "c.07.exr.12.3.part"));
+    assert_false(sweeper_is_part_of(record, "d.07.exr.12.3.1.part"));
+    assert_false(sweeper_is_part_of(record, "c.07.exr"));
+    assert_false(sweeper_is_part_of(record, "c.07.exr.12.3.1x.part"));
+    assert_false(sweeper_is_part_of(record, ".part"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(jobs_are_found_by_id, create, destroy),
+        cmocka_unit_test_setup_teardown(ranges_that_meet_in_one_file_collide, create, destroy),
+        cmocka_unit_test_setup_teardown(a_wider_number_of_the_same_digits_is_the_same_file, create, destroy),
+        cmocka_unit_test_setup_teardown(another_root_is_compared_in_full, create, destroy),
+        cmocka_unit_test_setup_teardown(a_job_that_is_over_keeps_nobody_out, create, destroy),
+        cmocka_unit_test_setup_teardown(only_the_jobs_own_parts_are_swept, create, destroy),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,164 @@
+#include "core/error.h"
+#include "daemon/options.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const struct options_surroundings user = {
+    .home = "/home/ann", .current_folder = "/work", .program_folder = "/opt/bin"};
+static const struct options_surroundings root = {
+    .home = "/root", .current_folder = "/", .program_folder = "/usr/bin", .is_root = true};
+
+#define PARSE(options, surroundings, ...)                                                                              \
+    parse(options, surroundings, (char *[]){(char[]){"marchd"}, __VA_ARGS__, NULL}, NULL)
+#define REFUSE(part, ...) refuse(part, (char *[]){(char[]){"marchd"}, __VA_ARGS__, NULL})
+
+static bool parse(struct options *options, const struct options_surroundings *surroundings, char **argv,
+                  struct error *error)
+{
+    int argc = 0;
+
+    while (argv[argc])
+        argc++;
+    return options_parse(options, argc, argv, surroundings, error);
+}
+
+static void refuse(const char *part, char **argv)
+{
+    struct options options;
+    struct error error = {0};
+
+    assert_false(parse(&options, &user, argv, &error));
+    if (!strstr(error.message, part)) fail_msg("expected \"%s\" in \"%s\"", part, error.message);
+}
+
+static void root_gets_the_system_folders(void **state)
+{
+    struct options options;
+
+    assert_true(parse(&options, &root, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_string_equal(options.state_folder, "/var/lib/marchd");
+    assert_string_equal(options.socket_path, "/run/marchd/marchd.sock");
+    assert_string_equal(options.worker_program, "/usr/bin/march-worker");
+    assert_int_equal(options.worker_count, 0);
+    assert_int_equal(options.thread_count, 1);
+    assert_int_equal(options.max_attempts, 3);
+    options_finish(&options);
+}
+
+static void a_user_gets_folders_of_their_own(void **state)
+{
+    struct options_surroundings surroundings = user;
+    struct options options;
+
+    assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_string_equal(options.state_folder, "/home/ann/.local/state/marchd");
+    assert_string_equal(options.output_root, "/home/ann/marchd");
+    options_finish(&options);
+    surroundings.xdg_state_home = "/s";
+    surroundings.xdg_runtime_dir = "/run/user/7";
+    assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_string_equal(options.state_folder, "/s/marchd");
+    assert_string_equal(options.socket_path, "/run/user/7/marchd.sock");
+    options_finish(&options);
+}
+
+static void the_command_line_beats_the_environment(void **state)
+{
+    struct options_surroundings surroundings = user;
+    struct options options;
+
+    surroundings.marchd_socket = "/env.sock";
+    assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_string_equal(options.socket_path, "/env.sock");
+    options_finish(&options);
+    assert_true(PARSE(&options, &surroundings, (char[]){"--socket"}, (char[]){"/line.sock"}));
+    assert_string_equal(options.socket_path, "/line.sock");
+    options_finish(&options);
+}
+
+static void relative_paths_are_taken_from_the_current_folder(void **state)
+{
+    struct options options;
+
+    assert_true(PARSE(&options, &user, (char[]){"--output-root=out/"}, (char[]){"--state"}, (char[]){"s"}));
+    assert_string_equal(options.output_root, "/work/out");
+    assert_string_equal(options.state_folder, "/work/s");
+    options_finish(&options);
+}
+
+static void every_value_is_read(void **state)
+{
+    struct options options;
+
+    assert_true(PARSE(&options, &user, (char[]){"--workers=7"}, (char[]){"--threads=2"}, (char[]){"--backend=egl"},
+                      (char[]){"--max-attempts=5"}, (char[]){"--stop-timeout=1.5"}, (char[]){"--log-level=debug"}));
+    assert_int_equal(options.worker_count, 7);
+    assert_int_equal(options.thread_count, 2);
+    assert_string_equal(options.backend, "egl");
+    assert_int_equal(options.max_attempts, 5);
+    assert_int_equal(options.stop_timeout_ms, 1500);
+    assert_int_equal(options.log_level, LOG_DEBUG);
+    options_finish(&options);
+}
+
+static void wrong_values_are_named(void **state)
+{
+    REFUSE("--workers: expected \"auto\" or a whole number from 1 to 1024, got \"0\"", (char[]){"--workers=0"});
+    REFUSE("--threads: expected a whole number", (char[]){"--threads=two"});
+    REFUSE("--max-attempts: expected a whole number from 1 to 100, got \"1e3\"", (char[]){"--max-attempts=1e3"});
+    REFUSE("--stop-timeout: expected seconds", (char[]){"--stop-timeout=-1"});
+    REFUSE("--stop-timeout: expected seconds", (char[]){"--stop-timeout=nan"});
+    REFUSE("--backend: expected auto, egl or osmesa", (char[]){"--backend=vulkan"});
+    REFUSE("--log-level: expected", (char[]){"--log-level=loud"});
+    REFUSE("--state: expected a path", (char[]){"--state="});
+    REFUSE("--nothing: there is no such option", (char[]){"--nothing"});
+    REFUSE("--socket: expected a value", (char[]){"--socket"});
+    REFUSE("stray: expected options only", (char[]){"stray"});
+}
+
+static void help_and_version_need_nothing_else(void **state)
+{
+    struct options_surroundings nowhere = {.current_folder = "/", .program_folder = "/"};
+    struct options options;
+
+    assert_true(PARSE(&options, &nowhere, (char[]){"--help"}));
+    assert_true(options.wants_help);
+    options_finish(&options);
+    assert_true(PARSE(&options, &nowhere, (char[]){"--version"}));
+    assert_true(options.wants_version);
+    options_finish(&options);
+}
+
+static void without_a_home_the_folders_must_be_given(void **state)
+{
+    struct options_surroundings nowhere = {.current_folder = "/", .program_folder = "/"};
+    struct options options;
+    struct error error;
+
+    assert_false(parse(&options, &nowhere, (char *[]){(char[]){"marchd"}, NULL}, &error));
+    assert_non_null(strstr(error.message, "--state"));
+    assert_true(PARSE(&options, &nowhere, (char[]){"--state=/s"}, (char[]){"--output-root=/o"}));
+    assert_string_equal(options.socket_path, "/s/marchd.sock");
+    options_finish(&options);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(root_gets_the_system_folders),
+        cmocka_unit_test(a_user_gets_folders_of_their_own),
+        cmocka_unit_test(the_command_line_beats_the_environment),
+        cmocka_unit_test(relative_paths_are_taken_from_the_current_folder),
+        cmocka_unit_test(every_value_is_read),
+        cmocka_unit_test(wrong_values_are_named),
+        cmocka_unit_test(help_and_version_need_nothing_else),
+        cmocka_unit_test(without_a_home_the_folders_must_be_given),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
