@@ -69,7 +69,11 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
     worker_advance(worker);
     if (ok) {
         *fault = REPORT_FAULT_FRAME;
-        ok = gate_check(fd, &picture->frame->job->job, picture->frame->frame, file, error);
+        ok = gate_check(&(struct gate_params){.fd = fd,
+                                              .job = &picture->frame->job->job,
+                                              .frame = picture->frame->frame,
+                                              .thread_count = worker->options->encode_threads},
+                        file, error);
         if (!ok) error_prefix(error, "the file written does not verify");
     }
     close(fd);

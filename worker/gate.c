@@ -59,15 +59,16 @@ static bool describe_file(int fd, struct published_file *file, struct error *err
     return hash_file(fd, file->hash, &file->size_bytes, error);
 }
 
-bool gate_check(int fd, const struct job *job, int32_t frame, struct published_file *file, struct error *error)
+bool gate_check(const struct gate_params *params, struct published_file *file, struct error *error)
 {
     struct image image = {0};
     struct image_exr_facts facts;
+    int fd = params->fd;
     bool ok;
 
     // The header first: it is cheap, and a file of another job need not be read whole.
-    ok = image_exr_read(fd, NULL, &facts, error) && check_facts(&facts, job, frame, error) &&
-         image_exr_read(fd, &image, NULL, error) && image_is_finite(&image, false, error) &&
+    ok = image_exr_read(fd, NULL, &facts, 1, error) && check_facts(&facts, params->job, params->frame, error) &&
+         image_exr_read(fd, &image, NULL, params->thread_count, error) && image_is_finite(&image, false, error) &&
          (!file || describe_file(fd, file, error));
     image_finish(&image);
     return ok;

@@ -8,6 +8,13 @@
 struct error;
 struct job;
 
+struct gate_params {
+    int fd;
+    const struct job *job; // borrowed for the call
+    int32_t frame;
+    int thread_count; // that read; 0: one
+};
+
 // Reads the file back: EXR, this job's size, channels and hash in the header, frame number, every value finite. On success
 // `file` (may be NULL) says inode, size and hash.
-bool gate_check(int fd, const struct job *job, int32_t frame, struct published_file *file, struct error *error);
+bool gate_check(const struct gate_params *params, struct published_file *file, struct error *error);

@@ -1,4 +1,4 @@
-// EXR files: written by several threads a chunk each, read back whole. OpenEXRCore lives here alone.
+// EXR files: written and read back by several threads, a chunk each. OpenEXRCore lives here alone.
 #pragma once
 
 #include "core/job.h"
@@ -48,4 +48,4 @@ struct image_exr_facts {
 
 // Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image` may
 // be NULL to read the header only; on failure it is empty. `facts` may be NULL.
-bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, struct error *error);
+bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, int thread_count, struct error *error);

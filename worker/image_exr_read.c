@@ -8,21 +8,29 @@
 #include <OpenEXR/openexr.h>
 #include <errno.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-// More than any renderer writes; a corrupt header could ask for gigabytes a chunk.
-enum { FILE_CHANNEL_LIMIT = 256 };
+enum {
+    THREAD_LIMIT = 64,
+    FILE_CHANNEL_LIMIT = 256 // more than any renderer writes; a corrupt header could ask for gigabytes a chunk
+};
 
 struct reader {
     exr_context_t context;
     int fd;
-    char message[256]; // the library's first complaint
     exr_attr_box2i_t window;
-    int lines_per_chunk;
+    int lines_per_chunk, line_count;
+
+    pthread_mutex_t lock; // guards what follows
+    char message[256];    // the library's first complaint
+    int next_line;
+    bool failed;
+    struct error error; // of the first chunk that failed
 };
 
 static int64_t on_read(exr_const_context_t context, void *user, void *bytes, uint64_t size, uint64_t offset,
@@ -58,7 +66,9 @@ static void on_library_error(exr_const_context_t context, exr_result_t code, con
 
     if (!context || exr_get_user_data(context, &user) || !user) return;
     reader = user;
+    pthread_mutex_lock(&reader->lock);
     if (!reader->message[0]) snprintf(reader->message, sizeof reader->message, "%s", message);
+    pthread_mutex_unlock(&reader->lock);
 }
 
 static bool fail(const struct reader *reader, exr_result_t result, struct error *error)
@@ -271,39 +281,78 @@ static exr_result_t read_chunk(struct reader *reader, exr_decode_pipeline_t *pip
     return result ? result : exr_decoding_run(reader->context, 0, pipeline);
 }
 
-static bool read_pixels(struct reader *reader, const struct image_exr_facts *facts, struct image *image,
-                        struct error *error)
-{
-    exr_decode_pipeline_t pipeline = {0};
-    exr_result_t result = EXR_ERR_SUCCESS;
+struct chunk_task {
+    struct reader *reader;
+    const struct image *image;
+};
 
+static void *read_chunks(void *user)
+{
+    const struct chunk_task *task = user;
+    struct reader *reader = task->reader;
+    exr_decode_pipeline_t pipeline = {0};
+
+    pthread_mutex_lock(&reader->lock);
+    while (!reader->failed && reader->next_line < reader->line_count) {
+        int line = reader->next_line;
+        exr_result_t result;
+
+        reader->next_line += reader->lines_per_chunk;
+        pthread_mutex_unlock(&reader->lock);
+        result = read_chunk(reader, &pipeline, task->image, reader->window.min.y + line);
+        pthread_mutex_lock(&reader->lock);
+        if (!result || reader->failed) continue;
+        reader->failed = true;
+        fail(reader, result, &reader->error);
+        error_prefix(&reader->error, "line %d", line);
+    }
+    pthread_mutex_unlock(&reader->lock);
+    if (pipeline.context) exr_decoding_destroy(reader->context, &pipeline);
+    return NULL;
+}
+
+static void read_all_chunks(struct reader *reader, const struct image *image, int thread_count)
+{
+    struct chunk_task task = {reader, image};
+    pthread_t threads[THREAD_LIMIT];
+    int started = 0;
+
+    if (thread_count > THREAD_LIMIT) thread_count = THREAD_LIMIT;
+    while (started < thread_count - 1 && !pthread_create(&threads[started], NULL, read_chunks, &task))
+        started++;
+    read_chunks(&task);
+    for (int i = 0; i < started; i++)
+        pthread_join(threads[i], NULL);
+}
+
+static bool read_pixels(struct reader *reader, const struct image_exr_facts *facts, struct image *image,
+                        int thread_count, struct error *error)
+{
     if (!image_init(image, facts->width_px, facts->height_px, facts->has_depth, facts->has_transmittance, error))
         return false;
     if (!facts->has_alpha)
         for (size_t i = 0; i < (size_t)image->width_px * (size_t)image->height_px; i++)
             image->rgba[i * 4 + 3] = 1.0f;
-    for (int line = 0; line < facts->height_px && !result; line += reader->lines_per_chunk) {
-        result = read_chunk(reader, &pipeline, image, reader->window.min.y + line);
-        if (result) {
-            fail(reader, result, error);
-            error_prefix(error, "line %d", line);
-        }
-    }
-    if (pipeline.context) exr_decoding_destroy(reader->context, &pipeline);
-    if (result) image_finish(image);
-    return result == EXR_ERR_SUCCESS;
+    reader->line_count = facts->height_px;
+    read_all_chunks(reader, image, thread_count);
+    if (!reader->failed) return true;
+    error_set(error, "%s", reader->error.message);
+    image_finish(image);
+    return false;
 }
 
-bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, struct error *error)
+bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, int thread_count, struct error *error)
 {
     struct reader reader = {.fd = fd};
     struct image_exr_facts found = {0};
     bool ok;
 
+    pthread_mutex_init(&reader.lock, NULL);
     if (image) *image = (struct image){0};
     ok = open_file(&reader, error) && read_header(&reader, &found, error) &&
-         (!image || read_pixels(&reader, &found, image, error));
+         (!image || read_pixels(&reader, &found, image, thread_count, error));
     exr_finish(&reader.context);
+    pthread_mutex_destroy(&reader.lock);
     if (ok && facts) *facts = found;
     return ok;
 }

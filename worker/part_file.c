@@ -54,7 +54,7 @@ enum part_file_existing part_file_find_existing(const struct assignment_frame *f
     fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0 || !is_regular(fd))
         log_info("%s is no file of ours: rendered again", name);
-    else if (gate_check(fd, job, frame->frame, file, &reason))
+    else if (gate_check(&(struct gate_params){.fd = fd, .job = job, .frame = frame->frame}, file, &reason))
         existing = PART_FILE_SKIP;
     else
         log_info("%s is rendered again: %s", name, reason.message);

@@ -33,7 +33,7 @@ static bool read_file(const char *path, struct image *image, struct error *error
         error_set_errno(error, errno, "%s", path);
         return false;
     }
-    ok = image_exr_read(fd, image, NULL, error);
+    ok = image_exr_read(fd, image, NULL, 1, error);
     if (!ok) error_prefix(error, "%s", path);
     close(fd);
     return ok;

@@ -273,7 +273,8 @@ static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
     assert_true(fd >= 0);
     format_document(document, sizeof document, 33, 20, 0.02, "verify");
     assert_true(job_parse(&job, document, strlen(document), child.root, NULL));
-    if (!gate_check(fd, &job, 12, &file, &error)) fail_msg("%s", error.message);
+    if (!gate_check(&(struct gate_params){.fd = fd, .job = &job, .frame = 12}, &file, &error))
+        fail_msg("%s", error.message);
     assert_int_equal(strtoull(text_of(&message, "inode"), NULL, 10), file.inode);
     assert_int_equal(integer_of(&message, "size_bytes"), file.size_bytes);
     assert_string_equal(text_of(&message, "hash"), file.hash);
