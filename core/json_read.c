@@ -6,6 +6,7 @@
 #include "core/json_write.h"
 #include "core/utf8.h"
 
+#include <assert.h>
 #include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <math.h>
@@ -167,9 +168,13 @@ static bool is_plain_key(const char *key)
 // `text` in quotes, shortened, with nothing in it that a terminal obeys.
 static void append_shown_string(struct json_writer *writer, const char *text)
 {
-    size_t length = strlen(text);
-    size_t shown = utf8_prefix_length(text, length, SHOWN_BYTES);
-    char *prefix = xasprintf("%.*s%s", (int)shown, text, shown < length ? "..." : "");
+    size_t length, shown;
+    char *prefix;
+
+    assert(text);
+    length = strlen(text);
+    shown = utf8_prefix_length(text, length, SHOWN_BYTES);
+    prefix = xasprintf("%.*s%s", (int)shown, text, shown < length ? "..." : "");
 
     json_write_string(writer, prefix);
     free(prefix);

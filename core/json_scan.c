@@ -100,7 +100,7 @@ static bool scan_escape(struct scanner *scanner)
     scanner->at++;
     if (scanner->at >= scanner->length) return fail_expected(scanner, "the rest of an escape");
     if (scanner->text[scanner->at] != 'u') {
-        if (!memchr("\"\\/bfnrt", scanner->text[scanner->at], 8))
+        if (!scanner->text[scanner->at] || !strchr("\"\\/bfnrt", scanner->text[scanner->at]))
             return fail_expected(scanner, "one of \"\\/bfnrtu after a backslash");
         scanner->at++;
         return true;

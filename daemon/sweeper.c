@@ -109,12 +109,15 @@ bool sweeper_is_part_of(const struct job_record *record, const char *name)
 {
     char cut[OUTPUT_NAME_SIZE];
     size_t length = strlen(name);
+    int64_t attempt, epoch, job;
 
     if (length >= sizeof cut || length < 5 || strcmp(name + length - 5, ".part") != 0) return false;
     memcpy(cut, name, length - 5);
     cut[length - 5] = '\0';
-    if (cut_number(cut) < 0 || cut_number(cut) < 0 || cut_number(cut) != record->id) return false;
-    return output_path_frame_of(&record->path, cut) >= 0;
+    attempt = cut_number(cut);
+    epoch = cut_number(cut);
+    job = cut_number(cut);
+    return attempt >= 0 && epoch >= 0 && job == record->id && output_path_frame_of(&record->path, cut) >= 0;
 }
 
 static void remove_parts(const struct job_record *record, int folder)

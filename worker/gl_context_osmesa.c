@@ -31,7 +31,7 @@ static void destroy(struct gl_context *context)
 {
     struct osmesa_context *osmesa = (struct osmesa_context *)context;
 
-    if (osmesa->handle) osmesa->destroy(osmesa->handle);
+    if (osmesa->destroy && osmesa->handle) osmesa->destroy(osmesa->handle);
     free(osmesa);
 }
 

@@ -28,8 +28,8 @@ static const char *const media[] = {
     BALL_JOB_SIGMA_A_1,
     BALL_JOB_SIGMA_S_1,
     "\"sigma_s\": 0, \"sigma_a\": 0, \"emission\": [1, 0.5, 0]",
-    "\"sigma_s\": [1, 2, 3], \"sigma_a\": 0.5, \"emission\": 1, \"phase\": [{\"g\": 0.9, \"weight\": 0.25},"
-    " {\"g\": {\"start\": 0, \"rate\": 0.01}, \"weight\": 0.75}]",
+    ("\"sigma_s\": [1, 2, 3], \"sigma_a\": 0.5, \"emission\": 1, \"phase\": [{\"g\": 0.9, \"weight\": 0.25},"
+     " {\"g\": {\"start\": 0, \"rate\": 0.01}, \"weight\": 0.75}]"),
     "\"sigma_s\": 0, \"sigma_a\": 0",
 };
 static const char *const backgrounds[] = {"", "\"background\": 0.5,", "\"background\": [0, 0, 1],"};
