@@ -21,8 +21,9 @@ void json_write_end_object(struct json_writer *writer);
 void json_write_begin_array(struct json_writer *writer);
 void json_write_end_array(struct json_writer *writer);
 void json_write_key(struct json_writer *writer, const char *key);
-void json_write_string(struct json_writer *writer, const char *text); // NULL writes null; bytes that are no UTF-8 become U+FFFD
-void json_write_number(struct json_writer *writer, double number);    // shortest that reads back; not finite: null
+void json_write_string(struct json_writer *writer,
+                       const char *text); // NULL writes null; bytes that are no UTF-8 become U+FFFD
+void json_write_number(struct json_writer *writer, double number); // shortest that reads back; not finite: null
 void json_write_integer(struct json_writer *writer, int64_t integer);
 void json_write_bool(struct json_writer *writer, bool value);
 void json_write_null(struct json_writer *writer);

@@ -1,12 +1,7 @@
 // Lines for the operator on standard error, one level for the whole program.
 #pragma once
 
-enum log_level {
-    LOG_DEBUG,
-    LOG_INFO,
-    LOG_WARN,
-    LOG_ERROR
-};
+enum log_level { LOG_DEBUG, LOG_INFO, LOG_WARN, LOG_ERROR };
 
 void log_set_level(enum log_level level); // LOG_INFO before the first call
 void log_debug(const char *format, ...) __attribute__((format(printf, 1, 2)));
