@@ -32,10 +32,11 @@ struct committer {
     uv_timer_t retry_timer;
     uv_work_t work;
     struct commit_batch gathering, in_flight;
-    bool is_working; // `work` is queued: in_flight belongs to its thread
+    bool is_working;    // `work` is queued: in_flight belongs to its thread
+    bool result;        // of the thread
+    struct error error; // the thread's
     bool has_failed;
-    bool result;
-    struct error error;
+    struct error trouble; // of the newest failure
 };
 
 static void start_batch(struct committer *committer);
@@ -99,7 +100,7 @@ bool committer_is_idle(const struct committer *committer)
 
 const char *committer_trouble(const struct committer *committer)
 {
-    return committer->has_failed ? committer->error.message : NULL;
+    return committer->has_failed ? committer->trouble.message : NULL;
 }
 
 void committer_close(struct committer *committer)
@@ -157,6 +158,7 @@ static void settle_failure(struct committer *committer)
 
     if (!committer->has_failed) log_error("%s; tried again every second", error.message);
     committer->has_failed = true;
+    committer->trouble = error;
     kept.ops = xmalloc(batch.op_count * sizeof *kept.ops);
     kept.op_capacity = batch.op_count;
     kept.entries = xmalloc(batch.entry_count * sizeof *kept.entries);

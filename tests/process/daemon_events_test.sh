@@ -29,7 +29,7 @@ stop_daemon
 start_daemon --worker-program "$(stub skip)"
 listen "$scratch/stopped"
 kill -STOP $!
-id=$(submit "$(job 0-119999 '.output.path = "many/m.####.exr"')")
+id=$(submit "$(job 0-199999 '.output.path = "many/m.####.exr"')")
 wait_state "$id" succeeded 120
 grep -q "does not read its events" "$scratch/daemon.log" || fail "it was not cut off"
 stop_daemon

@@ -3,9 +3,9 @@
 . "$(dirname "$0")/farm.sh"
 
 start_daemon
-wait_until 60 "a worker is ready" eval 'ask worker.list | jq -e "any(.result.workers[]; .state == \"idle\")" >/dev/null'
-ask worker.list | jq -e '.result.workers[] | select(.state == "idle") | .renderer | length > 0' >/dev/null ||
-    fail "a worker does not say what it renders with: $(ask worker.list)"
+wait_until 60 "a worker is ready" eval '[ "$(ask worker.list | jq "any(.result.workers[]; .state == \"idle\")")" = true ]'
+expect "idle workers that do not say what they render with" "$(ask worker.list |
+    jq '[.result.workers[] | select(.state == "idle" and (.renderer | length) == 0)] | length')" 0
 id=$(submit "$(job 0-239x40)")
 wait_state "$id" succeeded 120
 expect_files cloud 6

@@ -40,7 +40,7 @@ start_daemon()
         2>>"$scratch/daemon.log" &
     daemon_pid=$!
     for _ in $(seq 200); do
-        [ -S "$socket" ] && ask daemon.status >/dev/null 2>&1 && return
+        [ -n "$(ask daemon.status 2>/dev/null)" ] && return
         kill -0 "$daemon_pid" 2>/dev/null || fail "the daemon did not start"
         sleep 0.05
     done
@@ -94,10 +94,12 @@ job()
 # submit DOCUMENT [PAUSED]: prints the new job's id.
 submit()
 {
-    local answer
+    local answer id
 
     answer=$(ask job.submit "{\"document\":$1,\"paused\":${2:-false}}")
-    jq -e '.result.id' <<<"$answer" || fail "submit: $answer"
+    id=$(jq '.result.id // empty' <<<"$answer")
+    [ -n "$id" ] || fail "submit: $answer"
+    echo "$id"
 }
 
 # field ID JQ-FILTER: of the job.
