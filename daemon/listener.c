@@ -41,8 +41,8 @@ static bool fill_address(struct sockaddr_un *address, const char *path, const ch
                   strlen(path));
         return false;
     }
-    strcpy(address->sun_path, path);
-    strcat(address->sun_path, suffix);
+    memcpy(address->sun_path, path, strlen(path));
+    memcpy(address->sun_path + strlen(path), suffix, strlen(suffix) + 1);
     return true;
 }
 

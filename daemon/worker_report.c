@@ -85,13 +85,15 @@ static bool read_file(struct published_file *file, const struct json_node *body,
 {
     struct json_node node = json_node_child(body, "hash");
     const char *hash;
+    size_t length;
     int64_t size_bytes;
 
     if (!read_integer(body, "size_bytes", 0, (int64_t)1 << 53, &size_bytes, error)) return false;
     if (!json_read_string(&node, &hash, error)) return false;
-    if (strlen(hash) >= HASH_TEXT_SIZE) return json_fail_expected(&node, error, "a hash of 32 hexadecimal digits");
+    length = strlen(hash);
+    if (length >= HASH_TEXT_SIZE) return json_fail_expected(&node, error, "a hash of 32 hexadecimal digits");
     file->size_bytes = (uint64_t)size_bytes;
-    strcpy(file->hash, hash);
+    memcpy(file->hash, hash, length + 1);
     return true;
 }
 
