@@ -73,11 +73,6 @@ void events_forget(struct events *events, const struct client *client)
     events->count = kept;
 }
 
-bool events_has_subscribers(const struct events *events)
-{
-    return events->count > 0;
-}
-
 static struct json_writer *begin_event(struct events *events, const char *type)
 {
     json_writer_clear(&events->writer);
@@ -108,7 +103,6 @@ static void tell_job(struct events *events, struct job_record *record)
 {
     struct json_writer *writer;
 
-    record->told_ms = farm_now_ms(events->farm);
     if (events->count == 0) return;
     writer = begin_event(events, "job");
     json_write_key(writer, "job");

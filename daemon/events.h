@@ -17,7 +17,6 @@ void events_destroy(struct events *events); // after the loop closed its handles
 
 void events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames); // job 0: all
 void events_forget(struct events *events, const struct client *client);                              // it is gone
-bool events_has_subscribers(const struct events *events);
 
 void events_note_job(struct events *events,
                      struct job_record *record); // a change of state at once, counts 4 times a second

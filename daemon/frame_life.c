@@ -211,7 +211,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
     if (!frame || !record) return;
     switch (report->kind) {
     case WORKER_REPORT_STARTED:
-        hand_start(&worker->hand, frame, farm_now_ms(farm));
+        frame->is_started = true;
         if (queue_owns(farm->queue, &frame->ticket))
             events_tell_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
         return;

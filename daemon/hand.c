@@ -28,12 +28,6 @@ struct hand_frame *hand_find(const struct hand *hand, int64_t job, int32_t frame
     return NULL;
 }
 
-void hand_start(struct hand *hand, struct hand_frame *frame, int64_t now_ms)
-{
-    frame->is_started = true;
-    frame->started_ms = now_ms;
-}
-
 void hand_render(struct hand *hand, struct hand_frame *frame)
 {
     if (frame->is_rendered) return;

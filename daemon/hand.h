@@ -10,8 +10,7 @@
 struct hand_frame {
     struct queue_ticket ticket;
     bool is_started;
-    bool is_rendered;   // its picture exists and is being encoded
-    int64_t started_ms; // monotonic
+    bool is_rendered; // its picture exists and is being encoded
 };
 
 // The zero value is empty. In the order they were given.
@@ -25,7 +24,6 @@ void hand_finish(struct hand *hand);
 void hand_add(struct hand *hand, const struct queue_ticket *ticket);
 // NULL: it does not hold that attempt. The pointer is good until the hand changes.
 struct hand_frame *hand_find(const struct hand *hand, int64_t job, int32_t frame, int32_t attempt);
-void hand_start(struct hand *hand, struct hand_frame *frame, int64_t now_ms);
 void hand_render(struct hand *hand, struct hand_frame *frame);
 void hand_remove(struct hand *hand, struct hand_frame *frame);
 // The job of the frame that is being rendered, or else would be next; 0: none.

@@ -26,8 +26,7 @@ struct job_record {
     bool is_sweeping;                        // its leftovers are being removed
     bool is_settled;                         // they are: finished_ms may be written
     enum job_state told_state;               // what subscribers were told last
-    int64_t told_ms;                         // and when; monotonic
-    bool is_changed;                         // since then
+    bool is_changed;                         // its counts changed since
     bool restored_canceled, restored_failed; // while a store is loaded: what its row says
 };
 
