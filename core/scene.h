@@ -55,7 +55,7 @@ struct scene_density {
 
 // One Henyey-Greenstein lobe; weights of a medium's lobes are >= 0 and sum to 1 within 1e-6.
 struct scene_phase_lobe {
-    struct timeline g;      // (-1, 1), forward positive
+    struct timeline g;      // [-0.99999, 0.99999], forward positive
     struct timeline weight; // [0, 1]
 };
 

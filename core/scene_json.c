@@ -20,8 +20,8 @@ static const struct timeline_limits LENGTH = {.components = 1, .min = 0.0, .max 
 static const struct timeline_limits ANGLE = {.components = 1, .min = -1e9, .max = 1e9};
 static const struct timeline_limits EXPONENT = {.components = 1, .min = 0.0, .max = 100.0, .excludes_min = true};
 static const struct timeline_limits SCALE = {.components = 1, .min = 0.0, .max = 1e9};
-static const struct timeline_limits COSINE = {
-    .components = 1, .min = -1.0, .max = 1.0, .excludes_min = true, .excludes_max = true};
+// Beyond it, 1 - |g| has too few digits in a shader's float.
+static const struct timeline_limits COSINE = {.components = 1, .min = -0.99999, .max = 0.99999};
 static const struct timeline_limits SHARE = {.components = 1, .min = 0.0, .max = 1.0};
 
 // Where the reader stands: an object, and what holds for all of the document.

@@ -190,7 +190,7 @@ static void wrong_values_are_refused_by_place(void **state)
     assert_edit_refused("resolution", "[16384, 4097]",
                         "resolution: expected at most 67108864 pixels in all, got 67125248");
     assert_edit_refused("scene.media[0].phase[1].g", "1.2",
-                        "scene.media[0].phase[1].g: expected a number in (-1, 1), got 1.2");
+                        "scene.media[0].phase[1].g: expected a number in [-0.99999, 0.99999], got 1.2");
     assert_edit_refused("scene.media[0].phase[1].weight", "0.7",
                         "scene.media[0].phase: expected weights that sum to 1, got a sum of 0.95 at frame 1");
     assert_edit_refused("camera.fov", "{\"start\":179.9,\"rate\":1}",

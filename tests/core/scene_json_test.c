@@ -149,7 +149,7 @@ static void lissajous_stays_within_the_range_of_what_it_drives(void **state)
 {
     assert_edit_refused("scene.media[0].phase[0].g",
                         "{\"lissajous\":{\"center\":0.5,\"amplitude\":-0.5,\"frequency_rad\":0}}",
-                        "scene.media[0].phase[0].g: expected to stay in (-1, 1), got 0 to 1");
+                        "scene.media[0].phase[0].g: expected to stay in [-0.99999, 0.99999], got 0 to 1");
     assert_edit_refused("scene.media[0].sigma_s",
                         "{\"lissajous\":{\"center\":[2,2,1],\"amplitude\":[1,1,1.5],\"frequency_rad\":[1,1,1]}}",
                         "scene.media[0].sigma_s: expected to stay in [0, 1000000000], got -0.5 to 2.5");
@@ -220,6 +220,9 @@ static void wrong_media_are_refused_by_place(void **state)
                         "scene.media[0].density.iterations: expected an integer from 1 to 32, got 2.5");
     assert_edit_refused("scene.media[0].phase", "[]",
                         "scene.media[0].phase: expected an array of 1 to 8, got an array of 0");
+    // As a float it is 1, which scatters nothing anywhere.
+    assert_edit_refused("scene.media[0].phase[0].g", "0.99999999",
+                        "scene.media[0].phase[0].g: expected a number in [-0.99999, 0.99999], got 0.99999999");
 }
 
 static void a_still_scene_is_constant(void **state)
