@@ -7,7 +7,7 @@
 
 static const double DEFAULT_RELATIVE = 1e-4;
 static const double DEFAULT_FLOOR = 1e-6;
-enum { DEFAULT_HALVING_LIMIT = 20 };
+enum { DEFAULT_HALVING_LIMIT = 30 };
 
 // Behind so much extinction no scattered light is looked for.
 static const double DARKNESS = 1e-12;
@@ -18,7 +18,6 @@ static const double THICKEST_CELL = 2.0;
 struct gatherer {
     const struct still *still;
     const struct ray *ray;
-    double relative;         // accuracy
     double shadow_tolerance; // of optical depths
     double radiance_tolerance[3], share_tolerance;
     bool hit_limit;
@@ -138,30 +137,51 @@ static bool is_dark(const double throughput[static 3])
     return throughput[0] < DARKNESS && throughput[1] < DARKNESS && throughput[2] < DARKNESS;
 }
 
-// Halves the cell until a halving agrees with the one before.
+// Halves the cell until two halvings in a row change nothing that matters: one alone may do so by accident.
 static struct cell_light refine(struct gatherer *gatherer, struct cell cell, const double throughput[static 3],
-                                const struct cell_light *whole, int halvings_left)
+                                const struct cell_light *whole, bool agreed_before, int halvings_left)
 {
     double middle = 0.5 * (cell.begin + cell.end);
     struct cell left = {cell.begin, middle}, right = {middle, cell.end};
     struct cell_light left_light = light_of_cell(gatherer, left, is_dark(throughput));
     double throughput_right[3];
     struct cell_light right_light, halved;
+    bool agrees;
 
     for (int c = 0; c < 3; c++)
         throughput_right[c] = throughput[c] * exp(-left_light.optical_depth[c]);
     right_light = light_of_cell(gatherer, right, is_dark(throughput_right));
     halved = follow(&left_light, &right_light);
-    if (agree(gatherer, throughput, whole, &halved)) return halved;
+    agrees = agree(gatherer, throughput, whole, &halved);
+    if (agrees && agreed_before) return halved;
     if (halvings_left == 0) {
         gatherer->hit_limit = true;
         return halved;
     }
-    left_light = refine(gatherer, left, throughput, &left_light, halvings_left - 1);
+    left_light = refine(gatherer, left, throughput, &left_light, agrees, halvings_left - 1);
     for (int c = 0; c < 3; c++)
         throughput_right[c] = throughput[c] * exp(-left_light.optical_depth[c]);
-    right_light = refine(gatherer, right, throughput_right, &right_light, halvings_left - 1);
+    right_light = refine(gatherer, right, throughput_right, &right_light, agrees, halvings_left - 1);
     return follow(&left_light, &right_light);
+}
+
+// What a light near the ray sends peaks at its foot, as narrow as the light is near; too narrow for the nodes of a long
+// cell, which would then agree on the tails. Each cut is as far from the next as from the foot, a few times.
+static void cut_at_light(struct span_list *spans, const struct ray *ray, struct vec3 light)
+{
+    const double growth = 8.0;
+    struct vec3 way = vec3_subtract(light, ray->origin);
+    double foot = vec3_dot(way, ray->direction);
+    double height = vec3_length(vec3_subtract(light, ray_at(ray, foot)));
+    double farthest = 0.0;
+
+    if (spans->count == 0) return;
+    farthest = fmax(fabs(foot - spans->spans[0].begin), fabs(spans->spans[spans->count - 1].end - foot));
+    span_list_split(spans, foot);
+    for (double side = fmax(height, 1e-12 * farthest); side < farthest; side *= growth) {
+        span_list_split(spans, foot - side);
+        span_list_split(spans, foot + side);
+    }
 }
 
 // Ends lie where a medium's density or a light's distance is not smooth.
@@ -182,8 +202,7 @@ static void find_spans(const struct still *still, const struct ray *ray, double 
         }
     }
     for (size_t i = 0; i < still->light_count; i++) {
-        if (still->lights[i].kind != SCENE_LIGHT_POINT) continue;
-        span_list_split(spans, vec3_dot(vec3_subtract(still->lights[i].position, ray->origin), ray->direction));
+        if (still->lights[i].kind == SCENE_LIGHT_POINT) cut_at_light(spans, ray, still->lights[i].position);
     }
 }
 
@@ -197,17 +216,40 @@ static struct cell_light gather(struct gatherer *gatherer, const struct span_lis
         double throughput[3];
         struct cell_light light;
 
-        for (int c = 0; c < 3; c++) {
-            double gathered = gatherer->relative * total.radiance[c] / (double)spans->count;
-
+        for (int c = 0; c < 3; c++)
             throughput[c] = exp(-total.optical_depth[c]);
-            // No medium takes light away again: what is gathered so far is a lower bound.
-            gatherer->radiance_tolerance[c] = fmax(gatherer->radiance_tolerance[c], gathered);
-        }
-        light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &rough[i], halving_limit);
+        light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &rough[i], false, halving_limit);
         total = follow(&total, &light);
     }
     return total;
+}
+
+// A tolerance relative to the radiance needs the radiance: where the guess was too bright the tolerance was too lax.
+static struct cell_light gather_until_guess_holds(struct gatherer *gatherer, const struct span_list *spans,
+                                                  double relative, double floor, int halving_limit)
+{
+    struct cell_light rough[SPAN_LIMIT], light = {0};
+    bool holds = false;
+
+    for (size_t i = 0; i < spans->count; i++) {
+        rough[i] = light_of_cell(gatherer, cell_of(&spans->spans[i]), false);
+        light = follow(&light, &rough[i]);
+    }
+    gatherer->share_tolerance = relative / (double)spans->count;
+    while (!holds) {
+        struct cell_light guess = light;
+
+        gatherer->hit_limit = false;
+        for (int c = 0; c < 3; c++) {
+            gatherer->radiance_tolerance[c] = relative * fmax(guess.radiance[c], floor) / (double)spans->count;
+        }
+        light = gather(gatherer, spans, rough, halving_limit);
+        holds = true;
+        for (int c = 0; c < 3; c++) {
+            if (guess.radiance[c] > fmax(2.0 * light.radiance[c], floor)) holds = false;
+        }
+    }
+    return light;
 }
 
 struct integrate_result integrate_ray(const struct still *still, const struct ray *ray, double near, double far,
@@ -217,35 +259,13 @@ struct integrate_result integrate_ray(const struct still *still, const struct ra
     double floor = accuracy && accuracy->floor > 0.0 ? accuracy->floor : DEFAULT_FLOOR;
     int limit = accuracy && accuracy->halving_limit > 0 ? accuracy->halving_limit : DEFAULT_HALVING_LIMIT;
     struct integrate_result result = {.transmittance = {1.0, 1.0, 1.0}, .is_converged = true};
-    struct gatherer gatherer = {.still = still, .ray = ray, .relative = relative, .shadow_tolerance = 0.1 * relative};
+    struct gatherer gatherer = {.still = still, .ray = ray, .shadow_tolerance = 0.1 * relative};
     struct span_list spans;
-    struct cell_light rough[SPAN_LIMIT], light = {0};
-    double assumed[3];
-    bool is_assumption_met = false;
+    struct cell_light light;
 
     find_spans(still, ray, near, far, &spans);
     if (spans.count == 0) return result;
-    for (size_t i = 0; i < spans.count; i++) {
-        rough[i] = light_of_cell(&gatherer, cell_of(&spans.spans[i]), false);
-        light = follow(&light, &rough[i]);
-    }
-    for (int c = 0; c < 3; c++)
-        assumed[c] = light.radiance[c];
-
-    // A tolerance relative to the radiance needs the radiance: when the guess was too bright it was too lax.
-    while (!is_assumption_met) {
-        is_assumption_met = true;
-        gatherer.hit_limit = false;
-        for (int c = 0; c < 3; c++) {
-            gatherer.radiance_tolerance[c] = relative * fmax(assumed[c], floor) / (double)spans.count;
-        }
-        gatherer.share_tolerance = relative / (double)spans.count;
-        light = gather(&gatherer, &spans, rough, limit);
-        for (int c = 0; c < 3; c++) {
-            if (assumed[c] > fmax(2.0 * light.radiance[c], floor)) is_assumption_met = false;
-            assumed[c] = light.radiance[c];
-        }
-    }
+    light = gather_until_guess_holds(&gatherer, &spans, relative, floor, limit);
     for (int c = 0; c < 3; c++) {
         result.radiance[c] = light.radiance[c];
         result.transmittance[c] = exp(-light.optical_depth[c]);

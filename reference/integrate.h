@@ -9,7 +9,7 @@
 struct integrate_accuracy {
     double relative;   // error of the radiance against itself, of the transmittance against 1, per channel; 1e-4
     double floor;      // a radiance below it is as accurate as one of this size; 1e-6
-    int halving_limit; // of one smooth stretch; 20
+    int halving_limit; // of one smooth stretch; 30
 };
 
 struct integrate_result {
@@ -18,6 +18,6 @@ struct integrate_result {
     bool is_converged;       // false when the limit of halvings ended the refinement somewhere
 };
 
-// Each smooth stretch is halved until two halvings agree to its share of the accuracy. `accuracy` may be NULL.
+// Each smooth stretch is halved until two halvings in a row agree to its share of the accuracy. `accuracy` may be NULL.
 struct integrate_result integrate_ray(const struct still *still, const struct ray *ray, double near, double far,
                                       const struct integrate_accuracy *accuracy);

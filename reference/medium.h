@@ -11,7 +11,7 @@ struct density {
     // The same where a span's image says the position is; NULL when spans have no images. It saves the folding.
     double (*at_image)(const void *field, struct vec3 image);
     // Appends the stretches between `near` and `far` (which may be infinite) outside of which the density is zero. Ends
-    // belong where the density is not smooth along the ray: a missing one costs time, not accuracy.
+    // must lie where it jumps and belong where it is not smooth: a missing one costs time there.
     void (*spans)(const void *field, const struct ray *ray, double near, double far, struct span_list *spans);
 };
 

@@ -102,7 +102,7 @@ static void back_lit_slab_sends_light_forwards(void **state)
 // The nearer the light to the ray, the narrower the peak that the refinement must find.
 static void light_beside_a_ray_falls_with_the_square(void **state)
 {
-    static const double HEIGHTS[] = {1.0, 0.1, 1e-3, 1e-5};
+    static const double HEIGHTS[] = {1.0, 0.1, 1e-3, 1e-5, 1e-6};
     const double thin = 1e-7;
 
     for (size_t i = 0; i < sizeof HEIGHTS / sizeof HEIGHTS[0]; i++) {
@@ -230,6 +230,85 @@ static void refinement_says_when_it_was_stopped_short(void **state)
     assert_false(integrate_ray(&still, &ALONG_Z, 0.0, INFINITY, &accuracy).is_converged);
 }
 
+// A layer that thins out from its middle, in a span that ends outside of it.
+struct ridge {
+    double middle, half;
+    double begin, end; // of the span, along ALONG_Z
+};
+
+static double ridge_at(const void *field, struct vec3 position)
+{
+    const struct ridge *ridge = field;
+
+    return fmax(1.0 - fabs(position.z - ridge->middle) / ridge->half, 0.0);
+}
+
+static void ridge_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
+{
+    const struct ridge *ridge = field;
+
+    span_list_append(spans, fmax(near, ridge->begin), fmin(far, ridge->end), NULL);
+}
+
+static void add_ridge(struct still *still, const struct ridge *ridge, double sigma_a, double emission)
+{
+    struct medium *medium = &still->media[still->medium_count++];
+
+    medium->density = (struct density){.field = ridge, .at = ridge_at, .spans = ridge_spans};
+    fill(medium->sigma_a, sigma_a);
+    fill(medium->emission, emission);
+}
+
+// Kinks without ends: after two halvings that agree by accident comes one that does not.
+static void kinks_cost_no_accuracy(void **state)
+{
+    for (double half = 0.06; half < 0.16; half += 0.01) {
+        struct ridge ridge = {0.0, half, 2.5, 3.5};
+        struct still still = {.medium_count = 0};
+
+        add_ridge(&still, &ridge, 0.0, 3.0);
+        assert_radiance(&still, &ALONG_Z, 3.0 * half);
+    }
+}
+
+// In cells so thick the rough guess is too bright by powers of ten, and would leave the thin ridge before it unrefined.
+static void wrong_guess_of_the_radiance_costs_no_accuracy(void **state)
+{
+    struct ridge thick = {0.0, 0.45, 2.5, 3.5}, thin = {-1.0, 0.2, 1.7, 2.45};
+    struct still still = {.medium_count = 0};
+
+    add_ridge(&still, &thick, 2000.0, 2000.0);
+    add_ridge(&still, &thin, 0.0, 3.0);
+    assert_radiance(&still, &ALONG_Z, 1.0 + 3.0 * 0.2);
+}
+
+static void light_near_the_ray_is_found_beside_a_bright_glow(void **state)
+{
+    const double thin = 1e-7, height = 1e-8, glow = 1e8;
+    struct still still = slab_still(thin, 0.0);
+
+    fill(still.media[0].emission, glow);
+    add_point(&still, (struct vec3){0.0, height, 0.13}, 5e7);
+    assert_radiance(&still, &ALONG_Z,
+                    glow + thin * 5e7 / (4.0 * M_PI) * closed_form_inverse_square(height, 0.13, -0.5, 0.5));
+}
+
+// Nothing shines, so that only the transmittance asks for refinement; the density's root is hard on Gauss' rule.
+static void black_medium_passes_what_its_column_says(void **state)
+{
+    struct density_fold_fractal fractal;
+    struct still still = {.medium_count = 1};
+    struct integrate_result result;
+    double column = 2.0 * pow(0.5, 1.5) / 1.5;
+
+    density_fold_fractal_init(
+        &fractal, &(struct density_fold_fractal_params){.iterations = 1, .radius = 0.5, .exponent = 0.5, .scale = 1.0});
+    still.media[0].density = still_fractal_density(&fractal);
+    fill(still.media[0].sigma_a, 2.0);
+    result = integrate_ray(&still, &ALONG_Z, 0.0, INFINITY, NULL);
+    assert_near(result.transmittance[0], exp(-2.0 * column), 1e-4);
+}
+
 static void empty_ray_is_black_and_clear(void **state)
 {
     struct still still = slab_still(1.0, 1.0);
@@ -253,6 +332,10 @@ int main(void)
         cmocka_unit_test(no_more_light_leaves_than_arrives),
         cmocka_unit_test(thin_medium_sends_out_all_it_scatters),
         cmocka_unit_test(refinement_says_when_it_was_stopped_short),
+        cmocka_unit_test(kinks_cost_no_accuracy),
+        cmocka_unit_test(light_near_the_ray_is_found_beside_a_bright_glow),
+        cmocka_unit_test(wrong_guess_of_the_radiance_costs_no_accuracy),
+        cmocka_unit_test(black_medium_passes_what_its_column_says),
         cmocka_unit_test(empty_ray_is_black_and_clear),
     };
 

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-enum { WIDTH_PX = 64, HEIGHT_PX = 36, PIXELS = WIDTH_PX * HEIGHT_PX };
+enum { WIDTH_PX = 48, HEIGHT_PX = 27, PIXELS = WIDTH_PX * HEIGHT_PX };
 
 static void render(const struct job *job, struct image *image)
 {
