@@ -173,14 +173,16 @@ static void cut_at_light(struct span_list *spans, const struct ray *ray, struct 
     struct vec3 way = vec3_subtract(light, ray->origin);
     double foot = vec3_dot(way, ray->direction);
     double height = vec3_length(vec3_subtract(light, ray_at(ray, foot)));
-    double farthest = 0.0;
+    double farthest, side;
 
     if (spans->count == 0) return;
     farthest = fmax(fabs(foot - spans->spans[0].begin), fabs(spans->spans[spans->count - 1].end - foot));
     span_list_split(spans, foot);
-    for (double side = fmax(height, 1e-12 * farthest); side < farthest; side *= growth) {
+    side = fmax(height, 1e-12 * farthest);
+    while (side < farthest) {
         span_list_split(spans, foot - side);
         span_list_split(spans, foot + side);
+        side *= growth;
     }
 }
 

@@ -13,8 +13,10 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -158,39 +160,41 @@ static void density_fold_fractal_at_is_its_twin(void **state)
     }
 }
 
-// Compares direction towards the light, distance and irradiance, taken with one probe each.
-static void assert_light(const char *constructor, const char *call, const struct light *like, const char *module)
+// Input 3 i is the point, 3 i + 1 the light's colour, 3 i + 2 its position or the way its light travels.
+static void put_lights(void)
 {
-    const char *modules[] = {"math/constants.glsl", "math/spectrum_rgb.glsl", "light/sample.glsl", module, NULL};
     struct random random = {14};
-    float directions[COUNT][4];
-    char body[1024];
 
     for (size_t i = 0; i < COUNT; i++) {
         put_random_vector(&random, 3 * i, 3.0, 0.0);
         put(3 * i + 1, 3.0, 0.5, random_between(&random, 0.0, 100.0), 0.0);
         put_random_vector(&random, 3 * i + 2, 3.0, 0.0);
     }
-    for (int pass = 0; pass < 2; pass++) {
-        snprintf(body, sizeof body,
-                 "vec4 probe(int i) {\n"
-                 "    LightSample light = %s(%s(inputs[3 * i + 1].rgb, %s)%s);\n"
-                 "    return %s;\n}\n",
-                 call, constructor,
-                 like->kind == SCENE_LIGHT_SUN ? "-normalize(inputs[3 * i + 2].xyz)" : "inputs[3 * i + 2].xyz",
-                 like->kind == SCENE_LIGHT_SUN ? "" : ", inputs[3 * i].xyz",
-                 pass == 0 ? "vec4(light.direction, light.distance)" : "vec4(light.irradiance, 0.0)");
-        probe(modules, body, 3 * COUNT);
-        if (pass == 0) {
-            for (size_t i = 0; i < COUNT; i++) {
-                for (int c = 0; c < 4; c++)
-                    directions[i][c] = outputs[i][c];
-            }
-        }
-    }
+}
+
+// `field` is a vec4 of a LightSample.
+static void probe_lights(const char *module, const char *sample, const char *field)
+{
+    const char *modules[] = {"math/constants.glsl", "math/spectrum_rgb.glsl", "light/sample.glsl", module, NULL};
+    char body[512];
+
+    snprintf(body, sizeof body, "vec4 probe(int i) {\n    LightSample light = %s;\n    return %s;\n}\n", sample, field);
+    probe(modules, body, 3 * COUNT);
+}
+
+static void assert_lights(const struct light *like, const char *module, const char *sample)
+{
+    static float ways[COUNT][4];
+    bool is_point = like->kind == SCENE_LIGHT_POINT;
+
+    put_lights();
+    probe_lights(module, sample, "vec4(light.direction, light.distance)");
+    memcpy(ways, outputs, sizeof ways);
+    probe_lights(module, sample, "vec4(light.irradiance, 0.0)");
     for (size_t i = 0; i < COUNT; i++) {
         struct light light = *like;
         struct light_arrival arrival;
+        double tolerance;
 
         light.position = vector_of(inputs[3 * i + 2]);
         light.direction = vec3_normalize(light.position);
@@ -198,38 +202,34 @@ static void assert_light(const char *constructor, const char *call, const struct
             light.intensity[c] = inputs[3 * i + 1][c];
         arrival = light_arrive(&light, vector_of(inputs[3 * i]));
         // A difference of two floats of size 3 at a distance that may be small, then a handful of operations.
-        double tolerance = ROUNDING * (16.0 + (like->kind == SCENE_LIGHT_POINT ? 6.0 / arrival.distance : 0.0));
-
-        assert_near(directions[i][0], -arrival.travel.x, tolerance);
-        assert_near(directions[i][1], -arrival.travel.y, tolerance);
-        assert_near(directions[i][2], -arrival.travel.z, tolerance);
-        if (like->kind == SCENE_LIGHT_POINT) {
-            assert_near(directions[i][3], arrival.distance, tolerance * arrival.distance);
-        } else {
-            assert_true(directions[i][3] > 1e20f);
-        }
-        for (int c = 0; c < 3; c++) {
+        tolerance = ROUNDING * (16.0 + (is_point ? 6.0 / arrival.distance : 0.0));
+        assert_near(ways[i][0], -arrival.travel.x, tolerance);
+        assert_near(ways[i][1], -arrival.travel.y, tolerance);
+        assert_near(ways[i][2], -arrival.travel.z, tolerance);
+        if (is_point) assert_near(ways[i][3], arrival.distance, tolerance * arrival.distance);
+        if (!is_point) assert_true(ways[i][3] > 1e20f);
+        for (int c = 0; c < 3; c++)
             assert_near(outputs[i][c], arrival.irradiance[c], 2.0 * tolerance * arrival.irradiance[c]);
-        }
     }
 }
 
 static void light_point_is_its_twin(void **state)
 {
-    assert_light("LightPoint", "light_point",
-                 &(struct light){.kind = SCENE_LIGHT_POINT, .falloff = SCENE_FALLOFF_INVERSE_SQUARE},
-                 "light/point.glsl");
+    assert_lights(&(struct light){.kind = SCENE_LIGHT_POINT, .falloff = SCENE_FALLOFF_INVERSE_SQUARE},
+                  "light/point.glsl",
+                  "light_point(LightPoint(inputs[3 * i + 1].rgb, inputs[3 * i + 2].xyz), inputs[3 * i].xyz)");
 }
 
 static void light_point_even_is_its_twin(void **state)
 {
-    assert_light("LightPointEven", "light_point_even",
-                 &(struct light){.kind = SCENE_LIGHT_POINT, .falloff = SCENE_FALLOFF_NONE}, "light/point_even.glsl");
+    assert_lights(&(struct light){.kind = SCENE_LIGHT_POINT, .falloff = SCENE_FALLOFF_NONE}, "light/point_even.glsl",
+                  "light_point_even(LightPointEven(inputs[3 * i + 1].rgb, inputs[3 * i + 2].xyz), inputs[3 * i].xyz)");
 }
 
 static void light_sun_is_its_twin(void **state)
 {
-    assert_light("LightSun", "light_sun", &(struct light){.kind = SCENE_LIGHT_SUN}, "light/sun.glsl");
+    assert_lights(&(struct light){.kind = SCENE_LIGHT_SUN}, "light/sun.glsl",
+                  "light_sun(LightSun(inputs[3 * i + 1].rgb, -normalize(inputs[3 * i + 2].xyz)))");
 }
 
 static struct timeline constant(double x, double y, double z)
