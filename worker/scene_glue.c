@@ -241,31 +241,35 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
     fputs("}\n", out);
 }
 
-static void write_march(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_riemann(FILE *out, const struct scene_camera *camera, double step)
+{
+    int count = (int)round((camera->clip_far - camera->clip_near) / step);
+
+    fprintf(out, "    integrator_riemann(IntegratorRiemann(%.9e, %.9e, %d), camera.position, direction, gathered);\n",
+            camera->clip_near, step, count);
+}
+
+static void write_midpoint(FILE *out, const struct scene_camera *camera, double step)
+{
+    fputs("    vec2 interval = ball_interval(media_ball(), camera.position, direction);\n", out);
+    fprintf(out, "    interval.x = max(interval.x, %.9e);\n", camera->clip_near);
+    if (isfinite(camera->clip_far)) fprintf(out, "    interval.y = min(interval.y, %.9e);\n", camera->clip_far);
+    fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e), camera.position, direction, interval, gathered);\n",
+            step);
+}
+
+static void write_march(FILE *out, const struct job *job)
 {
     const struct scene_camera *camera = &job->scene.camera;
-    bool riemann = job->quality.method == JOB_METHOD_RIEMANN;
-    bool is_bounded = isfinite(camera->clip_far);
 
-    fputs("    CameraPinhole camera = CameraPinhole(", out);
-    for (size_t i = 0; i < 4; ++i) {
-        static const char *const names[] = {"camera_position", "camera_corner", "camera_across", "camera_down"};
-
-        fputs(i ? ", " : "", out);
-        fprintf(out, "%s", names[i]);
-    }
-    fputs(");\n    vec3 toward = camera_pinhole_toward(camera, gl_FragCoord.xy);\n"
+    fputs("    CameraPinhole camera = CameraPinhole(camera_position, camera_corner, camera_across, camera_down);\n"
+          "    vec3 toward = camera_pinhole_toward(camera, gl_FragCoord.xy);\n"
           "    vec3 direction = normalize(toward);\n",
           out);
-    if (riemann && is_bounded) {
-        fprintf(out, "    vec2 interval = vec2(%.9e, %.9e);\n", camera->clip_near, camera->clip_far);
-    } else {
-        fputs("    vec2 interval = ball_interval(media_ball(), camera.position, direction);\n", out);
-        fprintf(out, "    interval.x = max(interval.x, %.9e);\n", camera->clip_near);
-        if (is_bounded) fprintf(out, "    interval.y = min(interval.y, %.9e);\n", camera->clip_far);
-    }
-    fprintf(out, "    integrator_%s(%s(%.9e), camera.position, direction, interval, gathered);\n",
-            riemann ? "riemann" : "midpoint", riemann ? "IntegratorRiemann" : "IntegratorMidpoint", job->quality.step);
+    if (job->quality.method == JOB_METHOD_RIEMANN)
+        write_riemann(out, camera, job->quality.step);
+    else
+        write_midpoint(out, camera, job->quality.step);
 }
 
 static void write_outputs(FILE *out, const struct scene_program *program)
@@ -296,7 +300,7 @@ void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_
     if (features->has_media) {
         fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
                 features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
-        write_march(out, job, program);
+        write_march(out, job);
     }
     if (job->scene.has_background && features->has_background)
         write_background(out, program);

@@ -1,26 +1,26 @@
-// Samples at near + k step, k = 1..count: each adds its source times what the ones before left, then attenuates.
-struct IntegratorRiemann { float step; };
+// Samples at near + k step, k = 1..count: each adds its source times what the ones before left, then attenuates. Whoever
+// calls counts, in double precision: of a float's half a step each driver makes another count.
+struct IntegratorRiemann { float near, step; int count; };
 
-void integrator_riemann(IntegratorRiemann method, vec3 origin, vec3 direction, vec2 interval, inout Gathered gathered)
+void integrator_riemann(IntegratorRiemann method, vec3 origin, vec3 direction, inout Gathered gathered)
 {
-    int count = int(min(round(max(interval.y - interval.x, 0.0) / method.step), 1e9));
     int k = 1;
-    for (int turn = 0; turn < MARCH_LIMIT && k <= count; ++turn) {
+    for (int turn = 0; turn < MARCH_LIMIT && k <= method.count; ++turn) {
         float at = 0.0;
         MediaField field;
         float distance = 0.0;
         // Samples inside the distance bound of one without density have none either.
-        for (; turn < MARCH_LIMIT && k <= count; ++turn) {
-            at = interval.x + float(k) * method.step;
+        for (; turn < MARCH_LIMIT && k <= method.count; ++turn) {
+            at = method.near + float(k) * method.step;
             field = media_field(origin + at * direction);
             distance = media_field_distance(field);
             if (distance < 0.0) break;
-            k += 1 + int(min(distance / method.step, float(count)));
+            k += 1 + int(min(distance / method.step, float(method.count)));
         }
-        if (k > count) break;
+        if (k > method.count) break;
         gather(gathered, field, origin + at * direction, direction, at - method.step, method.step);
         ++k;
         if (gathered_is_over(gathered)) break;
     }
-    if (k <= count && !gathered_is_over(gathered)) march_was_cut = true;
+    if (k <= method.count && !gathered_is_over(gathered)) march_was_cut = true;
 }
