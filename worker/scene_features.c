@@ -21,6 +21,12 @@ static bool is_grey(const struct timeline *timeline)
     return value[0] == value[1] && value[1] == value[2];
 }
 
+static enum lobe_feature lobe_feature_of(const struct scene_phase_lobe *lobe)
+{
+    if (is_zero(&lobe->weight)) return LOBE_UNSEEN;
+    return is_zero(&lobe->g) ? LOBE_ISOTROPIC : LOBE_HENYEY_GREENSTEIN;
+}
+
 static struct medium_features medium_features_of(const struct scene_medium *medium)
 {
     struct medium_features features = {0};
@@ -30,6 +36,8 @@ static struct medium_features medium_features_of(const struct scene_medium *medi
     features.absorbs = !is_zero(&medium->sigma_a);
     features.emits = medium->has_emission && !is_zero(&medium->emission);
     features.is_seen = features.scatters || features.absorbs || features.emits;
+    for (size_t i = 0; i < medium->lobe_count; ++i)
+        features.lobes[i] = lobe_feature_of(&medium->lobes[i]);
     return features;
 }
 

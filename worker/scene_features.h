@@ -7,9 +7,16 @@
 
 struct job;
 
+enum lobe_feature {
+    LOBE_UNSEEN,    // its weight is 0
+    LOBE_ISOTROPIC, // its g is 0
+    LOBE_HENYEY_GREENSTEIN
+};
+
 struct medium_features {
     bool is_seen; // it scatters, absorbs or emits
     bool scatters, absorbs, emits;
+    enum lobe_feature lobes[SCENE_LOBE_LIMIT]; // as many as the medium has; none: isotropic
 };
 
 struct scene_features {

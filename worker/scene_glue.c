@@ -17,17 +17,16 @@ static void write_separator(FILE *out, bool *first, const char *operator)
     *first = false;
 }
 
-static void write_medium(FILE *out, const struct scene_medium *medium, const struct scene_program *program, size_t i)
+static void write_medium(FILE *out, const struct scene_medium *medium, size_t i)
 {
     fprintf(out, "DensityFoldFractal medium_%zu_fold_fractal()\n{\n    return DensityFoldFractal(%d", i,
             medium->density.fold_fractal.iterations);
     for (size_t k = 0; k < 5; ++k) {
         static const char *const members[] = {"rotation", "offset", "radius", "exponent", "scale"};
 
-        fputs(", ", out);
-        fprintf(out, "medium_%zu_%s", i, members[k]);
+        fprintf(out, ", medium_%zu_%s", i, members[k]);
     }
-    fprintf(out, ");\n}\n");
+    fputs(");\n}\n", out);
     fprintf(out, "float medium_%zu_density(float field)\n{\n", i);
     fprintf(out, "    return density_fold_fractal_at(medium_%zu_fold_fractal(), field);\n}\n", i);
 }
@@ -51,9 +50,7 @@ static void write_field(FILE *out, const struct scene *scene, const struct scene
         if (program->features.media[i].is_seen) fprintf(out, --seen ? "min(field.medium_%zu, " : "field.medium_%zu", i);
     while (--written > 0)
         fputs(")", out);
-    fputs(";\n}\nBall media_ball()\n{\n    return Ball(", out);
-    fprintf(out, "ball_radius");
-    fputs(");\n}\n", out);
+    fputs(";\n}\nBall media_ball()\n{\n    return Ball(ball_radius);\n}\n", out);
 }
 
 static void write_column_sum(FILE *out, const struct scene *scene, const struct scene_program *program,
@@ -64,9 +61,7 @@ static void write_column_sum(FILE *out, const struct scene *scene, const struct 
     for (size_t i = 0; i < scene->medium_count; ++i) {
         if (!has_column(&program->features.media[i])) continue;
         write_separator(out, &first, " + ");
-        fputs(before, out);
-        fprintf(out, "medium_%zu_sigma_t", i);
-        fprintf(out, "%s * column.medium_%zu", after, i);
+        fprintf(out, "%smedium_%zu_sigma_t%s * column.medium_%zu", before, i, after, i);
     }
 }
 
@@ -100,21 +95,25 @@ void scene_glue_write_media(FILE *out, const struct job *job, const struct scene
     const struct scene *scene = &job->scene;
 
     for (size_t i = 0; i < scene->medium_count; ++i)
-        if (program->features.media[i].is_seen) write_medium(out, &scene->media[i], program, i);
+        if (program->features.media[i].is_seen) write_medium(out, &scene->media[i], i);
     write_field(out, scene, program);
     if (program->features.has_lights) write_column(out, scene, program);
 }
 
-static void write_phase(FILE *out, const struct scene_medium *medium, const struct scene_program *program, size_t i)
+static void write_phase(FILE *out, const struct scene_medium *medium, const struct medium_features *features, size_t i)
 {
+    bool first = true;
+
     fprintf(out, "float medium_%zu_phase(float cos_theta)\n{\n    return ", i);
     if (medium->lobe_count == 0) fputs("phase_isotropic()", out);
     for (size_t k = 0; k < medium->lobe_count; ++k) {
-        fputs(k ? " + " : "", out);
-        fprintf(out, "medium_%zu_lobe_%zu_weight", i, k);
-        fputs(" * phase_henyey_greenstein(PhaseHenyeyGreenstein(", out);
-        fprintf(out, "medium_%zu_lobe_%zu_g", i, k);
-        fputs("), cos_theta)", out);
+        if (features->lobes[k] == LOBE_UNSEEN) continue;
+        write_separator(out, &first, " + ");
+        fprintf(out, "medium_%zu_lobe_%zu_weight * ", i, k);
+        if (features->lobes[k] == LOBE_ISOTROPIC)
+            fputs("phase_isotropic()", out);
+        else
+            fprintf(out, "phase_henyey_greenstein(PhaseHenyeyGreenstein(medium_%zu_lobe_%zu_g), cos_theta)", i, k);
     }
     fputs(";\n}\n", out);
 }
@@ -126,11 +125,8 @@ static void write_light(FILE *out, const struct scene_light *light, const struct
                        : light->falloff == SCENE_FALLOFF_NONE ? "point_even(LightPointEven"
                                                               : "point(LightPoint";
 
-    fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return light_%s(", i, type);
-    fprintf(out, "light_%zu_intensity", i);
-    fputs(", ", out);
-    fprintf(out, is_sun ? "light_%zu_direction" : "light_%zu_position", i);
-    fputs(is_sun ? "));\n}\n" : "), point);\n}\n", out);
+    fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return light_%s(light_%zu_intensity, light_%zu_%s;\n}\n", i,
+            type, i, i, is_sun ? "direction))" : "position), point)");
 }
 
 void scene_glue_write_lights(FILE *out, const struct job *job, const struct scene_program *program)
@@ -138,7 +134,7 @@ void scene_glue_write_lights(FILE *out, const struct job *job, const struct scen
     const struct scene *scene = &job->scene;
 
     for (size_t i = 0; i < scene->medium_count; ++i)
-        if (program->features.media[i].scatters) write_phase(out, &scene->media[i], program, i);
+        if (program->features.media[i].scatters) write_phase(out, &scene->media[i], &program->features.media[i], i);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (program->features.light_is_seen[i]) write_light(out, &scene->lights[i], program, i);
 }
@@ -176,8 +172,7 @@ static void write_scattering(FILE *out, const struct job *job, const struct scen
     for (size_t i = 0; i < job->scene.medium_count; ++i) {
         if (!program->features.media[i].scatters) continue;
         write_separator(out, &first, " + ");
-        fprintf(out, "medium_%zu_sigma_s", i);
-        fprintf(out, " * (density_%zu * medium_%zu_phase(cos_theta))", i, i);
+        fprintf(out, "medium_%zu_sigma_s * (density_%zu * medium_%zu_phase(cos_theta))", i, i, i);
     }
     fputs(";\n        MediaColumn column = ", out);
     write_shadow(out, &job->quality);
@@ -192,8 +187,7 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
     for (size_t i = 0; i < job->scene.medium_count; ++i) {
         if (!has_column(&program->features.media[i])) continue;
         write_separator(out, &first, " + ");
-        fprintf(out, "medium_%zu_sigma_t", i);
-        fprintf(out, " * density_%zu", i);
+        fprintf(out, "medium_%zu_sigma_t * density_%zu", i, i);
     }
     if (job->quality.method == JOB_METHOD_RIEMANN) {
         fputs(";\n    gathered.radiance += gathered.transmittance * source * length;\n"
@@ -228,9 +222,7 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
     fputs("    Spectrum source = spectrum(0.0);\n", out);
     for (size_t i = 0; i < scene->medium_count; ++i) {
         if (!features->media[i].emits) continue;
-        fputs("    source += ", out);
-        fprintf(out, "medium_%zu_emission", i);
-        fprintf(out, " * density_%zu;\n", i);
+        fprintf(out, "    source += medium_%zu_emission * density_%zu;\n", i, i);
     }
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) write_scattering(out, job, program, i);
@@ -285,8 +277,7 @@ static void write_background(FILE *out, const struct scene_program *program)
 {
     fprintf(out, "    rgba = vec4(spectrum_rgb(%s", program->features.has_media ? "gathered.radiance + " : "");
     if (program->features.has_extinction) fputs("gathered.transmittance * ", out);
-    fprintf(out, "background");
-    fputs("), 1.0);\n", out);
+    fputs("background), 1.0);\n", out);
 }
 
 void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_program *program)

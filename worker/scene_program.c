@@ -71,14 +71,23 @@ static void add_media(struct assembly *assembly)
     scene_glue_write_media(assembly->out, assembly->job, assembly->program);
 }
 
+static void add_phase(struct assembly *assembly, const struct scene_medium *medium,
+                      const struct medium_features *features)
+{
+    if (medium->lobe_count == 0) add_module(assembly, "phase/isotropic.glsl");
+    for (size_t i = 0; i < medium->lobe_count; ++i)
+        if (features->lobes[i] != LOBE_UNSEEN)
+            add_module(assembly,
+                       features->lobes[i] == LOBE_ISOTROPIC ? "phase/isotropic.glsl" : "phase/henyey_greenstein.glsl");
+}
+
 static void add_lights(struct assembly *assembly)
 {
     const struct scene *scene = &assembly->job->scene;
     const struct scene_features *features = &assembly->program->features;
 
     for (size_t i = 0; i < scene->medium_count; ++i)
-        if (features->media[i].scatters)
-            add_module(assembly, scene->media[i].lobe_count ? "phase/henyey_greenstein.glsl" : "phase/isotropic.glsl");
+        if (features->media[i].scatters) add_phase(assembly, &scene->media[i], &features->media[i]);
     add_module(assembly, "light/sample.glsl");
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i])

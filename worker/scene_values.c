@@ -195,14 +195,17 @@ static void add_fold_fractal(struct frame_uniforms *uniforms, const struct scene
         medium);
 }
 
-static void add_lobes(struct frame_uniforms *uniforms, const struct scene_medium *medium, size_t index)
+static void add_lobes(struct frame_uniforms *uniforms, const struct scene_medium *medium,
+                      const struct medium_features *features, size_t index)
 {
     const struct range gs = {-largest_g, largest_g};
     static const struct range weights = {0, 1};
 
     for (size_t i = 0; i < medium->lobe_count; ++i) {
-        add(uniforms, of_timeline(&medium->lobes[i].g, FRAME_VALUE_FLOAT, gs, "phase.g"), "medium_%zu_lobe_%zu_g",
-            index, i);
+        if (features->lobes[i] == LOBE_UNSEEN) continue;
+        if (features->lobes[i] == LOBE_HENYEY_GREENSTEIN)
+            add(uniforms, of_timeline(&medium->lobes[i].g, FRAME_VALUE_FLOAT, gs, "phase.g"), "medium_%zu_lobe_%zu_g",
+                index, i);
         add(uniforms, of_timeline(&medium->lobes[i].weight, FRAME_VALUE_FLOAT, weights, "phase.weight"),
             "medium_%zu_lobe_%zu_weight", index, i);
     }
@@ -277,7 +280,7 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
         add_medium(uniforms, medium, &features->media[i], spectrum, i);
         if (!features->has_lights || !features->media[i].scatters) continue;
         add(uniforms, of_timeline(&medium->sigma_s, spectrum, not_negative, "sigma_s"), "medium_%zu_sigma_s", i);
-        add_lobes(uniforms, medium, i);
+        add_lobes(uniforms, medium, &features->media[i], i);
     }
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) add_light(uniforms, &scene->lights[i], spectrum, i);

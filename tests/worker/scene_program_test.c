@@ -29,7 +29,7 @@ static const char *const media[] = {
     BALL_JOB_SIGMA_S_1,
     "\"sigma_s\": 0, \"sigma_a\": 0, \"emission\": [1, 0.5, 0]",
     ("\"sigma_s\": [1, 2, 3], \"sigma_a\": 0.5, \"emission\": 1, \"phase\": [{\"g\": 0.9, \"weight\": 0.25},"
-     " {\"g\": {\"start\": 0, \"rate\": 0.01}, \"weight\": 0.75}]"),
+     " {\"g\": {\"start\": 0, \"rate\": 0.01}, \"weight\": 0.5}, {\"g\": 0, \"weight\": 0.25}]"),
     "\"sigma_s\": 0, \"sigma_a\": 0",
 };
 static const char *const backgrounds[] = {"", "\"background\": 0.5,", "\"background\": [0, 0, 1],"};
@@ -101,6 +101,20 @@ static void what_is_not_asked_for_is_not_written(void **state)
     assert_lacks(&program, "emission");
     assert_lacks(&program, "background");
     assert_lacks(&program, "FrameUniforms");
+    release(&program, &job);
+}
+
+static void lobes_that_weigh_nothing_or_lean_nowhere_cost_nothing(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble(&program, &job, BALL_JOB_SIGMA_S_1 ", \"phase\": [{\"g\": 0.7, \"weight\": 0}, {\"g\": 0, \"weight\": 1}]",
+             BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    assert_lacks(&program, "henyey_greenstein");
+    assert_lacks(&program, "medium_0_lobe_0");
+    assert_lacks(&program, "medium_0_lobe_1_g");
+    assert_has(&program, "return medium_0_lobe_1_weight * phase_isotropic();");
     release(&program, &job);
 }
 
@@ -284,6 +298,7 @@ int main(void)
         cmocka_unit_test(a_scene_without_lights_has_no_shadow_code),
         cmocka_unit_test(a_light_that_nothing_scatters_adds_no_code),
         cmocka_unit_test(what_is_not_asked_for_is_not_written),
+        cmocka_unit_test(lobes_that_weigh_nothing_or_lean_nowhere_cost_nothing),
         cmocka_unit_test(emission_alone_has_no_extinction),
         cmocka_unit_test(only_what_moves_is_a_uniform),
         cmocka_unit_test(a_moving_value_out_of_range_is_refused_with_its_time),
