@@ -28,7 +28,6 @@ struct gl_context;
     X(PFNGLDELETESHADERPROC, DeleteShader)                                                                             \
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
-    X(PFNGLDISABLEPROC, Disable)                                                                                       \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                 \
     X(PFNGLENABLEPROC, Enable)                                                                                         \
     X(PFNGLFINISHPROC, Finish)                                                                                         \
