@@ -76,26 +76,6 @@ out:
     return ok;
 }
 
-bool file_read_all(int fd, void *bytes, size_t size_bytes, struct error *error)
-{
-    size_t done = 0;
-
-    while (done < size_bytes) {
-        ssize_t count = read_some(fd, (char *)bytes + done, size_bytes - done);
-
-        if (count < 0) {
-            error_set_errno(error, errno, "cannot read");
-            return false;
-        }
-        if (count == 0) {
-            error_set(error, "ends after %zu of %zu bytes", done, size_bytes);
-            return false;
-        }
-        done += (size_t)count;
-    }
-    return true;
-}
-
 bool file_write_all(int fd, const void *bytes, size_t size_bytes, struct error *error)
 {
     size_t done = 0;

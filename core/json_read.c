@@ -118,17 +118,6 @@ size_t json_node_count(const struct json_node *node)
     return count;
 }
 
-const char *json_node_key_at(const struct json_node *object, size_t index)
-{
-    const cJSON *member;
-
-    if (!cJSON_IsObject(object->value)) return NULL;
-    member = object->value->child;
-    for (size_t i = 0; i < index && member; i++)
-        member = member->next;
-    return member ? member->string : NULL;
-}
-
 bool json_node_next(const struct json_node *parent, struct json_node *child)
 {
     bool is_first = !child->value;

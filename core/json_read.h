@@ -43,8 +43,6 @@ struct json_node json_node_root(const struct cJSON *root);
 struct json_node json_node_child(const struct json_node *object, const char *key);
 struct json_node json_node_element(const struct json_node *array, size_t index);
 size_t json_node_count(const struct json_node *node); // of an array's elements or an object's members, else 0
-// The members of an object in order; NULL past the end.
-const char *json_node_key_at(const struct json_node *object, size_t index);
 // Walks an array or object in order in linear time: start with child = {0}; false at the end.
 bool json_node_next(const struct json_node *parent, struct json_node *child);
 enum json_type json_node_type(const struct json_node *node);

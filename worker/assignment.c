@@ -89,28 +89,15 @@ bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t fr
     return true;
 }
 
-static struct assignment_frame *find_waiting(const struct assignment *assignment)
+struct assignment_frame *assignment_start_frame(struct assignment *assignment)
 {
     struct assignment_frame *frame = assignment->frames;
 
     while (frame && frame->is_started)
         frame = frame->next;
-    return frame;
-}
-
-struct assignment_frame *assignment_start_frame(struct assignment *assignment)
-{
-    struct assignment_frame *frame = find_waiting(assignment);
-
     if (!frame) return NULL;
     frame->is_started = true;
-    assignment->started_count++;
     return frame;
-}
-
-bool assignment_has_waiting(const struct assignment *assignment)
-{
-    return find_waiting(assignment) != NULL;
 }
 
 static void remove_frame(struct assignment *assignment, struct assignment_frame *frame)
@@ -129,7 +116,6 @@ static void remove_frame(struct assignment *assignment, struct assignment_frame 
 void assignment_end_frame(struct assignment *assignment, struct assignment_frame *frame)
 {
     assert(frame->is_started);
-    assignment->started_count--;
     remove_frame(assignment, frame);
 }
 

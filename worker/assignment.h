@@ -35,7 +35,6 @@ struct assignment_frame {
 struct assignment {
     struct held_job *jobs;           // owned
     struct assignment_frame *frames; // owned; in the order to render them
-    size_t started_count;
 };
 
 void assignment_finish(struct assignment *assignment);
@@ -49,7 +48,6 @@ bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t fr
 
 // The next frame that waits, now started; NULL when none does. Belongs to the assignment until it is ended.
 struct assignment_frame *assignment_start_frame(struct assignment *assignment);
-bool assignment_has_waiting(const struct assignment *assignment);
 void assignment_end_frame(struct assignment *assignment, struct assignment_frame *frame);
 
 struct assignment_dropped {

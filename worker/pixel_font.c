@@ -19,7 +19,7 @@ static const unsigned char glyphs[][PIXEL_FONT_HEIGHT] = {
 // A pixel of margin around each character.
 enum { ADVANCE = PIXEL_FONT_WIDTH + 1 };
 
-int pixel_font_width(const char *text, int scale)
+static int box_width(const char *text, int scale)
 {
     return ((int)strlen(text) * ADVANCE + 1) * scale;
 }
@@ -42,7 +42,7 @@ static bool is_set(const char *text, int column, int row)
 
 void pixel_font_draw(unsigned char *rgb, int width_px, int height_px, int x, int y, int scale, const char *text)
 {
-    int width = pixel_font_width(text, scale), height = pixel_font_height(scale);
+    int width = box_width(text, scale), height = pixel_font_height(scale);
 
     for (int j = 0; j < height && y + j < height_px; j++)
         for (int i = 0; i < width && x + i < width_px; i++) {

@@ -8,6 +8,4 @@ enum { PIXEL_FONT_WIDTH = 5, PIXEL_FONT_HEIGHT = 7 };
 // Draws `text` white on a black box with its upper left corner at (x, y), `scale` times as large; what lies outside the
 // picture, and characters the font lacks, are left out. `rgb`: 3 bytes a pixel.
 void pixel_font_draw(unsigned char *rgb, int width_px, int height_px, int x, int y, int scale, const char *text);
-// The box's size.
-int pixel_font_width(const char *text, int scale);
-int pixel_font_height(int scale);
+int pixel_font_height(int scale); // of the box
