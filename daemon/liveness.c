@@ -67,6 +67,8 @@ void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms)
 {
     if (is_busy && !liveness->is_busy) liveness->moved_ms = now_ms;
     liveness->is_busy = is_busy;
+    // What it rendered may have been dropped.
+    if (!is_busy) liveness->is_rendering = false;
 }
 
 // A caller that comes later than half a heartbeat was held up itself.

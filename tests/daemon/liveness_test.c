@@ -142,6 +142,18 @@ static void ended_frame_has_no_run_time(void **state)
     assert_int_equal(run_until(&liveness, 100000, true, 0.001, 63), LIVENESS_ALIVE);
 }
 
+static void emptied_hands_have_no_run_time(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    liveness_set_busy(&liveness, true, 0);
+    liveness_begin_frame(&liveness, 0);
+    liveness_set_busy(&liveness, false, 1000);
+    run_until(&liveness, 100000, true, 0, 0);
+    liveness_set_busy(&liveness, true, 100000);
+    assert_int_equal(run_until(&liveness, 110000, true, 0.001, 63), LIVENESS_ALIVE);
+}
+
 static void late_check_is_not_the_workers_silence(void **state)
 {
     struct liveness liveness = ready_worker();
@@ -177,6 +189,7 @@ int main(void)
         cmocka_unit_test(frame_may_always_take_a_minute),
         cmocka_unit_test(median_of_four_frames_judges_none),
         cmocka_unit_test(ended_frame_has_no_run_time),
+        cmocka_unit_test(emptied_hands_have_no_run_time),
         cmocka_unit_test(late_check_is_not_the_workers_silence),
         cmocka_unit_test(limits_can_be_set),
     };
