@@ -108,6 +108,23 @@ void committer_close(struct committer *committer)
     uv_close((uv_handle_t *)&committer->retry_timer, NULL);
 }
 
+// Behind what failed before, if anything did, so that who asks while the store fails is told so.
+static void gather_into_flight(struct committer *committer)
+{
+    struct commit_batch *kept = &committer->in_flight, *batch = &committer->gathering;
+
+    kept->ops = xgrow(kept->ops, &kept->op_capacity, kept->op_count + batch->op_count, sizeof *kept->ops);
+    kept->entries =
+        xgrow(kept->entries, &kept->entry_capacity, kept->entry_count + batch->entry_count, sizeof *kept->entries);
+    for (size_t i = 0; i < batch->entry_count; i++) {
+        kept->entries[kept->entry_count] = batch->entries[i];
+        kept->entries[kept->entry_count++].first += kept->op_count;
+    }
+    memcpy(kept->ops + kept->op_count, batch->ops, batch->op_count * sizeof *kept->ops);
+    kept->op_count += batch->op_count;
+    batch->op_count = batch->entry_count = 0;
+}
+
 static void start_batch(struct committer *committer)
 {
     if (committer->is_working || uv_is_active((uv_handle_t *)&committer->retry_timer)) return;
@@ -116,6 +133,8 @@ static void start_batch(struct committer *committer)
 
         committer->in_flight = committer->gathering;
         committer->gathering = emptied;
+    } else if (committer->gathering.op_count > 0) {
+        gather_into_flight(committer);
     }
     if (committer->in_flight.op_count == 0) return;
     committer->is_working = true;

@@ -99,12 +99,46 @@ static void a_failed_batch_is_reported_dropped_or_kept_as_its_ops_wish(void **st
     finish(&loop, committer, store);
 }
 
+// While older ops wait for the store to work again, who asks now is told now.
+static void a_lasting_failure_is_told_to_who_comes_later(void **state)
+{
+    static const int kept = 1, dropped = 2, reported = 3;
+    struct store *store = open_store(*state);
+    struct committer *committer;
+    uv_loop_t loop;
+
+    told[0] = '\0';
+    uv_loop_init(&loop);
+    committer = committer_create(&loop, store);
+    put(committer, COMMIT_CERTAIN, 1, &kept);
+    while (!committer_is_idle(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    // The id is taken for good.
+    put(committer, COMMIT_CERTAIN, 1, &kept);
+    while (!committer_trouble(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    put(committer, COMMIT_OR_DROP, 2, &dropped);
+    put(committer, COMMIT_REPORTED, 3, &reported);
+    for (uint64_t start_ms = uv_now(&loop); !strchr(told, '3') && uv_now(&loop) - start_ms < 5000;)
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2- 3-");
+    assert_int_equal(committer_waiting(committer), 2);
+    assert_int_equal(count_jobs(store), 1);
+    // Nothing frees the id, so what waits is left where it is.
+    committer_close(committer);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    committer_destroy(committer);
+    assert_int_equal(uv_loop_close(&loop), 0);
+    store_close(store);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(callbacks_come_in_order_after_the_commit, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_failed_batch_is_reported_dropped_or_kept_as_its_ops_wish, make_folder,
                                         remove_folder),
+        cmocka_unit_test_setup_teardown(a_lasting_failure_is_told_to_who_comes_later, make_folder, remove_folder),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
