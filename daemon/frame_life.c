@@ -96,25 +96,27 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
 {
     int tries = end->record->queued->states[end->ticket.index].tries;
     enum retry_action action = retry_decide(end->fault, end->is_started, tries, farm->options->max_attempts);
-    bool is_final = false;
+    enum frame_state state;
 
     switch (action) {
     case RETRY_FRAME:
     case RETRY_FAIL_FRAME:
-        queue_fail(farm->queue, &end->ticket, action == RETRY_FAIL_FRAME, &is_final);
+        queue_fail(farm->queue, &end->ticket, action == RETRY_FAIL_FRAME, NULL);
         break;
     case RETRY_FREE:
         queue_return(farm->queue, &end->ticket);
         break;
     case RETRY_FAIL_JOB:
-        queue_fail(farm->queue, &end->ticket, true, &is_final);
+        queue_fail(farm->queue, &end->ticket, true, NULL);
         fail_job(farm, end);
         break;
     case RETRY_PAUSE_JOB:
         pause_job(farm, end);
         break;
     }
-    if (is_final)
+    // A frame of a job that was canceled meanwhile is canceled, which takes no row.
+    state = (enum frame_state)end->record->queued->states[end->ticket.index].state;
+    if (state == FRAME_FAILED)
         store_failed_frame(farm, end);
     else if (end->has_row)
         remove_row(farm, end);
@@ -122,7 +124,7 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
         log_info("job %lld frame %d attempt %d: %s", (long long)end->ticket.job, end->ticket.frame, end->ticket.attempt,
                  end->error);
         store_attempt(farm, end, end->fault == RETRY_FAULT_LOST ? "lost" : "failed");
-        events_tell_frame(farm->events, &end->ticket, is_final ? FRAME_FAILED : FRAME_QUEUED, end->error);
+        events_tell_frame(farm->events, &end->ticket, state, end->error);
     }
     farm_want_feed(farm);
 }

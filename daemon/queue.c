@@ -398,6 +398,14 @@ void queue_fail_job(struct queue *queue, struct queue_job *job)
     end_frames(job, FRAME_FAILED);
 }
 
+void queue_restore_end(struct queue_job *job, bool canceled, bool failed)
+{
+    if (!canceled && !failed) return;
+    job->is_canceled = canceled;
+    job->is_failed = failed;
+    end_frames(job, failed ? FRAME_FAILED : FRAME_CANCELED);
+}
+
 static bool matches(const struct queue_job *job, int64_t index, unsigned states, const struct frame_range *range)
 {
     unsigned state = job->states[index].state;

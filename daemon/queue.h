@@ -80,9 +80,10 @@ void queue_destroy(struct queue *queue);      // accepts NULL
 struct queue_job *queue_add_job(struct queue *queue, int64_t id, struct frame_range *frames, int priority, bool paused);
 struct queue_job *queue_find_job(const struct queue *queue, int64_t id); // NULL when there is none
 struct queue_job *queue_first_job(const struct queue *queue);            // then ->next
-// While loading a store, before the job's first frame is taken: sets one frame's state, not FRAME_RUNNING. A job
-// that was canceled or failed gets queue_cancel or queue_fail_job after its rows.
+// While loading a store, before the job's first frame is taken: sets one frame's state, not FRAME_RUNNING.
 void queue_restore_frame(struct queue_job *job, int64_t index, enum frame_state state, int attempts);
+// After its frames, for a job that was canceled or failed as a whole, even if its last frame was then published.
+void queue_restore_end(struct queue_job *job, bool canceled, bool failed);
 
 enum job_state queue_job_state(const struct queue_job *job);
 bool queue_job_is_live(const struct queue_job *job); // queued, running or paused

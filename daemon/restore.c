@@ -125,8 +125,7 @@ static void stop_again(struct farm *farm)
     for (size_t i = 0; i < farm->jobs.count; i++) {
         struct job_record *record = farm->jobs.records[i];
 
-        if (record->restored_failed) queue_fail_job(farm->queue, record->queued);
-        if (record->restored_canceled) queue_cancel(farm->queue, record->queued);
+        queue_restore_end(record->queued, record->restored_canceled, record->restored_failed);
         record->told_state = queue_job_state(record->queued);
     }
 }

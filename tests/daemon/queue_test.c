@@ -374,6 +374,24 @@ static void restored_frames_are_not_taken_again(void **state)
     queue_destroy(queue);
 }
 
+static void restored_cancel_holds_for_a_job_whose_frames_all_succeeded(void **state)
+{
+    struct queue *queue = new_queue();
+    struct queue_job *canceled = add_job(queue, 1, "1", 50);
+    struct queue_job *partly = add_job(queue, 2, "1-3", 50);
+
+    queue_restore_frame(canceled, 0, FRAME_SUCCEEDED, 1);
+    queue_restore_end(canceled, true, false);
+    assert_int_equal(queue_job_state(canceled), JOB_CANCELED);
+    assert_int_equal(canceled->counts[FRAME_SUCCEEDED], 1);
+    queue_restore_frame(partly, 0, FRAME_SUCCEEDED, 1);
+    queue_restore_end(partly, false, true);
+    assert_int_equal(queue_job_state(partly), JOB_FAILED);
+    assert_int_equal(partly->counts[FRAME_FAILED], 2);
+    assert_null(queue_next_job(queue));
+    queue_destroy(queue);
+}
+
 static void removed_job_takes_its_counts_along(void **state)
 {
     struct queue *queue = new_queue();
@@ -447,6 +465,7 @@ int main(void)
         cmocka_unit_test(retry_brings_a_canceled_job_back),
         cmocka_unit_test(retry_of_nothing_changes_nothing),
         cmocka_unit_test(restored_frames_are_not_taken_again),
+        cmocka_unit_test(restored_cancel_holds_for_a_job_whose_frames_all_succeeded),
         cmocka_unit_test(removed_job_takes_its_counts_along),
         cmocka_unit_test(hundred_thousand_jobs_are_quick_to_use),
         cmocka_unit_test(million_frames_need_little_memory),

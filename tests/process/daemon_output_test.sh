@@ -42,3 +42,35 @@ expect_error "$answer" 4 ""
 rm "$scratch/disk/filler"
 wait_until 10 "it takes jobs again" eval 'ask job.submit "{\"paused\":true,\"document\":$big}" | grep -q result'
 stop_daemon
+
+# Jobs canceled while their only frame is between its file and its name: what they are after, they are after a restart.
+fill_store()
+{
+    dd if=/dev/zero of="$scratch/disk/filler" bs=1k 2>/dev/null
+    for n in $(seq 60); do
+        ask job.submit "{\"paused\":true,\"document\":$(jq -c ".output.path = \"fill$n/x.####.exr\"" <<<"$big")}" | grep -q '"code":4' && return
+    done
+    fail "the store is not full"
+}
+start_daemon --worker-program "$(stub write:0)" --state "$scratch/disk/state"
+named=$(submit "$(job 1 '.output.path = "named/n.####.exr"')" true)
+lost=$(submit "$(job 1 '.output.path = "lost/l.####.exr"')" true)
+fill_store
+for id in "$named" "$lost"; do
+    expect_error "$(ask job.resume "{\"id\":$id}")" 4 ""
+done
+wait_until 10 "both files are written" eval '[ "$(find "$scratch/out" -name "*.part" | wc -l)" = 2 ]'
+for id in "$named" "$lost"; do
+    expect_error "$(ask job.cancel "{\"id\":$id}")" 4 ""
+done
+rm "$scratch/out/lost/"*.part "$scratch/disk/filler"
+wait_until 20 "both are done with" eval '[ "$(field "$named" .running)$(field "$lost" .running)" = 00 ]'
+expect "a canceled job whose frame got its name" "$(field "$named" '[.state, .succeeded] | join(" ")')" "canceled 1"
+expect "a canceled job whose frame was lost" "$(field "$lost" '[.state, .canceled] | join(" ")')" "canceled 1"
+stop_daemon
+start_daemon --worker-program "$(stub write:0)" --state "$scratch/disk/state"
+expect "the first after a restart" "$(field "$named" '[.state, .succeeded] | join(" ")')" "canceled 1"
+expect "the second after a restart" "$(field "$lost" '[.state, .canceled] | join(" ")')" "canceled 1"
+expect_files named 1
+expect_files lost 0
+stop_daemon
