@@ -146,6 +146,7 @@ void job_change_retry(struct farm *farm, struct job_record *record, unsigned sta
     *retry = (struct job_retry){.farm = farm, .record = record, .states = states, .range = *range, .answer = answer};
     *range = (struct frame_range){0};
     if (record->is_sweeping) {
+        record->is_retry_waiting = true;
         retry->next = farm->waiting_retries;
         farm->waiting_retries = retry;
     } else {
@@ -157,6 +158,7 @@ void job_change_retry_waiting(struct farm *farm, struct job_record *record)
 {
     struct job_retry **link = &farm->waiting_retries;
 
+    record->is_retry_waiting = false;
     while (*link) {
         struct job_retry *retry = *link;
 

@@ -69,22 +69,28 @@ static bool fail_collision(struct request *request, const struct output_path *pa
     return false;
 }
 
+const char *job_submit_find_collision(const struct farm *farm, const struct job_files *files, int32_t *frame)
+{
+    for (const struct job_submit *submit = farm->submits; submit; submit = submit->next) {
+        const struct job_files others = {submit->row.root, &submit->path, &submit->frames};
+
+        if (job_files_collide(files, &others, frame)) return submit->row.name;
+    }
+    return NULL;
+}
+
 static bool check_collisions(struct request *request, const struct job *job)
 {
     const struct farm *farm = request->farm;
     const struct job_files files = {farm->options->output_root, &job->output.path, &job->frames};
     const struct job_record *record;
+    const char *name;
     int32_t frame;
 
     record = job_table_find_collision(&farm->jobs, &files, &frame);
     if (record) return fail_collision(request, files.path, frame, record->id, record->name);
-    for (const struct job_submit *submit = farm->submits; submit; submit = submit->next) {
-        const struct job_files others = {submit->row.root, &submit->path, &submit->frames};
-
-        if (job_files_collide(&files, &others, &frame))
-            return fail_collision(request, files.path, frame, submit->row.id, submit->row.name);
-    }
-    return true;
+    name = job_submit_find_collision(farm, &files, &frame);
+    return !name || fail_collision(request, files.path, frame, 0, name);
 }
 
 // Takes over what it needs of `job`.

@@ -4,9 +4,13 @@
 #include "core/json_read.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 struct farm;
+struct job_files;
 struct request;
 
 // False with request's code and error when the document is refused at once; else the answer comes later.
 bool job_submit_start(struct request *request, const struct json_node *document, bool paused);
+// The name of a job on its way in that writes a file of `files`, `*frame` there; NULL: none does.
+const char *job_submit_find_collision(const struct farm *farm, const struct job_files *files, int32_t *frame);

@@ -132,7 +132,7 @@ struct job_record *job_table_find_collision(const struct job_table *table, const
         struct job_files others = {record->root, &record->path, &record->queued->frames};
 
         if (others.frames == files->frames) continue;
-        if (!queue_job_is_live(record->queued) && record->in_hand == 0) continue;
+        if (!queue_job_is_live(record->queued) && record->in_hand == 0 && !record->is_retry_waiting) continue;
         if (job_files_collide(files, &others, frame)) return record;
     }
     return NULL;

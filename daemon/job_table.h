@@ -22,6 +22,7 @@ struct job_record {
     char *reason;                                  // owned; why it is paused or failed; NULL: none
     struct estimate estimate;
     int in_hand;                             // frames that workers hold or that are being published
+    bool is_retry_waiting;                   // it lives again once it is swept
     bool is_ending;                          // it ended, and nobody holds a frame of it
     bool is_sweeping;                        // its leftovers are being removed
     bool is_settled;                         // they are: finished_ms may be written
@@ -53,6 +54,7 @@ struct job_files {
 
 // True when they have a file in common; `*frame` is its frame in `files`.
 bool job_files_collide(const struct job_files *files, const struct job_files *others, int32_t *frame);
-// The first other job that is live, or whose frames are still in hand, and collides with `files`; NULL: none.
+// The first other job that is live or about to be, or whose frames are still in hand, and collides with `files`; NULL:
+// none.
 struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
                                             int32_t *frame);

@@ -109,14 +109,19 @@ static bool check_files_are_free(struct request *request, const struct job_recor
 {
     struct job_files files = {record->root, &record->path, &record->queued->frames};
     const struct job_record *other;
+    const char *name;
     int32_t frame;
 
     if (queue_job_is_live(record->queued)) return true;
     other = job_table_find_collision(&request->farm->jobs, &files, &frame);
-    if (!other) return true;
-    request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: job %lld (\"%s\") writes its frame %d too",
-                 (long long)record->id, (long long)other->id, other->name, frame);
-    return false;
+    name = other ? NULL : job_submit_find_collision(request->farm, &files, &frame);
+    if (other)
+        request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: job %lld (\"%s\") writes its frame %d too",
+                     (long long)record->id, (long long)other->id, other->name, frame);
+    else if (name)
+        request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: a job just submitted (\"%s\") writes its frame %d too",
+                     (long long)record->id, name, frame);
+    return !other && !name;
 }
 
 enum request_outcome requests_job_retry(struct request *request)

@@ -41,6 +41,17 @@ expect "both in one breath" "$(
     line="{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"job.submit\",\"params\":{\"paused\":true,\"document\":$(job 21-30)}}"
     printf '%s\n%s\n' "$line" "$line" | ask_raw | jq -c .error.code | sort | xargs)" "3 null"
 
+over=$(submit "$(job 31)")
+wait_state "$over" succeeded
+expect "a retry beside a submit of the same file" "$(
+    printf '{"jsonrpc":"2.0","id":1,"method":"job.submit","params":{"paused":true,"document":%s}}\n{"jsonrpc":"2.0","id":2,"method":"job.retry","params":{"id":%s,"state":"succeeded"}}\n' \
+        "$(job 31)" "$over" | ask_raw | jq -c '[.id, .error.code]' | sort | xargs)" "[1,null] [2,3]"
+
+again=$(submit "$(job 41)" true)
+expect "a submit of the same file beside a cancel and a retry" "$(
+    printf '{"jsonrpc":"2.0","id":1,"method":"job.cancel","params":{"id":%s}}\n{"jsonrpc":"2.0","id":2,"method":"job.retry","params":{"id":%s,"state":"canceled"}}\n{"jsonrpc":"2.0","id":3,"method":"job.submit","params":{"paused":true,"document":%s}}\n' \
+        "$again" "$again" "$(job 41)" | ask_raw | jq -c '[.id, .error.code]' | sort | xargs)" "[1,null] [2,null] [3,3]"
+
 # Lines without end, half lines, floods.
 head -c 104857600 /dev/zero | tr '\0' 'x' | ask_raw >"$scratch/long" 2>/dev/null
 expect_error "$(cat "$scratch/long")" -32600 ""
@@ -65,5 +76,5 @@ if [ "$(id -u)" = 0 ]; then
         setpriv --reuid=65534 --clear-groups "$bin/socket-client" "$socket")
     expect_error "$answer" 2 "belongs to $(id -un)"
 fi
-expect "the queue" "$(ask job.list | jq -c '[.result.jobs[].state] | unique')" '["paused"]'
+expect "the queue" "$(ask job.list | jq -c '[.result.jobs[].state] | unique')" '["paused","succeeded"]'
 stop_daemon
