@@ -115,6 +115,7 @@ static void revive(struct job_record *record)
 {
     record->is_ending = record->is_settled = false;
     record->finished_ms = 0;
+    if (!record->queued->has_started) record->started_ms = 0;
     if (!record->queued->is_paused) job_record_set_reason(record, NULL);
 }
 

@@ -55,3 +55,12 @@ expect "the list after a restart" \
 expect "succeeded jobs" "$(ask job.list '{"state":"succeeded"}' | jq -c '[.result.jobs[].id]')" "[$first,$second]"
 expect "frames of the farm" "$(ask daemon.status | jq -c '.result | [.frames.succeeded, .frames.queued, .jobs.paused]')" '[103,100,1]'
 stop_daemon
+
+# A job whose frames were all queued again has not begun, also after a restart.
+start_daemon --workers 1 --worker-program "$(stub nocontext)"
+ask job.retry "{\"id\":$second,\"state\":\"succeeded\"}" >/dev/null
+expect "retried in full" "$(field "$second" '[.state, .queued, .started] | map(tostring) | join(" ")')" "queued 3 null"
+kill_daemon
+start_daemon --workers 1 --worker-program "$(stub nocontext)"
+expect "retried in full, after a restart" "$(field "$second" '[.state, .queued, .started] | map(tostring) | join(" ")')" "queued 3 null"
+stop_daemon
