@@ -1,0 +1,181 @@
+#include "tests/support/worker_child.h"
+
+#include "core/error.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+// Generous: sanitizers, and other processes on the same cores.
+enum { MESSAGE_TIMEOUT_MS = 60 * 1000, EXIT_TIMEOUT_MS = 20 * 1000 };
+
+void worker_child_start(struct worker_child *child, const char *backend, const char *device)
+{
+    int fds[2];
+    char number[16];
+
+    *child = (struct worker_child){.root = "/tmp/worker_process_test_XXXXXX"};
+    assert_non_null(mkdtemp(child->root));
+    assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, fds), 0);
+    child->fd = fds[0];
+    child->pid = fork();
+    assert_true(child->pid >= 0);
+    if (child->pid == 0) {
+        fcntl(fds[1], F_SETFD, 0);
+        snprintf(number, sizeof number, "%d", fds[1]);
+        execl(PROGRAM_FOLDER "/march-worker", "march-worker", "--fd", number, "--backend", backend,
+              device ? "--device" : NULL, device, NULL);
+        _exit(127);
+    }
+    close(fds[1]);
+}
+
+void worker_child_say(const struct worker_child *child, const char *format, ...)
+{
+    va_list arguments;
+
+    va_start(arguments, format);
+    assert_true(vdprintf(child->fd, format, arguments) > 0);
+    va_end(arguments);
+    assert_int_equal(write(child->fd, "\n", 1), 1);
+}
+
+bool worker_child_hear(struct worker_child *child, struct message *message)
+{
+    const char *line;
+    size_t length, room;
+    enum message_code code;
+    struct error error = {0};
+
+    while (!(line = message_stream_next(&child->stream, &length, &error))) {
+        struct pollfd ready = {.fd = child->fd, .events = POLLIN};
+        char *bytes = message_stream_reserve(&child->stream, &room);
+        ssize_t count;
+
+        if (poll(&ready, 1, MESSAGE_TIMEOUT_MS) != 1) fail_msg("the worker says nothing");
+        count = recv(child->fd, bytes, room, 0);
+        if (count <= 0) return false;
+        message_stream_commit(&child->stream, (size_t)count);
+    }
+    if (!message_decode(message, line, length, &code, &error)) fail_msg("%s", error.message);
+    return true;
+}
+
+struct message worker_child_expect(struct worker_child *child, const char *method)
+{
+    static const char *const passed_over[] = {"worker.beat", "frame.started", "frame.rendered"};
+    struct message message;
+
+    for (;;) {
+        bool is_passed_over = false;
+
+        if (!worker_child_hear(child, &message)) fail_msg("expected %s, got the end", method);
+        if (message.kind == MESSAGE_NOTIFICATION && !strcmp(message.method, method)) return message;
+        for (size_t i = 0; i < sizeof passed_over / sizeof passed_over[0]; i++)
+            is_passed_over |= message.kind == MESSAGE_NOTIFICATION && !strcmp(message.method, passed_over[i]);
+        if (!is_passed_over) fail_msg("expected %s, got %s", method, message.method ? message.method : "an answer");
+        message_finish(&message);
+    }
+}
+
+int64_t worker_child_integer_of(const struct message *message, const char *key)
+{
+    struct json_node node = json_node_child(&message->body, key);
+    int64_t integer = -1;
+
+    assert_true(json_read_integer(&node, 0, INT64_MAX, &integer, NULL));
+    return integer;
+}
+
+const char *worker_child_text_of(const struct message *message, const char *key)
+{
+    struct json_node node = json_node_child(&message->body, key);
+    const char *text = "";
+
+    assert_true(json_read_string(&node, &text, NULL));
+    return text;
+}
+
+void worker_child_expect_frame(struct worker_child *child, const char *method, int frame)
+{
+    struct message message = worker_child_expect(child, method);
+
+    assert_int_equal(worker_child_integer_of(&message, "frame"), frame);
+    message_finish(&message);
+}
+
+void worker_child_expect_failure(struct worker_child *child, int frame, const char *fault, const char *reason)
+{
+    struct message message = worker_child_expect(child, "frame.failed");
+
+    assert_int_equal(worker_child_integer_of(&message, "frame"), frame);
+    assert_string_equal(worker_child_text_of(&message, "fault"), fault);
+    if (!strstr(worker_child_text_of(&message, "error"), reason))
+        fail_msg("expected \"%s\" in \"%s\"", reason, worker_child_text_of(&message, "error"));
+    message_finish(&message);
+}
+
+static void remove_folder(const char *path)
+{
+    DIR *folder = opendir(path);
+    struct dirent *entry;
+    char inner[512];
+
+    assert_non_null(folder);
+    while ((entry = readdir(folder))) {
+        if (!strcmp(entry->d_name, ".") || !strcmp(entry->d_name, "..")) continue;
+        snprintf(inner, sizeof inner, "%s/%s", path, entry->d_name);
+        if (unlink(inner) < 0) remove_folder(inner);
+    }
+    closedir(folder);
+    rmdir(path);
+}
+
+int worker_child_finish(struct worker_child *child)
+{
+    int status = 0;
+    pid_t ended = 0;
+
+    for (int waited_ms = 0; waited_ms < EXIT_TIMEOUT_MS && !ended; waited_ms += 10) {
+        ended = waitpid(child->pid, &status, WNOHANG);
+        if (!ended) nanosleep(&(struct timespec){.tv_nsec = 10 * 1000 * 1000}, NULL);
+    }
+    if (!ended) {
+        kill(child->pid, SIGKILL);
+        waitpid(child->pid, &status, 0);
+    }
+    close(child->fd);
+    message_stream_finish(&child->stream);
+    remove_folder(child->root);
+    return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+void worker_child_start_renderer(struct worker_child *child)
+{
+    struct message message;
+
+    worker_child_start(child, "osmesa", NULL);
+    assert_true(worker_child_hear(child, &message));
+    if (!strcmp(message.method, "worker.failed")) {
+        print_message("no OSMesa: %s\n", worker_child_text_of(&message, "error"));
+        message_finish(&message);
+        worker_child_finish(child);
+        skip();
+    }
+    assert_string_equal(message.method, "worker.ready");
+    assert_string_equal(worker_child_text_of(&message, "backend"), "osmesa");
+    assert_int_equal(worker_child_integer_of(&message, "pid"), child->pid);
+    message_finish(&message);
+}

@@ -1,0 +1,32 @@
+// The real worker as a child, at the other end of a socketpair. What goes wrong fails the test.
+#pragma once
+
+#include "core/message.h"
+#include "core/message_stream.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <sys/types.h>
+
+struct worker_child {
+    pid_t pid;
+    int fd;
+    struct message_stream stream;
+    char root[64]; // a folder of its own
+};
+
+void worker_child_start(struct worker_child *child, const char *backend, const char *device); // NULL: any
+// Starts one with OSMesa and hears that it is ready; without OSMesa the test is skipped.
+void worker_child_start_renderer(struct worker_child *child);
+// Waits for the worker to end by itself and returns its exit status, -1 when it did not or a signal ended it. Its folder
+// is removed.
+int worker_child_finish(struct worker_child *child);
+
+__attribute__((format(printf, 2, 3))) void worker_child_say(const struct worker_child *child, const char *format, ...);
+bool worker_child_hear(struct worker_child *child, struct message *message); // false at the end of the stream
+// The next message of this method; those in between may be beats and what frames pass through only.
+struct message worker_child_expect(struct worker_child *child, const char *method);
+void worker_child_expect_frame(struct worker_child *child, const char *method, int frame);
+void worker_child_expect_failure(struct worker_child *child, int frame, const char *fault, const char *reason);
+int64_t worker_child_integer_of(const struct message *message, const char *key);
+const char *worker_child_text_of(const struct message *message, const char *key);
