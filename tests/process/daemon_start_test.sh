@@ -39,18 +39,16 @@ wait_until 10 "the reason is known" eval '[[ $(field "$id" .reason) == *"no such
 stop_daemon
 
 # On a socket that systemd made, which is systemd's to remove.
-if command -v systemd-socket-activate >/dev/null; then
-    systemd-socket-activate -l "$scratch/activated" "$bin/marchd" --state "$scratch/state" --socket "$socket" \
-        --output-root "$scratch/out" --worker-program "$(stub nocontext)" 2>>"$scratch/daemon.log" &
-    daemon_pid=$!
-    own_socket=$socket
-    socket=$scratch/activated
-    wait_until 10 "the activated daemon answers" eval '[ -n "$(ask daemon.status 2>/dev/null)" ]'
-    [ ! -e "$own_socket" ] || fail "it made a socket of its own"
-    stop_daemon
-    [ -S "$socket" ] || fail "it removed a socket that is not its own"
-    socket=$own_socket
-fi
+systemd-socket-activate -l "$scratch/activated" "$bin/marchd" --state "$scratch/state" --socket "$socket" \
+    --output-root "$scratch/out" --worker-program "$(stub nocontext)" 2>>"$scratch/daemon.log" &
+daemon_pid=$!
+own_socket=$socket
+socket=$scratch/activated
+wait_until 10 "the activated daemon answers" eval '[ -n "$(ask daemon.status 2>/dev/null)" ]'
+[ ! -e "$own_socket" ] || fail "it made a socket of its own"
+stop_daemon
+[ -S "$socket" ] || fail "it removed a socket that is not its own"
+socket=$own_socket
 
 # Workers that break the protocol are killed, and the frame's attempts end.
 start_daemon --worker-program "$(stub garbage)"
@@ -73,5 +71,5 @@ for fault in job frame; do
 done
 
 # A store that a newer version wrote is left alone.
-sqlite3 "$scratch/state/queue.db" 'PRAGMA user_version = 1000' 2>/dev/null || { echo "no sqlite3: the newer store is not tried"; exit 0; }
+sqlite3 "$scratch/state/queue.db" 'PRAGMA user_version = 1000'
 refuse "newer" --state "$scratch/state" --socket "$socket" --output-root "$scratch/out"
