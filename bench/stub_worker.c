@@ -27,6 +27,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -405,6 +406,8 @@ int main(int argc, char **argv)
     colon = strchr(stub.mode, ':');
     if (colon) stub.frame_ms = atoi(colon + 1);
     signal(SIGPIPE, SIG_IGN);
+    // As march-worker: what a dead daemon's worker writes, nobody removes.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (has_mode(&stub, "nocontext")) {
         say_unable(&stub);
         flush(&stub);

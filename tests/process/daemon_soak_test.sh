@@ -1,0 +1,150 @@
+#!/bin/bash
+# Many jobs while workers, clients and the daemon die at random and users change their minds: in the end every frame of
+# every job is there once and whole, its row tells of that very file, nothing is left over, and a restart changes nothing.
+#   SOAK_SECONDS=300 SOAK_SEED=7 tests/process/daemon_soak_test.sh   longer, with other choices
+. "$(dirname "$0")/farm.sh"
+RANDOM=${SOAK_SEED:-1}
+seconds=${SOAK_SECONDS:-8}
+submitted=0
+
+# Workers by turns: most are well, some die, fall silent, break the protocol or fail their frames.
+mixed=$scratch/worker-mixed
+cat >"$mixed" <<END
+#!/bin/bash
+printf x >>"$scratch/turns"
+turn=\$(stat -c %s "$scratch/turns")
+modes=(write:5 write:20 write:0 crash write:5 fail:frame write:50 garbage write:5 hang)
+exec "$bin/stub-worker" --mode "\${modes[turn % 10]}" "\$@"
+END
+chmod +x "$mixed"
+
+# What is seen under a final name, again and again: one file a name, and never an unfinished one.
+watch_files()
+{
+    while :; do
+        find "$scratch/out" -name '*.exr' -printf '%p %i\n' 2>/dev/null
+        find "$scratch/out" -name '*.exr' -size -8c -printf 'short %p\n' 2>/dev/null
+        sleep 0.1
+    done >>"$scratch/seen"
+}
+
+submit_one()
+{
+    local document
+
+    submitted=$((submitted + 1))
+    document=$(job "1-$((RANDOM % 60 + 1))" ".output.path = \"$submitted/s.####.exr\" | .priority = $((RANDOM % 100))")
+    ask job.submit "{\"document\":$document}" >/dev/null
+}
+
+# A client that goes away: in the middle of a line, or with a subscription.
+vanish()
+{
+    if [ $((RANDOM % 2)) = 0 ]; then
+        printf '{"jsonrpc":"2.0","id":1,"method":"job.cancel","par' | ask_raw >/dev/null
+    else
+        listen "$scratch/vanished"
+        kill -KILL $!
+        wait $! 2>/dev/null
+    fi
+}
+
+kill_worker()
+{
+    local pids
+
+    mapfile -t pids < <(ask worker.list | jq '.result.workers[].pid | values')
+    [ ${#pids[@]} = 0 ] || kill -KILL "${pids[RANDOM % ${#pids[@]}]}" 2>/dev/null
+}
+
+# change METHOD [MORE-PARAMS]: of some job; that it may be refused is the point.
+change()
+{
+    [ "$submitted" = 0 ] || ask "$1" "{\"id\":$((RANDOM % submitted + 1))${2-}}" >/dev/null
+}
+
+restart()
+{
+    "$1"
+    start_daemon --stop-timeout 1 --workers 3 --worker-program "$mixed"
+}
+
+act()
+{
+    case $((RANDOM % 16)) in
+    0 | 1 | 2 | 3) submit_one ;;
+    4 | 5 | 6) kill_worker ;;
+    7) restart kill_daemon ;;
+    8) [ $((RANDOM % 4)) != 0 ] || restart stop_daemon ;;
+    9) change job.pause ;;
+    10 | 11) change job.resume ;;
+    12) [ $((RANDOM % 3)) != 0 ] || change job.cancel ;;
+    13) change job.retry ',"state":["failed","canceled"]' ;;
+    14) change job.priority ",\"priority\":$((RANDOM % 101))" ;;
+    15) vanish ;;
+    esac
+}
+
+# All that the daemon says about jobs and frames, but for what a restart begins anew.
+tell_all()
+{
+    local id
+
+    ask job.list | jq -c '.result.jobs[] | del(.seconds_per_frame, .eta_s)'
+    for id in $(ask job.list | jq '.result.jobs[].id'); do
+        ask job.frames "{\"id\":$id}" | jq -c --argjson id "$id" '.result.frames[] | [$id, .frame, .state, .hash, .path, .error]'
+    done
+}
+
+mkdir -p "$scratch/out"
+watch_files &
+start_daemon --stop-timeout 1 --workers 3 --worker-program "$mixed"
+ends=$((SECONDS + seconds))
+while [ $SECONDS -lt $ends ]; do
+    act
+done
+
+# Peace: with workers that are well, all that may go on does.
+kill_daemon
+start_daemon --worker-program "$(stub write:0)"
+for id in $(ask job.list '{"state":["queued","running","paused"]}' | jq '.result.jobs[].id'); do
+    ask job.resume "{\"id\":$id}" >/dev/null
+done
+for id in $(ask job.list | jq '.result.jobs[].id'); do
+    ask job.retry "{\"id\":$id}" >/dev/null
+done
+is_quiet()
+{
+    [ "$(ask daemon.status | jq '.result.frames | .queued + .running')" = 0 ]
+}
+wait_until 60 "all frames are done" is_quiet
+wait_until 5 "leftovers are gone" eval '[ -z "$(find "$scratch/out" -name "*.part")" ]'
+
+expect "jobs that neither succeeded nor were canceled" \
+    "$(ask job.list | jq -c '.result.jobs[] | select(.state != "succeeded" and .state != "canceled")')" ""
+expect "jobs whose states do not add up" "$(ask job.list | jq -c '.result.jobs[] | select(.queued + .running + .succeeded +
+    .failed + .canceled + .skipped != .frames)')" ""
+expect "succeeded jobs with other frames" \
+    "$(ask job.list | jq -c '.result.jobs[] | select(.state == "succeeded" and .succeeded != .frames)')" ""
+before=$(tell_all)
+stop_daemon
+
+# What the rows say against what is there. State 2 is "succeeded"; each file holds its own number.
+jq -r 'arrays | select(.[2] == "succeeded") | .[4]' <<<"$before" | sort >"$scratch/told"
+find "$scratch/out" -type f | sort >"$scratch/there"
+diff "$scratch/told" "$scratch/there" || fail "the files told and the files there differ"
+sqlite3 "$scratch/state/queue.db" 'SELECT inode FROM frame WHERE state = 2' | sort >"$scratch/inodes_told"
+find "$scratch/out" -type f -printf '%i\n' | sort >"$scratch/inodes_there"
+diff "$scratch/inodes_told" "$scratch/inodes_there" || fail "the files that the rows tell of are others"
+while read -r path; do
+    number=${path%.exr}
+    [ "$(<"$path")" = "frame $((10#${number##*.}))" ] || fail "$path holds \"$(<"$path")\""
+done <"$scratch/there"
+expect "rows of publishing cut short" "$(sqlite3 "$scratch/state/queue.db" 'SELECT count(*) FROM frame WHERE state = 1')" 0
+expect "names that held two files" "$(sort -u "$scratch/seen" | cut -d' ' -f1 | grep -v '^short' | sort | uniq -d)" ""
+expect "unfinished files" "$(grep '^short' "$scratch/seen")" ""
+
+start_daemon --worker-program "$(stub write:0)"
+diff <(echo "$before") <(tell_all) || fail "a restart changed something"
+kill_daemon
+echo "$submitted jobs, $(wc -l <"$scratch/there") files, $(stat -c %s "$scratch/turns") workers"
