@@ -155,6 +155,14 @@ static bool lay_out(struct sheet *sheet, const struct image *image, struct error
     return false;
 }
 
+static bool check_size(const char *path, const struct image *image, int width, int height, struct error *error)
+{
+    if (image->width_px == width && image->height_px == height) return true;
+    error_set(error, "%s: expected %d x %d pixels as in the first file, got %d x %d", path, width, height,
+              image->width_px, image->height_px);
+    return false;
+}
+
 static bool read_tiles(struct sheet *sheet, struct exposure *exposure, struct error *error)
 {
     const struct preview_params *params = sheet->params;
@@ -164,12 +172,8 @@ static bool read_tiles(struct sheet *sheet, struct exposure *exposure, struct er
         bool ok;
 
         if (!read_file(params->files[i], &image, error)) return false;
-        ok = i > 0 || lay_out(sheet, &image, error);
-        if (ok && (image.width_px != sheet->image_width || image.height_px != sheet->image_height)) {
-            error_set(error, "%s: expected %d x %d pixels as in the first file, got %d x %d", params->files[i],
-                      sheet->image_width, sheet->image_height, image.width_px, image.height_px);
-            ok = false;
-        }
+        ok = i > 0 ? check_size(params->files[i], &image, sheet->image_width, sheet->image_height, error)
+                   : lay_out(sheet, &image, error);
         if (ok) {
             exposure_add_image(exposure, &image);
             shrink(&image, sheet->tiles + i * (size_t)sheet->tile_width * (size_t)sheet->tile_height * 3,
@@ -278,9 +282,12 @@ bool preview_write_frames(const struct preview_params *params, struct preview_re
         bool ok;
 
         if (!read_file(params->files[i], &image, error)) return false;
-        result->width_px = image.width_px;
-        result->height_px = image.height_px;
-        ok = write_frame(&image, (float)exp2(result->exposure), params->out, i, error);
+        if (i == 0) {
+            result->width_px = image.width_px;
+            result->height_px = image.height_px;
+        }
+        ok = check_size(params->files[i], &image, result->width_px, result->height_px, error) &&
+             write_frame(&image, (float)exp2(result->exposure), params->out, i, error);
         image_finish(&image);
         if (!ok) return false;
     }

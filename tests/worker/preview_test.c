@@ -317,6 +317,27 @@ static void film_has_a_whole_picture_for_each_file(void **state)
     tear_down(&folder);
 }
 
+static void film_of_pictures_that_differ_in_size_is_refused(void **state)
+{
+    struct folder folder;
+    struct preview_params params;
+    struct preview_result result;
+    struct error error = {0};
+    char name[PREVIEW_NAME_SIZE], path[128];
+
+    set_up(&folder);
+    add_file(&folder, 20, 10, 0.1f, 0.1f);
+    add_file(&folder, 20, 12, 0.1f, 0.1f);
+    params = make_params(&folder);
+    params.out = folder.path;
+    assert_false(preview_write_frames(&params, &result, &error));
+    assert_non_null(strstr(error.message, "1.exr: expected 20 x 10 pixels as in the first file, got 20 x 12"));
+    preview_format_name(0, name);
+    snprintf(path, sizeof path, "%s/%s", folder.path, name);
+    unlink(path);
+    tear_down(&folder);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -331,6 +352,7 @@ int main(void)
         cmocka_unit_test(sheet_is_laid_out_near_three_to_two),
         cmocka_unit_test(file_that_does_not_fit_or_cannot_be_read_is_named),
         cmocka_unit_test(film_has_a_whole_picture_for_each_file),
+        cmocka_unit_test(film_of_pictures_that_differ_in_size_is_refused),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
