@@ -3,10 +3,12 @@
 #include "core/error.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <getopt.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { ENCODE_THREAD_LIMIT = 64 };
 
@@ -43,6 +45,19 @@ static bool parse_backend(struct options *options, const char *text, struct erro
     return false;
 }
 
+// A folder that is not there would stand for our own shaders without a word.
+static bool check_folder(const char *name, const char *path, struct error *error)
+{
+    int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+
+    if (fd >= 0) {
+        close(fd);
+        return true;
+    }
+    error_set_errno(error, errno, "--%s: %s", name, path);
+    return false;
+}
+
 static bool parse_option(struct options *options, int option, const char *text, struct error *error)
 {
     switch (option) {
@@ -55,7 +70,7 @@ static bool parse_option(struct options *options, int option, const char *text, 
         return true;
     case 's':
         options->shader_dir = text;
-        return true;
+        return check_folder("shader-dir", text, error);
     case 'e':
         return parse_number("encode-threads", text, 1, ENCODE_THREAD_LIMIT, &options->encode_threads, error);
     default:
