@@ -22,7 +22,7 @@ enum exit_status command_help(const struct options *options, struct error *error
     }
     command = command_find(options->operands[0]);
     if (!command) {
-        error_set(error, "unknown verb \"%s\"", options->operands[0]);
+        command_fail_unknown(options->operands[0], error);
         return EXIT_STATUS_USAGE;
     }
     command_print_help(stdout, command);

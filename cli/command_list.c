@@ -17,7 +17,7 @@ static const struct table_column columns[] = {{"ID", true},   {"NAME", false},  
 
 static void add_row(struct table *table, const struct job_report *job)
 {
-    char *eta = NULL;
+    char *eta = NULL, *pace = NULL;
 
     if (job->eta_s >= 0 && strcmp(job->state, "running") == 0) eta = progress_format_duration(job->eta_s);
     table_add_format(table, "%" PRId64, job->id);
@@ -27,13 +27,12 @@ static void add_row(struct table *table, const struct job_report *job)
     table_add_format(table, "%" PRId64, job->succeeded + job->skipped);
     table_add_format(table, "%" PRId64, job->frames);
     table_add_format(table, "%" PRId64, job->failed);
-    if (job->seconds_per_frame >= 0)
-        table_add_format(table, "%.3g", job->seconds_per_frame);
-    else
-        table_add(table, NULL);
+    if (job->seconds_per_frame >= 0) pace = progress_format_pace(job->seconds_per_frame);
+    table_add(table, pace);
     table_add(table, eta);
     table_add(table, job->owner);
     table_add(table, job->reason ? job->reason : "");
+    free(pace);
     free(eta);
 }
 

@@ -55,7 +55,12 @@ static void print_job(const struct job_report *job)
     print_time("submitted", job->submitted);
     print_time("started", job->started);
     print_time("finished", job->finished);
-    if (job->seconds_per_frame >= 0) printf("%-10s %.3g\n", "s/frame", job->seconds_per_frame);
+    if (job->seconds_per_frame >= 0) {
+        char *pace = progress_format_pace(job->seconds_per_frame);
+
+        printf("%-10s %s\n", "s/frame", pace);
+        free(pace);
+    }
     if (job->eta_s >= 0 && !job_report_has_ended(job)) {
         char *eta = progress_format_duration(job->eta_s);
 

@@ -1,6 +1,7 @@
 #include "cli/commands.h"
 
 #include "cli/options.h"
+#include "core/error.h"
 #include "core/json_read.h"
 #include "core/json_write.h"
 
@@ -9,7 +10,8 @@
 #define BIT(name) OPTION_BIT(OPTION_##name)
 #define EVERY (BIT(HELP) | BIT(JSON))
 #define DAEMON (EVERY | BIT(SOCKET))
-#define WORKER (EVERY | BIT(BACKEND) | BIT(DEVICE) | BIT(WORKER_PROGRAM) | BIT(SHADER_DIR))
+#define WORKER (EVERY | BIT(WORKER_PROGRAM))
+#define RENDERER (WORKER | BIT(BACKEND) | BIT(DEVICE) | BIT(SHADER_DIR))
 
 enum { ANY = 1 << 20, FIRST_LOCAL = 13 };
 
@@ -39,10 +41,10 @@ static const struct command commands[] = {
     {"workers", "", 0, 0, DAEMON, "Lists the workers and what they run on.", "march workers", command_workers},
     {"validate", "FILE...", 1, ANY, EVERY | BIT(SET), "Checks job files.", "march validate jobs/*.json",
      command_validate},
-    {"render", "JOB", 1, 1, WORKER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS),
+    {"render", "JOB", 1, 1, RENDERER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS),
      "Renders a job here, without a daemon, into the current folder or to --out.",
      "march render jobs/cloud.json --frames 0-239x60 --out /tmp/cloud.####.exr", command_render},
-    {"explain", "JOB", 1, 1, WORKER | BIT(SET) | BIT(SHADER),
+    {"explain", "JOB", 1, 1, WORKER | BIT(SHADER_DIR) | BIT(SET) | BIT(SHADER),
      "Says what the scene makes the renderer model, what not, and why.", "march explain jobs/cloud.json --shader",
      command_explain},
     {"preview", "PATTERN|FILE...", 1, ANY,
@@ -62,13 +64,18 @@ const struct command *command_find(const char *name)
     return NULL;
 }
 
-const char *command_nearest_name(const char *name)
+void command_fail_unknown(const char *name, struct error *error)
 {
     const char *names[COMMAND_COUNT + 1] = {NULL};
+    const char *nearest;
 
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         names[i] = commands[i].name;
-    return json_nearest_name(name, names);
+    nearest = json_nearest_name(name, names);
+    if (nearest)
+        error_set(error, "unknown verb \"%s\", did you mean \"%s\"?", name, nearest);
+    else
+        error_set(error, "unknown verb \"%s\"", name);
 }
 
 void command_print_help(FILE *out, const struct command *command)
@@ -87,7 +94,8 @@ void command_print_overview(FILE *out)
         fprintf(out, "  %-9s %-16s %s\n", commands[i].name, commands[i].operands, commands[i].summary);
     }
     fputs("\n`march VERB --help` tells the options of a verb.\n"
-          "Exit codes: 0 done, 1 the work failed, 2 wrong usage or job file, 3 no daemon, 4 not allowed.\n",
+          "Exit codes: 0 done, 1 the work failed, 2 wrong usage or job file, 3 no daemon, 4 not allowed,\n"
+          "130 interrupted.\n",
           out);
 }
 

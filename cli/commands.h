@@ -26,7 +26,7 @@ struct command {
 };
 
 const struct command *command_find(const char *name); // NULL when there is none
-const char *command_nearest_name(const char *name);   // NULL when none is near
+void command_fail_unknown(const char *name, struct error *error);
 void command_print_help(FILE *out, const struct command *command);
 void command_print_overview(FILE *out);
 void command_write_overview(struct json_writer *writer); // {"verbs":[{"name","operands","summary"}]}

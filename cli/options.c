@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum option_kind { KIND_FLAG, KIND_TEXT, KIND_LIST, KIND_INTEGER, KIND_NUMBER };
+enum option_kind { KIND_FLAG, KIND_TEXT, KIND_LIST, KIND_INTEGER, KIND_NUMBER, KIND_BACKEND };
 
 struct option_rule {
     const char *name;
@@ -40,7 +40,7 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_FRAME] = {"frame", KIND_INTEGER, FIELD(frame), "N", 0, INT32_MAX, "only this frame"},
     [OPTION_FRAMES] = {"frames", KIND_TEXT, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
     [OPTION_OUT] = {"out", KIND_TEXT, FIELD(out), "PATH", 0, 0, "where to write"},
-    [OPTION_BACKEND] = {"backend", KIND_TEXT, FIELD(backend), "NAME", 0, 0, "auto, egl or osmesa"},
+    [OPTION_BACKEND] = {"backend", KIND_BACKEND, FIELD(backend), "NAME", 0, 0, "auto, egl or osmesa"},
     [OPTION_DEVICE] = {"device", KIND_TEXT, FIELD(device), "DEVICE", 0, 0, "EGL device by UUID or index"},
     [OPTION_ENCODE_THREADS] = {"encode-threads", KIND_INTEGER, FIELD(encode_threads), "N", 1, 64,
                                "threads that compress a frame"},
@@ -112,6 +112,17 @@ static bool set_number(struct options *options, const struct option_rule *rule, 
     return false;
 }
 
+static bool set_backend(struct options *options, const char *value, struct error *error)
+{
+    static const char *const names[] = {"auto", "egl", "osmesa"};
+
+    options->backend = value;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(value, names[i]) == 0) return true;
+    error_set(error, "--backend: expected auto, egl or osmesa, got \"%s\"", value);
+    return false;
+}
+
 static bool set_value(struct options *options, const struct option_rule *rule, const char *value, struct error *error)
 {
     char *field = (char *)options + rule->offset;
@@ -130,6 +141,8 @@ static bool set_value(struct options *options, const struct option_rule *rule, c
         return set_integer(options, rule, value, error);
     case KIND_NUMBER:
         return set_number(options, rule, value, error);
+    case KIND_BACKEND:
+        return set_backend(options, value, error);
     }
     return false;
 }

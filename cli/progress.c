@@ -33,6 +33,12 @@ char *progress_format_duration(double seconds)
     return xasprintf("%" PRId64 " d %02d:%02d", whole / 86400, (int)(whole / 3600 % 24), (int)(whole / 60 % 60));
 }
 
+char *progress_format_pace(double seconds_per_frame)
+{
+    if (seconds_per_frame < 0.001) return xstrdup("<0.001");
+    return xasprintf(seconds_per_frame < 999.5 ? "%.3g" : "%.0f", seconds_per_frame);
+}
+
 // Cuts `text` to `width` columns at a code point and replaces control bytes.
 static void fit_text(char *text, int width)
 {
@@ -61,7 +67,12 @@ static char *format_facts(const struct progress *progress)
     if (!out) abort();
     fprintf(out, "%" PRId64 "/%" PRId64, progress->done, progress->total);
     if (progress->failed > 0) fprintf(out, "  %" PRId64 " failed", progress->failed);
-    if (progress->seconds_per_frame >= 0) fprintf(out, "  %.3g s/frame", progress->seconds_per_frame);
+    if (progress->seconds_per_frame >= 0) {
+        char *pace = progress_format_pace(progress->seconds_per_frame);
+
+        fprintf(out, "  %s s/frame", pace);
+        free(pace);
+    }
     if (progress->eta_s >= 0 && is_running(progress)) {
         char *eta = progress_format_duration(progress->eta_s);
 

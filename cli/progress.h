@@ -22,6 +22,8 @@ struct progress {
 char *progress_format(const struct progress *progress, int width, bool has_color);
 // "1.2 s", "4:05", "2:03:09", "3 d 04:00"; owned by the caller.
 char *progress_format_duration(double seconds);
+// "<0.001", "0.0231", "6.41", "1234": seconds a frame; owned by the caller.
+char *progress_format_pace(double seconds_per_frame);
 
 // Where progress is shown. Zero value: nothing shown yet.
 struct progress_display {

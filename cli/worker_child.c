@@ -66,8 +66,8 @@ static void exec_child(const char *program, char *const arguments[], int fd, pid
     _exit(127);
 }
 
-static void fill_arguments(const struct options *options, char *program, char *threads, size_t threads_size,
-                           char *arguments[ARGUMENT_LIMIT])
+static void fill_arguments(const struct options *options, const char *backend, char *program, char *threads,
+                           size_t threads_size, char *arguments[ARGUMENT_LIMIT])
 {
     size_t count = 0;
 
@@ -75,7 +75,7 @@ static void fill_arguments(const struct options *options, char *program, char *t
     arguments[count++] = (char *)"--fd";
     arguments[count++] = (char *)"3";
     arguments[count++] = (char *)"--backend";
-    arguments[count++] = (char *)(options->backend ? options->backend : "auto");
+    arguments[count++] = (char *)backend;
     if (options->device) {
         arguments[count++] = (char *)"--device";
         arguments[count++] = (char *)options->device;
@@ -92,8 +92,8 @@ static void fill_arguments(const struct options *options, char *program, char *t
     arguments[count] = NULL;
 }
 
-bool worker_child_start(struct worker_child *child, const struct options *options, struct interrupt *interrupt,
-                        struct error *error)
+static bool start(struct worker_child *child, const struct options *options, const char *backend,
+                  struct interrupt *interrupt, struct error *error)
 {
     char *arguments[ARGUMENT_LIMIT];
     char threads[24];
@@ -108,7 +108,7 @@ bool worker_child_start(struct worker_child *child, const struct options *option
         free(program);
         return false;
     }
-    fill_arguments(options, program, threads, sizeof threads, arguments);
+    fill_arguments(options, backend, program, threads, sizeof threads, arguments);
     fflush(NULL);
     child->pid = fork();
     if (child->pid == 0) exec_child(program, arguments, fds[1], parent);
@@ -123,6 +123,12 @@ bool worker_child_start(struct worker_child *child, const struct options *option
     child->connection = connection_adopt(fds[0], "march-worker");
     connection_set_interrupt(child->connection, interrupt);
     return true;
+}
+
+bool worker_child_start(struct worker_child *child, const struct options *options, struct interrupt *interrupt,
+                        struct error *error)
+{
+    return start(child, options, options->backend ? options->backend : "auto", interrupt, error);
 }
 
 // Waits up to `limit_ms`; true when the child is reaped.
@@ -191,7 +197,7 @@ enum exit_status worker_child_ask(const struct options *options, const char *met
     enum exit_status status = EXIT_STATUS_FAILED;
 
     interrupt_init(&interrupt);
-    if (!worker_child_start(&child, options, &interrupt, error)) goto out;
+    if (!start(&child, options, "none", &interrupt, error)) goto out;
     if (connection_call(child.connection, method, params, reply, error)) {
         status = EXIT_STATUS_DONE;
     } else {

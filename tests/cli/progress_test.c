@@ -117,6 +117,25 @@ static void durations_read_as_clocks(void **state)
     assert_duration(1e300, "11574074074 d 01:46");
 }
 
+static void assert_pace(double seconds, const char *expected)
+{
+    char *text = progress_format_pace(seconds);
+
+    assert_string_equal(text, expected);
+    free(text);
+}
+
+static void paces_have_no_exponent(void **state)
+{
+    assert_pace(0, "<0.001");
+    assert_pace(8.2e-5, "<0.001");
+    assert_pace(0.00273, "0.00273");
+    assert_pace(6.414, "6.41");
+    assert_pace(999.4, "999");
+    assert_pace(999.6, "1000");
+    assert_pace(1234.4, "1234");
+}
+
 // Draws to a file, which is no terminal.
 static void plain_display_repeats_nothing_that_did_not_change(void **state)
 {
@@ -169,6 +188,7 @@ int main(void)
         cmocka_unit_test(colour_is_only_there_when_asked_for),
         cmocka_unit_test(control_bytes_in_names_are_replaced),
         cmocka_unit_test(durations_read_as_clocks),
+        cmocka_unit_test(paces_have_no_exponent),
         cmocka_unit_test(plain_display_repeats_nothing_that_did_not_change),
         cmocka_unit_test(live_display_draws_over_its_own_lines),
     };

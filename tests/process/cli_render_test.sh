@@ -85,6 +85,14 @@ wait "$pid"
 ! kill -0 $worker 2>/dev/null || fail "the worker outlives an interrupted render"
 ! ls stopped/*.part 2>/dev/null || fail "a part file outlives an interrupted render"
 
+printf '#!/bin/sh\necho "$@" >arguments\nexec march-worker "$@"\n' >recorder
+chmod +x recorder
+expect 0 march explain "$cloud" --worker-program ./recorder
+grep -q -- "--backend none" arguments || fail "explain works where there is no GL"
+expect 1 march explain "$cloud" --shader-dir none
+grep -q -- "--shader-dir: none: No such file or directory" err || fail "a folder of shaders that is not there is named"
+expect 1 march explain "$cloud" --shader-dir "$cloud"
+grep -q "Not a directory" err || fail "shaders are in a folder"
 expect 0 march explain "$cloud"
 grep -q "fold_fractal" out || fail "explain names the density"
 grep -q "^Not modelled" out || fail "explain says what is not modelled"
