@@ -112,7 +112,8 @@ static void on_idle(uv_idle_t *idle)
 
 static bool has_room(const struct client *client)
 {
-    return !client->is_closing && client->owed < OWED_LIMIT && client_backlog_bytes(client) < BACKLOG_LIMIT;
+    return !client->is_closing && !client->is_deaf && client->owed < OWED_LIMIT &&
+           client_backlog_bytes(client) < BACKLOG_LIMIT;
 }
 
 static void send_error(struct client *client, const char *id, enum message_code code, const char *text)
@@ -175,6 +176,12 @@ static void pump(struct client *client)
         set_reading(client, has_room(client) && !client->has_ended);
         if (has_room(client) && client->has_ended && client->owed == 0) end(client);
     }
+}
+
+void client_stop_hearing(struct client *client)
+{
+    client->is_deaf = true;
+    pump(client);
 }
 
 void client_send(struct client *client, const char *bytes, size_t size_bytes)

@@ -30,6 +30,7 @@ struct client {
     int open_handles;
     bool is_reading;
     bool has_ended; // the peer sends no more
+    bool is_deaf;   // the daemon takes no more from it
     bool is_closing;
     uv_shutdown_t shutdown;
     struct client *next, *previous; // on the listener's list
@@ -38,6 +39,8 @@ struct client {
 // Takes the connection that waits at `server`; NULL when there is none. It frees itself after it is closed.
 struct client *client_accept(uv_stream_t *server, const struct client_handlers *handlers);
 void client_close(struct client *client); // at once; legal twice
+// Takes no more messages from it; what it is owed or subscribed to still goes out.
+void client_stop_hearing(struct client *client);
 
 void client_send(struct client *client, const char *bytes, size_t size_bytes); // copies; nothing when it is closing
 size_t client_backlog_bytes(const struct client *client);                      // sent, not yet taken by the peer

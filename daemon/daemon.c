@@ -221,6 +221,7 @@ static void on_turn(uv_prepare_t *turn)
     }
     if (daemon->phase == DAEMON_STOPPING && worker_pool_is_empty(daemon->farm.pool)) {
         daemon->phase = DAEMON_FLUSHING;
+        listener_hush(daemon->listener);
         daemon->flushing_since_ms = farm_now_ms(&daemon->farm);
     }
     if (daemon->phase == DAEMON_FLUSHING && is_flushed(&daemon->farm))

@@ -184,6 +184,12 @@ void listener_stop(struct listener *listener)
     uv_close((uv_handle_t *)&listener->pipe, on_pipe_closed);
 }
 
+void listener_hush(struct listener *listener)
+{
+    for (struct client *client = listener->clients; client; client = client->next)
+        client_stop_hearing(client);
+}
+
 void listener_close(struct listener *listener)
 {
     listener->is_closing = true;

@@ -86,3 +86,12 @@ wait_state "$id" failed 30
 [[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == "killed: no message for "* ]] ||
     fail "log: $(ask job.log "{\"id\":$id}")"
 stop_daemon
+
+# Nor does a client that asks on and on keep the daemon from stopping.
+start_daemon --worker-program "$(stub skip)"
+id=$(submit "$(job 1 '.output.path = "asked/a.####.exr"')" true)
+yes "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"job.priority\",\"params\":{\"id\":$id,\"priority\":3}}" | ask_raw >/dev/null &
+sleep 0.3
+before=$SECONDS
+stop_daemon
+[ $((SECONDS - before)) -le 10 ] || fail "it took $((SECONDS - before)) s to stop while a client asked"
