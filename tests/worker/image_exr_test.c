@@ -244,6 +244,14 @@ static void standard_attributes_have_their_types_and_values(void **state)
     assert_string_attribute(context, "owner", "ada");
     assert_string_attribute(context, "software", "marchd " MARCHD_VERSION);
     assert_string_attribute(context, "marchd:job", "5000000007");
+    assert_string_attribute(context, "marchd:method", "midpoint");
+    assert_string_attribute(context, "marchd:backend", "osmesa");
+    assert_string_attribute(context, "marchd:renderer", "llvmpipe");
+    assert_string_attribute(context, "marchd:shaderHash", header.shader_hash);
+    assert_int_equal(exr_get_attribute_by_name(context, 0, "marchd:step", &found), EXR_ERR_SUCCESS);
+    assert_true(found->type == EXR_ATTR_DOUBLE && found->d == 0.01);
+    assert_int_equal(exr_get_attribute_by_name(context, 0, "marchd:attempt", &found), EXR_ERR_SUCCESS);
+    assert_true(found->type == EXR_ATTR_INT && found->i == 2);
     assert_int_equal(exr_get_attribute_by_name(context, 0, "framesPerSecond", &found), EXR_ERR_SUCCESS);
     assert_int_equal(found->type, EXR_ATTR_RATIONAL);
     assert_int_equal(found->rational->num, 24000);

@@ -305,27 +305,6 @@ static void an_absorbing_ball_follows_beer_and_lambert(void **state)
     image_finish(&image);
 }
 
-// The count is rounded in double precision, a half away from 0; a driver may round a float either way.
-static void a_riemann_sum_has_the_samples_its_interval_gives(void **state)
-{
-    struct stage stage = open_stage(GL_BACKEND_AUTO, NULL);
-    struct renderer_result result;
-    struct image image;
-    struct job job;
-
-    ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_RIEMANN);
-    job.width_px = job.height_px = 1;
-    job.scene.camera.clip_near = 3;
-    job.scene.camera.clip_far = 4.25;
-    job.quality.step = 0.5;
-    image = render(stage, &job, 0, &result);
-    // 2e-4: the density's distance from 1.
-    assert_true(fabs(pixel(&image, 0, 0)[3] - (1 - exp(-3 * 0.5))) < 2e-4);
-    image_finish(&image);
-    job_finish(&job);
-    close_stage(stage);
-}
-
 static void a_furnace_shows_nothing(void **state)
 {
     struct renderer_result result;
@@ -464,7 +443,6 @@ int main(void)
         cmocka_unit_test(grey_and_rgb_give_equal_pictures_of_a_grey_scene),
         cmocka_unit_test(the_camera_looks_where_its_matrices_say),
         cmocka_unit_test(an_absorbing_ball_follows_beer_and_lambert),
-        cmocka_unit_test(a_riemann_sum_has_the_samples_its_interval_gives),
         cmocka_unit_test(a_furnace_shows_nothing),
         cmocka_unit_test(a_light_is_brighter_where_forward_scattering_leads_to_the_eye),
         cmocka_unit_test(backends_agree),
