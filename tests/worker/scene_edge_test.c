@@ -19,9 +19,8 @@ struct seen {
     float depth;
 };
 
-// One pixel, whose ray enters the ball at 3 m and leaves it at 5 m. A job that sums by riemann takes steps of 0.5 m up to
-// `far`.
-static struct seen see_middle(const char *medium, const char *rest, double far)
+// One pixel, whose ray enters the ball at 3 m and leaves it at 5 m. A job that sums by riemann takes steps of 0.5 m.
+static struct seen see_middle(const char *medium, const char *rest, double near, double far)
 {
     struct error error = {{0}};
     struct gl_context *context = gl_context_create(GL_BACKEND_AUTO, NULL, &error);
@@ -39,7 +38,7 @@ static struct seen see_middle(const char *medium, const char *rest, double far)
     renderer = renderer_create(context, NULL);
     ball_job_parse(&job, medium, rest);
     job.width_px = job.height_px = 1;
-    job.scene.camera.clip_near = 3;
+    job.scene.camera.clip_near = near;
     job.scene.camera.clip_far = far;
     if (job.quality.method == JOB_METHOD_RIEMANN) job.quality.step = 0.5;
     assert_true(image_init(&image, 1, 1, true, true, NULL));
@@ -58,7 +57,7 @@ static struct seen see_middle(const char *medium, const char *rest, double far)
 // stands for the step that ends there, so half of the light is left ln 2 m behind the near distance.
 static void a_riemann_sum_has_the_samples_its_interval_gives(void **state)
 {
-    struct seen seen = see_middle(BALL_JOB_SIGMA_A_1, BALL_JOB_RIEMANN, 4.25);
+    struct seen seen = see_middle(BALL_JOB_SIGMA_A_1, BALL_JOB_RIEMANN, 3, 4.25);
 
     // 2e-4: the density's distance from 1.
     assert_true(fabs(seen.rgba[3] - (1 - exp(-3 * 0.5))) < 2e-4);
@@ -78,9 +77,17 @@ static void a_light_at_a_sample_is_finite(void **state)
                  "\"lights\": [{\"kind\": \"point\", \"falloff\": \"%s\", \"intensity\": 1,"
                  " \"position\": [0, 0, 0]}], " BALL_JOB_RIEMANN,
                  falloffs[i]);
-        seen = see_middle(BALL_JOB_SIGMA_S_1 ", \"phase\": [{\"g\": 0.5}]", rest, 5);
+        seen = see_middle(BALL_JOB_SIGMA_S_1 ", \"phase\": [{\"g\": 0.5}]", rest, 3, 5);
         assert_true(seen.rgba[0] > 0);
     }
+}
+
+static void media_are_gathered_between_the_clip_distances(void **state)
+{
+    struct seen seen = see_middle(BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT, 3.51, 4.27);
+
+    assert_true(fabs(seen.rgba[3] - (1 - exp(-0.76))) < 2e-4);
+    assert_true(fabs(seen.depth - (3.51 + log(2))) < 2e-4);
 }
 
 // From its only sample, half a metre deep, to where the medium ends: beyond, there is nothing to sum.
@@ -98,7 +105,7 @@ static void a_ray_goes_on_while_any_colour_passes(void **state)
     struct seen seen = see_middle("\"sigma_a\": [0, 50, 50], \"emission\": 1",
                                   "\"quality\": {\"method\": \"midpoint\", \"step\": 0.05, \"light_step\": 0.05, "
                                   "\"min_transmittance\": 0.5}",
-                                  8);
+                                  1, 8);
 
     // Two metres of glow, but for the density's distance from 1 and a step at either end.
     assert_true(fabs(seen.rgba[0] - 2) < 1e-3);
@@ -110,6 +117,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_riemann_sum_has_the_samples_its_interval_gives),
         cmocka_unit_test(a_light_at_a_sample_is_finite),
+        cmocka_unit_test(media_are_gathered_between_the_clip_distances),
         cmocka_unit_test(a_riemann_sum_towards_a_sun_ends_with_the_media),
         cmocka_unit_test(a_ray_goes_on_while_any_colour_passes),
     };
