@@ -82,10 +82,36 @@ static bool call_job(struct connection *connection, const char *method, int64_t 
     return ok;
 }
 
+static void tell_error(int64_t id, const char *message, struct json_writer *errors)
+{
+    fprintf(stderr, "%s\n", message);
+    if (!errors) return;
+    json_write_begin_object(errors);
+    json_write_integer_member(errors, "id", id);
+    json_write_string_member(errors, "error", message);
+    json_write_end_object(errors);
+}
+
+static void print_results(struct json_writer *jobs, struct json_writer *errors)
+{
+    struct json_writer whole = {0};
+
+    json_write_end_array(jobs);
+    json_write_end_array(errors);
+    json_write_begin_object(&whole);
+    json_write_key(&whole, "jobs");
+    json_write_raw(&whole, jobs->text, jobs->length);
+    json_write_key(&whole, "errors");
+    json_write_raw(&whole, errors->text, errors->length);
+    json_write_end_object(&whole);
+    print_json_text(&whole);
+    json_writer_finish(&whole);
+}
+
 enum exit_status daemon_call_each_job(const struct options *options, const char *method, struct error *error)
 {
     struct connection *connection = NULL;
-    struct json_writer results = {0};
+    struct json_writer jobs = {0}, errors = {0};
     enum exit_status status = EXIT_STATUS_USAGE;
     int64_t id;
 
@@ -93,22 +119,23 @@ enum exit_status daemon_call_each_job(const struct options *options, const char 
         if (!options_parse_id(options->operands[i], &id, error)) return status;
     connection = daemon_call_connect(options, &status, error);
     if (!connection) return status;
-    json_write_begin_object(&results);
-    json_write_key(&results, "jobs");
-    json_write_begin_array(&results);
-    for (size_t i = 0; i < options->operand_count; i++) {
-        options_parse_id(options->operands[i], &id, error);
-        if (!call_job(connection, method, id, options->json ? &results : NULL, error)) {
-            status = connection_failure(connection);
-            goto out;
-        }
-    }
-    json_write_end_array(&results);
-    json_write_end_object(&results);
-    if (options->json) print_json_text(&results);
+    json_write_begin_array(&jobs);
+    json_write_begin_array(&errors);
     status = EXIT_STATUS_DONE;
-out:
-    json_writer_finish(&results);
+    for (size_t i = 0; i < options->operand_count; i++) {
+        struct error wrong = {0};
+        enum exit_status failure;
+
+        options_parse_id(options->operands[i], &id, NULL);
+        if (call_job(connection, method, id, options->json ? &jobs : NULL, &wrong)) continue;
+        failure = connection_failure(connection);
+        if (status == EXIT_STATUS_DONE) status = failure ? failure : EXIT_STATUS_FAILED;
+        tell_error(id, wrong.message, options->json ? &errors : NULL);
+        if (failure == EXIT_STATUS_NO_DAEMON) break;
+    }
+    if (options->json) print_results(&jobs, &errors);
+    json_writer_finish(&jobs);
+    json_writer_finish(&errors);
     connection_close(connection);
     return status;
 }

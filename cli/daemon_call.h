@@ -16,5 +16,6 @@ enum exit_status daemon_call(const struct options *options, const char *method, 
                              struct message *reply, struct error *error);
 // Writes member "state" as an array from "failed,canceled"; nothing when `states` is NULL.
 void daemon_call_write_states(struct json_writer *params, const char *states);
-// For verbs of the form VERB ID...: calls `method` with each id and prints what became of the job.
+// For verbs of the form VERB ID...: calls `method` with each id and prints what became of the job, or why it could not be
+// done; goes on with the others and returns the first failure.
 enum exit_status daemon_call_each_job(const struct options *options, const char *method, struct error *error);

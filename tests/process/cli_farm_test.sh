@@ -103,6 +103,12 @@ grep -q "osmesa\|egl" out || fail "workers tells the backend"
 expect 0 submit --paused --set frames=0-25000 --set output.path=many/many.#####.exr
 expect 0 march frames 5
 [ "$(wc -l <out)" -eq 25002 ] || fail "frames of all pages"
+expect 1 march pause 99 5 1 --json
+grep -q '^{"jobs":\[{"id":5,.*\],"errors":\[{"id":99,"error":".*"},{"id":1,"error":".*"}\]}$' out ||
+    fail "what cannot be done for one job is done for the others"
+expect 1 march pause 99 5
+expect_stdout "job 5: paused: paused by $(id -un)"
+grep -q "job 99" err || fail "what could not be done is told"
 march frames 5 | head -n 1 >/dev/null || fail "a reader that goes away"
 
 march watch >watched 2>&1 &
