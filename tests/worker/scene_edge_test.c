@@ -95,7 +95,7 @@ static void a_riemann_sum_towards_a_sun_ends_with_the_media(void **state)
 {
     struct seen seen = see_middle(
         BALL_JOB_SIGMA_S_1,
-        "\"lights\": [{\"kind\": \"sun\", \"direction\": [0, 0, -1], \"intensity\": 1}], " BALL_JOB_RIEMANN, 3.5);
+        "\"lights\": [{\"kind\": \"sun\", \"direction\": [0, 0, -1], \"intensity\": 1}], " BALL_JOB_RIEMANN, 3, 3.5);
 
     assert_true(fabs(seen.rgba[0] - 0.5 * exp(-0.5) / (4 * 3.14159265358979323846)) < 1e-5);
 }
