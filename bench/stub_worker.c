@@ -4,6 +4,7 @@
 //   skip         answers each frame with frame.skipped at once (default)
 //   sleep:MS     the same after MS milliseconds
 //   write:MS     writes a small file after MS milliseconds and reports it finished
+//   lie:MS       the same, but says of the file what is not so, and of frames it was not given that they are finished
 //   fail:FAULT   answers frame.failed with that fault
 //   crash        dies when it begins a frame
 //   hang         begins a frame and says nothing more
@@ -71,6 +72,11 @@ static int64_t now_ms(void)
 static bool has_mode(const struct stub *stub, const char *mode)
 {
     return strncmp(stub->mode, mode, strlen(mode)) == 0;
+}
+
+static bool writes_files(const struct stub *stub)
+{
+    return has_mode(stub, "write") || has_mode(stub, "lie");
 }
 
 static void begin_report(struct stub *stub, const char *method, const struct stub_frame *frame)
@@ -177,26 +183,52 @@ out:
     return ok;
 }
 
+static void say_finished(struct stub *stub, const struct stub_frame *frame, uint64_t inode_number, int64_t size_bytes,
+                         const char *hash)
+{
+    char inode[32];
+
+    snprintf(inode, sizeof inode, "%llu", (unsigned long long)inode_number);
+    begin_report(stub, "frame.finished", frame);
+    json_write_string_member(&stub->out, "inode", inode);
+    json_write_integer_member(&stub->out, "size_bytes", size_bytes);
+    json_write_string_member(&stub->out, "hash", hash);
+    json_write_number_member(&stub->out, "render_s", (double)stub->frame_ms / 1000);
+    json_write_number_member(&stub->out, "encode_s", 0);
+    end_report(stub);
+}
+
+// Each would be published if it were believed.
+static void say_lies(struct stub *stub, const struct stub_frame *frame, const struct stat *status, const char *hash)
+{
+    const struct stub_frame untold[] = {{frame->job + 1, frame->frame, frame->attempt},
+                                        {frame->job, frame->frame + 1000, frame->attempt},
+                                        {frame->job, frame->frame, frame->attempt + 1}};
+
+    for (size_t i = 0; i < sizeof untold / sizeof untold[0]; i++)
+        say_finished(stub, &untold[i], status->st_ino, status->st_size, hash);
+    if (frame->attempt % 2)
+        say_finished(stub, frame, status->st_ino + 1, status->st_size, hash);
+    else
+        say_finished(stub, frame, status->st_ino, status->st_size + 1, hash);
+    say_finished(stub, frame, status->st_ino, status->st_size, hash);
+}
+
 static void write_and_say_finished(struct stub *stub, const struct stub_frame *frame)
 {
     const struct stub_job *job = find_job(stub, frame->job);
     struct error error = {0};
-    char hash[HASH_TEXT_SIZE], inode[32];
+    char hash[HASH_TEXT_SIZE];
     struct stat status;
 
     if (!job) {
         say_failed(stub, frame, "frame", "the job was not told");
     } else if (!write_part(job, frame, &status, hash, &error)) {
         say_failed(stub, frame, "output", error.message);
+    } else if (has_mode(stub, "lie")) {
+        say_lies(stub, frame, &status, hash);
     } else {
-        snprintf(inode, sizeof inode, "%llu", (unsigned long long)status.st_ino);
-        begin_report(stub, "frame.finished", frame);
-        json_write_string_member(&stub->out, "inode", inode);
-        json_write_integer_member(&stub->out, "size_bytes", status.st_size);
-        json_write_string_member(&stub->out, "hash", hash);
-        json_write_number_member(&stub->out, "render_s", (double)stub->frame_ms / 1000);
-        json_write_number_member(&stub->out, "encode_s", 0);
-        end_report(stub);
+        say_finished(stub, frame, status.st_ino, status.st_size, hash);
     }
 }
 
@@ -225,7 +257,7 @@ static void end_frame(struct stub *stub)
     stub->is_begun = false;
     if (has_mode(stub, "fail:"))
         say_failed(stub, &frame, stub->mode + 5, "the stub was told to fail");
-    else if (has_mode(stub, "write"))
+    else if (writes_files(stub))
         write_and_say_finished(stub, &frame);
     else
         say_skipped(stub, &frame);
@@ -281,7 +313,7 @@ static void note_job(struct stub *stub, const struct json_node *params)
     struct error error = {0};
     const char *folder = "";
 
-    if (!has_mode(stub, "write") || !json_read_string(&root, &folder, NULL)) return;
+    if (!writes_files(stub) || !json_read_string(&root, &folder, NULL)) return;
     if (!job_from_json(&parsed, &document, folder, &error)) {
         fprintf(stderr, "stub: %s\n", error.message);
         return;

@@ -56,6 +56,15 @@ wait_state "$id" failed 60
 [[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"it said what is no message"* ]] || fail "log: $(ask job.log "{\"id\":$id}")"
 stop_daemon
 
+# Workers that lie about a file, or about frames that are not theirs: no name is given to what is not as they say.
+start_daemon --worker-program "$(stub lie:0)"
+id=$(submit "$(job 1-3 '.output.path = "lies/l.####.exr"')")
+wait_state "$id" failed 60
+[[ $(ask job.log "{\"id\":$id}" | jq -r '[.result.attempts[].log] | join(" ")') == *"expected inode"*"got inode"* ]] || fail "log: $(ask job.log "{\"id\":$id}")"
+wait_until 5 "leftovers are gone" eval '[ -z "$(find "$scratch/out/lies" -type f)" ]'
+expect_files lies 0
+stop_daemon
+
 # The faults a worker may name.
 for fault in job frame; do
     start_daemon --worker-program "$(stub fail:$fault)"
