@@ -90,6 +90,7 @@ static void end_event(struct events *events, int64_t job, bool is_frame)
     for (size_t i = 0; i < events->count; i++) {
         const struct subscription *subscription = &events->subscriptions[i];
 
+        if (subscription->client->is_closing) continue;
         if (job && subscription->job && subscription->job != job) continue;
         if (is_frame && !subscription->wants_frames) continue;
         client_send(subscription->client, events->writer.text, events->writer.length);
