@@ -53,8 +53,7 @@ static void list_medium(const struct listing *listing, size_t i)
                                : "the medium has no emission");
     if (!features->scatters || !listing->program->features.has_lights) return;
     snprintf(name, sizeof name, "medium %zu: phase function", i);
-    say(listing, true, name, "%s",
-        medium->lobe_count ? "the medium's lobes" : "isotropic, for it names none");
+    say(listing, true, name, "%s", medium->lobe_count ? "the medium's lobes" : "isotropic, for it names none");
 }
 
 static void list_lights(const struct listing *listing)
