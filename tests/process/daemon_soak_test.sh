@@ -147,4 +147,5 @@ expect "unfinished files" "$(grep '^short' "$scratch/seen")" ""
 start_daemon --worker-program "$(stub write:0)"
 diff <(echo "$before") <(tell_all) || fail "a restart changed something"
 kill_daemon
+expect "what the sanitizers said" "$(grep -E 'Sanitizer:|runtime error' "$scratch/daemon.log")" ""
 echo "$submitted jobs, $(wc -l <"$scratch/there") files, $(stat -c %s "$scratch/turns") workers"

@@ -60,7 +60,7 @@ stop_daemon()
 
 kill_daemon()
 {
-    kill -KILL "$daemon_pid"
+    kill -KILL "$daemon_pid" || fail "the daemon was gone already"
     wait "$daemon_pid" 2>/dev/null
     daemon_pid=
 }
