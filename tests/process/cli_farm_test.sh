@@ -14,22 +14,8 @@ MARCHD_SOCKET=$scratch/marchd.sock
 export MARCHD_SOCKET
 unset MARCH_WORKER
 cloud=$PROJECT_ROOT/jobs/cloud.json
-failures=0
+. "$PROJECT_ROOT/tests/process/march.sh"
 
-fail() {
-    echo "FAILED: $*"
-    [ ! -f out ] || { echo "stdout:"; cat out; }
-    [ ! -f err ] || { echo "stderr:"; cat err; }
-    failures=$((failures + 1))
-}
-# expect CODE COMMAND...: keeps stdout in `out`, stderr in `err`.
-expect() {
-    code=$1
-    shift
-    "$@" >out 2>err </dev/null
-    got=$?
-    [ "$got" -eq "$code" ] || fail "$*: expected exit $code, got $got"
-}
 expect_stdout() { [ "$(cat out)" = "$1" ] || fail "expected stdout \"$1\""; }
 submit() { march submit "$cloud" --set 'resolution=[32,18]' --set quality.step=0.05 --set quality.light_step=0.05 "$@"; }
 

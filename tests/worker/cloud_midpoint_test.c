@@ -1,11 +1,8 @@
 // The midpoint method on jobs/cloud.json against the converged integral.
-#include "core/error.h"
 #include "reference/reference.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
-#include "worker/gl_context.h"
+#include "tests/support/render_frame.h"
 #include "worker/image.h"
-#include "worker/renderer.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,24 +11,6 @@
 #include <cmocka.h>
 
 enum { WIDTH_PX = 48, HEIGHT_PX = 27, PIXELS = WIDTH_PX * HEIGHT_PX };
-
-static void render(const struct job *job, struct image *image)
-{
-    struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
-    struct renderer *renderer;
-    struct renderer_result result;
-
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
-    renderer = renderer_create(context, NULL);
-    if (!image_init(image, WIDTH_PX, HEIGHT_PX, true, true, &error) ||
-        !renderer_render(renderer, job, 0, image, NULL, NULL, &result, &error)) {
-        fail_msg("%s", error.message);
-    }
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
-}
 
 // Compares what the method is for: radiance, and beside it transmittance and alpha.
 static void compare(double time)
@@ -46,7 +25,7 @@ static void compare(double time)
     example_job_load(&job, "cloud");
     example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, time);
     job.output.has_depth = job.output.has_transmittance = true;
-    render(&job, &image);
+    render_frame_zero(&job, &image);
     still_init(&still, &job, time);
     job_finish(&job);
     for (int i = 0; i < PIXELS; i++) {
@@ -97,7 +76,7 @@ static void depth_is_within_a_step(void **state)
     example_job_load(&job, "cloud");
     example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, 2.0);
     job.output.has_depth = job.output.has_transmittance = true;
-    render(&job, &image);
+    render_frame_zero(&job, &image);
     still_init(&still, &job, 2.0);
     for (int i = 0; i < PIXELS; i++) {
         double depth = reference_measure_depth(&still, i % WIDTH_PX, i / WIDTH_PX);

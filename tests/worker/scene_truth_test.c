@@ -3,10 +3,8 @@
 #include "core/job_json.h"
 #include "reference/reference.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
-#include "worker/gl_context.h"
+#include "tests/support/render_frame.h"
 #include "worker/image.h"
-#include "worker/renderer.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -40,24 +38,6 @@ static void parse(struct job *job, const char *scene)
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 
-static void render(const struct job *job, struct image *image)
-{
-    struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
-    struct renderer *renderer;
-    struct renderer_result result;
-
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
-    renderer = renderer_create(context, NULL);
-    if (!image_init(image, WIDTH_PX, HEIGHT_PX, true, true, &error) ||
-        !renderer_render(renderer, job, 0, image, NULL, NULL, &result, &error)) {
-        fail_msg("%s", error.message);
-    }
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
-}
-
 static void assert_true_light(const char *scene)
 {
     static float radiance[3 * PIXELS], transmittance[3 * PIXELS], alpha[PIXELS];
@@ -68,7 +48,7 @@ static void assert_true_light(const char *scene)
     struct job job;
 
     parse(&job, scene);
-    render(&job, &image);
+    render_frame_zero(&job, &image);
     still_init(&still, &job, job_frame_time(&job, 0));
     for (int i = 0; i < PIXELS; i++) {
         struct reference_pixel pixel = reference_measure_pixel(&still, i % WIDTH_PX, i / WIDTH_PX, NULL);

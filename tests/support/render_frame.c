@@ -1,0 +1,32 @@
+#include "tests/support/render_frame.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "tests/support/keep_libraries.h"
+#include "worker/gl_context.h"
+#include "worker/image.h"
+#include "worker/renderer.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+void render_frame_zero(const struct job *job, struct image *image)
+{
+    struct error error = {{0}};
+    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct renderer *renderer;
+    struct renderer_result result;
+
+    if (!context) fail_msg("%s", error.message);
+    keep_libraries();
+    renderer = renderer_create(context, NULL);
+    if (!image_init(image, job->width_px, job->height_px, true, true, &error) ||
+        !renderer_render(renderer, job, 0, image, NULL, NULL, &result, &error)) {
+        fail_msg("%s", error.message);
+    }
+    renderer_destroy(renderer);
+    gl_context_destroy(context);
+}
