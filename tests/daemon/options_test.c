@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 static const struct options_surroundings user = {
-    .home = "/home/ann", .current_folder = "/work", .program_folder = "/opt/bin"};
+    .home = "/home/ann", .current_folder = "/srv", .program_folder = "/opt/bin"};
 static const struct options_surroundings root = {
     .home = "/root", .current_folder = "/", .program_folder = "/usr/bin", .is_root = true};
 
@@ -86,8 +86,8 @@ static void relative_paths_are_taken_from_the_current_folder(void **state)
     struct options options;
 
     assert_true(PARSE(&options, &user, (char[]){"--output-root=out/"}, (char[]){"--state"}, (char[]){"s"}));
-    assert_string_equal(options.output_root, "/work/out");
-    assert_string_equal(options.state_folder, "/work/s");
+    assert_string_equal(options.output_root, "/srv/out");
+    assert_string_equal(options.state_folder, "/srv/s");
     options_finish(&options);
 }
 
