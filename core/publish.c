@@ -67,22 +67,22 @@ bool publish_sync(int folder_fd, struct error *error)
     return false;
 }
 
+// True when `name` is the expected file, to the byte.
+static bool holds(int folder_fd, const char *name, const struct published_file *expected)
+{
+    int fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    struct stat status;
+    char hash[HASH_TEXT_SIZE];
+    bool ok = fd >= 0 && fstat(fd, &status) == 0 && is_expected(&status, expected) && hash_file(fd, hash, NULL, NULL) &&
+              strcmp(hash, expected->hash) == 0;
+
+    if (fd >= 0) close(fd);
+    return ok;
+}
+
 enum publish_state publish_settle(int folder_fd, const char *part, const char *name,
                                   const struct published_file *expected)
 {
-    enum publish_state state = PUBLISH_LOST;
-    struct stat status;
-    char hash[HASH_TEXT_SIZE];
-    int fd = -1;
-
-    if (fstatat(folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) == 0 && is_expected(&status, expected))
-        return PUBLISH_DONE;
-    fd = openat(folder_fd, part, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0) goto out;
-    if (fstat(fd, &status) < 0 || !is_expected(&status, expected)) goto out;
-    if (!hash_file(fd, hash, NULL, NULL)) goto out;
-    if (strcmp(hash, expected->hash) == 0) state = PUBLISH_PENDING;
-out:
-    if (fd >= 0) close(fd);
-    return state;
+    if (holds(folder_fd, name, expected)) return PUBLISH_DONE;
+    return holds(folder_fd, part, expected) ? PUBLISH_PENDING : PUBLISH_LOST;
 }

@@ -170,6 +170,20 @@ static void other_bytes_of_the_same_size_are_lost(void **state)
     close(fd);
 }
 
+static void other_bytes_under_the_name_are_lost(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    int fd = open_folder(state);
+    int written;
+
+    assert_true(publish_file(fd, part, name, &expected, NULL));
+    written = open(temp_folder_path(state, name), O_WRONLY);
+    assert_true(file_write_all(written, "PICTURE", 7, NULL));
+    close(written);
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_LOST);
+    close(fd);
+}
+
 static void neither_name_is_lost(void **state)
 {
     struct published_file expected = {.inode = 1, .size_bytes = 7};
@@ -195,6 +209,7 @@ int main(void)
         WITH_FOLDER(crash_before_the_rename_leaves_it_pending),
         WITH_FOLDER(crash_after_the_rename_is_done),
         WITH_FOLDER(other_bytes_of_the_same_size_are_lost),
+        WITH_FOLDER(other_bytes_under_the_name_are_lost),
         WITH_FOLDER(neither_name_is_lost),
     };
 
