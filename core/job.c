@@ -39,6 +39,8 @@ const char *job_method_name(enum job_method method)
         return "riemann";
     case JOB_METHOD_MIDPOINT:
         return "midpoint";
+    case JOB_METHOD_EQUIANGULAR:
+        return "equiangular";
     }
     return "";
 }

@@ -21,16 +21,22 @@ enum {
 };
 
 enum job_method {
-    JOB_METHOD_RIEMANN, // right ends, plain sums: the seeds' own
-    JOB_METHOD_MIDPOINT // exact exponential a segment, empty space skipped, ends exactly
+    JOB_METHOD_RIEMANN,    // right ends, plain sums: the seeds' own
+    JOB_METHOD_MIDPOINT,   // exact exponential a segment, empty space skipped, ends exactly
+    JOB_METHOD_EQUIANGULAR // homogeneous media: closed-form transmittance, points placed for a point light's 1 / r^2
 };
 
 struct job_quality {
     enum job_method method;
-    double step;              // m, along camera rays
-    double light_step;        // m, along shadow rays (midpoint)
-    int light_steps;          // per shadow ray (riemann)
-    double min_transmittance; // a ray stops below it; 0 never stops
+    double step;                           // m, along camera rays; 0: step_voxels says it
+    double light_step;                     // m, along shadow rays (midpoint); 0: light_step_voxels says it
+    double step_voxels, light_step_voxels; // in shortest voxel edges of the scene's finest grid
+    int points;                            // per light and stretch of a ray (equiangular)
+    int light_steps;                       // per shadow ray (riemann)
+    double min_transmittance;              // a ray stops below it; 0 never stops
+    // Below `roulette_below` a ray goes on with probability `roulette_survive`, its light divided by that (midpoint).
+    double roulette_below, roulette_survive; // 0: no roulette
+    int samples;                             // per pixel, >= 1: points in the pixel and moments of the shutter
 };
 
 enum job_pixel { JOB_PIXEL_HALF, JOB_PIXEL_FLOAT };

@@ -169,6 +169,8 @@ bool job_check(const struct job *job, const struct json_node *document, struct e
         return check_riemann(job, &quality, error);
     case JOB_METHOD_MIDPOINT:
         return check_midpoint(job, &quality, error);
+    case JOB_METHOD_EQUIANGULAR:
+        return true;
     }
     return false;
 }

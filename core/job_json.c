@@ -138,6 +138,8 @@ static bool read_method(struct job_quality *quality, const struct json_node *nod
     case JOB_METHOD_MIDPOINT:
         return json_check_keys(node, midpoint, error) &&
                json_read_number(&light_step, STEP_MIN, STEP_MAX, &quality->light_step, error);
+    case JOB_METHOD_EQUIANGULAR:
+        break;
     }
     return false;
 }
@@ -147,6 +149,7 @@ static bool read_quality(struct job_quality *quality, const struct json_node *do
     struct json_node node = json_node_child(document, "quality"), step = json_node_child(&node, "step");
     struct json_node min_transmittance = json_node_child(&node, "min_transmittance");
 
+    quality->samples = 1;
     return json_check_object(&node, error) && job_later_check(&node, JOB_LATER_QUALITY, error) &&
            read_method(quality, &node, error) && json_read_number(&step, STEP_MIN, STEP_MAX, &quality->step, error) &&
            (json_node_is_absent(&min_transmittance) ||

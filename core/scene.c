@@ -1,63 +1,139 @@
 #include "core/scene.h"
 
+#include <stdlib.h>
+#include <string.h>
+
+static void visit_bounds(struct scene_bounds *bounds, scene_visitor *visit, void *user)
+{
+    visit("center", &bounds->center, user);
+    visit("radius", &bounds->radius, user);
+    visit("size", &bounds->size, user);
+    visit("normal", &bounds->normal, user);
+    visit("thickness", &bounds->thickness, user);
+    visit("falloff", &bounds->falloff, user);
+}
+
+static void visit_noise(struct scene_noise *noise, scene_visitor *visit, void *user)
+{
+    visit("frequency", &noise->frequency, user);
+    visit("lacunarity", &noise->lacunarity, user);
+    visit("hurst", &noise->hurst, user);
+    visit("bias", &noise->bias, user);
+    visit("offset", &noise->offset, user);
+    visit("axis", &noise->axis, user);
+    visit("angle", &noise->angle, user);
+    visit("scale", &noise->scale, user);
+}
+
+static void visit_density(struct scene_density *density, scene_visitor *visit, void *user)
+{
+    visit_bounds(&density->bounds, visit, user);
+    switch (density->kind) {
+    case SCENE_DENSITY_FOLD_FRACTAL:
+        visit("offset", &density->fold_fractal.offset, user);
+        visit("radius", &density->fold_fractal.radius, user);
+        visit("rotate_x", &density->fold_fractal.rotate_x_rad, user);
+        visit("rotate_y", &density->fold_fractal.rotate_y_rad, user);
+        visit("exponent", &density->fold_fractal.exponent, user);
+        visit("scale", &density->fold_fractal.scale, user);
+        break;
+    case SCENE_DENSITY_HOMOGENEOUS:
+        visit("scale", &density->homogeneous.scale, user);
+        break;
+    case SCENE_DENSITY_NOISE:
+        visit_noise(&density->noise, visit, user);
+        break;
+    case SCENE_DENSITY_GRID:
+        visit("center", &density->grid.center, user);
+        visit("scale", &density->grid.scale, user);
+        visit("unit_distance", &density->grid.unit_distance, user);
+        break;
+    case SCENE_DENSITY_GLSL:
+        visit("scale", &density->glsl.scale, user);
+        break;
+    }
+}
+
+static void visit_medium(struct scene_medium *medium, scene_visitor *visit, void *user)
+{
+    visit_density(&medium->density, visit, user);
+    visit("sigma_s", &medium->sigma_s, user);
+    visit("sigma_a", &medium->sigma_a, user);
+    visit("emission", &medium->emission, user);
+    visit("kelvin", &medium->blackbody.kelvin, user);
+    visit("intensity", &medium->blackbody.intensity, user);
+    for (size_t i = 0; i < medium->lobe_count; i++) {
+        visit("g", &medium->lobes[i].g, user);
+        visit("weight", &medium->lobes[i].weight, user);
+    }
+}
+
+void scene_visit_timelines(struct scene *scene, scene_visitor *visit, void *user)
+{
+    visit("position", &scene->camera.position, user);
+    visit("target", &scene->camera.target, user);
+    visit("up", &scene->camera.up, user);
+    visit("fov", &scene->camera.fov, user);
+    for (size_t i = 0; i < scene->light_count; i++) {
+        visit("intensity", &scene->lights[i].intensity, user);
+        visit("position", &scene->lights[i].position, user);
+        visit("direction", &scene->lights[i].direction, user);
+    }
+    for (size_t i = 0; i < scene->medium_count; i++)
+        visit_medium(&scene->media[i], visit, user);
+    visit("background", &scene->background, user);
+}
+
+static void finish_timeline(const char *name, struct timeline *timeline, void *user)
+{
+    (void)name;
+    (void)user;
+    timeline_finish(timeline);
+}
+
 static void finish_medium(struct scene_medium *medium)
 {
-    struct scene_fold_fractal *fold_fractal = &medium->density.fold_fractal;
-
-    timeline_finish(&fold_fractal->offset);
-    timeline_finish(&fold_fractal->radius);
-    timeline_finish(&fold_fractal->rotate_x_rad);
-    timeline_finish(&fold_fractal->rotate_y_rad);
-    timeline_finish(&fold_fractal->exponent);
-    timeline_finish(&fold_fractal->scale);
-    timeline_finish(&medium->sigma_s);
-    timeline_finish(&medium->sigma_a);
-    timeline_finish(&medium->emission);
-    for (size_t i = 0; i < medium->lobe_count; i++) {
-        timeline_finish(&medium->lobes[i].g);
-        timeline_finish(&medium->lobes[i].weight);
+    if (medium->density.kind == SCENE_DENSITY_GRID) {
+        free(medium->density.grid.file);
+        free(medium->density.grid.grid_name);
+        free(medium->density.grid.points);
     }
+    if (medium->density.kind == SCENE_DENSITY_GLSL) {
+        free(medium->density.glsl.file);
+        free(medium->density.glsl.source);
+    }
+    free(medium->blackbody.grid_name);
 }
 
 void scene_finish(struct scene *scene)
 {
-    timeline_finish(&scene->camera.position);
-    timeline_finish(&scene->camera.target);
-    timeline_finish(&scene->camera.up);
-    timeline_finish(&scene->camera.fov);
-    for (size_t i = 0; i < scene->light_count; i++) {
-        timeline_finish(&scene->lights[i].intensity);
-        timeline_finish(&scene->lights[i].position);
-        timeline_finish(&scene->lights[i].direction);
-    }
+    scene_visit_timelines(scene, finish_timeline, NULL);
     for (size_t i = 0; i < scene->medium_count; i++)
         finish_medium(&scene->media[i]);
-    timeline_finish(&scene->background);
     *scene = (struct scene){0};
 }
 
-static bool medium_is_constant(const struct scene_medium *medium)
+static void note_motion(const char *name, struct timeline *timeline, void *user)
 {
-    const struct scene_fold_fractal *fold_fractal = &medium->density.fold_fractal;
+    bool *is_constant = user;
 
-    for (size_t i = 0; i < medium->lobe_count; i++)
-        if (!timeline_is_constant(&medium->lobes[i].g) || !timeline_is_constant(&medium->lobes[i].weight)) return false;
-    return timeline_is_constant(&fold_fractal->offset) && timeline_is_constant(&fold_fractal->radius) &&
-           timeline_is_constant(&fold_fractal->rotate_x_rad) && timeline_is_constant(&fold_fractal->rotate_y_rad) &&
-           timeline_is_constant(&fold_fractal->exponent) && timeline_is_constant(&fold_fractal->scale) &&
-           timeline_is_constant(&medium->sigma_s) && timeline_is_constant(&medium->sigma_a) &&
-           timeline_is_constant(&medium->emission);
+    (void)name;
+    if (!timeline_is_constant(timeline)) *is_constant = false;
 }
 
 bool scene_is_constant(const struct scene *scene)
 {
-    for (size_t i = 0; i < scene->light_count; i++)
-        if (!timeline_is_constant(&scene->lights[i].intensity) || !timeline_is_constant(&scene->lights[i].position) ||
-            !timeline_is_constant(&scene->lights[i].direction))
-            return false;
+    bool is_constant = true;
+
+    // The visitor only reads.
+    scene_visit_timelines((struct scene *)scene, note_motion, &is_constant);
     for (size_t i = 0; i < scene->medium_count; i++)
-        if (!medium_is_constant(&scene->media[i])) return false;
-    return timeline_is_constant(&scene->camera.position) && timeline_is_constant(&scene->camera.target) &&
-           timeline_is_constant(&scene->camera.up) && timeline_is_constant(&scene->camera.fov) &&
-           timeline_is_constant(&scene->background);
+        if (scene_density_is_sequence(&scene->media[i].density)) is_constant = false;
+    return is_constant;
+}
+
+bool scene_density_is_sequence(const struct scene_density *density)
+{
+    return density->kind == SCENE_DENSITY_GLSL ||
+           (density->kind == SCENE_DENSITY_GRID && strchr(density->grid.file, '#'));
 }

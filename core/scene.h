@@ -5,12 +5,15 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum {
     SCENE_LIGHT_LIMIT = 16,
     SCENE_MEDIUM_LIMIT = 8,
     SCENE_LOBE_LIMIT = 8,
-    SCENE_ITERATION_LIMIT = 32 // of a fold fractal
+    SCENE_ITERATION_LIMIT = 32, // of a fold fractal
+    SCENE_OCTAVE_LIMIT = 16,    // of a noise
+    SCENE_TRANSFER_LIMIT = 64   // points of a transfer function
 };
 
 // A pinhole camera: forward = target - position, right = normalize(cross(forward, up)), image y up.
@@ -19,6 +22,7 @@ struct scene_camera {
     struct timeline fov;                  // vertical, degrees, (0, 180)
     double clip_near, clip_far; // distances along the ray between which media are gathered; far may be INFINITY
     bool mirror;                // flips image x
+    double shutter;             // open from t to t + shutter / fps; [0, 1000]
 };
 
 enum scene_light_kind { SCENE_LIGHT_POINT, SCENE_LIGHT_SUN };
@@ -36,7 +40,13 @@ struct scene_light {
     struct timeline direction;  // sun only: the way its light travels, of any length but 0
 };
 
-enum scene_density_kind { SCENE_DENSITY_FOLD_FRACTAL };
+enum scene_density_kind {
+    SCENE_DENSITY_FOLD_FRACTAL,
+    SCENE_DENSITY_HOMOGENEOUS,
+    SCENE_DENSITY_NOISE,
+    SCENE_DENSITY_GRID,
+    SCENE_DENSITY_GLSL
+};
 
 // rho(p) = scale max(radius - |fold^iterations(p)|, 0)^exponent; see docs/job_format.md. 1-Lipschitz distance; zero outside
 // |p| = radius + iterations sqrt(3) offset.
@@ -48,14 +58,111 @@ struct scene_fold_fractal {
     struct timeline scale;                      // >= 0
 };
 
-struct scene_density {
-    enum scene_density_kind kind;
-    struct scene_fold_fractal fold_fractal;
+// rho(p) = scale.
+struct scene_homogeneous {
+    struct timeline scale; // >= 0
 };
 
-// One Henyey-Greenstein lobe; weights of a medium's lobes are >= 0 and sum to 1 within 1e-6.
+enum scene_noise_mode {
+    SCENE_NOISE_REMAP,   // max((1 + sum) / 2, 0)
+    SCENE_NOISE_CLIP,    // max(sum, 0)
+    SCENE_NOISE_ABSOLUTE // the sum of the octaves' absolute values: turbulence
+};
+
+// rho(p) = scale mode(sum over octaves k of lacunarity^(-hurst k) noise(lacunarity^k q))^((1 - bias) / (1 + bias)) with
+// q = frequency R (p - the bounds' centre) + offset, R turning by `angle` about `axis`. Noise: Perlin, SIGGRAPH 2002.
+struct scene_noise {
+    int octaves; // [1, SCENE_OCTAVE_LIMIT]
+    enum scene_noise_mode mode;
+    struct timeline frequency;  // lattice cells per metre, > 0
+    struct timeline lacunarity; // >= 1
+    struct timeline hurst;      // "H": >= 0
+    struct timeline bias;       // (-1, 1); 0 changes nothing
+    struct timeline offset;     // lattice cells
+    struct timeline axis;       // of any length but 0
+    struct timeline angle;      // degrees
+    struct timeline scale;      // >= 0
+};
+
+enum scene_voxel { SCENE_VOXEL_UINT8, SCENE_VOXEL_UINT16, SCENE_VOXEL_INT16, SCENE_VOXEL_FLOAT32 };
+
+// How a raw file is read. What is not given is taken from a name like "head_256x256x109xuint8.raw".
+struct scene_raw {
+    int size[3]; // voxels along x, y, z, x fastest; 0: by the name
+    enum scene_voxel type;
+    bool has_type;
+    bool is_big_endian;
+    int64_t skip_bytes; // before the first voxel
+};
+
+// Straight linear Rec. 709 colour and opacity at a value; between points all four are linear, outside they hold.
+struct scene_transfer_point {
+    double value;
+    double rgba[4]; // rgb >= 0, a in [0, 1 - 1e-6]
+};
+
+// rho(p) = scale max(value, 0); or by a transfer function: sigma_t = -ln(1 - a) / unit_distance, source = rgb sigma_t.
+struct scene_grid {
+    char *file;      // owned; "####" stands for the frame's number
+    char *grid_name; // owned; of a NanoVDB file, which may hold several; NULL: its first
+    struct scene_raw raw;
+    double spacing[3]; // m; 0: as the file says
+    bool is_nearest;   // else trilinear
+    bool has_center;
+    struct timeline center;              // m: moves the grid's middle there; without: as the file says
+    struct timeline scale;               // >= 0, density per value
+    struct scene_transfer_point *points; // owned; ascending values; none: no transfer function
+    size_t point_count;                  // [2, SCENE_TRANSFER_LIMIT] or 0
+    struct timeline unit_distance;       // m, > 0
+};
+
+// rho(p) = scale max(density(p, t), 0), the function being the user's.
+struct scene_glsl {
+    char *file;            // owned; for messages, and where the text came from
+    char *source;          // owned; `float density(vec3 p, float t)` and what it calls
+    double lipschitz;      // > 0: |density(p) - density(q)| <= lipschitz |p - q|, negative outside; 0: nothing is known
+    struct timeline scale; // >= 0
+};
+
+enum scene_bounds_kind { SCENE_BOUNDS_NONE, SCENE_BOUNDS_SPHERE, SCENE_BOUNDS_BOX, SCENE_BOUNDS_SLAB };
+
+// Outside it a density is zero; inside it is multiplied with smoothstep(0, falloff, distance to the nearest face).
+struct scene_bounds {
+    enum scene_bounds_kind kind;
+    struct timeline center;    // m
+    struct timeline radius;    // of a sphere, m
+    struct timeline size;      // of a box: its sides along the world's axes, m
+    struct timeline normal;    // of a slab, of any length but 0
+    struct timeline thickness; // of a slab, m
+    struct timeline falloff;   // m; 0: none
+};
+
+struct scene_density {
+    enum scene_density_kind kind;
+    struct scene_bounds bounds;
+    union { // by kind
+        struct scene_fold_fractal fold_fractal;
+        struct scene_homogeneous homogeneous;
+        struct scene_noise noise;
+        struct scene_grid grid;
+        struct scene_glsl glsl;
+    };
+};
+
+// Light of a hot grid: source = intensity rho B(kelvin value), B being Planck's light in linear Rec. 709, scaled to the
+// luminance 1 at 1500 K.
+struct scene_blackbody {
+    char *grid_name;           // owned; in the density's own NanoVDB file; NULL: there is none
+    struct timeline kelvin;    // per unit of the grid's value
+    struct timeline intensity; // >= 0
+};
+
+enum scene_lobe_kind { SCENE_LOBE_HENYEY_GREENSTEIN, SCENE_LOBE_RAYLEIGH };
+
+// Weights of a medium's lobes are >= 0 and sum to 1 within 1e-6.
 struct scene_phase_lobe {
-    struct timeline g;      // [-0.99999, 0.99999], forward positive
+    enum scene_lobe_kind kind;
+    struct timeline g;      // Henyey-Greenstein: [-0.99999, 0.99999], forward positive
     struct timeline weight; // [0, 1]
 };
 
@@ -64,6 +171,7 @@ struct scene_medium {
     struct timeline sigma_s, sigma_a; // 1 or 3 components, >= 0, per metre and unit of density
     struct timeline emission;         // 1 or 3 components, >= 0: source per unit of density
     bool has_emission;
+    struct scene_blackbody blackbody;
     struct scene_phase_lobe lobes[SCENE_LOBE_LIMIT]; // none: isotropic
     size_t lobe_count;
 };
@@ -81,3 +189,9 @@ struct scene {
 void scene_finish(struct scene *scene);
 // True when nothing in it changes with time.
 bool scene_is_constant(const struct scene *scene);
+// True when it may differ from frame to frame whatever its numbers do: a file a frame, or code that is given the time.
+bool scene_density_is_sequence(const struct scene_density *density);
+
+// Called for each number or vector that may move, always in the same order; `name` is short and not unique.
+typedef void scene_visitor(const char *name, struct timeline *timeline, void *user);
+void scene_visit_timelines(struct scene *scene, scene_visitor *visit, void *user);

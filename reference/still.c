@@ -69,6 +69,11 @@ static void stop_medium(struct medium *medium, struct density_fold_fractal *frac
         stop_fractal(fractal, &source->density.fold_fractal, time);
         medium->density = still_fractal_density(fractal);
         break;
+    case SCENE_DENSITY_HOMOGENEOUS:
+    case SCENE_DENSITY_NOISE:
+    case SCENE_DENSITY_GRID:
+    case SCENE_DENSITY_GLSL:
+        break;
     }
     color_at(&source->sigma_s, time, medium->sigma_s);
     color_at(&source->sigma_a, time, medium->sigma_a);
