@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "tests/support/keep_libraries.h"
+#include "tests/support/shader_dir.h"
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
@@ -22,7 +23,7 @@ void render_frame_zero(const struct job *job, struct image *image)
 
     if (!context) fail_msg("%s", error.message);
     keep_libraries();
-    renderer = renderer_create(context, NULL);
+    renderer = renderer_create(context, test_shader_dir());
     if (!image_init(image, job->width_px, job->height_px, true, true, &error) ||
         !renderer_render(renderer, job, 0, image, NULL, NULL, &result, &error)) {
         fail_msg("%s", error.message);

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "tests/support/keep_libraries.h"
+#include "tests/support/shader_dir.h"
 #include "worker/gl_context.h"
 #include "worker/gl_functions.h"
 #include "worker/gl_program.h"
@@ -32,7 +33,7 @@ static char *assemble(const struct shader_probe_params *params, const char *name
     names[(*name_count)++] = "probe";
     fputs("#version 450 core\n", out);
     for (size_t i = 0; params->modules[i]; i++) {
-        char *module = shader_sources_load(NULL, params->modules[i], error);
+        char *module = shader_sources_load(test_shader_dir(), params->modules[i], error);
 
         if (!module || *name_count == MODULE_LIMIT) fail_msg("%s: %s", params->modules[i], error->message);
         fprintf(out, "#line 1 %zu\n%s\n", *name_count, module);
@@ -89,7 +90,7 @@ void shader_probe_run(const struct shader_probe_params *params, float (*outputs)
     keep_libraries();
     assert_true(params->input_count <= SHADER_PROBE_INPUT_LIMIT);
     if (!gl_functions_load(&gl, context, &error)) fail_msg("%s", error.message);
-    vertex = shader_sources_load(NULL, "fullscreen.vert", &error);
+    vertex = shader_sources_load(test_shader_dir(), "fullscreen.vert", &error);
     fragment = assemble(params, names, &name_count, &error);
     program = gl_program_create(
         &gl,

@@ -6,6 +6,7 @@
 #include "tests/support/example_job.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/seed_cloud.h"
+#include "tests/support/shader_dir.h"
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
@@ -55,7 +56,7 @@ static void compare(enum gl_backend backend)
 
     if (!context) fail_msg("%s", error.message);
     keep_libraries();
-    renderer = renderer_create(context, getenv("MARCHD_TEST_SHADER_DIR"));
+    renderer = renderer_create(context, test_shader_dir());
     assert_true(image_init(&image, size_px, size_px, false, false, &error));
     for (int i = 0; i < TIME_COUNT; i++) {
         struct reference_error difference;

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/keep_libraries.h"
+#include "tests/support/shader_dir.h"
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
@@ -35,7 +36,7 @@ static struct seen see_middle(const char *medium, const char *rest, double near,
         skip();
     }
     keep_libraries();
-    renderer = renderer_create(context, NULL);
+    renderer = renderer_create(context, test_shader_dir());
     ball_job_parse(&job, medium, rest);
     job.width_px = job.height_px = 1;
     job.scene.camera.clip_near = near;
