@@ -1,0 +1,17 @@
+// Small volumes in files of any format, for tests: every voxel's value tells its index, so nothing can be swapped unseen.
+#pragma once
+
+#include "worker/volume_voxels.h"
+
+// Column i, row j, slice k of an asymmetric volume: different at every index of any volume up to 60 voxels, and between
+// 0 and 250.
+double volume_maker_value(int i, int j, int k);
+
+// The voxels of volume_maker_value as they are stored; owned by the caller.
+unsigned char *volume_maker_voxels(const int size[3], enum volume_stored stored, bool is_big_endian,
+                                   size_t *size_bytes);
+
+// Writes a file; any failure ends the test.
+void volume_maker_write(const char *path, const void *bytes, size_t size_bytes);
+// A file of such voxels and nothing else.
+void volume_maker_write_raw(const char *path, const int size[3], enum volume_stored stored, bool is_big_endian);
