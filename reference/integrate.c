@@ -1,9 +1,11 @@
 #include "reference/integrate.h"
 
+#include "core/alloc.h"
 #include "reference/gauss.h"
 #include "reference/transmittance.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const double DEFAULT_RELATIVE = 1e-4;
 static const double DEFAULT_FLOOR = 1e-6;
@@ -70,11 +72,13 @@ static void sample(const struct gatherer *gatherer, double distance, bool is_dar
         sigma_t[c] = source[c] = 0.0;
     for (size_t m = 0; m < still->medium_count; m++) {
         const struct medium *medium = &still->media[m];
+        double own_source[3];
 
         density[m] = medium->density.at(medium->density.field, position);
+        medium_source(medium, position, density[m], own_source);
         for (int c = 0; c < 3; c++) {
             sigma_t[c] += (medium->sigma_s[c] + medium->sigma_a[c]) * density[m];
-            source[c] += medium->emission[c] * density[m];
+            source[c] += own_source[c];
             scattering += medium->sigma_s[c] * density[m];
         }
     }
@@ -186,22 +190,18 @@ static void cut_at_light(struct span_list *spans, const struct ray *ray, struct 
     }
 }
 
-// Ends lie where a medium's density or a light's distance is not smooth.
+// Ends lie where a medium's density, its glow or a light's distance is not smooth.
 static void find_spans(const struct still *still, const struct ray *ray, double near, double far,
                        struct span_list *spans)
 {
-    spans->count = 0;
     for (size_t m = 0; m < still->medium_count; m++) {
-        const struct density *density = &still->media[m].density;
-        struct span_list own;
+        const struct medium *medium = &still->media[m];
+        struct span_list own = {0};
 
-        own.count = 0;
-        density->spans(density->field, ray, near, far, &own);
-        if (m == 0) {
-            *spans = own;
-        } else {
-            span_list_merge(spans, &own);
-        }
+        medium->density.spans(medium->density.field, ray, near, far, &own);
+        if (medium->glow.split) medium->glow.split(medium->glow.field, ray, &own);
+        span_list_merge(spans, &own);
+        span_list_finish(&own);
     }
     for (size_t i = 0; i < still->light_count; i++) {
         if (still->lights[i].kind == SCENE_LIGHT_POINT) cut_at_light(spans, ray, still->lights[i].position);
@@ -230,7 +230,7 @@ static struct cell_light gather(struct gatherer *gatherer, const struct span_lis
 static struct cell_light gather_until_guess_holds(struct gatherer *gatherer, const struct span_list *spans,
                                                   double relative, double floor, int halving_limit)
 {
-    struct cell_light rough[SPAN_LIMIT], light = {0};
+    struct cell_light *rough = xmalloc(spans->count * sizeof rough[0]), light = {0};
     bool holds = false;
 
     for (size_t i = 0; i < spans->count; i++) {
@@ -251,6 +251,7 @@ static struct cell_light gather_until_guess_holds(struct gatherer *gatherer, con
             if (guess.radiance[c] > fmax(2.0 * light.radiance[c], floor)) holds = false;
         }
     }
+    free(rough);
     return light;
 }
 
@@ -262,9 +263,10 @@ struct integrate_result integrate_ray(const struct still *still, const struct ra
     int limit = accuracy && accuracy->halving_limit > 0 ? accuracy->halving_limit : DEFAULT_HALVING_LIMIT;
     struct integrate_result result = {.transmittance = {1.0, 1.0, 1.0}, .is_converged = true};
     struct gatherer gatherer = {.still = still, .ray = ray, .shadow_tolerance = 0.1 * relative};
-    struct span_list spans;
+    struct span_list spans = {0};
     struct cell_light light;
 
+    far = transmittance_reach(still->media, still->medium_count, ray, near, far);
     find_spans(still, ray, near, far, &spans);
     if (spans.count == 0) return result;
     light = gather_until_guess_holds(&gatherer, &spans, relative, floor, limit);
@@ -273,5 +275,6 @@ struct integrate_result integrate_ray(const struct still *still, const struct ra
         result.transmittance[c] = exp(-light.optical_depth[c]);
     }
     result.is_converged = !gatherer.hit_limit;
+    span_list_finish(&spans);
     return result;
 }

@@ -37,26 +37,29 @@ static double mean_transmittance(const struct still *still, const struct ray *ra
 // An end of the media along the ray, so that halving has a finite start.
 static double last_density(const struct still *still, const struct ray *ray)
 {
-    double last = still->camera.clip_near;
+    double near = still->camera.clip_near, last = near;
+    double far = transmittance_reach(still->media, still->medium_count, ray, near, still->camera.clip_far);
 
     for (size_t m = 0; m < still->medium_count; m++) {
         const struct density *density = &still->media[m].density;
-        struct span_list spans;
+        struct span_list spans = {0};
 
-        spans.count = 0;
-        density->spans(density->field, ray, still->camera.clip_near, still->camera.clip_far, &spans);
+        density->spans(density->field, ray, near, far, &spans);
         if (spans.count > 0) last = fmax(last, spans.spans[spans.count - 1].end);
+        span_list_finish(&spans);
     }
     return last;
 }
 
 double reference_measure_depth(const struct still *still, int x, int y)
 {
+    // Doubles have no more digits.
+    const int halvings = 60;
     struct ray ray = camera_pinhole_ray(&still->camera, x + 0.5, y + 0.5);
     double before = still->camera.clip_near, after = last_density(still, &ray);
 
     if (mean_transmittance(still, &ray, after) > 0.5) return 0.0;
-    for (int i = 0; i < 40; i++) {
+    for (int i = 0; i < halvings; i++) {
         double middle = 0.5 * (before + after);
 
         if (mean_transmittance(still, &ray, middle) > 0.5) {

@@ -1,69 +1,98 @@
 #include "reference/span_list.h"
 
+#include "core/alloc.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+
+static void make_room(struct span_list *list)
+{
+    list->spans = xgrow(list->spans, &list->capacity, list->count + 1, sizeof list->spans[0]);
+}
 
 void span_list_append(struct span_list *list, double begin, double end, const struct ray *image)
 {
     static const struct ray NO_IMAGE;
 
     if (!(begin < end)) return;
-    if (list->count == SPAN_LIMIT) {
-        list->spans[SPAN_LIMIT - 1].end = end;
-        return;
-    }
+    make_room(list);
     list->spans[list->count++] = (struct span){begin, end, image ? *image : NO_IMAGE};
 }
 
 void span_list_split(struct span_list *list, double cut)
 {
-    size_t at = 0;
+    size_t first = 0, last = list->count; // the first span that ends beyond the cut is between them
 
-    while (at < list->count && !(list->spans[at].begin < cut && cut < list->spans[at].end))
-        at++;
-    if (at == list->count || list->count == SPAN_LIMIT) return;
-    memmove(&list->spans[at + 1], &list->spans[at], (list->count - at) * sizeof list->spans[0]);
-    list->spans[at].end = cut;
-    list->spans[at + 1].begin = cut;
+    while (first < last) {
+        size_t middle = (first + last) / 2;
+
+        if (list->spans[middle].end <= cut) {
+            first = middle + 1;
+        } else {
+            last = middle;
+        }
+    }
+    // Not "cut <= begin": a NaN splits nothing.
+    if (first == list->count || !(list->spans[first].begin < cut)) return;
+    make_room(list);
+    memmove(&list->spans[first + 1], &list->spans[first], (list->count - first) * sizeof list->spans[0]);
+    list->spans[first].end = cut;
+    list->spans[first + 1].begin = cut;
     list->count++;
 }
 
-static int compare_distances(const void *a, const void *b)
+void span_list_split_at_ends(struct span_list *list, const struct span_list *other)
 {
-    double first = *(const double *)a, second = *(const double *)b;
-
-    return (first > second) - (first < second);
+    for (size_t i = 0; i < other->count; i++) {
+        span_list_split(list, other->spans[i].begin);
+        span_list_split(list, other->spans[i].end);
+    }
 }
 
-static bool covers(const struct span_list *list, double distance)
+// Walks along a list's ends in ascending order.
+struct walk {
+    const struct span_list *list;
+    size_t at;      // the span whose begin or end comes next
+    bool is_inside; // of it
+};
+
+static double next_end(const struct walk *walk)
 {
-    for (size_t i = 0; i < list->count; i++) {
-        if (list->spans[i].begin <= distance && distance <= list->spans[i].end) return true;
+    if (walk->at == walk->list->count) return INFINITY;
+    return walk->is_inside ? walk->list->spans[walk->at].end : walk->list->spans[walk->at].begin;
+}
+
+// Passes every end that is not beyond `distance`: two may be at one place.
+static void walk_to(struct walk *walk, double distance)
+{
+    while (walk->at < walk->list->count && next_end(walk) <= distance) {
+        if (walk->is_inside) walk->at++;
+        walk->is_inside = !walk->is_inside;
     }
-    return false;
 }
 
 void span_list_merge(struct span_list *list, const struct span_list *other)
 {
-    double ends[4 * SPAN_LIMIT];
-    size_t end_count = 0;
+    struct walk a = {.list = list}, b = {.list = other};
     struct span_list merged = {0};
 
-    for (size_t i = 0; i < list->count; i++) {
-        ends[end_count++] = list->spans[i].begin;
-        ends[end_count++] = list->spans[i].end;
-    }
-    for (size_t i = 0; i < other->count; i++) {
-        ends[end_count++] = other->spans[i].begin;
-        ends[end_count++] = other->spans[i].end;
-    }
-    qsort(ends, end_count, sizeof ends[0], compare_distances);
-    for (size_t i = 1; i < end_count; i++) {
-        double middle = 0.5 * (ends[i - 1] + ends[i]);
+    while (a.at < list->count || b.at < other->count) {
+        double begin = fmin(next_end(&a), next_end(&b));
 
-        if (covers(list, middle) || covers(other, middle)) span_list_append(&merged, ends[i - 1], ends[i], NULL);
+        walk_to(&a, begin);
+        walk_to(&b, begin);
+        if (a.is_inside || b.is_inside) {
+            span_list_append(&merged, begin, fmin(next_end(&a), next_end(&b)), NULL);
+        }
     }
+    span_list_finish(list);
     *list = merged;
+}
+
+void span_list_finish(struct span_list *list)
+{
+    free(list->spans);
+    *list = (struct span_list){0};
 }

@@ -61,25 +61,69 @@ static void stop_fractal(struct density_fold_fractal *fractal, const struct scen
                                        });
 }
 
-static void stop_medium(struct medium *medium, struct density_fold_fractal *fractal, const struct scene_medium *source,
-                        double time)
+static struct bounds stop_bounds(const struct scene_bounds *source, double time)
 {
-    switch (source->density.kind) {
-    case SCENE_DENSITY_FOLD_FRACTAL:
-        stop_fractal(fractal, &source->density.fold_fractal, time);
-        medium->density = still_fractal_density(fractal);
+    struct bounds bounds = {.kind = source->kind};
+
+    if (source->kind == SCENE_BOUNDS_NONE) return bounds;
+    bounds.center = vector_at(&source->center, time);
+    bounds.falloff = number_at(&source->falloff, time);
+    switch (source->kind) {
+    case SCENE_BOUNDS_NONE:
         break;
+    case SCENE_BOUNDS_SPHERE:
+        bounds.radius = number_at(&source->radius, time);
+        break;
+    case SCENE_BOUNDS_BOX:
+        bounds.half = vec3_scale(vector_at(&source->size, time), 0.5);
+        break;
+    case SCENE_BOUNDS_SLAB:
+        bounds.normal = vec3_normalize(vector_at(&source->normal, time));
+        bounds.half_thickness = 0.5 * number_at(&source->thickness, time);
+        break;
+    }
+    return bounds;
+}
+
+static bool stop_density(struct density *density, union still_field *field, const struct scene_density *source,
+                         double time)
+{
+    static const struct density_homogeneous EMPTY;
+
+    switch (source->kind) {
+    case SCENE_DENSITY_FOLD_FRACTAL:
+        stop_fractal(&field->fold_fractal, &source->fold_fractal, time);
+        *density = still_fractal_density(&field->fold_fractal);
+        return true;
     case SCENE_DENSITY_HOMOGENEOUS:
+        field->homogeneous.scale = number_at(&source->homogeneous.scale, time);
+        *density = density_homogeneous(&field->homogeneous);
+        return true;
     case SCENE_DENSITY_NOISE:
     case SCENE_DENSITY_GRID:
     case SCENE_DENSITY_GLSL:
         break;
+    }
+    *density = density_homogeneous(&EMPTY);
+    return false;
+}
+
+static void stop_medium(struct still *still, size_t index, const struct scene_medium *source, double time)
+{
+    struct medium *medium = &still->media[index];
+    struct density_bounded *bounded = &still->bounded[index];
+
+    if (!stop_density(&medium->density, &still->fields[index], &source->density, time)) still->is_complete = false;
+    if (source->density.bounds.kind != SCENE_BOUNDS_NONE) {
+        *bounded = (struct density_bounded){medium->density, stop_bounds(&source->density.bounds, time)};
+        medium->density = density_bounded(bounded);
     }
     color_at(&source->sigma_s, time, medium->sigma_s);
     color_at(&source->sigma_a, time, medium->sigma_a);
     if (source->has_emission) color_at(&source->emission, time, medium->emission);
     medium->lobe_count = source->lobe_count;
     for (size_t i = 0; i < source->lobe_count; i++) {
+        medium->lobes[i].kind = source->lobes[i].kind;
         medium->lobes[i].g = number_at(&source->lobes[i].g, time);
         medium->lobes[i].weight = number_at(&source->lobes[i].weight, time);
     }
@@ -103,7 +147,8 @@ void still_init(struct still *still, const struct job *job, double time)
 
     *still = (struct still){.light_count = scene->light_count,
                             .medium_count = scene->medium_count,
-                            .has_background = scene->has_background};
+                            .has_background = scene->has_background,
+                            .is_complete = true};
     camera_pinhole_init(&still->camera, &(struct camera_pinhole_params){
                                             .position = vector_at(&scene->camera.position, time),
                                             .target = vector_at(&scene->camera.target, time),
@@ -117,8 +162,7 @@ void still_init(struct still *still, const struct job *job, double time)
                                         });
     for (size_t i = 0; i < scene->light_count; i++)
         stop_light(&still->lights[i], &scene->lights[i], time);
-    for (size_t i = 0; i < scene->medium_count; i++) {
-        stop_medium(&still->media[i], &still->fractals[i], &scene->media[i], time);
-    }
+    for (size_t i = 0; i < scene->medium_count; i++)
+        stop_medium(still, i, &scene->media[i], time);
     if (scene->has_background) color_at(&scene->background, time, still->background);
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "reference/camera_pinhole.h"
+#include "reference/density_bounded.h"
 #include "reference/density_fold_fractal.h"
+#include "reference/density_homogeneous.h"
 #include "reference/light.h"
 #include "reference/medium.h"
 
@@ -11,6 +13,12 @@
 
 struct job;
 
+// The field of a medium, by its density's kind.
+union still_field {
+    struct density_fold_fractal fold_fractal;
+    struct density_homogeneous homogeneous;
+};
+
 // Its media point into it: a copy must not outlive it. Tests may fill it by hand.
 struct still {
     struct camera_pinhole camera;
@@ -18,9 +26,11 @@ struct still {
     size_t light_count;
     struct medium media[SCENE_MEDIUM_LIMIT];
     size_t medium_count;
-    struct density_fold_fractal fractals[SCENE_MEDIUM_LIMIT]; // the fields of the media that are fractals
-    double background[3];                                     // radiance
+    union still_field fields[SCENE_MEDIUM_LIMIT];
+    struct density_bounded bounded[SCENE_MEDIUM_LIMIT]; // of the media that have bounds
+    double background[3];                               // radiance
     bool has_background;
+    bool is_complete; // false when a density has no twin here: it counts as empty
 };
 
 void still_init(struct still *still, const struct job *job, double time); // time in seconds

@@ -3,8 +3,14 @@
 #include "reference/gauss.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 enum { HALVING_LIMIT = 24 };
+
+// exp(-40) is below what any accuracy asks for.
+static const double DARK_DEPTH = 40.0;
+// Metres: a medium that is not dark by then counts as clear.
+static const double FARTHEST = 0x1p60;
 
 // One smooth stretch of a ray through a field.
 struct stretch {
@@ -39,10 +45,10 @@ static double refine(const struct stretch *stretch, double begin, double end, do
 double transmittance_density_column(const struct density *density, const struct ray *ray, double near, double far,
                                     double tolerance)
 {
-    struct span_list spans;
+    struct span_list spans = {0};
     double column = 0.0;
 
-    spans.count = 0;
+    if (density->column) return near < far ? density->column(density->field, ray, near, far) : 0.0;
     density->spans(density->field, ray, near, far, &spans);
     for (size_t i = 0; i < spans.count; i++) {
         const struct span *span = &spans.spans[i];
@@ -55,7 +61,52 @@ double transmittance_density_column(const struct density *density, const struct 
         column += refine(&stretch, span->begin, span->end, column_of_cell(&stretch, span->begin, span->end),
                          tolerance / (double)spans.count, HALVING_LIMIT);
     }
+    span_list_finish(&spans);
     return column;
+}
+
+static bool is_endless(const struct density *density, const struct ray *ray)
+{
+    return density->reach && isinf(density->reach(density->field, ray)) && density->reach(density->field, ray) > 0.0;
+}
+
+// Doubles its way along an endless ray until the column is enough to be dark; the way so far goes to `end`.
+static double follow_to_darkness(const struct density *density, const struct ray *ray, double near, double enough,
+                                 double tolerance, double *end)
+{
+    double column = 0.0, length = 1.0;
+
+    *end = near;
+    while (column < enough && length < FARTHEST) {
+        column += transmittance_density_column(density, ray, *end, *end + length, tolerance);
+        *end += length;
+        length *= 2.0;
+    }
+    return column;
+}
+
+// The least extinction that is any, per unit of density; INFINITY when there is none.
+static double least_extinction(const struct medium *medium)
+{
+    double least = INFINITY;
+
+    for (int c = 0; c < 3; c++) {
+        double sigma_t = medium->sigma_s[c] + medium->sigma_a[c];
+
+        if (sigma_t > 0.0) least = fmin(least, sigma_t);
+    }
+    return least;
+}
+
+static double find_column(const struct medium *medium, const struct ray *ray, double near, double far, double tolerance)
+{
+    const struct density *density = &medium->density;
+    double end;
+
+    if (isinf(far) && !density->column && is_endless(density, ray)) {
+        return follow_to_darkness(density, ray, near, DARK_DEPTH / least_extinction(medium), tolerance, &end);
+    }
+    return transmittance_density_column(density, ray, near, far, tolerance);
 }
 
 void transmittance(const struct medium *media, size_t medium_count, const struct ray *ray, double near, double far,
@@ -72,11 +123,44 @@ void transmittance(const struct medium *media, size_t medium_count, const struct
             largest = fmax(largest, sigma_t[c]);
         }
         if (largest == 0.0) continue;
-        column = transmittance_density_column(&medium->density, ray, near, far,
-                                              optical_depth_tolerance / (largest * (double)medium_count));
-        for (int c = 0; c < 3; c++)
-            optical_depth[c] += sigma_t[c] * column;
+        column = find_column(medium, ray, near, far, optical_depth_tolerance / (largest * (double)medium_count));
+        for (int c = 0; c < 3; c++) {
+            // The column may be infinite, and what takes nothing still takes nothing.
+            if (sigma_t[c] > 0.0) optical_depth[c] += sigma_t[c] * column;
+        }
     }
     for (int c = 0; c < 3; c++)
         share[c] = exp(-optical_depth[c]);
+}
+
+static double last_end(const struct density *density, const struct ray *ray, double near)
+{
+    struct span_list spans = {0};
+    double last = near;
+
+    density->spans(density->field, ray, near, INFINITY, &spans);
+    if (spans.count > 0) last = spans.spans[spans.count - 1].end;
+    span_list_finish(&spans);
+    return last;
+}
+
+double transmittance_reach(const struct medium *media, size_t medium_count, const struct ray *ray, double near,
+                           double far)
+{
+    double dark = near, last = near;
+    bool has_endless = false;
+
+    if (!isinf(far)) return far;
+    for (size_t m = 0; m < medium_count; m++) {
+        if (is_endless(&media[m].density, ray)) {
+            double end, enough = DARK_DEPTH / least_extinction(&media[m]);
+
+            has_endless = true;
+            follow_to_darkness(&media[m].density, ray, near, enough, 1e-3, &end);
+            dark = fmax(dark, end);
+        } else {
+            last = fmax(last, last_end(&media[m].density, ray, near));
+        }
+    }
+    return has_endless ? fmax(dark, last) : far;
 }

@@ -12,3 +12,8 @@ double transmittance_density_column(const struct density *density, const struct 
 // `optical_depth_tolerance` bounds the relative error of a share that is not nearly 0.
 void transmittance(const struct medium *media, size_t medium_count, const struct ray *ray, double near, double far,
                    double optical_depth_tolerance, double share[static 3]);
+
+// `far`, or, when that is infinite and so are media, where those have taken all light that they ever take and the others
+// have ended.
+double transmittance_reach(const struct medium *media, size_t medium_count, const struct ray *ray, double near,
+                           double far);

@@ -153,6 +153,7 @@ static void spans_hold_all_density_and_nothing_else(void **state)
             if (inside < -1e-9) assert_false(is_covered(&spans, distance));
             positive += inside > 0.0;
         }
+        span_list_finish(&spans);
     }
     assert_true(positive > 1000);
 }
@@ -179,6 +180,7 @@ static void spans_ascend_and_their_images_give_the_density(void **state)
             assert_near(density_fold_fractal_folded(&fractal, ray_at(&span->image, distance)),
                         density_fold_fractal(&fractal, ray_at(&ray, distance)), 1e-12);
         }
+        span_list_finish(&spans);
     }
 }
 

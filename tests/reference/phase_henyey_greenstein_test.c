@@ -52,7 +52,7 @@ static void medium_without_lobes_scatters_evenly(void **state)
 
 static void lobes_add_by_weight(void **state)
 {
-    struct medium medium = {.lobes = {{0.8, 0.25}, {-0.2, 0.75}}, .lobe_count = 2};
+    struct medium medium = {.lobes = {{.g = 0.8, .weight = 0.25}, {.g = -0.2, .weight = 0.75}}, .lobe_count = 2};
 
     assert_near(medium_phase(&medium, 0.5),
                 0.25 * phase_henyey_greenstein(0.8, 0.5) + 0.75 * phase_henyey_greenstein(-0.2, 0.5), 1e-15);

@@ -67,7 +67,7 @@ static double summed_radiance(const struct still *still, const struct ray *ray)
 {
     const double step = 5e-4;
     const struct medium *medium = &still->media[0];
-    const struct density_fold_fractal *fractal = &still->fractals[0];
+    const struct density_fold_fractal *fractal = &still->fields[0].fold_fractal;
     double radiance = 0.0, optical_depth = 0.0;
 
     for (double t = still->camera.clip_near + 0.5 * step; t < still->camera.clip_far; t += step) {
@@ -145,7 +145,7 @@ static void job_numbers_stand_for_all_channels(void **state)
     }
     assert_near(still.lights[0].position.x, 1.5 * sin(3.1 * 0.4 + 0.2), 1e-15);
     assert_int_equal(still.media[0].lobe_count, 2);
-    assert_near(still.fractals[0].sin_x, sin(-0.4), 1e-15);
+    assert_near(still.fields[0].fold_fractal.sin_x, sin(-0.4), 1e-15);
 }
 
 // A camera at z = -3 before a slab of half a metre to either side of z = 0.

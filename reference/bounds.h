@@ -1,0 +1,27 @@
+// A region that a density is kept to, and how the density falls off towards its faces.
+#pragma once
+
+#include "core/scene.h"
+#include "reference/span_list.h"
+#include "reference/vec3.h"
+
+#include <stdbool.h>
+
+struct bounds {
+    enum scene_bounds_kind kind;
+    struct vec3 center;
+    double radius;      // of a sphere
+    struct vec3 half;   // of a box: half its sides
+    struct vec3 normal; // of a slab, of length 1
+    double half_thickness;
+    double falloff; // m; 0: none
+};
+
+// The stretch of the ray inside, cut to what `near` and `far` hold; false when nothing is left.
+bool bounds_clip(const struct bounds *bounds, const struct ray *ray, double *near, double *far);
+// Distance to the nearest face, negative outside; INFINITY without bounds.
+double bounds_depth(const struct bounds *bounds, struct vec3 position);
+// What the density is multiplied with: 0 outside.
+double bounds_weight(const struct bounds *bounds, struct vec3 position);
+// Splits spans where the weight is not smooth: where the falloff starts and where another face becomes the nearest.
+void bounds_split(const struct bounds *bounds, const struct ray *ray, struct span_list *spans);

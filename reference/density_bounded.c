@@ -1,0 +1,57 @@
+#include "reference/density_bounded.h"
+
+#include <math.h>
+
+static double at(const void *field, struct vec3 position)
+{
+    const struct density_bounded *bounded = field;
+    double weight = bounds_weight(&bounded->bounds, position);
+
+    return weight > 0.0 ? weight * bounded->inner.at(bounded->inner.field, position) : 0.0;
+}
+
+static double at_image(const void *field, struct vec3 image)
+{
+    const struct density_bounded *bounded = field;
+
+    return bounded->inner.at_image(bounded->inner.field, image);
+}
+
+static void find_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
+{
+    const struct density_bounded *bounded = field;
+
+    if (!bounds_clip(&bounded->bounds, ray, &near, &far)) return;
+    bounded->inner.spans(bounded->inner.field, ray, near, far, spans);
+    bounds_split(&bounded->bounds, ray, spans);
+}
+
+static double find_column(const void *field, const struct ray *ray, double near, double far)
+{
+    const struct density_bounded *bounded = field;
+
+    if (!bounds_clip(&bounded->bounds, ray, &near, &far)) return 0.0;
+    return bounded->inner.column(bounded->inner.field, ray, near, far);
+}
+
+static double find_reach(const void *field, const struct ray *ray)
+{
+    const struct density_bounded *bounded = field;
+    double near = -INFINITY, far = INFINITY;
+
+    if (!bounds_clip(&bounded->bounds, ray, &near, &far)) return -INFINITY;
+    return fmin(far, bounded->inner.reach(bounded->inner.field, ray));
+}
+
+struct density density_bounded(const struct density_bounded *field)
+{
+    const struct density *inner = &field->inner;
+    bool is_even = field->bounds.falloff == 0.0;
+
+    return (struct density){.field = field,
+                            .at = at,
+                            .at_image = inner->at_image && is_even ? at_image : NULL,
+                            .spans = find_spans,
+                            .column = inner->column && is_even ? find_column : NULL,
+                            .reach = inner->reach ? find_reach : NULL};
+}

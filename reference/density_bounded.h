@@ -1,0 +1,12 @@
+// Any density, kept to a region.
+#pragma once
+
+#include "reference/bounds.h"
+#include "reference/density.h"
+
+struct density_bounded {
+    struct density inner;
+    struct bounds bounds;
+};
+
+struct density density_bounded(const struct density_bounded *field); // borrows the field

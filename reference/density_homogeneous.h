@@ -1,0 +1,10 @@
+// The same density everywhere.
+#pragma once
+
+#include "reference/density.h"
+
+struct density_homogeneous {
+    double scale;
+};
+
+struct density density_homogeneous(const struct density_homogeneous *field); // borrows the field

@@ -1,0 +1,8 @@
+#include "reference/phase_rayleigh.h"
+
+#include <math.h>
+
+double phase_rayleigh(double cos_theta)
+{
+    return 3.0 / (16.0 * M_PI) * (1.0 + cos_theta * cos_theta);
+}
