@@ -1,0 +1,123 @@
+#include "reference/density_noise.h"
+
+#include <math.h>
+
+// His table.
+static const unsigned char PERMUTATION[256] = {
+    151, 160, 137, 91,  90,  15,  131, 13,  201, 95,  96,  53,  194, 233, 7,   225, 140, 36,  103, 30,  69,  142,
+    8,   99,  37,  240, 21,  10,  23,  190, 6,   148, 247, 120, 234, 75,  0,   26,  197, 62,  94,  252, 219, 203,
+    117, 35,  11,  32,  57,  177, 33,  88,  237, 149, 56,  87,  174, 20,  125, 136, 171, 168, 68,  175, 74,  165,
+    71,  134, 139, 48,  27,  166, 77,  146, 158, 231, 83,  111, 229, 122, 60,  211, 133, 230, 220, 105, 92,  41,
+    55,  46,  245, 40,  244, 102, 143, 54,  65,  25,  63,  161, 1,   216, 80,  73,  209, 76,  132, 187, 208, 89,
+    18,  169, 200, 196, 135, 130, 116, 188, 159, 86,  164, 100, 109, 198, 173, 186, 3,   64,  52,  217, 226, 250,
+    124, 123, 5,   202, 38,  147, 118, 126, 255, 82,  85,  212, 207, 206, 59,  227, 47,  16,  58,  17,  182, 189,
+    28,  42,  223, 183, 170, 213, 119, 248, 152, 2,   44,  154, 163, 70,  221, 153, 101, 155, 167, 43,  172, 9,
+    129, 22,  39,  253, 19,  98,  108, 110, 79,  113, 224, 232, 178, 185, 112, 104, 218, 246, 97,  228, 251, 34,
+    242, 193, 238, 210, 144, 12,  191, 179, 162, 241, 81,  51,  145, 235, 249, 14,  239, 107, 49,  192, 214, 31,
+    181, 199, 106, 157, 184, 84,  204, 176, 115, 121, 50,  45,  127, 4,   150, 254, 138, 236, 205, 93,  222, 114,
+    67,  29,  24,  72,  243, 141, 128, 195, 78,  66,  215, 61,  156, 180,
+};
+
+// Towards the middles of a cube's edges; four of the twelve come twice.
+static const signed char GRADIENT[16][3] = {
+    {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, //
+    {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1}, //
+    {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, //
+    {1, 1, 0}, {0, -1, 1}, {-1, 1, 0}, {0, -1, -1},
+};
+
+static int permuted(int64_t number)
+{
+    return PERMUTATION[(uint64_t)number % 256];
+}
+
+static double smooth(double t)
+{
+    return ((6.0 * t - 15.0) * t + 10.0) * pow(t, 3.0);
+}
+
+// What a lattice point's gradient says at `away` from it.
+static double ramp(const int64_t point[static 3], const double away[static 3])
+{
+    const signed char *gradient = GRADIENT[permuted(permuted(permuted(point[0]) + point[1]) + point[2]) % 16];
+
+    return gradient[0] * away[0] + gradient[1] * away[1] + gradient[2] * away[2];
+}
+
+// Each corner of the cell has a weight for itself.
+double density_noise_octave(struct vec3 q)
+{
+    const double coordinates[3] = {q.x, q.y, q.z};
+    double sum = 0.0;
+
+    for (unsigned corner = 0; corner < 8; corner++) {
+        double weight = 1.0, away[3];
+        int64_t point[3];
+
+        for (unsigned axis = 0; axis < 3; axis++) {
+            unsigned side = corner >> axis & 1u;
+            double whole = floor(coordinates[axis]), part = coordinates[axis] - whole;
+
+            // fmod is exact; beyond 2^63 a whole number has no 64 bits.
+            point[axis] = (int64_t)fmod(whole, 256.0) + side;
+            away[axis] = part - side;
+            weight *= side ? smooth(part) : 1.0 - smooth(part);
+        }
+        sum += weight * ramp(point, away);
+    }
+    return sum;
+}
+
+// Rodrigues' formula; `image` turns counter-clockwise seen from the axis' tip.
+static struct vec3 turned(struct vec3 v, struct vec3 axis, double angle_rad)
+{
+    double along = vec3_dot(axis, v) * (1.0 - cos(angle_rad));
+
+    return vec3_add(vec3_scale(v, cos(angle_rad)),
+                    vec3_add(vec3_scale(vec3_cross(axis, v), sin(angle_rad)), vec3_scale(axis, along)));
+}
+
+void density_noise_init(struct density_noise *noise, const struct density_noise_params *params)
+{
+    struct vec3 axis = vec3_normalize(params->axis);
+    double angle_rad = params->angle_deg * M_PI / 180.0;
+
+    // A rotation's rows are what its inverse makes of the axes.
+    *noise = (struct density_noise){
+        .octaves = params->octaves,
+        .mode = params->mode,
+        .frequency = params->frequency,
+        .lacunarity = params->lacunarity,
+        .hurst = params->hurst,
+        .exponent = (1.0 - params->bias) / (1.0 + params->bias),
+        .offset = params->offset,
+        .center = params->center,
+        .row_x = turned((struct vec3){1.0, 0.0, 0.0}, axis, -angle_rad),
+        .row_y = turned((struct vec3){0.0, 1.0, 0.0}, axis, -angle_rad),
+        .row_z = turned((struct vec3){0.0, 0.0, 1.0}, axis, -angle_rad),
+        .scale = params->scale,
+    };
+}
+
+static double sum_of_octaves(const struct density_noise *noise, struct vec3 q)
+{
+    double sum = 0.0;
+
+    for (int k = 0; k < noise->octaves; k++) {
+        double octave = density_noise_octave(vec3_scale(q, pow(noise->lacunarity, k)));
+
+        if (noise->mode == SCENE_NOISE_ABSOLUTE) octave = fabs(octave);
+        sum += pow(noise->lacunarity, -noise->hurst * k) * octave;
+    }
+    return sum;
+}
+
+double density_noise(const struct density_noise *noise, struct vec3 position)
+{
+    struct vec3 local = vec3_subtract(position, noise->center);
+    struct vec3 image = {vec3_dot(noise->row_x, local), vec3_dot(noise->row_y, local), vec3_dot(noise->row_z, local)};
+    double value = sum_of_octaves(noise, vec3_add(vec3_scale(image, noise->frequency), noise->offset));
+
+    if (noise->mode == SCENE_NOISE_REMAP) value = 0.5 * (1.0 + value);
+    return value > 0.0 ? noise->scale * pow(value, noise->exponent) : 0.0;
+}

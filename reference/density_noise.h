@@ -1,0 +1,34 @@
+// Density from sums of Perlin's improved noise. Perlin, Improving Noise, SIGGRAPH 2002.
+#pragma once
+
+#include "core/scene.h"
+#include "reference/vec3.h"
+
+struct density_noise {
+    int octaves;
+    enum scene_noise_mode mode;
+    double frequency; // lattice cells per metre
+    double lacunarity, hurst;
+    double exponent;                 // (1 - bias) / (1 + bias)
+    struct vec3 offset;              // lattice cells
+    struct vec3 center;              // m
+    struct vec3 row_x, row_y, row_z; // of the rotation
+    double scale;
+};
+
+struct density_noise_params {
+    int octaves;
+    enum scene_noise_mode mode;
+    double frequency, lacunarity, hurst, bias;
+    struct vec3 offset; // lattice cells
+    struct vec3 center; // m: what the noise turns about
+    struct vec3 axis;   // of any length but 0
+    double angle_deg;
+    double scale;
+};
+
+void density_noise_init(struct density_noise *noise, const struct density_noise_params *params);
+// Scene.h's struct scene_noise has the formula.
+double density_noise(const struct density_noise *noise, struct vec3 position);
+// One octave: the noise itself at `q`, in lattice cells; 0 where all three are whole, period 256 in each.
+double density_noise_octave(struct vec3 q);

@@ -1,0 +1,275 @@
+#include "reference/density_noise.h"
+#include "tests/support/assert_near.h"
+#include "tests/support/random.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+static const struct density_noise_params ONE_OCTAVE = {
+    .octaves = 1,
+    .mode = SCENE_NOISE_CLIP,
+    .frequency = 1.0,
+    .lacunarity = 2.0,
+    .hurst = 1.0,
+    .axis = {0.0, 1.0, 0.0},
+    .scale = 1.0,
+};
+
+static struct vec3 random_point(struct random *random, double half_size)
+{
+    struct vec3 point;
+
+    point.x = random_between(random, -half_size, half_size);
+    point.y = random_between(random, -half_size, half_size);
+    point.z = random_between(random, -half_size, half_size);
+    return point;
+}
+
+// With 20 bits of fraction, so that sums with whole numbers are exact.
+static struct vec3 random_exact_point(struct random *random, double half_size)
+{
+    struct vec3 point = vec3_scale(random_point(random, half_size), 0x1p20);
+
+    return vec3_scale((struct vec3){round(point.x), round(point.y), round(point.z)}, 0x1p-20);
+}
+
+static double density_of(const struct density_noise_params *params, struct vec3 position)
+{
+    struct density_noise noise;
+
+    density_noise_init(&noise, params);
+    return density_noise(&noise, position);
+}
+
+// What Perlin's own program prints there, quoted wherever it was written anew.
+static void noise_has_the_published_value(void **state)
+{
+    // Four units in the last place: sums in another order.
+    assert_near(density_noise_octave((struct vec3){3.14, 42.0, 7.0}), 0.13691995878400012, 4.0 * 0x1p-55);
+}
+
+static void noise_is_zero_at_every_lattice_point(void **state)
+{
+    struct random random = {1};
+
+    for (int i = 0; i < 2000; i++) {
+        struct vec3 point = random_point(&random, i % 2 ? 1e15 : 300.0);
+
+        assert_true(density_noise_octave((struct vec3){floor(point.x), floor(point.y), floor(point.z)}) == 0.0);
+    }
+    assert_true(density_noise_octave((struct vec3){-1e300, 1e300, 1e19}) == 0.0);
+}
+
+// Two of its components are 1 or -1, the third is 0: the direction to the middle of a cube's edge.
+static void slope_at_a_lattice_point_is_its_gradient(void **state)
+{
+    const double h = 1e-4;
+    struct random random = {2};
+
+    for (int i = 0; i < 500; i++) {
+        struct vec3 point = random_point(&random, 200.0);
+        double x = floor(point.x), y = floor(point.y), z = floor(point.z);
+        double slope[3], square = 0.0;
+
+        slope[0] =
+            (density_noise_octave((struct vec3){x + h, y, z}) - density_noise_octave((struct vec3){x - h, y, z})) /
+            (2.0 * h);
+        slope[1] =
+            (density_noise_octave((struct vec3){x, y + h, z}) - density_noise_octave((struct vec3){x, y - h, z})) /
+            (2.0 * h);
+        slope[2] =
+            (density_noise_octave((struct vec3){x, y, z + h}) - density_noise_octave((struct vec3){x, y, z - h})) /
+            (2.0 * h);
+        for (int c = 0; c < 3; c++) {
+            // The neighbours, which say up to 2 less or more, come in with 10 h^3.
+            assert_near(slope[c], round(slope[c]), 20.0 * h * h);
+            square += round(slope[c]) * round(slope[c]);
+        }
+        assert_true(square == 2.0);
+    }
+}
+
+static void noise_repeats_after_256_cells_along_each_axis(void **state)
+{
+    static const struct vec3 PERIODS[] = {{256.0, 0.0, 0.0}, {0.0, 256.0, 0.0}, {0.0, 0.0, 256.0}};
+    struct random random = {3};
+    int other = 0;
+
+    for (int i = 0; i < 500; i++) {
+        struct vec3 point = random_exact_point(&random, 300.0);
+        double wanted = density_noise_octave(point);
+
+        for (int axis = 0; axis < 3; axis++) {
+            struct vec3 half = vec3_scale(PERIODS[axis], 0.5);
+
+            assert_true(density_noise_octave(vec3_add(point, PERIODS[axis])) == wanted);
+            assert_true(density_noise_octave(vec3_subtract(point, vec3_scale(PERIODS[axis], 3.0))) == wanted);
+            other += density_noise_octave(vec3_add(point, half)) != wanted;
+        }
+    }
+    assert_true(other > 1400); // half of it is no period
+}
+
+// Quintic weights: slope and curvature are those of the next cell where it begins.
+static void slope_and_curvature_are_continuous_between_cells(void **state)
+{
+    const double h = 1e-3;
+    struct random random = {4};
+
+    for (int i = 0; i < 500; i++) {
+        struct vec3 point = random_point(&random, 200.0), step = {h, 0.0, 0.0};
+        double middle, sides[4], before, after;
+
+        point.x = floor(point.x);
+        middle = density_noise_octave(point);
+        for (int k = 0; k < 4; k++)
+            sides[k] = density_noise_octave(vec3_add(point, vec3_scale(step, k < 2 ? k - 2 : k - 1)));
+        before = (middle - 2.0 * sides[1] + sides[0]) / (h * h);
+        after = (sides[3] - 2.0 * sides[2] + middle) / (h * h);
+        // Third derivatives reach a few hundred; the second differences are 2 h apart.
+        assert_near(after, before, 1.0);
+        assert_near((sides[2] - middle) / h, (middle - sides[1]) / h, 0.05);
+    }
+}
+
+static void noise_keeps_its_range_and_its_mean(void **state)
+{
+    enum { COUNT = 100000 };
+    struct random random = {5};
+    double sum = 0.0, squares = 0.0, largest = 0.0;
+
+    for (int i = 0; i < COUNT; i++) {
+        double value = density_noise_octave(random_point(&random, 128.0));
+
+        sum += value;
+        squares += value * value;
+        largest = fmax(largest, fabs(value));
+    }
+    // Eight ramps that all rise towards one point give 1.0364 there at most.
+    assert_true(largest < 1.0364);
+    assert_true(largest > 0.75);
+    // Around each lattice point the ramp is odd and its weight even. Four standard errors.
+    assert_near(sum / COUNT, 0.0, 4.0 * sqrt(squares / COUNT / COUNT));
+}
+
+static void octaves_add_by_lacunarity_and_h(void **state)
+{
+    struct random random = {6};
+    struct density_noise_params params = ONE_OCTAVE;
+
+    params.octaves = 3;
+    params.lacunarity = 1.7;
+    params.hurst = 0.6;
+    params.frequency = 2.5;
+    params.scale = 4.0;
+    for (int i = 0; i < 500; i++) {
+        struct vec3 point = random_point(&random, 5.0), q = vec3_scale(point, 2.5);
+        double first = density_noise_octave(q), second = density_noise_octave(vec3_scale(q, 1.7)),
+               third = density_noise_octave(vec3_scale(q, 1.7 * 1.7)), gain = pow(1.7, -0.6);
+        double sum = first + gain * second + gain * gain * third;
+
+        // 1e-12: roundings of a few hundred operations on numbers up to 40.
+        params.mode = SCENE_NOISE_CLIP;
+        assert_near(density_of(&params, point), 4.0 * fmax(sum, 0.0), 1e-12);
+        params.mode = SCENE_NOISE_REMAP;
+        assert_near(density_of(&params, point), 4.0 * fmax((1.0 + sum) / 2.0, 0.0), 1e-12);
+        params.mode = SCENE_NOISE_ABSOLUTE;
+        assert_near(density_of(&params, point), 4.0 * (fabs(first) + gain * fabs(second) + gain * gain * fabs(third)),
+                    1e-12);
+    }
+}
+
+// Four equal octaves are 1 where one is a quarter: on the way from a lattice point to where it is more.
+static struct vec3 find_quarter(struct random *random)
+{
+    struct vec3 high, low;
+
+    do
+        high = random_point(random, 100.0);
+    while (density_noise_octave(high) < 0.25);
+    low = (struct vec3){floor(high.x), floor(high.y), floor(high.z)};
+    for (int i = 0; i < 60; i++) {
+        struct vec3 middle = vec3_scale(vec3_add(low, high), 0.5);
+
+        if (density_noise_octave(middle) > 0.25) {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    return low;
+}
+
+static void bias_is_a_power_that_keeps_zero_and_one(void **state)
+{
+    struct density_noise_params params = ONE_OCTAVE;
+    struct random random = {7};
+
+    for (int i = 0; i < 500; i++) {
+        struct vec3 point = random_point(&random, 100.0);
+        double plain, bias = random_between(&random, -0.9, 0.9);
+
+        params.bias = 0.0;
+        plain = density_of(&params, point);
+        params.bias = bias;
+        assert_near(density_of(&params, point), pow(plain, (1.0 - bias) / (1.0 + bias)), 1e-12);
+    }
+    for (int i = 0; i < 20; i++) {
+        params.bias = random_between(&random, -0.9, 0.9);
+        params.octaves = 1;
+        assert_true(density_of(&params, (struct vec3){i, -4.0, 5.0}) == 0.0);
+        params.octaves = 4;
+        params.lacunarity = 1.0;
+        // 19 is the largest exponent, which multiplies the roundings.
+        assert_near(density_of(&params, find_quarter(&random)), 1.0, 1e-12);
+    }
+}
+
+static void rotation_turns_the_point_about_the_center(void **state)
+{
+    struct density_noise_params turned = ONE_OCTAVE;
+    struct random random = {8};
+
+    turned.offset = (struct vec3){0.3, -0.7, 11.0};
+    turned.center = (struct vec3){2.0, 5.0, -1.0};
+    turned.frequency = 3.0;
+    turned.mode = SCENE_NOISE_REMAP;
+    for (int i = 0; i < 500; i++) {
+        struct vec3 p = random_point(&random, 10.0), d = vec3_subtract(p, turned.center), q;
+        double angle = random_between(&random, -7.0, 7.0), c = cos(angle), s = sin(angle);
+        double wanted;
+
+        turned.axis = (struct vec3){0.0, 0.25, 0.0};
+        turned.angle_deg = angle * 180.0 / M_PI;
+        q = vec3_add(vec3_scale((struct vec3){d.x * c + d.z * s, d.y, -d.x * s + d.z * c}, 3.0), turned.offset);
+        wanted = 0.5 * (1.0 + density_noise_octave(q));
+        assert_near(density_of(&turned, p), wanted, 1e-12);
+        // A third of a turn about the diagonal takes x to y, y to z, z to x.
+        turned.axis = (struct vec3){1.0, 1.0, 1.0};
+        turned.angle_deg = 120.0;
+        q = vec3_add(vec3_scale((struct vec3){d.z, d.x, d.y}, 3.0), turned.offset);
+        wanted = 0.5 * (1.0 + density_noise_octave(q));
+        assert_near(density_of(&turned, p), wanted, 1e-12);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(noise_has_the_published_value),
+        cmocka_unit_test(noise_is_zero_at_every_lattice_point),
+        cmocka_unit_test(slope_at_a_lattice_point_is_its_gradient),
+        cmocka_unit_test(noise_repeats_after_256_cells_along_each_axis),
+        cmocka_unit_test(slope_and_curvature_are_continuous_between_cells),
+        cmocka_unit_test(noise_keeps_its_range_and_its_mean),
+        cmocka_unit_test(octaves_add_by_lacunarity_and_h),
+        cmocka_unit_test(bias_is_a_power_that_keeps_zero_and_one),
+        cmocka_unit_test(rotation_turns_the_point_about_the_center),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
