@@ -29,7 +29,9 @@ struct timeline_span job_time_span(const struct job *job)
         if (low < first) first = low;
         if (high > last) last = high;
     }
-    return (struct timeline_span){job_frame_time(job, first), job_frame_time(job, last)};
+    return (struct timeline_span){job_frame_time(job, first),
+                                  job_frame_time(job, last) + job->scene.camera.shutter * (double)job->fps_denominator /
+                                                                  (double)job->fps_numerator};
 }
 
 const char *job_method_name(enum job_method method)

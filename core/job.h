@@ -17,7 +17,9 @@ enum {
     JOB_RESOLUTION_LIMIT = 16384,       // pixels a side
     JOB_PIXEL_LIMIT = 64 * 1024 * 1024, // pixels in all
     // Software GL ends a loop after 65535 turns, so the shaders' loops are bounded a little below.
-    JOB_MARCH_STEPS_LIMIT = 60 * 1000 // along one camera or shadow ray
+    JOB_MARCH_STEPS_LIMIT = 60 * 1000, // along one camera or shadow ray
+    JOB_POINT_LIMIT = 1000,            // equiangular points
+    JOB_SAMPLE_LIMIT = 1024            // a pixel
 };
 
 enum job_method {
@@ -80,7 +82,7 @@ struct job {
 
 void job_finish(struct job *job);                            // accepts an empty job
 double job_frame_time(const struct job *job, int32_t frame); // s
-// The times of the earliest and the latest frame; the range is not empty.
+// From the time of the earliest frame to when the shutter closes on the latest; the range is not empty.
 struct timeline_span job_time_span(const struct job *job);
 const char *job_method_name(enum job_method method);
 const char *job_compression_name(enum job_compression compression);

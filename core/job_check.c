@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "core/json_read.h"
+#include "core/step_check.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -52,24 +53,44 @@ static bool check_camera(const struct moment *moment)
                      moment->where);
 }
 
+// A vector that moves may pass 0 between two values that are none.
+static bool check_direction(const struct moment *moment, const struct json_node *object, const char *key,
+                            const struct timeline *timeline)
+{
+    struct json_node node = json_node_child(object, key);
+    double direction[3];
+
+    timeline_evaluate(timeline, moment->time, direction);
+    if (length_of(direction) >= DIRECTION_LENGTH_MIN) return true;
+    return json_fail(&node, moment->error, "expected a vector whose length is not 0, got one of 0%s", moment->where);
+}
+
 static bool check_lights(const struct moment *moment)
 {
     struct json_node lights = json_node_child(moment->document, "lights");
-    double direction[3];
 
     for (size_t i = 0; i < moment->job->scene.light_count; i++) {
-        struct json_node light = json_node_element(&lights, i), node = json_node_child(&light, "direction");
+        const struct scene_light *light = &moment->job->scene.lights[i];
+        struct json_node node = json_node_element(&lights, i);
 
-        if (moment->job->scene.lights[i].kind != SCENE_LIGHT_SUN) continue;
-        timeline_evaluate(&moment->job->scene.lights[i].direction, moment->time, direction);
-        if (length_of(direction) < DIRECTION_LENGTH_MIN)
-            return json_fail(&node, moment->error, "expected a vector whose length is not 0, got one of 0%s",
-                             moment->where);
+        if (light->kind == SCENE_LIGHT_SUN && !check_direction(moment, &node, "direction", &light->direction))
+            return false;
     }
     return true;
 }
 
-static bool check_weights(const struct moment *moment)
+static bool check_density(const struct moment *moment, const struct json_node *medium,
+                          const struct scene_density *density)
+{
+    struct json_node node = json_node_child(medium, "density"), bounds = json_node_child(&node, "bounds");
+    struct json_node rotate = json_node_child(&node, "rotate");
+
+    return (density->bounds.kind != SCENE_BOUNDS_SLAB ||
+            check_direction(moment, &bounds, "normal", &density->bounds.normal)) &&
+           (density->kind != SCENE_DENSITY_NOISE || check_direction(moment, &rotate, "axis", &density->noise.axis));
+}
+
+static bool check_media(const struct moment *moment)
 {
     struct json_node scene = json_node_child(moment->document, "scene"), media = json_node_child(&scene, "media");
 
@@ -78,6 +99,7 @@ static bool check_weights(const struct moment *moment)
         struct json_node node = json_node_element(&media, i), phase = json_node_child(&node, "phase");
         double sum = 0.0, weight[3];
 
+        if (!check_density(moment, &node, &medium->density)) return false;
         for (size_t k = 0; k < medium->lobe_count; k++) {
             timeline_evaluate(&medium->lobes[k].weight, moment->time, weight);
             sum += weight[0];
@@ -101,76 +123,12 @@ static bool check_moments(const struct job *job, const struct json_node *documen
         struct moment moment = {job, document, job_frame_time(job, frame), "", error};
 
         if (moves) snprintf(moment.where, sizeof moment.where, " at frame %d", frame);
-        if (!check_camera(&moment) || !check_lights(&moment) || !check_weights(&moment)) return false;
-    }
-    return true;
-}
-
-// The longest way through the medium, m.
-static double medium_diameter(const struct scene_medium *medium, struct timeline_span span)
-{
-    const struct scene_fold_fractal *fold_fractal = &medium->density.fold_fractal;
-    double min[3], radius[3], offset[3];
-
-    timeline_find_bounds(&fold_fractal->radius, span, min, radius);
-    timeline_find_bounds(&fold_fractal->offset, span, min, offset);
-    return 2.0 * (radius[0] + fold_fractal->iterations * sqrt(3.0) * offset[0]);
-}
-
-static bool check_steps(const struct json_node *node, double length, double step, const char *along,
-                        struct error *error)
-{
-    double count = ceil(length / step - 1e-9);
-
-    if (count <= JOB_MARCH_STEPS_LIMIT) return true;
-    return json_fail(node, error, "expected at most %d steps along a ray, got %.10g: %.10g m %s in steps of %.10g m",
-                     JOB_MARCH_STEPS_LIMIT, count, length, along, step);
-}
-
-static bool check_riemann(const struct job *job, const struct json_node *quality, struct error *error)
-{
-    const struct scene_camera *camera = &job->scene.camera;
-    struct json_node step = json_node_child(quality, "step"), method = json_node_child(quality, "method");
-    double length = camera->clip_far - camera->clip_near;
-
-    if (!isfinite(length))
-        return json_fail(&method, error, "riemann needs camera.clip: it steps from the near to the far distance");
-    if (round(length / job->quality.step) < 1.0)
-        return json_fail(&step, error, "expected at most the %.10g m between the clip distances, got %.10g", length,
-                         job->quality.step);
-    return check_steps(&step, length, job->quality.step, "between the clip distances", error);
-}
-
-static bool check_midpoint(const struct job *job, const struct json_node *quality, struct error *error)
-{
-    const struct scene_camera *camera = &job->scene.camera;
-    struct json_node step = json_node_child(quality, "step"), light_step = json_node_child(quality, "light_step");
-    char along[48];
-
-    for (size_t i = 0; i < job->scene.medium_count; i++) {
-        double diameter = medium_diameter(&job->scene.media[i], job_time_span(job));
-        double length = fmin(diameter, camera->clip_far - camera->clip_near);
-
-        snprintf(along, sizeof along, "through scene.media[%zu]", i);
-        if (!check_steps(&step, length, job->quality.step, along, error) ||
-            (job->scene.light_count > 0 && !check_steps(&light_step, diameter, job->quality.light_step, along, error)))
-            return false;
+        if (!check_camera(&moment) || !check_lights(&moment) || !check_media(&moment)) return false;
     }
     return true;
 }
 
 bool job_check(const struct job *job, const struct json_node *document, struct error *error)
 {
-    struct json_node quality = json_node_child(document, "quality");
-
-    if (!check_moments(job, document, error)) return false;
-    switch (job->quality.method) {
-    case JOB_METHOD_RIEMANN:
-        return check_riemann(job, &quality, error);
-    case JOB_METHOD_MIDPOINT:
-        return check_midpoint(job, &quality, error);
-    case JOB_METHOD_EQUIANGULAR:
-        return true;
-    }
-    return false;
+    return check_moments(job, document, error) && step_check(job, document, error);
 }

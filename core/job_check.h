@@ -1,4 +1,4 @@
-// What no single value of a job shows: geometry and phase weights at the frames, and how long a march would be.
+// What no single value of a job shows: geometry and phase weights at the frames, and whether the method suits the scene.
 #pragma once
 
 #include <stdbool.h>

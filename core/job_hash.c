@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 // Changes whenever the same job comes to mean another picture, so that no frame of an earlier meaning passes for one.
-static const char FORMAT[] = "marchd picture 1";
+static const char FORMAT[] = "marchd picture 2";
 
 static void put_numbers(FILE *text, const char *key, const double *numbers, int count)
 {
@@ -55,45 +55,57 @@ static void put_timeline(FILE *text, const char *key, const struct timeline *tim
     fputc('\n', text);
 }
 
-static void put_medium(FILE *text, const struct scene_medium *medium)
+static void put_visited(const char *name, struct timeline *timeline, void *user)
 {
-    const struct scene_fold_fractal *fold_fractal = &medium->density.fold_fractal;
+    put_timeline(user, name, timeline);
+}
 
-    fprintf(text, "medium density %d iterations %d\n", (int)medium->density.kind, fold_fractal->iterations);
-    put_timeline(text, "offset", &fold_fractal->offset);
-    put_timeline(text, "radius", &fold_fractal->radius);
-    put_timeline(text, "rotate_x", &fold_fractal->rotate_x_rad);
-    put_timeline(text, "rotate_y", &fold_fractal->rotate_y_rad);
-    put_timeline(text, "exponent", &fold_fractal->exponent);
-    put_timeline(text, "scale", &fold_fractal->scale);
-    put_timeline(text, "sigma_s", &medium->sigma_s);
-    put_timeline(text, "sigma_a", &medium->sigma_a);
-    if (medium->has_emission) put_timeline(text, "emission", &medium->emission);
-    for (size_t i = 0; i < medium->lobe_count; i++) {
-        put_timeline(text, "g", &medium->lobes[i].g);
-        put_timeline(text, "weight", &medium->lobes[i].weight);
+static void put_density(FILE *text, const struct scene_density *density)
+{
+    fprintf(text, "density %d bounds %d", (int)density->kind, (int)density->bounds.kind);
+    switch (density->kind) {
+    case SCENE_DENSITY_FOLD_FRACTAL:
+        fprintf(text, " iterations %d", density->fold_fractal.iterations);
+        break;
+    case SCENE_DENSITY_NOISE:
+        fprintf(text, " octaves %d mode %d", density->noise.octaves, (int)density->noise.mode);
+        break;
+    case SCENE_DENSITY_HOMOGENEOUS:
+    case SCENE_DENSITY_GRID:
+    case SCENE_DENSITY_GLSL:
+        break;
     }
+    fputc('\n', text);
 }
 
 static void put_scene(FILE *text, const struct scene *scene)
 {
-    put_timeline(text, "position", &scene->camera.position);
-    put_timeline(text, "target", &scene->camera.target);
-    put_timeline(text, "up", &scene->camera.up);
-    put_timeline(text, "fov", &scene->camera.fov);
     put_numbers(text, "clip", (double[]){scene->camera.clip_near, scene->camera.clip_far}, 2);
-    fprintf(text, " mirror %d\n", scene->camera.mirror);
-    for (size_t i = 0; i < scene->light_count; i++) {
-        const struct scene_light *light = &scene->lights[i];
+    put_numbers(text, "shutter", &scene->camera.shutter, 1);
+    fprintf(text, " mirror %d background %d\n", scene->camera.mirror, scene->has_background);
+    for (size_t i = 0; i < scene->light_count; i++)
+        fprintf(text, "light %d falloff %d\n", (int)scene->lights[i].kind, (int)scene->lights[i].falloff);
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_medium *medium = &scene->media[i];
 
-        fprintf(text, "light %d falloff %d\n", (int)light->kind, (int)light->falloff);
-        put_timeline(text, "intensity", &light->intensity);
-        put_timeline(text, "position", &light->position);
-        put_timeline(text, "direction", &light->direction);
+        fprintf(text, "medium emission %d lobes", medium->has_emission);
+        for (size_t k = 0; k < medium->lobe_count; k++)
+            fprintf(text, " %d", (int)medium->lobes[k].kind);
+        fputc('\n', text);
+        put_density(text, &medium->density);
     }
-    for (size_t i = 0; i < scene->medium_count; i++)
-        put_medium(text, &scene->media[i]);
-    if (scene->has_background) put_timeline(text, "background", &scene->background);
+    // With the counts and kinds above it is known which values come here; the visitor only reads.
+    scene_visit_timelines((struct scene *)scene, put_visited, text);
+}
+
+static void put_quality(FILE *text, const struct job_quality *quality)
+{
+    fprintf(text, "\nmethod %s light_steps %d points %d samples %d", job_method_name(quality->method),
+            quality->light_steps, quality->points, quality->samples);
+    put_numbers(text, "step", (double[]){quality->step, quality->step_voxels}, 2);
+    put_numbers(text, "light_step", (double[]){quality->light_step, quality->light_step_voxels}, 2);
+    put_numbers(text, "min_transmittance", &quality->min_transmittance, 1);
+    put_numbers(text, "roulette", (double[]){quality->roulette_below, quality->roulette_survive}, 2);
 }
 
 void job_hash_picture(const struct job *job, char hash[static HASH_TEXT_SIZE])
@@ -106,10 +118,7 @@ void job_hash_picture(const struct job *job, char hash[static HASH_TEXT_SIZE])
     fprintf(text, "%s\nresolution %d %d fps %" PRId64 " %" PRId64, FORMAT, job->width_px, job->height_px,
             job->fps_numerator, job->fps_denominator);
     put_numbers(text, "time_offset", &job->time_offset, 1);
-    fprintf(text, "\nmethod %s light_steps %d", job_method_name(job->quality.method), job->quality.light_steps);
-    put_numbers(text, "step", &job->quality.step, 1);
-    put_numbers(text, "light_step", &job->quality.light_step, 1);
-    put_numbers(text, "min_transmittance", &job->quality.min_transmittance, 1);
+    put_quality(text, &job->quality);
     fprintf(text, "\npixel %d depth %d transmittance %d\n", (int)job->output.pixel, job->output.has_depth,
             job->output.has_transmittance);
     put_scene(text, &job->scene);

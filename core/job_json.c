@@ -5,7 +5,7 @@
 #include "core/job.h"
 #include "core/job_check.h"
 #include "core/job_hash.h"
-#include "core/job_later.h"
+#include "core/quality_json.h"
 #include "core/scene_json.h"
 
 #include <math.h>
@@ -14,8 +14,7 @@
 static const int64_t FPS_PART_MAX = 1000 * 1000 * 1000; // fits the EXR attribute's 32 bits
 static const double FPS_MAX = 1000.0;
 static const double FPS_DECIMALS = 1e6;
-static const double TIME_MAX = 1e9;                  // s
-static const double STEP_MIN = 1e-9, STEP_MAX = 1e9; // m
+static const double TIME_MAX = 1e9; // s
 
 static bool read_version(const struct json_node *document, struct error *error)
 {
@@ -115,47 +114,6 @@ static bool read_resolution(struct job *job, const struct json_node *document, s
     return true;
 }
 
-static bool read_method(struct job_quality *quality, const struct json_node *node, struct error *error)
-{
-    static const char *const methods[] = {"riemann", "midpoint", NULL};
-    static const char *const riemann[] = {"method", "step", "light_steps", "min_transmittance", "samples", NULL};
-    static const char *const midpoint[] = {"method", "step", "light_step", "min_transmittance", "samples", NULL};
-    struct json_node method = json_node_child(node, "method");
-    struct json_node light_step = json_node_child(node, "light_step");
-    struct json_node light_steps = json_node_child(node, "light_steps");
-    int64_t count;
-    int choice;
-
-    if (!json_read_enum(&method, methods, &choice, error)) return false;
-    quality->method = (enum job_method)choice;
-    switch (quality->method) {
-    case JOB_METHOD_RIEMANN:
-        if (!json_check_keys(node, riemann, error) ||
-            !json_read_integer(&light_steps, 1, JOB_MARCH_STEPS_LIMIT, &count, error))
-            return false;
-        quality->light_steps = (int)count;
-        return true;
-    case JOB_METHOD_MIDPOINT:
-        return json_check_keys(node, midpoint, error) &&
-               json_read_number(&light_step, STEP_MIN, STEP_MAX, &quality->light_step, error);
-    case JOB_METHOD_EQUIANGULAR:
-        break;
-    }
-    return false;
-}
-
-static bool read_quality(struct job_quality *quality, const struct json_node *document, struct error *error)
-{
-    struct json_node node = json_node_child(document, "quality"), step = json_node_child(&node, "step");
-    struct json_node min_transmittance = json_node_child(&node, "min_transmittance");
-
-    quality->samples = 1;
-    return json_check_object(&node, error) && job_later_check(&node, JOB_LATER_QUALITY, error) &&
-           read_method(quality, &node, error) && json_read_number(&step, STEP_MIN, STEP_MAX, &quality->step, error) &&
-           (json_node_is_absent(&min_transmittance) ||
-            json_read_number(&min_transmittance, 0.0, 1.0, &quality->min_transmittance, error));
-}
-
 static bool read_aovs(struct job_output *output, const struct json_node *node, struct error *error)
 {
     static const char *const names[] = {"Z", "transmittance", NULL};
@@ -225,6 +183,7 @@ static bool read_job(struct job *job, const struct json_node *document, const ch
                                        "quality",    "output", "priority", NULL};
     struct json_node time_offset = json_node_child(document, "time_offset");
     struct json_node priority = json_node_child(document, "priority");
+    struct scene_times times;
     int64_t rank = JOB_PRIORITY_DEFAULT;
 
     if (!json_check_object(document, error) || !read_version(document, error) ||
@@ -237,9 +196,9 @@ static bool read_job(struct job *job, const struct json_node *document, const ch
     if (!json_node_is_absent(&priority) && !json_read_integer(&priority, 0, JOB_PRIORITY_MAX, &rank, error))
         return false;
     job->priority = (int)rank;
-    return scene_from_json(&job->scene, document, job_time_span(job), error) &&
-           read_quality(&job->quality, document, error) && read_output(&job->output, document, output_root, error) &&
-           job_check(job, document, error);
+    times = (struct scene_times){job_time_span(job), (double)job->fps_denominator / (double)job->fps_numerator};
+    return scene_from_json(&job->scene, document, &times, error) && quality_from_json(&job->quality, document, error) &&
+           read_output(&job->output, document, output_root, error) && job_check(job, document, error);
 }
 
 bool job_from_json(struct job *job, const struct json_node *document, const char *output_root, struct error *error)

@@ -1,28 +1,19 @@
 #include "core/job_later.h"
 
-#include <float.h>
 #include <string.h>
 
 const struct job_later job_later_table[] = {
-    {JOB_LATER_CAMERA, .key = "shutter", .has_number = true, .number = 0.0},
     {JOB_LATER_SCENE, .key = "objects"},
-    {JOB_LATER_DENSITY, .key = "kind", .text = "homogeneous"},
-    {JOB_LATER_DENSITY, .key = "kind", .text = "noise"},
     {JOB_LATER_DENSITY, .key = "kind", .text = "grid"},
     {JOB_LATER_DENSITY, .key = "kind", .text = "glsl"},
-    {JOB_LATER_DENSITY, .key = "bounds"},
-    {JOB_LATER_PHASE, .key = "kind", .text = "rayleigh"},
     {JOB_LATER_QUALITY, .key = "tolerance"},
     {JOB_LATER_QUALITY, .key = "method", .text = "jittered"},
     {JOB_LATER_QUALITY, .key = "method", .text = "adaptive"},
     {JOB_LATER_QUALITY, .key = "method", .text = "gauss"},
-    {JOB_LATER_QUALITY, .key = "method", .text = "equiangular"},
     {JOB_LATER_QUALITY, .key = "method", .text = "cached"},
     {JOB_LATER_QUALITY, .key = "method", .text = "preintegrated"},
     {JOB_LATER_QUALITY, .key = "method", .text = "tracking"},
     {JOB_LATER_QUALITY, .key = "method", .text = "auto"},
-    {JOB_LATER_QUALITY, .key = "roulette"},
-    {JOB_LATER_QUALITY, .key = "samples", .has_number = true, .number = 1.0},
     {JOB_LATER_QUALITY, .key = "max_depth"},
     {JOB_LATER_QUALITY, .key = "min_throughput"},
     {0},
@@ -37,16 +28,6 @@ static bool check_text(const struct job_later *later, const struct json_node *no
     return json_fail(node, error, "\"%s\" is not there yet", text);
 }
 
-static bool check_number(const struct job_later *later, const struct json_node *node, struct error *error)
-{
-    double number;
-
-    if (json_node_type(node) != JSON_NUMBER || !json_read_number(node, -DBL_MAX, DBL_MAX, &number, NULL))
-        return json_fail_expected(node, error, "a number");
-    if (number == later->number) return true;
-    return json_fail(node, error, "%s other than %g is not there yet", later->key, later->number);
-}
-
 bool job_later_check(const struct json_node *object, enum job_later_place place, struct error *error)
 {
     for (const struct job_later *later = job_later_table; later->key; later++) {
@@ -54,8 +35,7 @@ bool job_later_check(const struct json_node *object, enum job_later_place place,
 
         if (later->place != place || json_node_is_absent(&node)) continue;
         if (later->text && !check_text(later, &node, error)) return false;
-        if (later->has_number && !check_number(later, &node, error)) return false;
-        if (!later->text && !later->has_number) return json_fail(&node, error, "%s is not there yet", later->key);
+        if (!later->text) return json_fail(&node, error, "%s is not there yet", later->key);
     }
     return true;
 }

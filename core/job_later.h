@@ -7,14 +7,12 @@
 
 struct error;
 
-enum job_later_place { JOB_LATER_CAMERA, JOB_LATER_SCENE, JOB_LATER_DENSITY, JOB_LATER_PHASE, JOB_LATER_QUALITY };
+enum job_later_place { JOB_LATER_SCENE, JOB_LATER_DENSITY, JOB_LATER_QUALITY };
 
 struct job_later {
     enum job_later_place place;
-    bool has_number;
     const char *key;  // NULL ends the table
-    const char *text; // the value that comes later; NULL: any but `number`, if there is one
-    double number;    // the value that is there already
+    const char *text; // the value that comes later; NULL: any
 };
 
 extern const struct job_later job_later_table[];

@@ -137,3 +137,13 @@ bool scene_density_is_sequence(const struct scene_density *density)
     return density->kind == SCENE_DENSITY_GLSL ||
            (density->kind == SCENE_DENSITY_GRID && strchr(density->grid.file, '#'));
 }
+
+bool scene_density_is_even(const struct scene_density *density)
+{
+    const struct timeline *falloff = &density->bounds.falloff;
+    double value[3] = {0};
+
+    if (density->kind != SCENE_DENSITY_HOMOGENEOUS || !timeline_is_constant(falloff)) return false;
+    timeline_evaluate(falloff, 0.0, value);
+    return value[0] == 0.0;
+}

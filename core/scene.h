@@ -75,9 +75,9 @@ struct scene_noise {
     int octaves; // [1, SCENE_OCTAVE_LIMIT]
     enum scene_noise_mode mode;
     struct timeline frequency;  // lattice cells per metre, > 0
-    struct timeline lacunarity; // >= 1
-    struct timeline hurst;      // "H": >= 0
-    struct timeline bias;       // (-1, 1); 0 changes nothing
+    struct timeline lacunarity; // [1, 100]
+    struct timeline hurst;      // "H": [0, 10]
+    struct timeline bias;       // [-0.999, 0.999]; 0 changes nothing
     struct timeline offset;     // lattice cells
     struct timeline axis;       // of any length but 0
     struct timeline angle;      // degrees
@@ -191,6 +191,8 @@ void scene_finish(struct scene *scene);
 bool scene_is_constant(const struct scene *scene);
 // True when it may differ from frame to frame whatever its numbers do: a file a frame, or code that is given the time.
 bool scene_density_is_sequence(const struct scene_density *density);
+// True when it is the same everywhere inside its bounds at any one time: homogeneous without falloff.
+bool scene_density_is_even(const struct scene_density *density);
 
 // Called for each number or vector that may move, always in the same order; `name` is short and not unique.
 typedef void scene_visitor(const char *name, struct timeline *timeline, void *user);

@@ -8,7 +8,14 @@
 
 struct scene;
 
+// When values are asked for.
+struct scene_times {
+    struct timeline_span frames; // from the first frame to the last
+    double frame_s;              // from one frame to the next
+};
+
 // `job` is the document's root object; its keys camera, lights, background and scene are read. Lights and media may be
-// absent. `span` holds the times of all frames: values are checked between them. On failure the caller still calls
-// scene_finish.
-bool scene_from_json(struct scene *scene, const struct json_node *job, struct timeline_span span, struct error *error);
+// absent. Values are checked between the first frame and the moment when the shutter closes on the last. On failure the
+// caller still calls scene_finish.
+bool scene_from_json(struct scene *scene, const struct json_node *job, const struct scene_times *times,
+                     struct error *error);

@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-static const struct timeline_span SPAN = {0.0, 10.0};
+static const struct scene_times TIMES = {{0.0, 10.0}, 0.04};
 
 static bool read_scene(struct scene *scene, const char *text, struct error *error)
 {
@@ -25,7 +25,7 @@ static bool read_scene(struct scene *scene, const char *text, struct error *erro
 
     if (!json_parse(&root, text, strlen(text), error)) fail_msg("%s: %s", error->message, text);
     document = json_node_root(root);
-    ok = scene_from_json(scene, &document, SPAN, error);
+    ok = scene_from_json(scene, &document, &TIMES, error);
     json_delete(root);
     return ok;
 }
@@ -210,10 +210,9 @@ static void wrong_media_are_refused_by_place(void **state)
 {
     assert_edit_refused("scene.media[1].sigma_a", NULL,
                         "scene.media[1]: expected sigma_s, sigma_a or emission, got none of them");
-    assert_edit_refused(
-        "scene.media[0].density.kind", "\"fold_factal\"",
-        "scene.media[0].density.kind: expected one of \"fold_fractal\", got \"fold_factal\", did you mean "
-        "\"fold_fractal\"?");
+    assert_edit_refused("scene.media[0].density.kind", "\"fold_factal\"",
+                        "scene.media[0].density.kind: expected one of \"fold_fractal\",\"homogeneous\",\"noise\", got "
+                        "\"fold_factal\", did you mean \"fold_fractal\"?");
     assert_edit_refused("scene.media[0].density.exponent", "0",
                         "scene.media[0].density.exponent: expected a number in (0, 100], got 0");
     assert_edit_refused("scene.media[0].density.iterations", "2.5",
@@ -223,6 +222,131 @@ static void wrong_media_are_refused_by_place(void **state)
     // As a float it is 1, which scatters nothing anywhere.
     assert_edit_refused("scene.media[0].phase[0].g", "0.99999999",
                         "scene.media[0].phase[0].g: expected a number in [-0.99999, 0.99999], got 0.99999999");
+}
+
+static void noise_and_bounds_are_read(void **state)
+{
+    struct scene scene = scene_of(job_text_noise);
+    const struct scene_noise *noise = &scene.media[0].density.noise;
+    const struct scene_bounds *sphere = &scene.media[0].density.bounds, *box = &scene.media[1].density.bounds;
+
+    assert_int_equal(scene.media[0].density.kind, SCENE_DENSITY_NOISE);
+    assert_int_equal(noise->octaves, 5);
+    assert_int_equal(noise->mode, SCENE_NOISE_CLIP);
+    assert_true(noise->frequency.value[0] == 3.0 && noise->lacunarity.value[0] == 2.5);
+    assert_true(noise->hurst.value[0] == 0.75 && noise->bias.value[0] == -0.25 && noise->scale.value[0] == 6.0);
+    assert_vector(noise->offset.linear.rate, 0.0, 0.0, 0.5);
+    assert_vector(noise->axis.value, 1.0, 1.0, 0.0);
+    assert_true(noise->angle.linear.start[0] == -3.0);
+    assert_int_equal(sphere->kind, SCENE_BOUNDS_SPHERE);
+    assert_int_equal(sphere->center.kind, TIMELINE_ORBIT);
+    assert_true(sphere->radius.value[0] == 1.5 && sphere->falloff.value[0] == 0.25);
+    assert_int_equal(box->kind, SCENE_BOUNDS_BOX);
+    assert_vector(box->size.value, 1.0, 2.0, 3.0);
+    assert_vector(box->center.value, 1.0, 0.0, 0.0);
+    scene_finish(&scene);
+}
+
+static void noise_has_defaults(void **state)
+{
+    struct scene scene = scene_of(job_text_noise);
+    const struct scene_noise *noise = &scene.media[1].density.noise;
+
+    assert_int_equal(noise->octaves, 1);
+    assert_int_equal(noise->mode, SCENE_NOISE_ABSOLUTE);
+    assert_true(noise->lacunarity.value[0] == 2.0 && noise->hurst.value[0] == 1.0 && noise->bias.value[0] == 0.0);
+    assert_true(noise->scale.value[0] == 1.0 && noise->angle.value[0] == 0.0);
+    assert_vector(noise->offset.value, 0.0, 0.0, 0.0);
+    assert_int_equal(noise->offset.component_count, 3);
+    assert_vector(noise->axis.value, 0.0, 1.0, 0.0);
+    scene_finish(&scene);
+}
+
+static void homogeneous_media_are_read(void **state)
+{
+    struct scene scene = scene_of(job_text_fog);
+    const struct scene_density *slab = &scene.media[0].density, *everywhere = &scene.media[1].density;
+
+    assert_int_equal(slab->kind, SCENE_DENSITY_HOMOGENEOUS);
+    assert_int_equal(slab->homogeneous.scale.kind, TIMELINE_KEYS);
+    assert_int_equal(slab->bounds.kind, SCENE_BOUNDS_SLAB);
+    assert_vector(slab->bounds.normal.value, 0.5, 2.0, 0.0);
+    assert_true(slab->bounds.thickness.value[0] == 2.0 && slab->bounds.falloff.value[0] == 0.0);
+    assert_int_equal(everywhere->bounds.kind, SCENE_BOUNDS_NONE);
+    assert_true(everywhere->homogeneous.scale.value[0] == 1.0);
+    assert_int_equal(scene.media[0].lobes[0].kind, SCENE_LOBE_RAYLEIGH);
+    assert_int_equal(scene.media[0].lobes[0].g.component_count, 1);
+    scene_finish(&scene);
+}
+
+// What moves is asked for until the shutter closes: 10 s and 0.04 s for each frame of shutter.
+static void values_stay_in_range_while_the_shutter_is_open(void **state)
+{
+    char *text = json_edit_set(job_text_full, "camera.fov", "{\"start\":10,\"rate\":16.9}"), *open;
+    struct scene scene = scene_of(text);
+    struct error error = {0};
+
+    assert_true(scene.camera.shutter == 0.0);
+    scene_finish(&scene);
+    open = json_edit_set(text, "camera.shutter", "2");
+    assert_false(read_scene(&scene, open, &error));
+    assert_string_equal(error.message, "camera.fov: expected to stay in (0, 180), got 10 to 180.352");
+    scene_finish(&scene);
+    free(open);
+    free(text);
+}
+
+static void homogeneous_without_falloff_is_even(void **state)
+{
+    char *text = json_edit_set(job_text_fog, "scene.media[0].density.bounds.falloff", "1e-6");
+    struct scene even = scene_of(job_text_fog), soft = scene_of(text), noise = scene_of(job_text_noise);
+
+    assert_true(scene_density_is_even(&even.media[0].density));
+    assert_true(scene_density_is_even(&even.media[1].density));
+    assert_false(scene_density_is_even(&soft.media[0].density));
+    assert_false(scene_density_is_even(&noise.media[1].density));
+    scene_finish(&even);
+    scene_finish(&soft);
+    scene_finish(&noise);
+    free(text);
+}
+
+static void assert_noise_edit_refused(const char *path, const char *value, const char *expected)
+{
+    char *text = json_edit_set(job_text_noise, path, value);
+    struct scene scene;
+    struct error error = {0};
+
+    if (read_scene(&scene, text, &error)) fail_msg("%s = %s is taken", path, value);
+    assert_string_equal(error.message, expected);
+    scene_finish(&scene);
+    free(text);
+}
+
+static void wrong_noise_and_bounds_are_refused_by_place(void **state)
+{
+    assert_noise_edit_refused("scene.media[0].density.frequency", "0",
+                              "scene.media[0].density.frequency: expected a number in (0, 1000000000], got 0");
+    assert_noise_edit_refused("scene.media[0].density.bias", "1",
+                              "scene.media[0].density.bias: expected a number in [-0.999, 0.999], got 1");
+    assert_noise_edit_refused("scene.media[0].density.octaves", "17",
+                              "scene.media[0].density.octaves: expected an integer from 1 to 16, got 17");
+    assert_noise_edit_refused("scene.media[0].density.rotate", "{\"axis\":[0,1,0]}",
+                              "scene.media[0].density.rotate.angle: expected a number in [-1000000000, 1000000000], "
+                              "got nothing");
+    assert_noise_edit_refused("scene.media[0].density.bounds.radius", "0",
+                              "scene.media[0].density.bounds.radius: expected a number in (0, 1000000000], got 0");
+    assert_noise_edit_refused("scene.media[1].density.bounds.size", "[1,-1,1]",
+                              "scene.media[1].density.bounds.size[1]: expected a number in (0, 1000000000], got -1");
+    assert_noise_edit_refused("scene.media[1].density.bounds.radius", "1",
+                              "scene.media[1].density.bounds: unknown key \"radius\"");
+    assert_noise_edit_refused("scene.media[0].density.bounds.kind", "\"cone\"",
+                              "scene.media[0].density.bounds.kind: expected one of \"sphere\",\"box\",\"slab\", got "
+                              "\"cone\"");
+    assert_noise_edit_refused("scene.media[0].phase[0].g", "0", "scene.media[0].phase[0]: unknown key \"g\"");
+    assert_noise_edit_refused("scene.media[0].density.iterations", "3",
+                              "scene.media[0].density: unknown key \"iterations\"");
+    assert_noise_edit_refused("camera.shutter", "-1", "camera.shutter: expected a number from 0 to 1000, got -1");
 }
 
 static void a_still_scene_is_constant(void **state)
@@ -256,6 +380,12 @@ int main(void)
         cmocka_unit_test(orbits_drive_positions_only),
         cmocka_unit_test(wrong_timelines_are_refused_by_place),
         cmocka_unit_test(wrong_media_are_refused_by_place),
+        cmocka_unit_test(noise_and_bounds_are_read),
+        cmocka_unit_test(noise_has_defaults),
+        cmocka_unit_test(homogeneous_media_are_read),
+        cmocka_unit_test(values_stay_in_range_while_the_shutter_is_open),
+        cmocka_unit_test(homogeneous_without_falloff_is_even),
+        cmocka_unit_test(wrong_noise_and_bounds_are_refused_by_place),
         cmocka_unit_test(a_still_scene_is_constant),
     };
 

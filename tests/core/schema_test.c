@@ -25,6 +25,14 @@ struct cross_rule {
     } example;
 };
 
+#define MEDIUM(density) "{\"media\":[{\"sigma_a\":1,\"density\":" density "}]}"
+#define NOISE "{\"kind\":\"noise\",\"frequency\":1}"
+#define SLAB                                                                                                           \
+    "{\"kind\":\"noise\",\"frequency\":1,\"bounds\":{\"kind\":\"slab\",\"normal\":{\"start\":[0,1,0],\"rate\":[1,0,0]" \
+    "},"                                                                                                               \
+    "\"thickness\":1}}"
+#define FALLOFF "{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1,\"falloff\":0.5}}"
+
 static const struct cross_rule cross_rules[] = {
     {"a name counts bytes, not characters, and has no U+0080 to U+009F",
      "1 to 128 printable bytes",
@@ -49,6 +57,14 @@ static const struct cross_rule cross_rules[] = {
      "m between the clip distances, got",
      {"quality", "{\"method\":\"riemann\",\"step\":9,\"light_steps\":1}"}},
     {"riemann has an end", "riemann needs camera.clip", {"quality.method", "\"riemann\""}},
+    {"a march through a medium ends", "a march through it has no end", {"scene", MEDIUM(NOISE)}},
+    {"light comes in somewhere", "comes all the way through it", {"scene", MEDIUM(SLAB)}},
+    {"voxels are a grid's", "a density of kind \"grid\"", {"quality", "{\"method\":\"midpoint\",\"step_voxels\":1}"}},
+    {"light marches in steps", "as light marches through media", {"quality.light_step", NULL}},
+    {"equiangular is for the homogeneous",
+     "which equiangular needs everywhere",
+     {"quality", "{\"method\":\"equiangular\",\"points\":1}"}},
+    {"equiangular is for the even", "0, which equiangular needs", {"scene", MEDIUM(FALLOFF)}},
     {"output stays below its root", "expected a path below", {"output.path", "\"/elsewhere/a.#.exr\""}},
     {"no . or .. in a path", "is not allowed in a path", {"output.path", "\"../a.#.exr\""}},
     {"a number in the name alone", "belongs into the file name", {"output.path", "\"%04d/a.#.exr\""}},
@@ -121,6 +137,14 @@ static const char *const for_strings[] = {"\"1-5\"",
                                           "\"sun\"",
                                           "\"riemann\"",
                                           "\"midpoint\"",
+                                          "\"equiangular\"",
+                                          "\"homogeneous\"",
+                                          "\"noise\"",
+                                          "\"sphere\"",
+                                          "\"box\"",
+                                          "\"slab\"",
+                                          "\"clip\"",
+                                          "\"rayleigh\"",
                                           "\"grid\"",
                                           "\"none\"",
                                           "\"half\"",
@@ -138,6 +162,14 @@ static const char *const for_others[] = {
     "0.9999999",
     "1.0",
     "1.5",
+    "0.999",
+    "0.9995",
+    "-0.9995",
+    "10.5",
+    "16",
+    "17",
+    "1024",
+    "1025",
     "2",
     "3",
     "33",
@@ -177,6 +209,12 @@ static const char *const for_others[] = {
     "[[0,0.5],[1,0.25]]",
     "[[0,1],[1,[1,2,3]]]",
     "{\"x\":1}",
+    "{\"angle\":1}",
+    "{\"below\":1,\"survive\":0.5}",
+    "{\"below\":0.5,\"survive\":1}",
+    "{\"kind\":\"sphere\",\"radius\":1}",
+    "{\"kind\":\"box\",\"size\":[1,0,1]}",
+    "{\"kind\":\"homogeneous\"}",
     "{\"start\":0.5}",
     "{\"start\":0.5,\"rate\":0}",
     "{\"start\":[0,0.5,1],\"rate\":[0,0,0]}",
@@ -271,6 +309,17 @@ static void schema_and_code_agree_on_every_change_of_a_job_with_every_key(void *
     check_places(job_text_full, "");
 }
 
+static void schema_and_code_agree_on_every_change_of_other_densities_and_methods(void **state)
+{
+    static const char *const texts[] = {job_text_noise, job_text_fog};
+
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        check_places(texts[i], "camera.shutter");
+        check_places(texts[i], "scene");
+        check_places(texts[i], "quality");
+    }
+}
+
 static void schema_and_code_agree_on_limits_of_counts(void **state)
 {
     static const struct {
@@ -306,7 +355,7 @@ static void schema_and_code_agree_on_limits_of_counts(void **state)
 
 static void schema_refuses_what_is_not_there_yet(void **state)
 {
-    static const char *const places[] = {"camera", "scene", "scene.media[0].density", "scene.media[0].phase[0]",
+    static const char *const places[] = {"scene", "scene.media[0].density",
                                          "quality"}; // in the order of enum job_later_place
 
     for (const struct job_later *later = job_later_table; later->key; later++) {
@@ -335,9 +384,18 @@ static void each_cross_rule_is_beyond_the_schema(void **state)
             text = json_edit_set(edited, "camera.up", "[-0.25, 3, 0]");
             free(edited);
         }
-        if (strncmp(rule->name, "riemann", 7) == 0) {
+        if (strncmp(rule->name, "a march", 7) == 0 || strncmp(rule->name, "riemann", 7) == 0) {
             edited = json_edit_set(text, "camera.clip", NULL);
             free(text);
+            text = edited;
+        }
+        if (strncmp(rule->name, "equiangular is for the even", 27) == 0) {
+            edited = json_edit_set(text, "quality", "{\"method\":\"equiangular\",\"points\":1}");
+            free(text);
+            text = edited;
+        }
+        if (strncmp(rule->name, "riemann", 7) == 0) {
+            edited = text;
             text = json_edit_set(edited, "quality", "{\"method\":\"\",\"step\":0.1,\"light_steps\":2}");
             free(edited);
         }
@@ -373,6 +431,7 @@ int main(void)
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_cloud),
         cmocka_unit_test(schema_and_code_agree_on_changes_of_cloud_seeds_quality),
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_a_job_with_every_key),
+        cmocka_unit_test(schema_and_code_agree_on_every_change_of_other_densities_and_methods),
         cmocka_unit_test(schema_and_code_agree_on_limits_of_counts),
         cmocka_unit_test(schema_refuses_what_is_not_there_yet),
         cmocka_unit_test(each_cross_rule_is_beyond_the_schema),

@@ -49,3 +49,31 @@ const char job_text_full[] =
     "\"quality\":{\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.1,\"min_transmittance\":0.001,\"samples\":1},"
     "\"output\":{\"path\":\"full/full.%04d.exr\",\"pixel\":\"float\",\"compression\":\"piz\",\"aovs\":[\"Z\"],"
     "\"existing\":\"fail\"},\"priority\":7}";
+
+#define OPENING                                                                                                        \
+    "{\"version\":1,\"name\":\"x\",\"frames\":\"1-9x2\",\"fps\":25,\"resolution\":[64,48],\"camera\":{\"position\":["  \
+    "0,0,4],"                                                                                                          \
+    "\"target\":[0,0,0],\"fov\":40,\"clip\":[0,9],\"shutter\":0.5},\"output\":{\"path\":\"x.#.exr\"},"
+#define POINT_LIGHT "{\"kind\":\"point\",\"intensity\":4,\"position\":[0,3,0]}"
+
+const char job_text_noise[] = OPENING
+    "\"lights\":[" POINT_LIGHT "],\"scene\":{\"media\":["
+    "{\"density\":{\"kind\":\"noise\",\"frequency\":3,\"octaves\":5,\"lacunarity\":2.5,\"H\":0.75,\"bias\":-0.25,"
+    "\"mode\":\"clip\",\"offset\":{\"start\":[1,2,3],\"rate\":[0,0,0.5]},\"rotate\":{\"axis\":[1,1,0],"
+    "\"angle\":{\"start\":-3,\"rate\":3}},\"scale\":6,"
+    "\"bounds\":{\"kind\":\"sphere\",\"center\":{\"orbit\":{\"radius\":1,\"period\":9}},\"radius\":1.5,\"falloff\":0."
+    "25}},"
+    "\"sigma_s\":[1,2,3],\"phase\":[{\"kind\":\"rayleigh\",\"weight\":0.75},{\"g\":0.5,\"weight\":0.25}]},"
+    "{\"density\":{\"kind\":\"noise\",\"frequency\":{\"start\":1,\"rate\":1},\"mode\":\"absolute\",\"bounds\":"
+    "{\"kind\":\"box\",\"center\":[1,0,0],\"size\":[1,2,3],\"falloff\":0}},\"sigma_a\":2}]},"
+    "\"quality\":{\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.1,\"roulette\":{\"below\":0.125,\"survive\":0."
+    "5},"
+    "\"samples\":4}}";
+
+const char job_text_fog[] =
+    OPENING "\"lights\":[" POINT_LIGHT "],\"scene\":{\"media\":["
+            "{\"density\":{\"kind\":\"homogeneous\",\"scale\":{\"keys\":[[0,0.5],[1,2]]},\"bounds\":{\"kind\":\"slab\","
+            "\"center\":[0,-1,0],"
+            "\"normal\":[0.5,2,0],\"thickness\":2,\"falloff\":0}},\"sigma_s\":1,\"phase\":[{\"kind\":\"rayleigh\"}]},"
+            "{\"density\":{\"kind\":\"homogeneous\"},\"sigma_a\":0.25}]},"
+            "\"quality\":{\"method\":\"equiangular\",\"points\":8,\"samples\":2}}";

@@ -1,0 +1,55 @@
+#include "core/medium_json.h"
+
+#include "core/density_json.h"
+#include "core/scene.h"
+#include "core/scene_reader.h"
+
+static const struct timeline_limits COEFFICIENT = {.min = 0.0, .max = 1e9};
+// Beyond it, 1 - |g| has too few digits in a shader's float.
+static const struct timeline_limits COSINE = {.components = 1, .min = -0.99999, .max = 0.99999};
+static const struct timeline_limits SHARE = {.components = 1, .min = 0.0, .max = 1.0};
+
+static bool read_lobe(const struct scene_reader *reader, struct scene_phase_lobe *lobe)
+{
+    static const char *const kinds[] = {"henyey_greenstein", "rayleigh", NULL};
+    static const char *const keys[] = {"kind", "g", "weight", NULL};
+    static const char *const rayleigh_keys[] = {"kind", "weight", NULL};
+    int choice = SCENE_LOBE_HENYEY_GREENSTEIN;
+
+    if (!json_check_object(reader->object, reader->error) ||
+        !scene_reader_read_choice(reader, "kind", kinds, &choice) ||
+        !json_check_keys(reader->object, choice == SCENE_LOBE_RAYLEIGH ? rayleigh_keys : keys, reader->error))
+        return false;
+    lobe->kind = (enum scene_lobe_kind)choice;
+    lobe->g = (struct timeline){.component_count = 1};
+    return (lobe->kind == SCENE_LOBE_RAYLEIGH || scene_reader_read(reader, "g", &COSINE, &lobe->g)) &&
+           scene_reader_read_or(reader, "weight", &SHARE, 1.0, &lobe->weight);
+}
+
+static bool read_phase(const struct scene_reader *medium_reader, struct scene_medium *medium)
+{
+    struct json_node lobes = json_node_child(medium_reader->object, "phase"), lobe = {0};
+    struct scene_reader reader = {&lobe, medium_reader->span, medium_reader->error};
+
+    if (json_node_is_absent(&lobes)) return true;
+    if (!json_check_array(&lobes, 1, SCENE_LOBE_LIMIT, reader.error)) return false;
+    while (json_node_next(&lobes, &lobe))
+        if (!read_lobe(&reader, &medium->lobes[medium->lobe_count++])) return false;
+    return true;
+}
+
+bool medium_from_json(struct scene_medium *medium, const struct scene_reader *reader)
+{
+    static const char *const keys[] = {"density", "sigma_s", "sigma_a", "emission", "phase", NULL};
+
+    if (!json_check_object(reader->object, reader->error) || !json_check_keys(reader->object, keys, reader->error))
+        return false;
+    medium->has_emission = scene_reader_has_key(reader, "emission");
+    if (!medium->has_emission && !scene_reader_has_key(reader, "sigma_s") && !scene_reader_has_key(reader, "sigma_a"))
+        return json_fail(reader->object, reader->error, "expected sigma_s, sigma_a or emission, got none of them");
+    return density_from_json(&medium->density, reader) &&
+           scene_reader_read_or(reader, "sigma_s", &COEFFICIENT, 0.0, &medium->sigma_s) &&
+           scene_reader_read_or(reader, "sigma_a", &COEFFICIENT, 0.0, &medium->sigma_a) &&
+           scene_reader_read_or(reader, "emission", &SCENE_RADIANCE, 0.0, &medium->emission) &&
+           read_phase(reader, medium);
+}

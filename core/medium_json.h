@@ -1,0 +1,10 @@
+// Reads a medium: its density, what it does to light, and its phase function.
+#pragma once
+
+#include <stdbool.h>
+
+struct scene_medium;
+struct scene_reader;
+
+// `reader` stands at the medium. On failure the caller still calls scene_finish.
+bool medium_from_json(struct scene_medium *medium, const struct scene_reader *reader);

@@ -1,0 +1,124 @@
+#include "core/quality_json.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "core/job_later.h"
+
+static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;               // m
+static const double STEP_VOXELS_MIN = 1e-3, STEP_VOXELS_MAX = 1e3; // voxel edges
+
+// In metres or in voxels; the one that is not there stays 0.
+struct step {
+    const char *key, *voxels_key;
+    double *metres, *voxels;
+};
+
+static bool read_step(const struct json_node *object, const struct step *step, struct error *error)
+{
+    struct json_node metres = json_node_child(object, step->key), voxels = json_node_child(object, step->voxels_key);
+
+    if (json_node_is_absent(&voxels)) return json_read_number(&metres, STEP_MIN, STEP_MAX, step->metres, error);
+    if (!json_node_is_absent(&metres))
+        return json_fail(&voxels, error, "expected %s or %s, got both", step->key, step->voxels_key);
+    return json_read_number(&voxels, STEP_VOXELS_MIN, STEP_VOXELS_MAX, step->voxels, error);
+}
+
+static bool read_optional_number(const struct json_node *object, const char *key, double max, double *number,
+                                 struct error *error)
+{
+    struct json_node node = json_node_child(object, key);
+
+    return json_node_is_absent(&node) || json_read_number(&node, 0.0, max, number, error);
+}
+
+static bool read_count(const struct json_node *object, const char *key, int64_t limit, int *count, struct error *error)
+{
+    struct json_node node = json_node_child(object, key);
+    int64_t integer;
+
+    if (!json_read_integer(&node, 1, limit, &integer, error)) return false;
+    *count = (int)integer;
+    return true;
+}
+
+static bool read_roulette(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"below", "survive", NULL};
+    struct json_node roulette = json_node_child(object, "roulette");
+    struct json_node below = json_node_child(&roulette, "below"), survive = json_node_child(&roulette, "survive");
+
+    if (json_node_is_absent(&roulette)) return true;
+    if (!json_check_object(&roulette, error) || !json_check_keys(&roulette, keys, error) ||
+        !json_read_number(&below, 0.0, 1.0, &quality->roulette_below, error) ||
+        !json_read_number(&survive, 0.0, 1.0, &quality->roulette_survive, error))
+        return false;
+    if (quality->roulette_below == 0.0) return json_fail_expected(&below, error, "a number in (0, 1]");
+    if (quality->roulette_survive > 0.0 && quality->roulette_survive < 1.0) return true;
+    return json_fail_expected(&survive, error, "a number in (0, 1)");
+}
+
+static bool read_riemann(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method", "step", "light_steps", "min_transmittance", "samples", NULL};
+    struct json_node step = json_node_child(object, "step");
+
+    return json_check_keys(object, keys, error) && json_read_number(&step, STEP_MIN, STEP_MAX, &quality->step, error) &&
+           read_count(object, "light_steps", JOB_MARCH_STEPS_LIMIT, &quality->light_steps, error) &&
+           read_optional_number(object, "min_transmittance", 1.0, &quality->min_transmittance, error);
+}
+
+static bool read_midpoint(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {
+        "method",   "step",    "step_voxels", "light_step", "light_step_voxels", "min_transmittance",
+        "roulette", "samples", NULL};
+    const struct step step = {"step", "step_voxels", &quality->step, &quality->step_voxels};
+    const struct step light_step = {"light_step", "light_step_voxels", &quality->light_step,
+                                    &quality->light_step_voxels};
+    struct json_node metres = json_node_child(object, light_step.key);
+    struct json_node voxels = json_node_child(object, light_step.voxels_key);
+    bool has_light_step = !json_node_is_absent(&metres) || !json_node_is_absent(&voxels);
+
+    return json_check_keys(object, keys, error) && read_step(object, &step, error) &&
+           (!has_light_step || read_step(object, &light_step, error)) &&
+           read_optional_number(object, "min_transmittance", 1.0, &quality->min_transmittance, error) &&
+           read_roulette(object, quality, error);
+}
+
+static bool read_equiangular(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method", "points", "samples", NULL};
+
+    return json_check_keys(object, keys, error) &&
+           read_count(object, "points", JOB_POINT_LIMIT, &quality->points, error);
+}
+
+static bool read_method(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const methods[] = {"riemann", "midpoint", "equiangular", NULL};
+    struct json_node method = json_node_child(object, "method");
+    int choice;
+
+    if (!json_read_enum(&method, methods, &choice, error)) return false;
+    quality->method = (enum job_method)choice;
+    switch (quality->method) {
+    case JOB_METHOD_RIEMANN:
+        return read_riemann(object, quality, error);
+    case JOB_METHOD_MIDPOINT:
+        return read_midpoint(object, quality, error);
+    case JOB_METHOD_EQUIANGULAR:
+        return read_equiangular(object, quality, error);
+    }
+    return false;
+}
+
+bool quality_from_json(struct job_quality *quality, const struct json_node *document, struct error *error)
+{
+    struct json_node object = json_node_child(document, "quality"), samples = json_node_child(&object, "samples");
+
+    *quality = (struct job_quality){.samples = 1};
+    return json_check_object(&object, error) && job_later_check(&object, JOB_LATER_QUALITY, error) &&
+           read_method(&object, quality, error) &&
+           (json_node_is_absent(&samples) ||
+            read_count(&object, "samples", JOB_SAMPLE_LIMIT, &quality->samples, error));
+}

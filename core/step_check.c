@@ -1,0 +1,261 @@
+#include "core/step_check.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "core/json_read.h"
+
+#include <math.h>
+#include <stdio.h>
+
+// What the checks of a method look at.
+struct check {
+    const struct job *job;
+    const struct json_node *document, *quality;
+    struct timeline_span span;
+    struct error *error;
+};
+
+static double largest(const struct timeline *timeline, struct timeline_span span)
+{
+    double min[3], max[3];
+
+    timeline_find_bounds(timeline, span, min, max);
+    return max[0];
+}
+
+static double bounds_diameter(const struct scene_bounds *bounds, struct timeline_span span)
+{
+    double min[3], size[3];
+
+    switch (bounds->kind) {
+    case SCENE_BOUNDS_SPHERE:
+        return 2.0 * largest(&bounds->radius, span);
+    case SCENE_BOUNDS_BOX:
+        timeline_find_bounds(&bounds->size, span, min, size);
+        return hypot(hypot(size[0], size[1]), size[2]);
+    case SCENE_BOUNDS_NONE:
+    case SCENE_BOUNDS_SLAB:
+        break;
+    }
+    return INFINITY;
+}
+
+// The longest way through what a density fills, m; of a grid: of its bounds.
+static double density_diameter(const struct scene_density *density, struct timeline_span span)
+{
+    const struct scene_fold_fractal *fold_fractal = &density->fold_fractal;
+    double bounds = bounds_diameter(&density->bounds, span);
+
+    if (density->kind != SCENE_DENSITY_FOLD_FRACTAL) return bounds;
+    return fmin(bounds, 2.0 * (largest(&fold_fractal->radius, span) +
+                               fold_fractal->iterations * sqrt(3.0) * largest(&fold_fractal->offset, span)));
+}
+
+// The way of a sun's light through a slab, m.
+static double slab_way(const struct scene_bounds *slab, const struct scene_light *sun, struct timeline_span span)
+{
+    double normal[3], direction[3], dot = 0.0, normal_square = 0.0, direction_square = 0.0;
+
+    if (!timeline_is_constant(&slab->normal) || !timeline_is_constant(&sun->direction)) return INFINITY;
+    timeline_evaluate(&slab->normal, span.first, normal);
+    timeline_evaluate(&sun->direction, span.first, direction);
+    for (int i = 0; i < 3; i++) {
+        dot += normal[i] * direction[i];
+        normal_square += normal[i] * normal[i];
+        direction_square += direction[i] * direction[i];
+    }
+    return largest(&slab->thickness, span) * sqrt(normal_square) * sqrt(direction_square) / fabs(dot);
+}
+
+// The farthest that a point light may be from a sample, m: the camera is in between.
+static double point_way(const struct check *check, const struct scene_light *light)
+{
+    const struct scene_camera *camera = &check->job->scene.camera;
+    double light_min[3], light_max[3], camera_min[3], camera_max[3], reach[3];
+
+    timeline_find_bounds(&light->position, check->span, light_min, light_max);
+    timeline_find_bounds(&camera->position, check->span, camera_min, camera_max);
+    for (int i = 0; i < 3; i++)
+        reach[i] = fmax(light_max[i] - camera_min[i], camera_max[i] - light_min[i]);
+    return hypot(hypot(reach[0], reach[1]), reach[2]) + camera->clip_far;
+}
+
+static double light_way(const struct check *check, const struct scene_density *density, const struct scene_light *light)
+{
+    double diameter = density_diameter(density, check->span);
+
+    if (light->kind == SCENE_LIGHT_POINT) return fmin(diameter, point_way(check, light));
+    if (density->bounds.kind == SCENE_BOUNDS_SLAB)
+        return fmin(diameter, slab_way(&density->bounds, light, check->span));
+    return diameter;
+}
+
+static bool check_count(const struct json_node *node, double length, double step, const char *along,
+                        struct error *error)
+{
+    double count = ceil(length / step - 1e-9);
+
+    if (count <= JOB_MARCH_STEPS_LIMIT) return true;
+    return json_fail(node, error, "expected at most %d steps along a ray, got %.10g: %.10g m %s in steps of %.10g m",
+                     JOB_MARCH_STEPS_LIMIT, count, length, along, step);
+}
+
+struct density_nodes {
+    struct json_node scene, media, medium, density;
+};
+
+static const struct json_node *find_density(const struct check *check, size_t index, struct density_nodes *nodes)
+{
+    nodes->scene = json_node_child(check->document, "scene");
+    nodes->media = json_node_child(&nodes->scene, "media");
+    nodes->medium = json_node_element(&nodes->media, index);
+    nodes->density = json_node_child(&nodes->medium, "density");
+    return &nodes->density;
+}
+
+// The longest way of a light through a medium, m; one without end is an error.
+static bool find_light_way(const struct check *check, size_t index, double *longest)
+{
+    const struct scene *scene = &check->job->scene;
+    struct density_nodes nodes;
+
+    *longest = 0.0;
+    for (size_t i = 0; i < scene->light_count; i++) {
+        double way = light_way(check, &scene->media[index].density, &scene->lights[i]);
+
+        if (isinf(way))
+            return json_fail(find_density(check, index, &nodes), check->error,
+                             "expected bounds (a sphere or a box): the light of lights[%zu] comes all the way through "
+                             "it",
+                             i);
+        *longest = fmax(*longest, way);
+    }
+    return true;
+}
+
+static bool check_light_march(const struct check *check, size_t index)
+{
+    struct json_node node = json_node_child(check->quality, "light_step");
+    double longest;
+    char along[48];
+
+    if (!find_light_way(check, index, &longest)) return false;
+    if (check->job->quality.light_step == 0.0) return true;
+    snprintf(along, sizeof along, "through scene.media[%zu]", index);
+    return check_count(&node, longest, check->job->quality.light_step, along, check->error);
+}
+
+static bool check_march(const struct check *check, size_t index)
+{
+    const struct scene *scene = &check->job->scene;
+    double clip = scene->camera.clip_far - scene->camera.clip_near;
+    double length = fmin(density_diameter(&scene->media[index].density, check->span), clip);
+    struct json_node node = json_node_child(check->quality, "step");
+    struct density_nodes nodes;
+    char along[48];
+
+    if (isinf(length))
+        return json_fail(find_density(check, index, &nodes), check->error,
+                         "expected bounds (a sphere or a box) or a camera.clip that ends: a march through it has no "
+                         "end");
+    if (check->job->quality.step == 0.0) return true;
+    snprintf(along, sizeof along, "through scene.media[%zu]", index);
+    return check_count(&node, length, check->job->quality.step, along, check->error);
+}
+
+static bool has_grid(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->medium_count; i++)
+        if (scene->media[i].density.kind == SCENE_DENSITY_GRID) return true;
+    return false;
+}
+
+static bool check_voxels(const struct check *check)
+{
+    static const char *const keys[] = {"step_voxels", "light_step_voxels"};
+
+    for (int i = 0; i < 2; i++) {
+        struct json_node node = json_node_child(check->quality, keys[i]);
+
+        if (!json_node_is_absent(&node) && !has_grid(&check->job->scene))
+            return json_fail(&node, check->error,
+                             "expected a density of kind \"grid\" to take the voxels of, got none");
+    }
+    return true;
+}
+
+static bool check_midpoint(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    const struct job_quality *quality = &check->job->quality;
+    struct json_node light_step = json_node_child(check->quality, "light_step");
+    bool is_even = true;
+
+    for (size_t i = 0; i < scene->medium_count; i++)
+        is_even = is_even && scene_density_is_even(&scene->media[i].density);
+    if (!check_voxels(check)) return false;
+    if (!is_even && scene->light_count > 0 && quality->light_step == 0.0 && quality->light_step_voxels == 0.0)
+        return json_fail_expected(&light_step, check->error, "a number of metres, as light marches through media");
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_density *density = &scene->media[i].density;
+
+        if (density->kind == SCENE_DENSITY_GRID || (is_even && scene->light_count == 0)) continue;
+        if (!check_march(check, i) || (!scene_density_is_even(density) && !check_light_march(check, i))) return false;
+    }
+    return true;
+}
+
+static bool check_riemann(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    struct json_node step = json_node_child(check->quality, "step"), method = json_node_child(check->quality, "method");
+    double length = scene->camera.clip_far - scene->camera.clip_near;
+
+    if (!isfinite(length))
+        return json_fail(&method, check->error,
+                         "riemann needs camera.clip: it steps from the near to the far distance");
+    if (round(length / check->job->quality.step) < 1.0)
+        return json_fail(&step, check->error, "expected at most the %.10g m between the clip distances, got %.10g",
+                         length, check->job->quality.step);
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        double longest;
+
+        if (scene->media[i].density.kind != SCENE_DENSITY_GRID && !find_light_way(check, i, &longest)) return false;
+    }
+    return check_count(&step, length, check->job->quality.step, "between the clip distances", check->error);
+}
+
+static bool check_equiangular(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_density *density = &scene->media[i].density;
+        struct density_nodes nodes;
+        const struct json_node *node = find_density(check, i, &nodes);
+        struct json_node kind = json_node_child(node, "kind"), bounds = json_node_child(node, "bounds");
+        struct json_node falloff = json_node_child(&bounds, "falloff");
+
+        if (density->kind != SCENE_DENSITY_HOMOGENEOUS)
+            return json_fail_expected(&kind, check->error, "\"homogeneous\", which equiangular needs everywhere");
+        if (!scene_density_is_even(density))
+            return json_fail_expected(&falloff, check->error, "0, which equiangular needs");
+    }
+    return true;
+}
+
+bool step_check(const struct job *job, const struct json_node *document, struct error *error)
+{
+    struct json_node quality = json_node_child(document, "quality");
+    const struct check check = {job, document, &quality, job_time_span(job), error};
+
+    switch (job->quality.method) {
+    case JOB_METHOD_RIEMANN:
+        return check_riemann(&check);
+    case JOB_METHOD_MIDPOINT:
+        return check_midpoint(&check);
+    case JOB_METHOD_EQUIANGULAR:
+        return check_equiangular(&check);
+    }
+    return false;
+}

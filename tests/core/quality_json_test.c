@@ -1,0 +1,90 @@
+#include "core/quality_json.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "core/job_json.h"
+#include "tests/support/job_text.h"
+#include "tests/support/json_edit.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static struct job parse(const char *text)
+{
+    struct job job;
+    struct error error = {0};
+
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    return job;
+}
+
+static void assert_refused(const char *text, const char *expected)
+{
+    struct job job;
+    struct error error = {0};
+
+    if (job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("taken, not \"%s\"", expected);
+    assert_string_equal(error.message, expected);
+}
+
+static void qualities_are_read(void **state)
+{
+    struct job noise = parse(job_text_noise), fog = parse(job_text_fog);
+
+    assert_int_equal(noise.quality.method, JOB_METHOD_MIDPOINT);
+    assert_true(noise.quality.step == 0.05 && noise.quality.light_step == 0.1 && noise.quality.step_voxels == 0.0);
+    assert_true(noise.quality.roulette_below == 0.125 && noise.quality.roulette_survive == 0.5);
+    assert_int_equal(noise.quality.samples, 4);
+    assert_int_equal(fog.quality.method, JOB_METHOD_EQUIANGULAR);
+    assert_int_equal(fog.quality.points, 8);
+    assert_int_equal(fog.quality.samples, 2);
+    // 1 to 9 at 25 a second, and half a frame until the shutter closes.
+    assert_true(fabs(job_time_span(&fog).last - 0.38) < 1e-15);
+    job_finish(&noise);
+    job_finish(&fog);
+}
+
+static void wrong_qualities_are_refused_by_place(void **state)
+{
+    static const struct {
+        const char *path, *value, *expected;
+    } edits[] = {
+        {"quality.roulette.below", "0", "quality.roulette.below: expected a number in (0, 1], got 0"},
+        {"quality.roulette.survive", "1", "quality.roulette.survive: expected a number in (0, 1), got 1"},
+        {"quality.roulette.survive", NULL, "quality.roulette.survive: expected a number from 0 to 1, got nothing"},
+        {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
+        {"quality.points", "3", "quality: unknown key \"points\""},
+        {"quality.step_voxels", "1", "quality.step_voxels: expected step or step_voxels, got both"},
+        {"quality.light_step_voxels", "1",
+         "quality.light_step_voxels: expected light_step or light_step_voxels, got both"},
+        {"quality", "{\"method\":\"midpoint\",\"step_voxels\":1,\"light_step\":1}",
+         "quality.step_voxels: expected a density of kind \"grid\" to take the voxels of, got none"},
+        {"quality", "{\"method\":\"equiangular\"}", "quality.points: expected an integer from 1 to 1000, got nothing"},
+        {"quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4,\"roulette\":{}}",
+         "quality: unknown key \"roulette\""},
+    };
+
+    for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
+        char *text = json_edit_set(job_text_noise, edits[i].path, edits[i].value);
+
+        assert_refused(text, edits[i].expected);
+        free(text);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(qualities_are_read),
+        cmocka_unit_test(wrong_qualities_are_refused_by_place),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,152 @@
+#include "core/step_check.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "core/job_json.h"
+#include "tests/support/job_text.h"
+#include "tests/support/json_edit.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static struct job parse(const char *text)
+{
+    struct job job;
+    struct error error = {0};
+
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    return job;
+}
+
+static void assert_refused(const char *text, const char *expected)
+{
+    struct job job;
+    struct error error = {0};
+
+    if (job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("taken, not \"%s\"", expected);
+    assert_string_equal(error.message, expected);
+}
+
+static void riemann_needs_an_end(void **state)
+{
+    char *open = json_edit_set(job_text_full, "camera.clip", NULL);
+    char *text = json_edit_set(open, "quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4}");
+    char *job;
+
+    assert_refused(text, "quality.method: riemann needs camera.clip: it steps from the near to the far distance");
+    job = json_edit_set(text, "camera.clip", "[0, 10001]");
+    assert_refused(job, "quality.step: expected at most 60000 steps along a ray, got 100010: 10001 m between the clip "
+                        "distances in steps of 0.1 m");
+    free(job);
+    job = json_edit_set(text, "camera.clip", "[0, 0.04]");
+    assert_refused(job, "quality.step: expected at most the 0.04 m between the clip distances, got 0.1");
+    free(job);
+    free(text);
+    free(open);
+}
+
+static void shadow_rays_are_limited_too(void **state)
+{
+    char *text = json_edit_set(job_text_full, "quality.light_step", "1e-9");
+
+    assert_refused(text, "quality.light_step: expected at most 60000 steps along a ray, got 1119615243: 1.119615242 m "
+                         "through scene.media[0] in steps of 1e-09 m");
+    free(text);
+}
+
+// The first medium of job_text_noise without its bounds.
+static char *open_noise(const char *clip, const char *lights)
+{
+    char *text = json_edit_set(job_text_noise, "scene.media[0].density.bounds", NULL);
+    char *with_clip = json_edit_set(text, "camera.clip", clip);
+    char *with_lights = json_edit_set(with_clip, "lights", lights);
+
+    free(text);
+    free(with_clip);
+    return with_lights;
+}
+
+static void a_march_has_an_end(void **state)
+{
+    static const char point[] = "[{\"kind\":\"point\",\"intensity\":1,\"position\":[0,3,0]}]";
+    static const char sun[] = "[{\"kind\":\"sun\",\"intensity\":1,\"direction\":[0,-3,0]}]";
+    char *text = open_noise(NULL, point), *slab;
+    struct job job;
+
+    assert_refused(text, "scene.media[0].density: expected bounds (a sphere or a box) or a camera.clip that ends: a "
+                         "march through it has no end");
+    free(text);
+    text = open_noise("[0, 9]", point);
+    job = parse(text); // the light is 5 m from the camera: 14 m at most in steps of 0.1
+    job_finish(&job);
+    free(text);
+    text = open_noise("[0, 2500]", "[{\"kind\":\"point\",\"intensity\":1,\"position\":[0,4000,4]}]");
+    assert_refused(text, "quality.light_step: expected at most 60000 steps along a ray, got 65000: 6500 m through "
+                         "scene.media[0] in steps of 0.1 m");
+    free(text);
+    text = open_noise("[0, 9]", sun);
+    assert_refused(text, "scene.media[0].density: expected bounds (a sphere or a box): the light of lights[0] comes "
+                         "all the way through it");
+    slab = json_edit_set(text, "scene.media[0].density.bounds", "{\"kind\":\"slab\",\"thickness\":60}");
+    job = parse(slab);
+    job_finish(&job);
+    free(slab);
+    slab = json_edit_set(text, "scene.media[0].density.bounds",
+                         "{\"kind\":\"slab\",\"thickness\":6,\"normal\":[1,0.001,0]}");
+    assert_refused(slab, "quality.light_step: expected at most 60000 steps along a ray, got 60001: 6000.003 m through "
+                         "scene.media[0] in steps of 0.1 m");
+    free(slab);
+    free(text);
+}
+
+// Closed forms need no steps, however far a ray goes.
+static void even_media_need_no_end(void **state)
+{
+    static const char quality[] = "{\"method\":\"midpoint\",\"step\":1e-6}";
+    char *text = json_edit_set(job_text_fog, "camera.clip", NULL);
+    char *dark = json_edit_set(text, "lights", NULL), *marched = json_edit_set(dark, "quality", quality), *lit;
+    struct job job = parse(text);
+
+    job_finish(&job);
+    job = parse(marched);
+    assert_true(job.quality.light_step == 0.0);
+    job_finish(&job);
+    lit = json_edit_set(text, "quality", quality);
+    assert_refused(lit, "scene.media[0].density: expected bounds (a sphere or a box) or a camera.clip that ends: a "
+                        "march through it has no end");
+    free(lit);
+    free(marched);
+    free(dark);
+    free(text);
+}
+
+static void equiangular_is_for_even_media(void **state)
+{
+    char *text = json_edit_set(job_text_fog, "scene.media[0].density.bounds.falloff", "0.5");
+    char *noise = json_edit_set(job_text_noise, "quality", "{\"method\":\"equiangular\",\"points\":8}");
+
+    assert_refused(text, "scene.media[0].density.bounds.falloff: expected 0, which equiangular needs, got 0.5");
+    assert_refused(noise, "scene.media[0].density.kind: expected \"homogeneous\", which equiangular needs everywhere, "
+                          "got \"noise\"");
+    free(text);
+    free(noise);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(riemann_needs_an_end),
+        cmocka_unit_test(shadow_rays_are_limited_too),
+        cmocka_unit_test(a_march_has_an_end),
+        cmocka_unit_test(even_media_need_no_end),
+        cmocka_unit_test(equiangular_is_for_even_media),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
