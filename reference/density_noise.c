@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+enum { PIECE_LIMIT = 128 };
+
 // His table.
 static const unsigned char PERMUTATION[256] = {
     151, 160, 137, 91,  90,  15,  131, 13,  201, 95,  96,  53,  194, 233, 7,   225, 140, 36,  103, 30,  69,  142,
@@ -120,4 +122,35 @@ double density_noise(const struct density_noise *noise, struct vec3 position)
 
     if (noise->mode == SCENE_NOISE_REMAP) value = 0.5 * (1.0 + value);
     return value > 0.0 ? noise->scale * pow(value, noise->exponent) : 0.0;
+}
+
+static double at(const void *field, struct vec3 position)
+{
+    return density_noise(field, position);
+}
+
+// Nothing jumps, but on a stretch of many cells a rule of few nodes could miss them all.
+static void find_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
+{
+    const struct density_noise *noise = field;
+    double half_cell = 0.5 / noise->frequency;
+    double pieces = isfinite(far - near) ? fmin(ceil((far - near) / half_cell), PIECE_LIMIT) : 1.0;
+
+    if (noise->scale == 0.0) return;
+    for (int i = 0; i < (int)pieces; i++) {
+        double begin = i == 0 ? near : near + (far - near) * (i / pieces);
+        double end = i + 1 == (int)pieces ? far : near + (far - near) * ((i + 1) / pieces);
+
+        span_list_append(spans, begin, end, NULL);
+    }
+}
+
+static double find_reach(const void *field, const struct ray *ray)
+{
+    return ((const struct density_noise *)field)->scale > 0.0 ? INFINITY : 0.0;
+}
+
+struct density density_noise_field(const struct density_noise *noise)
+{
+    return (struct density){.field = noise, .at = at, .spans = find_spans, .reach = find_reach};
 }

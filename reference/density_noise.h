@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/scene.h"
+#include "reference/density.h"
 #include "reference/vec3.h"
 
 struct density_noise {
@@ -32,3 +33,5 @@ void density_noise_init(struct density_noise *noise, const struct density_noise_
 double density_noise(const struct density_noise *noise, struct vec3 position);
 // One octave: the noise itself at `q`, in lattice cells; 0 where all three are whole, period 256 in each.
 double density_noise_octave(struct vec3 q);
+// The density as the integrators ask for it; borrows the noise.
+struct density density_noise_field(const struct density_noise *noise);

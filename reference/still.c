@@ -61,6 +61,27 @@ static void stop_fractal(struct density_fold_fractal *fractal, const struct scen
                                        });
 }
 
+// Noise turns about the middle of its bounds.
+static void stop_noise(struct density_noise *noise, const struct scene_density *source, double time)
+{
+    const struct scene_noise *numbers = &source->noise;
+    struct density_noise_params params = {
+        .octaves = numbers->octaves,
+        .mode = numbers->mode,
+        .frequency = number_at(&numbers->frequency, time),
+        .lacunarity = number_at(&numbers->lacunarity, time),
+        .hurst = number_at(&numbers->hurst, time),
+        .bias = number_at(&numbers->bias, time),
+        .offset = vector_at(&numbers->offset, time),
+        .axis = vector_at(&numbers->axis, time),
+        .angle_deg = number_at(&numbers->angle, time),
+        .scale = number_at(&numbers->scale, time),
+    };
+
+    if (source->bounds.kind != SCENE_BOUNDS_NONE) params.center = vector_at(&source->bounds.center, time);
+    density_noise_init(noise, &params);
+}
+
 static struct bounds stop_bounds(const struct scene_bounds *source, double time)
 {
     struct bounds bounds = {.kind = source->kind};
@@ -100,6 +121,9 @@ static bool stop_density(struct density *density, union still_field *field, cons
         *density = density_homogeneous(&field->homogeneous);
         return true;
     case SCENE_DENSITY_NOISE:
+        stop_noise(&field->noise, source, time);
+        *density = density_noise_field(&field->noise);
+        return true;
     case SCENE_DENSITY_GRID:
     case SCENE_DENSITY_GLSL:
         break;

@@ -5,6 +5,7 @@
 #include "reference/density_bounded.h"
 #include "reference/density_fold_fractal.h"
 #include "reference/density_homogeneous.h"
+#include "reference/density_noise.h"
 #include "reference/light.h"
 #include "reference/medium.h"
 
@@ -17,6 +18,7 @@ struct job;
 union still_field {
     struct density_fold_fractal fold_fractal;
     struct density_homogeneous homogeneous;
+    struct density_noise noise;
 };
 
 // Its media point into it: a copy must not outlive it. Tests may fill it by hand.
