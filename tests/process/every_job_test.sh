@@ -1,0 +1,65 @@
+#!/bin/bash
+# Every job in jobs/ renders through the farm, and its frames are the same whatever the chunks, the workers and the order,
+# after a restart, and nearly so on another backend.
+. "$PROJECT_ROOT/tests/process/farm.sh"
+
+# A start, a middle and an end of each, small; a march through llvmpipe under sanitizers is slow.
+small=(--set 'resolution=[32,18]' --set output.pixel=float)
+backend_limit=1e-4
+
+names() { basename -s .json -a "$PROJECT_ROOT"/jobs/*.json | grep -vx schema; }
+
+frames_of() # NAME: three frames, ascending
+{
+    local first last
+    first=$(jq -r '.frames | split("-")[0]' "$PROJECT_ROOT/jobs/$1.json")
+    last=$(jq -r '.frames | split("-")[1]' "$PROJECT_ROOT/jobs/$1.json")
+    echo "$first,$(((first + last) / 2)),$last"
+}
+
+reversed() { tr , '\n' <<<"$1" | tac | paste -sd,; }
+
+# farm FOLDER [ORDER]: submits every job, its frames by ORDER, and waits.
+farm()
+{
+    local ids=() id
+
+    for name in $(names); do
+        id=$("$bin/march" submit "$PROJECT_ROOT/jobs/$name.json" --socket "$socket" "${small[@]}" \
+            --set "frames=$("${2:-echo}" "$(frames_of "$name")")" --set "output.path=$1/$name.####.exr") ||
+            fail "$name was not accepted"
+        ids+=("$id")
+    done
+    "$bin/march" wait --socket "$socket" "${ids[@]}" >"$scratch/wait.log" 2>&1 || {
+        cat "$scratch/wait.log" >&2
+        fail "a job did not succeed"
+    }
+}
+
+# same FOLDER-A FOLDER-B LIMIT-OF-LIGHT LIMIT-OF-DEPTH
+same()
+{
+    local count=0 apart
+
+    for a in "$scratch/out/$1"/*.exr; do
+        apart=$("$bin/exr-compare" "$a" "$scratch/out/$2/$(basename "$a")") || fail "$(basename "$a") cannot be compared"
+        awk -v light="$3" -v depth="$4" '{ exit !($1 <= light && $2 <= depth) }' <<<"$apart" ||
+            fail "$(basename "$a") of $1 and $2 differ by $apart"
+        count=$((count + 1))
+    done
+    [ "$count" = $((3 * $(names | wc -l))) ] || fail "$count pictures in $1"
+}
+
+start_daemon --backend osmesa
+mkdir -p "$scratch/out"
+farm once
+stop_daemon
+start_daemon --backend osmesa --workers 1
+farm again reversed
+stop_daemon
+same once again 0 0
+start_daemon --backend egl
+farm egl
+stop_daemon
+# Depth is where half the light is gone: a threshold, which rounding moves in a pixel here and there.
+same once egl "$backend_limit" 1e-2
