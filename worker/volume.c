@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "worker/volume_layout.h"
+#include "worker/volume_memory.h"
 #include "worker/volume_placement.h"
 #include "worker/volume_stream.h"
 #include "worker/volume_voxels.h"
@@ -23,6 +24,8 @@ static const struct {
     open_format *open;
 } formats[] = {
     {".raw", volume_raw_open},
+    {".nii", volume_nifti_open},
+    {".nii.gz", volume_nifti_gzip_open},
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
@@ -50,8 +53,18 @@ static bool open_by_name(struct volume_layout *layout, const struct volume_sourc
         }
         return formats[i].open(layout, source, error);
     }
-    error_set(error, "expected a file that ends in .raw");
+    if (has_ending(source->path, ".hdr") || has_ending(source->path, ".img"))
+        error_set(error, "header and voxels are in two files (.hdr and .img): join them into one .nii first");
+    else
+        error_set(error, "expected a name that ends in .raw, .nii or .nii.gz");
     return false;
+}
+
+static bool check_memory(const struct volume_layout *layout, struct error *error)
+{
+    size_t value_size = volume_type_size(volume_stored_type(layout->stored));
+
+    return volume_memory_check(volume_layout_voxels(layout) * (int64_t)value_size, volume_memory_limit(), error);
 }
 
 static bool place(struct volume_layout *layout, const struct volume_source *source, struct error *error)
@@ -74,7 +87,7 @@ bool volume_open(struct volume **volume, const struct volume_source *source, str
     struct volume_layout *layout = xcalloc(1, sizeof *layout);
 
     *volume = NULL;
-    if (!open_by_name(layout, source, error) || !place(layout, source, error)) {
+    if (!open_by_name(layout, source, error) || !place(layout, source, error) || !check_memory(layout, error)) {
         error_prefix(error, "%s", source->path);
         volume_layout_finish(layout);
         free(layout);

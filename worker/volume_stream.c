@@ -2,7 +2,9 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
+#include "worker/volume_gzip.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -17,8 +19,9 @@ struct volume_stream {
     int fd;
     char *path; // owned
     struct stat opened;
-    int64_t position;  // in the file, behind what is buffered
-    size_t start, end; // of what is buffered and not yet given
+    int64_t position;         // in the file, behind what is buffered
+    struct volume_gzip *gzip; // owned; NULL: not compressed
+    size_t start, end;        // of what is buffered and not yet given
     unsigned char buffer[BUFFER_SIZE];
 };
 
@@ -48,6 +51,7 @@ bool volume_stream_open(struct volume_stream **stream, const char *path, struct 
 void volume_stream_close(struct volume_stream *stream)
 {
     if (!stream) return;
+    volume_gzip_destroy(stream->gzip);
     close(stream->fd);
     free(stream->path);
     free(stream);
@@ -58,9 +62,20 @@ const char *volume_stream_path(const struct volume_stream *stream)
     return stream->path;
 }
 
-int64_t volume_stream_left(const struct volume_stream *stream)
+static int64_t bytes_left(const struct volume_stream *stream)
 {
     return (int64_t)stream->opened.st_size - stream->position + (int64_t)(stream->end - stream->start);
+}
+
+int64_t volume_stream_left(const struct volume_stream *stream)
+{
+    return stream->gzip ? -1 : bytes_left(stream);
+}
+
+void volume_stream_unzip(struct volume_stream *stream)
+{
+    assert(!stream->gzip);
+    stream->gzip = volume_gzip_create();
 }
 
 static bool read_file(struct volume_stream *stream, void *bytes, size_t size_bytes, size_t *count, struct error *error)
@@ -79,15 +94,40 @@ static bool read_file(struct volume_stream *stream, void *bytes, size_t size_byt
     return true;
 }
 
+static bool fill_buffer(struct volume_stream *stream, struct error *error)
+{
+    stream->start = stream->end = 0;
+    return read_file(stream, stream->buffer, BUFFER_SIZE, &stream->end, error);
+}
+
+static bool unzip_some(struct volume_stream *stream, void *bytes, size_t size_bytes, size_t *count, struct error *error)
+{
+    for (;;) {
+        size_t used;
+
+        if (stream->start == stream->end && !fill_buffer(stream, error)) return false;
+        used = stream->end - stream->start;
+        *count = size_bytes;
+        if (used == 0 && !volume_gzip_is_complete(stream->gzip)) {
+            error_set(error, "its gzip data end before they are complete, after %" PRId64 " bytes", stream->position);
+            return false;
+        }
+        if (!volume_gzip_inflate(stream->gzip, stream->buffer + stream->start, &used, bytes, count, error)) {
+            error_prefix(error, "before byte %" PRId64, stream->position);
+            return false;
+        }
+        stream->start += used;
+        if (*count > 0 || used == 0) return true;
+    }
+}
+
 // Some of the next bytes; 0 at the end.
 static bool read_some(struct volume_stream *stream, void *bytes, size_t size_bytes, size_t *count, struct error *error)
 {
+    if (stream->gzip) return unzip_some(stream, bytes, size_bytes, count, error);
     if (stream->start == stream->end && size_bytes >= BUFFER_SIZE)
         return read_file(stream, bytes, size_bytes, count, error);
-    if (stream->start == stream->end) {
-        stream->start = stream->end = 0;
-        if (!read_file(stream, stream->buffer, BUFFER_SIZE, &stream->end, error)) return false;
-    }
+    if (stream->start == stream->end && !fill_buffer(stream, error)) return false;
     *count = stream->end - stream->start;
     if (*count > size_bytes) *count = size_bytes;
     memcpy(bytes, stream->buffer + stream->start, *count);
@@ -112,11 +152,26 @@ bool volume_stream_read(struct volume_stream *stream, void *bytes, size_t size_b
     return true;
 }
 
+static bool skip_unzipped(struct volume_stream *stream, int64_t size_bytes, struct error *error)
+{
+    unsigned char bytes[4096];
+
+    while (size_bytes > 0) {
+        size_t count = size_bytes < (int64_t)sizeof bytes ? (size_t)size_bytes : sizeof bytes;
+
+        if (!volume_stream_read(stream, bytes, count, error)) return false;
+        size_bytes -= (int64_t)count;
+    }
+    return true;
+}
+
 bool volume_stream_skip(struct volume_stream *stream, int64_t size_bytes, struct error *error)
 {
-    if (size_bytes > volume_stream_left(stream)) {
-        error_set(error, "expected more than the %" PRId64 " bytes to skip, got %" PRId64, size_bytes,
-                  volume_stream_left(stream));
+    assert(size_bytes >= 0);
+    if (stream->gzip) return skip_unzipped(stream, size_bytes, error);
+    if (size_bytes > bytes_left(stream)) {
+        error_set(error, "expected at least the %" PRId64 " bytes to skip, got %" PRId64, size_bytes,
+                  bytes_left(stream));
         return false;
     }
     stream->position += size_bytes - (int64_t)(stream->end - stream->start);

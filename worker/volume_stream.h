@@ -14,6 +14,8 @@ void volume_stream_close(struct volume_stream *stream); // accepts NULL
 
 const char *volume_stream_path(const struct volume_stream *stream);
 int64_t volume_stream_left(const struct volume_stream *stream); // bytes of the file behind the position; -1: compressed
+// What follows is gzip and comes out decompressed.
+void volume_stream_unzip(struct volume_stream *stream);
 // Skips bytes, of what is decompressed if it is.
 bool volume_stream_skip(struct volume_stream *stream, int64_t size_bytes, struct error *error);
 

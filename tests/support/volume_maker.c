@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 double volume_maker_value(int i, int j, int k)
 {
@@ -90,6 +91,30 @@ void volume_maker_write(const char *path, const void *bytes, size_t size_bytes)
         perror(path);
         abort();
     }
+}
+
+unsigned char *volume_maker_gzip(const void *bytes, size_t size_bytes, size_t *zipped_bytes)
+{
+    z_stream zlib = {.next_in = (unsigned char *)bytes, .avail_in = (unsigned int)size_bytes};
+    unsigned char *zipped = malloc(size_bytes + 1024);
+
+    // A window of 32 KiB and gzip's own header and trailer.
+    if (!zipped || deflateInit2(&zlib, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK) abort();
+    zlib.next_out = zipped;
+    zlib.avail_out = (unsigned int)size_bytes + 1024;
+    if (deflate(&zlib, Z_FINISH) != Z_STREAM_END) abort();
+    *zipped_bytes = zlib.total_out;
+    deflateEnd(&zlib);
+    return zipped;
+}
+
+void volume_maker_write_gzip(const char *path, const void *bytes, size_t size_bytes)
+{
+    size_t zipped_bytes;
+    unsigned char *zipped = volume_maker_gzip(bytes, size_bytes, &zipped_bytes);
+
+    volume_maker_write(path, zipped, zipped_bytes);
+    free(zipped);
 }
 
 void volume_maker_write_raw(const char *path, const int size[3], enum volume_stored stored, bool is_big_endian)

@@ -13,5 +13,8 @@ unsigned char *volume_maker_voxels(const int size[3], enum volume_stored stored,
 
 // Writes a file; any failure ends the test.
 void volume_maker_write(const char *path, const void *bytes, size_t size_bytes);
+// Compresses into one gzip member; owned by the caller.
+unsigned char *volume_maker_gzip(const void *bytes, size_t size_bytes, size_t *zipped_bytes);
+void volume_maker_write_gzip(const char *path, const void *bytes, size_t size_bytes);
 // A file of such voxels and nothing else.
 void volume_maker_write_raw(const char *path, const int size[3], enum volume_stored stored, bool is_big_endian);

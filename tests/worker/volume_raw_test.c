@@ -1,8 +1,8 @@
 #include "worker/volume.h"
 
-#include "core/error.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/volume_check.h"
 #include "tests/support/volume_maker.h"
 
 #include <setjmp.h>
@@ -12,48 +12,6 @@
 #include <cmocka.h>
 
 static const int size[3] = {5, 4, 3};
-
-static double stored_value(const struct volume *volume, const void *values, int index)
-{
-    switch (volume->type) {
-    case VOLUME_UINT8:
-        return ((const uint8_t *)values)[index];
-    case VOLUME_UINT16:
-        return ((const uint16_t *)values)[index];
-    case VOLUME_INT16:
-        return ((const int16_t *)values)[index];
-    default:
-        return ((const float *)values)[index];
-    }
-}
-
-// Reads slices one by one and then the rest.
-static void assert_voxels(struct volume *volume)
-{
-    char values[5 * 4 * 3 * 4];
-    size_t slice = 5 * 4 * volume_type_size(volume->type);
-    struct error error = {0};
-    int index = 0;
-
-    assert_true(volume_read(volume, 1, values, &error));
-    assert_true(volume_read(volume, 2, values + slice, &error));
-    for (int k = 0; k < 3; k++)
-        for (int j = 0; j < 4; j++)
-            for (int i = 0; i < 5; i++)
-                assert_true(volume->slope * stored_value(volume, values, index++) + volume->intercept ==
-                            volume_maker_value(i, j, k));
-}
-
-static void assert_refused(const struct volume_source *source, const char *expected)
-{
-    struct volume *volume;
-    struct error error = {0};
-
-    assert_false(volume_open(&volume, source, &error));
-    assert_null(volume);
-    if (!strstr(error.message, expected) || strncmp(error.message, source->path, strlen(source->path)) != 0)
-        fail_msg("expected \"%s\" in \"%s\"", expected, error.message);
-}
 
 static void name_says_size_and_type(void **state)
 {
@@ -71,13 +29,12 @@ static void name_says_size_and_type(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct volume_source source = {.path = temp_folder_path(state, cases[i].name)};
         struct volume *volume;
-        struct error error = {0};
 
         volume_maker_write_raw(source.path, size, cases[i].stored, false);
-        if (!volume_open(&volume, &source, &error)) fail_msg("%s", error.message);
+        volume = volume_check_open(&source);
         assert_memory_equal(volume->size, size, sizeof size);
         assert_int_equal(volume->type, cases[i].type);
-        assert_voxels(volume);
+        volume_check_voxels(volume);
         volume_close(volume);
     }
 }
@@ -97,8 +54,8 @@ static void keys_win_over_the_name(void **state)
     memset(bytes, 0xee, 7);
     memcpy(bytes + 7, voxels, 120);
     volume_maker_write(source.path, bytes, sizeof bytes);
-    assert_true(volume_open(&volume, &source, NULL));
-    assert_voxels(volume);
+    volume = volume_check_open(&source);
+    volume_check_voxels(volume);
     volume_close(volume);
     free(voxels);
 }
@@ -111,13 +68,13 @@ static void longest_side_is_a_metre_about_the_origin(void **state)
     struct volume *volume;
 
     volume_maker_write_raw(source.path, size, VOLUME_STORED_UINT8, false);
-    assert_true(volume_open(&volume, &source, NULL));
+    volume = volume_check_open(&source);
     for (int i = 0; i < 12; i++)
         assert_near(volume->index_to_world[i], expected[i], 1e-15);
     volume_close(volume);
 
     memcpy(source.spacing, ((double[3]){2, 3, 4}), sizeof source.spacing);
-    assert_true(volume_open(&volume, &source, NULL));
+    volume = volume_check_open(&source);
     for (int i = 0; i < 12; i++) // the rounding of 0.2's multiples
         assert_near(volume->index_to_world[i], spaced[i], 1e-14);
     volume_close(volume);
@@ -128,20 +85,20 @@ static void bad_files_are_refused(void **state)
     struct volume_source source = {.path = temp_folder_path(state, "x_5x4x3xuint8.raw")};
     const char *other = temp_folder_path(state, "other.raw");
 
-    assert_refused(&source, "cannot open: No such file");
+    volume_check_refused(&source, NULL, "cannot open: No such file");
     mkdir(source.path, 0777);
-    assert_refused(&source, "got a folder");
+    volume_check_refused(&source, NULL, "got a folder");
     rmdir(source.path);
     mkfifo(source.path, 0666);
-    assert_refused(&source, "got a pipe or a device");
+    volume_check_refused(&source, NULL, "got a pipe or a device");
     unlink(source.path);
     volume_maker_write(source.path, "0123456789", 10);
-    assert_refused(&source, "expected 5 x 4 x 3 voxels of uint8, 60 bytes, got 10 bytes");
+    volume_check_refused(&source, NULL, "expected 5 x 4 x 3 voxels of uint8, 60 bytes, got 10 bytes");
     source.spacing[0] = -1;
     volume_maker_write_raw(source.path, size, VOLUME_STORED_UINT8, false);
-    assert_refused(&source, "spacing: expected sides of voxels above 0 m, got -1 along i");
+    volume_check_refused(&source, NULL, "spacing: expected sides of voxels above 0 m, got -1 along i");
     source.path = other;
-    assert_refused(&source, "expected \"size\" or a name");
+    volume_check_refused(&source, NULL, "expected \"size\" or a name");
 }
 
 int main(void)
