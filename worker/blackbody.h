@@ -1,0 +1,10 @@
+// The table that shaders/emission/blackbody.glsl looks up.
+#pragma once
+
+#include <stddef.h>
+
+enum { BLACKBODY_TABLE_SIZE = 512 };
+
+// Entry i is that of 1/kelvin = i / (BLACKBODY_TABLE_SIZE - 1) / 400: linear Rec. 709 by the luminance, not clipped, and
+// log2(luminance / kelvin), the luminance being 1 at 1500 K.
+void blackbody_fill_table(float table[static BLACKBODY_TABLE_SIZE][4]);
