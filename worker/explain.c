@@ -2,6 +2,7 @@
 
 #include "core/job.h"
 #include "core/json_write.h"
+#include "worker/density_kind.h"
 #include "worker/scene_program.h"
 
 #include <stdarg.h>
@@ -39,8 +40,8 @@ static void list_medium(const struct listing *listing, size_t i)
     char name[64];
 
     snprintf(name, sizeof name, "medium %zu", i);
-    say(listing, features->is_seen, name, "%s",
-        features->is_seen ? "fold_fractal density" : "it has no density, or neither scatters, absorbs nor emits");
+    say(listing, features->is_seen, name, features->is_seen ? "%s density" : "its %s density is 0, or it does nothing",
+        density_kind_of(&medium->density)->name);
     if (!features->is_seen) return;
     snprintf(name, sizeof name, "medium %zu: absorption", i);
     say(listing, features->absorbs, name, "%s", features->absorbs ? "sigma_a is not 0" : "sigma_a is 0");

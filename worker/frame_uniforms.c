@@ -4,6 +4,7 @@
 #include "core/error.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,13 +24,17 @@ static size_t round_up(size_t bytes, size_t alignment)
     return (bytes + alignment - 1) & ~(alignment - 1);
 }
 
-void frame_uniforms_add(struct frame_uniforms *uniforms, const struct frame_value *value)
+void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value value, const char *name_format, ...)
 {
     struct frame_value *added;
+    va_list arguments;
 
+    va_start(arguments, name_format);
+    vsnprintf(value.name, sizeof value.name, name_format, arguments);
+    va_end(arguments);
     uniforms->values = xgrow(uniforms->values, &uniforms->capacity, uniforms->count + 1, sizeof *uniforms->values);
     added = &uniforms->values[uniforms->count++];
-    *added = *value;
+    *added = value;
     if (added->is_constant) return;
     added->offset_bytes = round_up(uniforms->end_bytes, alignments[added->type]);
     uniforms->end_bytes = added->offset_bytes + sizes_bytes[added->type];

@@ -36,7 +36,9 @@ struct frame_uniforms {
 };
 
 void frame_uniforms_finish(struct frame_uniforms *uniforms);
-void frame_uniforms_add(struct frame_uniforms *uniforms, const struct frame_value *value);
+// Adds `value` under a name, which it need not have yet.
+__attribute__((format(printf, 3, 4))) void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value value,
+                                                              const char *name_format, ...);
 // Writes a `const` for what is fixed; for what moves the block FrameUniforms and a variable, set by
 // `frame_uniforms_read()`, which main() calls first. Either way the shader has it by its name.
 void frame_uniforms_declare(const struct frame_uniforms *uniforms, FILE *out);

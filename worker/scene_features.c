@@ -1,75 +1,86 @@
 #include "worker/scene_features.h"
 
 #include "core/job.h"
-
-static bool is_zero(const struct timeline *timeline)
-{
-    double value[3] = {0};
-
-    if (!timeline_is_constant(timeline)) return false;
-    timeline_evaluate(timeline, 0, value);
-    return value[0] == 0 && (timeline->component_count != 3 || (value[1] == 0 && value[2] == 0));
-}
-
-static bool is_grey(const struct timeline *timeline)
-{
-    double value[3] = {0};
-
-    if (timeline->component_count != 3) return true;
-    if (!timeline_is_constant(timeline)) return false;
-    timeline_evaluate(timeline, 0, value);
-    return value[0] == value[1] && value[1] == value[2];
-}
+#include "worker/density_kind.h"
+#include "worker/timeline_value.h"
 
 static enum lobe_feature lobe_feature_of(const struct scene_phase_lobe *lobe)
 {
-    if (is_zero(&lobe->weight)) return LOBE_UNSEEN;
-    return is_zero(&lobe->g) ? LOBE_ISOTROPIC : LOBE_HENYEY_GREENSTEIN;
+    if (timeline_value_is_zero(&lobe->weight)) return LOBE_UNSEEN;
+    return timeline_value_is_zero(&lobe->g) ? LOBE_ISOTROPIC : LOBE_HENYEY_GREENSTEIN;
 }
 
 static struct medium_features medium_features_of(const struct scene_medium *medium)
 {
+    const struct density_kind *kind = density_kind_of(&medium->density);
+    const struct scene_bounds *bounds = &medium->density.bounds;
     struct medium_features features = {0};
 
-    if (is_zero(&medium->density.fold_fractal.scale)) return features;
-    features.scatters = !is_zero(&medium->sigma_s);
-    features.absorbs = !is_zero(&medium->sigma_a);
-    features.emits = medium->has_emission && !is_zero(&medium->emission);
-    features.is_seen = features.scatters || features.absorbs || features.emits;
+    if (!kind || kind->is_zero(&medium->density)) return features;
+    features.has_color = kind->has_color && kind->has_color(&medium->density);
+    features.scatters = !features.has_color && !timeline_value_is_zero(&medium->sigma_s);
+    features.absorbs = features.has_color || !timeline_value_is_zero(&medium->sigma_a);
+    features.emits = medium->has_emission && !timeline_value_is_zero(&medium->emission);
+    features.glows = medium->blackbody.grid_name && !timeline_value_is_zero(&medium->blackbody.intensity);
+    features.is_seen = features.scatters || features.absorbs || features.emits || features.glows;
+    features.has_falloff = bounds->kind != SCENE_BOUNDS_NONE && !timeline_value_is_zero(&bounds->falloff);
+    features.is_even = kind->is_even && !features.has_falloff;
     for (size_t i = 0; i < medium->lobe_count; ++i)
         features.lobes[i] = lobe_feature_of(&medium->lobes[i]);
     return features;
 }
 
-static bool medium_is_grey(const struct scene_medium *medium, struct medium_features features)
+static bool medium_is_grey(const struct scene_medium *medium, const struct medium_features *features)
 {
-    return (!features.scatters || is_grey(&medium->sigma_s)) && (!features.absorbs || is_grey(&medium->sigma_a)) &&
-           (!features.emits || is_grey(&medium->emission));
+    return !features->has_color && !features->glows &&
+           (!features->scatters || timeline_value_is_grey(&medium->sigma_s)) &&
+           (!features->absorbs || timeline_value_is_grey(&medium->sigma_a)) &&
+           (!features->emits || timeline_value_is_grey(&medium->emission));
+}
+
+bool medium_features_have_column(const struct medium_features *medium)
+{
+    return medium->scatters || medium->absorbs;
+}
+
+static void add_medium(struct scene_features *features, const struct scene_medium *source, size_t i)
+{
+    struct medium_features *medium = &features->media[i];
+
+    *medium = medium_features_of(source);
+    if (!medium->is_seen) return;
+    features->has_media = true;
+    features->has_emission |= medium->emits || medium->glows || medium->has_color;
+    features->has_extinction |= medium_features_have_column(medium);
+    features->takes_time |= density_kind_of(&source->density)->takes_time;
+    features->marches |= !medium->is_even;
+    features->marches_to_lights |= !medium->is_even && medium_features_have_column(medium);
+    features->is_rgb |= !medium_is_grey(source, medium);
 }
 
 struct scene_features scene_features_of(const struct job *job)
 {
     const struct scene *scene = &job->scene;
-    struct scene_features features = {.has_depth = job->output.has_depth,
+    struct scene_features features = {.medium_count = scene->medium_count,
+                                      .has_depth = job->output.has_depth,
                                       .has_transmittance = job->output.has_transmittance,
-                                      .has_background = scene->has_background && !is_zero(&scene->background)};
+                                      .has_background =
+                                          scene->has_background && !timeline_value_is_zero(&scene->background)};
     bool scatters = false;
 
     for (size_t i = 0; i < scene->medium_count; ++i) {
-        struct medium_features medium = medium_features_of(&scene->media[i]);
-
-        features.media[i] = medium;
-        features.has_media |= medium.is_seen;
-        features.has_emission |= medium.emits;
-        features.has_extinction |= medium.scatters || medium.absorbs;
-        features.is_rgb |= !medium_is_grey(&scene->media[i], medium);
-        scatters |= medium.scatters;
+        add_medium(&features, &scene->media[i], i);
+        scatters |= features.media[i].scatters;
     }
     for (size_t i = 0; i < scene->light_count; ++i) {
-        features.light_is_seen[i] = scatters && !is_zero(&scene->lights[i].intensity);
+        features.light_is_seen[i] = scatters && !timeline_value_is_zero(&scene->lights[i].intensity);
         features.has_lights |= features.light_is_seen[i];
-        features.is_rgb |= features.light_is_seen[i] && !is_grey(&scene->lights[i].intensity);
+        features.is_rgb |= features.light_is_seen[i] && !timeline_value_is_grey(&scene->lights[i].intensity);
     }
-    features.is_rgb |= features.has_background && !is_grey(&scene->background);
+    features.marches_to_lights &= features.has_lights;
+    // A Riemann sum is defined by its samples.
+    features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
+                                               (job->quality.method == JOB_METHOD_MIDPOINT && features.has_lights));
+    features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     return features;
 }

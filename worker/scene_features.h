@@ -16,16 +16,26 @@ enum lobe_feature {
 struct medium_features {
     bool is_seen; // it scatters, absorbs or emits
     bool scatters, absorbs, emits;
+    bool has_color; // a transfer function gives extinction and source
+    bool glows;     // as a black body
+    bool has_falloff;
+    bool is_even;                              // its density is the same throughout its region
     enum lobe_feature lobes[SCENE_LOBE_LIMIT]; // as many as the medium has; none: isotropic
 };
 
 struct scene_features {
     struct medium_features media[SCENE_MEDIUM_LIMIT];
+    size_t medium_count;                   // as the scene has, seen or not
     bool light_is_seen[SCENE_LIGHT_LIMIT]; // it shines, and something scatters
     bool has_media, has_lights, has_emission;
-    bool has_extinction; // some medium scatters or absorbs
-    bool is_rgb;         // something seen has a colour
+    bool has_extinction;    // some medium scatters or absorbs
+    bool takes_time;        // some medium's density is given the time
+    bool marches;           // camera rays take steps; else each stretch between edges of media is one segment
+    bool marches_to_lights; // so do shadow rays; else columns are known in closed form
+    bool is_rgb;            // something seen has a colour
     bool has_depth, has_transmittance, has_background;
 };
 
 struct scene_features scene_features_of(const struct job *job);
+// True when something of it attenuates light.
+bool medium_features_have_column(const struct medium_features *medium);

@@ -1,103 +1,16 @@
 #include "worker/scene_glue.h"
 
 #include "core/job.h"
+#include "worker/scene_glue_media.h"
 #include "worker/scene_program.h"
 
 #include <math.h>
-
-static bool has_column(const struct medium_features *medium)
-{
-    return medium->scatters || medium->absorbs;
-}
 
 // "a OPERATOR b OPERATOR c" over media: call before each term.
 static void write_separator(FILE *out, bool *first, const char *operator)
 {
     if (!*first) fputs(operator, out);
     *first = false;
-}
-
-static void write_medium(FILE *out, const struct scene_medium *medium, size_t i)
-{
-    fprintf(out, "DensityFoldFractal medium_%zu_fold_fractal()\n{\n    return DensityFoldFractal(%d", i,
-            medium->density.fold_fractal.iterations);
-    for (size_t k = 0; k < 5; ++k) {
-        static const char *const members[] = {"rotation", "offset", "radius", "exponent", "scale"};
-
-        fprintf(out, ", medium_%zu_%s", i, members[k]);
-    }
-    fputs(");\n}\n", out);
-    fprintf(out, "float medium_%zu_density(float field)\n{\n", i);
-    fprintf(out, "    return density_fold_fractal_at(medium_%zu_fold_fractal(), field);\n}\n", i);
-}
-
-static void write_field(FILE *out, const struct scene *scene, const struct scene_program *program)
-{
-    size_t seen = 0, written = 0;
-
-    fputs("struct MediaField {", out);
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (program->features.media[i].is_seen) {
-            fprintf(out, " float medium_%zu;", i);
-            ++seen;
-        }
-    fputs(" };\nMediaField media_field(vec3 p)\n{\n    return MediaField(", out);
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (program->features.media[i].is_seen)
-            fprintf(out, "%sdensity_fold_fractal_distance(medium_%zu_fold_fractal(), p)", written++ ? ", " : "", i);
-    fputs(");\n}\nfloat media_field_distance(MediaField field)\n{\n    return ", out);
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (program->features.media[i].is_seen) fprintf(out, --seen ? "min(field.medium_%zu, " : "field.medium_%zu", i);
-    while (--written > 0)
-        fputs(")", out);
-    fputs(";\n}\nBall media_ball()\n{\n    return Ball(ball_radius);\n}\n", out);
-}
-
-static void write_column_sum(FILE *out, const struct scene *scene, const struct scene_program *program,
-                             const char *before, const char *after)
-{
-    bool first = true;
-
-    for (size_t i = 0; i < scene->medium_count; ++i) {
-        if (!has_column(&program->features.media[i])) continue;
-        write_separator(out, &first, " + ");
-        fprintf(out, "%smedium_%zu_sigma_t%s * column.medium_%zu", before, i, after, i);
-    }
-}
-
-static void write_column(FILE *out, const struct scene *scene, const struct scene_program *program)
-{
-    const struct medium_features *media = program->features.media;
-    bool first = true;
-
-    fputs("// Density integrated along a way, a number a medium.\nstruct MediaColumn {", out);
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (has_column(&media[i])) fprintf(out, " float medium_%zu;", i);
-    fputs(" };\nMediaColumn media_column_empty()\n{\n    return MediaColumn(", out);
-    for (size_t i = 0; i < scene->medium_count; ++i) {
-        if (!has_column(&media[i])) continue;
-        write_separator(out, &first, ", ");
-        fputs("0.0", out);
-    }
-    fputs(");\n}\nvoid media_column_add(inout MediaColumn column, MediaField field, float length)\n{\n", out);
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (has_column(&media[i]))
-            fprintf(out, "    column.medium_%zu += length * medium_%zu_density(field.medium_%zu);\n", i, i, i);
-    fputs("}\nfloat media_column_depth(MediaColumn column)\n{\n    return ", out);
-    write_column_sum(out, scene, program, "spectrum_min(", ")");
-    fputs(";\n}\nSpectrum media_transmittance(MediaColumn column)\n{\n    return exp(-(", out);
-    write_column_sum(out, scene, program, "", "");
-    fputs("));\n}\n", out);
-}
-
-void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program)
-{
-    const struct scene *scene = &job->scene;
-
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (program->features.media[i].is_seen) write_medium(out, &scene->media[i], i);
-    write_field(out, scene, program);
-    if (program->features.has_lights) write_column(out, scene, program);
 }
 
 static void write_phase(FILE *out, const struct scene_medium *medium, const struct medium_features *features, size_t i)
@@ -153,12 +66,14 @@ static void write_gathered(FILE *out, const struct job *job, const struct scene_
         fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
 }
 
-static void write_shadow(FILE *out, const struct job_quality *quality)
+static void write_shadow(FILE *out, const struct job *job, const struct scene_features *features)
 {
-    if (quality->method == JOB_METHOD_RIEMANN)
-        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d), ", quality->light_steps);
+    if (!features->marches_to_lights)
+        fputs("transmittance_closed(", out);
+    else if (job->quality.method == JOB_METHOD_RIEMANN)
+        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d), ", job->quality.light_steps);
     else
-        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", quality->light_step);
+        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", job->quality.light_step);
     fputs("point, light.direction, light.distance)", out);
 }
 
@@ -175,7 +90,7 @@ static void write_scattering(FILE *out, const struct job *job, const struct scen
         fprintf(out, "medium_%zu_sigma_s * (density_%zu * medium_%zu_phase(cos_theta))", i, i, i);
     }
     fputs(";\n        MediaColumn column = ", out);
-    write_shadow(out, &job->quality);
+    write_shadow(out, job, &program->features);
     fputs(";\n        source += scattered * light.irradiance * media_transmittance(column);\n    }\n", out);
 }
 
@@ -185,7 +100,7 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
 
     fputs("    Spectrum sigma_t = ", out);
     for (size_t i = 0; i < job->scene.medium_count; ++i) {
-        if (!has_column(&program->features.media[i])) continue;
+        if (!medium_features_have_column(&program->features.media[i])) continue;
         write_separator(out, &first, " + ");
         fprintf(out, "medium_%zu_sigma_t * density_%zu", i, i);
     }
@@ -206,6 +121,13 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
     fputs("    gathered.transmittance = after;\n", out);
 }
 
+static void write_source(FILE *out, const struct medium_features *medium, size_t i)
+{
+    if (medium->emits) fprintf(out, "    source += medium_%zu_emission * density_%zu;\n", i, i);
+    if (medium->has_color) fprintf(out, "    source += medium_%zu_color(field.medium_%zu) * density_%zu;\n", i, i, i);
+    if (medium->glows) fprintf(out, "    source += medium_%zu_glow(point) * density_%zu;\n", i, i);
+}
+
 void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
@@ -217,13 +139,14 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
           "length)\n{\n",
           out);
     for (size_t i = 0; i < scene->medium_count; ++i)
-        if (features->media[i].is_seen)
-            fprintf(out, "    float density_%zu = medium_%zu_density(field.medium_%zu);\n", i, i, i);
+        if (features->media[i].is_seen) {
+            fprintf(out, "    float density_%zu = ", i);
+            scene_glue_write_density(out, job, program, i);
+            fputs(";\n", out);
+        }
     fputs("    Spectrum source = spectrum(0.0);\n", out);
-    for (size_t i = 0; i < scene->medium_count; ++i) {
-        if (!features->media[i].emits) continue;
-        fprintf(out, "    source += medium_%zu_emission * density_%zu;\n", i, i);
-    }
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        write_source(out, &features->media[i], i);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) write_scattering(out, job, program, i);
     if (features->has_extinction)
@@ -237,31 +160,37 @@ static void write_riemann(FILE *out, const struct scene_camera *camera, double s
 {
     int count = (int)round((camera->clip_far - camera->clip_near) / step);
 
-    fprintf(out, "    integrator_riemann(IntegratorRiemann(%.9e, %.9e, %d), camera.position, direction, gathered);\n",
+    fprintf(out,
+            "    integrator_riemann(IntegratorRiemann(%.9e, %.9e, %d), camera.position, direction, spans, gathered);\n",
             camera->clip_near, step, count);
 }
 
-static void write_midpoint(FILE *out, const struct scene_camera *camera, double step)
+static void write_interval(FILE *out, const struct scene_camera *camera)
 {
-    fputs("    vec2 interval = ball_interval(media_ball(), camera.position, direction);\n", out);
+    fputs("    vec2 interval = media_interval(spans);\n", out);
     fprintf(out, "    interval.x = max(interval.x, %.9e);\n", camera->clip_near);
     if (isfinite(camera->clip_far)) fprintf(out, "    interval.y = min(interval.y, %.9e);\n", camera->clip_far);
-    fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e), camera.position, direction, interval, gathered);\n",
-            step);
 }
 
-static void write_march(FILE *out, const struct job *job)
+static void write_march(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_camera *camera = &job->scene.camera;
 
     fputs("    CameraPinhole camera = CameraPinhole(camera_position, camera_corner, camera_across, camera_down);\n"
           "    vec3 toward = camera_pinhole_toward(camera, gl_FragCoord.xy);\n"
-          "    vec3 direction = normalize(toward);\n",
+          "    vec3 direction = normalize(toward);\n"
+          "    MediaSpans spans = media_spans(camera.position, direction);\n",
           out);
-    if (job->quality.method == JOB_METHOD_RIEMANN)
+    if (job->quality.method == JOB_METHOD_RIEMANN) {
         write_riemann(out, camera, job->quality.step);
-    else
-        write_midpoint(out, camera, job->quality.step);
+        return;
+    }
+    write_interval(out, camera);
+    if (program->features.marches)
+        fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e)", job->quality.step);
+    else // n spans have 2 n ends
+        fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * job->scene.medium_count);
+    fputs(", camera.position, direction, interval, spans, gathered);\n", out);
 }
 
 static void write_outputs(FILE *out, const struct scene_program *program)
@@ -291,7 +220,7 @@ void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_
     if (features->has_media) {
         fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
                 features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
-        write_march(out, job);
+        write_march(out, job, program);
     }
     if (job->scene.has_background && features->has_background)
         write_background(out, program);
@@ -307,6 +236,6 @@ void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_
                 features->has_extinction ? "spectrum_rgb(gathered.transmittance)" : "vec3(1.0)");
     if (features->has_depth)
         fprintf(out, "    depth = %s;\n", features->has_extinction ? "gathered.depth / length(toward)" : "0.0");
-    if (features->has_media) fputs("    if (march_was_cut) rgba.a = -1.0; // no picture has it\n", out);
+    if (features->marches) fputs("    if (march_was_cut) rgba.a = -1.0; // no picture has it\n", out);
     fputs("}\n", out);
 }

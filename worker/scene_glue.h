@@ -1,4 +1,4 @@
-// Writes the part of a scene's shader that joins modules: media, lights and what a sample adds to a pixel.
+// Writes the part of a scene's shader that joins modules: lights, phases and what a sample adds to a pixel.
 #pragma once
 
 #include <stdio.h>
@@ -6,8 +6,6 @@
 struct job;
 struct scene_program;
 
-// `MediaField`, `MediaColumn` and the functions of them that transmittance and integrator modules call.
-void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program);
 void scene_glue_write_lights(FILE *out, const struct job *job, const struct scene_program *program);
 // `Gathered` and `gather`, called by the integrator for each place that has density.
 void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program);

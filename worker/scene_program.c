@@ -3,8 +3,11 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "worker/camera_view.h"
+#include "worker/density_kind.h"
 #include "worker/gl_program.h"
+#include "worker/scene_bounds.h"
 #include "worker/scene_glue.h"
+#include "worker/scene_glue_media.h"
 #include "worker/scene_values.h"
 #include "worker/shader_sources.h"
 
@@ -55,15 +58,27 @@ static void begin_generated(struct assembly *assembly)
     fprintf(assembly->out, "#line %zu 0\n", line + 1);
 }
 
+static void add_density(struct assembly *assembly, size_t i)
+{
+    const struct scene_medium *source = &assembly->job->scene.media[i];
+    const struct density_site site = {.job = assembly->job, .medium = i, .source = source};
+    const char *bounds = scene_bounds_module(&source->density.bounds);
+
+    for (const char *const *name = density_kind_of(&source->density)->modules(&site); *name; ++name)
+        add_module(assembly, *name);
+    if (bounds) add_module(assembly, bounds);
+}
+
 static void add_media(struct assembly *assembly)
 {
     const struct scene_features *features = &assembly->program->features;
 
-    add_module(assembly, "math/march.glsl");
-    add_module(assembly, "math/ball.glsl");
+    if (features->marches || features->marches_to_lights) add_module(assembly, "math/march.glsl");
     add_module(assembly, "camera/pinhole.glsl");
-    add_module(assembly, "density/fold_fractal.glsl");
-    if (features->has_extinction && assembly->job->quality.method == JOB_METHOD_MIDPOINT)
+    add_module(assembly, "region/span.glsl");
+    for (size_t i = 0; i < features->medium_count; ++i)
+        if (features->media[i].is_seen) add_density(assembly, i);
+    if (features->has_extinction && assembly->job->quality.method != JOB_METHOD_RIEMANN)
         add_module(assembly, "math/segment.glsl");
     if (features->has_extinction && features->has_depth)
         add_module(assembly, features->is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
@@ -94,8 +109,9 @@ static void add_lights(struct assembly *assembly)
             add_module(assembly, scene->lights[i].kind == SCENE_LIGHT_SUN         ? "light/sun.glsl"
                                  : scene->lights[i].falloff == SCENE_FALLOFF_NONE ? "light/point_even.glsl"
                                                                                   : "light/point.glsl");
-    add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
-                                                                             : "transmittance/midpoint.glsl");
+    add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
+                         : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
+                                                                               : "transmittance/midpoint.glsl");
     begin_generated(assembly);
     scene_glue_write_lights(assembly->out, assembly->job, assembly->program);
 }
@@ -105,7 +121,8 @@ static void add_integrator(struct assembly *assembly)
     begin_generated(assembly);
     scene_glue_write_gather(assembly->out, assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
-                                                                             : "integrator/midpoint.glsl");
+                         : assembly->program->features.marches               ? "integrator/midpoint.glsl"
+                                                                             : "integrator/stretches.glsl");
 }
 
 static bool assemble(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
@@ -148,6 +165,12 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
 {
     struct camera_view view;
 
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        if (!density_kind_of(&job->scene.media[i].density)) {
+            *program = (struct scene_program){0};
+            error_set(error, "scene.media[%zu].density: its kind cannot be rendered yet", i);
+            return false;
+        }
     *program = (struct scene_program){.features = scene_features_of(job)};
     if (!camera_view_init(&view, &job->scene.camera, job_frame_time(job, frame_range_at(&job->frames, 0)),
                           job->width_px, job->height_px, error))

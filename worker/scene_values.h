@@ -5,7 +5,7 @@ struct frame_uniforms;
 struct job;
 struct scene_features;
 
-// Adds, for what is seen: camera_position, _corner, _across, _down; background; ball_radius; medium_I_sigma_s, _sigma_t,
-// _emission, _rotation, _offset, _radius, _exponent, _scale, _lobe_J_g, _lobe_J_weight; light_I_intensity, _position,
-// _direction (towards the sun). `job` outlives `uniforms`.
+// Adds, for what is seen: camera_position, _corner, _across, _down; background; time_s; what each density's kind and bounds
+// add; medium_I_sigma_s, _sigma_t, _emission, _lobe_J_g, _lobe_J_weight; light_I_intensity, _position, _direction (towards
+// the sun). `job` outlives `uniforms`.
 void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features);

@@ -1,10 +1,13 @@
-// Segments of `step`, the last one ending exactly where the interval does; each is homogeneous with the media of its
-// middle, integrated exactly. Space that the media's distance bound shows to be empty is stepped over.
+// Segments of `step`, the last one before an edge of a medium's span ending exactly there; each is homogeneous with the
+// media of its middle, integrated exactly. Space that the media's bounds show to be empty is stepped over.
 struct IntegratorMidpoint { float step; };
 
-void integrator_midpoint(IntegratorMidpoint method, vec3 origin, vec3 direction, vec2 interval, inout Gathered gathered)
+// Distances are counted from where the media begin, so that a far camera leaves them their digits.
+void integrator_midpoint(IntegratorMidpoint method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
+                         inout Gathered gathered)
 {
     vec3 entry = origin + interval.x * direction;
+    MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
     float at = 0.0;
     for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
@@ -12,11 +15,11 @@ void integrator_midpoint(IntegratorMidpoint method, vec3 origin, vec3 direction,
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
         for (; turn < MARCH_LIMIT && at < end; ++turn) {
-            half_length = 0.5 * min(method.step, end - at);
-            field = media_field(entry + (at + half_length) * direction);
-            float distance = media_field_distance(field);
-            if (distance < 0.0) break;
-            at += half_length + max(half_length, distance);
+            half_length = 0.5 * min(method.step, media_next_edge(ahead, at, end) - at);
+            float middle = at + half_length;
+            field = media_field(ahead, entry + middle * direction, direction, middle);
+            if (field.distance < 0.0) break;
+            at += half_length + max(half_length, field.distance);
         }
         if (at >= end) break;
         gather(gathered, field, entry + (at + half_length) * direction, direction, interval.x + at, 2.0 * half_length);

@@ -2,20 +2,19 @@
 // calls counts, in double precision: of a float's half a step each driver makes another count.
 struct IntegratorRiemann { float near, step; int count; };
 
-void integrator_riemann(IntegratorRiemann method, vec3 origin, vec3 direction, inout Gathered gathered)
+void integrator_riemann(IntegratorRiemann method, vec3 origin, vec3 direction, MediaSpans spans,
+                        inout Gathered gathered)
 {
     int k = 1;
     for (int turn = 0; turn < MARCH_LIMIT && k <= method.count; ++turn) {
         float at = 0.0;
         MediaField field;
-        float distance = 0.0;
-        // Samples inside the distance bound of one without density have none either.
+        // Samples before the distance where there may be density again have none either.
         for (; turn < MARCH_LIMIT && k <= method.count; ++turn) {
             at = method.near + float(k) * method.step;
-            field = media_field(origin + at * direction);
-            distance = media_field_distance(field);
-            if (distance < 0.0) break;
-            k += 1 + int(min(distance / method.step, float(method.count)));
+            field = media_field(spans, origin + at * direction, direction, at);
+            if (field.distance < 0.0) break;
+            k += 1 + int(min(field.distance / method.step, float(method.count)));
         }
         if (k > method.count) break;
         gather(gathered, field, origin + at * direction, direction, at - method.step, method.step);

@@ -1,19 +1,22 @@
-// Column of the media towards a light by the midpoint rule, from the point to the light or to where the media end.
+// Column of the media towards a light by the midpoint rule, from the point to the light or to where the media end; media
+// of even density are in it from the start.
 struct TransmittanceMidpoint { float step; };
 
 MediaColumn transmittance_midpoint(TransmittanceMidpoint method, vec3 point, vec3 direction, float distance)
 {
     const float BLACK = 20.0; // optical depth: 2e-9 of the light is left
-    float end = min(distance, ball_exit(media_ball(), point, direction));
-    MediaColumn column = media_column_empty();
-    float at = 0.0;
+    MediaSpans spans = media_spans(point, direction);
+    vec2 interval = media_column_interval(spans);
+    float end = min(distance, interval.y);
+    MediaColumn column = media_column_begin(spans, distance);
+    float at = max(interval.x, 0.0);
     for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
-        float half_length = 0.5 * min(method.step, end - at);
-        MediaField field = media_field(point + (at + half_length) * direction);
-        media_column_add(column, field, 2.0 * half_length);
+        float half_length = 0.5 * min(method.step, media_column_next_edge(spans, at, end) - at);
+        float middle = at + half_length;
+        float empty = media_column_add(column, spans, point + middle * direction, direction, middle, 2.0 * half_length);
         if (media_column_depth(column) > BLACK) break;
-        // Nothing is within a field's distance. One sum, not two: a last half may be too small to change `at`.
-        at += half_length + max(half_length, media_field_distance(field));
+        // One sum, not two: a last half may be too small to change `at`.
+        at += half_length + max(half_length, empty);
     }
     if (at < end && media_column_depth(column) <= BLACK) march_was_cut = true;
     return column;

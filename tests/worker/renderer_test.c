@@ -377,21 +377,22 @@ static void a_march_that_the_driver_cuts_is_an_error(void **state)
 
 static void a_broken_module_is_named_with_its_line(void **state)
 {
-    static const char broken[] = "struct Ball { float radius; };\n\nfloat broken = no_such_name;\n";
+    static const char broken[] =
+        "struct RegionSphere { vec3 center; float radius; };\n\nfloat broken = no_such_name;\n";
     struct error error = {{0}};
     struct renderer_result result;
     struct stage stage;
     struct image image;
     struct job job;
 
-    assert_int_equal(mkdir(temp_folder_path(state, "math"), 0700), 0);
-    assert_true(file_write_atomic(temp_folder_path(state, "math/ball.glsl"), broken, sizeof broken - 1, NULL));
+    assert_int_equal(mkdir(temp_folder_path(state, "region"), 0700), 0);
+    assert_true(file_write_atomic(temp_folder_path(state, "region/sphere.glsl"), broken, sizeof broken - 1, NULL));
     stage = open_stage(GL_BACKEND_AUTO, *state);
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     image = make_image(&job);
     assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_JOB);
-    if (!strstr(error.message, "math/ball.glsl:3") || !strstr(error.message, "no_such_name"))
+    if (!strstr(error.message, "region/sphere.glsl:3") || !strstr(error.message, "no_such_name"))
         fail_msg("%s", error.message);
     image_finish(&image);
     job_finish(&job);
@@ -424,13 +425,13 @@ static void a_camera_that_cannot_look_is_an_error(void **state)
 
 static void places_in_every_drivers_log_become_module_names(void **state)
 {
-    static const char *const names[] = {"generated", "math/ball.glsl"};
+    static const char *const names[] = {"generated", "region/sphere.glsl"};
     char *text = gl_program_translate_log(
         "0:10012(5): error: a\n1(10007) : error C0: b\nERROR: 0:3: c\n9:90001: d\nno place\n", names, 2);
 
-    assert_string_equal(text,
-                        "math/ball.glsl:12: error: a\nmath/ball.glsl:7 : error C0: b\ngenerated:3: c\n9:90001: d\n"
-                        "no place\n");
+    assert_string_equal(
+        text, "region/sphere.glsl:12: error: a\nregion/sphere.glsl:7 : error C0: b\ngenerated:3: c\n9:90001: d\n"
+              "no place\n");
     free(text);
 }
 

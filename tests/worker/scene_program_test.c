@@ -279,13 +279,13 @@ static void every_combination_of_features_is_valid_glsl(void **state)
 
 static void a_module_folder_overrides_what_it_has(void **state)
 {
-    static const char text[] = "// Mine.\nstruct Ball { float radius; };\n";
+    static const char text[] = "// Mine.\nstruct RegionSphere { vec3 center; float radius; };\n";
     struct scene_program program;
     struct job job;
 
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
-    assert_int_equal(mkdir(temp_folder_path(state, "math"), 0700), 0);
-    assert_true(file_write_atomic(temp_folder_path(state, "math/ball.glsl"), text, sizeof text - 1, NULL));
+    assert_int_equal(mkdir(temp_folder_path(state, "region"), 0700), 0);
+    assert_true(file_write_atomic(temp_folder_path(state, "region/sphere.glsl"), text, sizeof text - 1, NULL));
     assert_true(scene_program_init(&program, &job, *state, NULL));
     assert_has(&program, "// Mine.");
     assert_has(&program, "density_fold_fractal_at");

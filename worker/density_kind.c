@@ -1,0 +1,12 @@
+#include "worker/density_kind.h"
+
+static const struct density_kind *const kinds[] = {
+    [SCENE_DENSITY_FOLD_FRACTAL] = &density_kind_fold_fractal,
+    [SCENE_DENSITY_HOMOGENEOUS] = &density_kind_homogeneous,
+    [SCENE_DENSITY_GLSL] = NULL,
+};
+
+const struct density_kind *density_kind_of(const struct scene_density *density)
+{
+    return kinds[density->kind];
+}

@@ -1,0 +1,55 @@
+// How one kind of density enters a scene's shader: what the files density_KIND.c each fill in.
+#pragma once
+
+#include "core/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+struct frame_uniforms;
+struct job;
+struct scene_inputs;
+
+// Where a density stands: names it makes start with "medium_<medium>_".
+struct density_site {
+    const struct job *job;
+    size_t medium;
+    const struct scene_medium *source; // job->scene.media[medium]
+    const struct scene_inputs *inputs; // the frame's open files; NULL when the job has none
+};
+
+// A new kind is one file with one of these, called density_kind_KIND, and a line in density_kind.c's table.
+struct density_kind {
+    const char *name;       // as in the job
+    const char *field_type; // GLSL type of the field, made from one float by TYPE(0.0): "float", "vec2", ...
+    bool is_even;           // rho is the same wherever it is not 0: columns in closed form, no steps
+    bool has_support;       // `write` emits medium_I_support
+    bool is_zero_outside;   // the field itself makes density 0 outside the support
+    bool takes_time;        // `write` uses time_s, the frame's time
+    bool takes_direction;   // medium_I_field has a second parameter, the unit direction of the ray it is asked along
+    // True when there is none at any time: the medium then costs nothing.
+    bool (*is_zero)(const struct scene_density *density);
+    // A transfer function: its density is the extinction coefficient itself, and `write` emits medium_I_color. NULL: never.
+    bool (*has_color)(const struct scene_density *density);
+    // Frame values that `write` uses. Those of the bounds, medium_I_bounds_center among them, are there without it.
+    void (*add_values)(struct frame_uniforms *uniforms, const struct density_site *site);
+    // Shader modules it uses, in order, ends in NULL; static strings.
+    const char *const *(*modules)(const struct density_site *site);
+    // Emits, FIELD being the field's type:
+    // - vec2 medium_I_support(vec3 origin, vec3 direction): distances along the ray outside of which there is no density,
+    //   entry >= exit for none (has_support). What lies outside is never asked for, unless is_zero_outside.
+    // - FIELD medium_I_field(vec3 p [, vec3 direction]): the costly part, taken once a place.
+    // - float medium_I_density(FIELD field): rho >= 0; finite for FIELD(0.0) too.
+    // - float medium_I_distance(FIELD field): negative where there may be density; else there is none before that distance
+    //   along the ray, on which nothing but this is asked: 0 when nothing is known.
+    // - vec3 medium_I_color(FIELD field) (has_color): source per density.
+    // - vec3 medium_I_glow(vec3 p) (the medium has a blackbody): source per density.
+    // Opaque types (textures) it declares itself, at bindings 4 I to 4 I + 3.
+    void (*write)(FILE *out, const struct density_site *site);
+};
+
+extern const struct density_kind density_kind_fold_fractal, density_kind_homogeneous;
+
+// NULL for a kind that cannot be rendered yet.
+const struct density_kind *density_kind_of(const struct scene_density *density);
