@@ -35,6 +35,11 @@ double closed_form_cone_column(double radius, double offset, int exponent)
     return 2.0 * (squared * half + half * half * half / 3.0 - radius * turn);
 }
 
+double closed_form_ramp_column(double first, double last, double length)
+{
+    return 0.5 * (first + last) * length;
+}
+
 double closed_form_front_lit_slab(double sigma_s, double sigma_t, double length, double phase, double sun)
 {
     return -sigma_s * phase * sun * expm1(-2.0 * sigma_t * length) / (2.0 * sigma_t);

@@ -14,6 +14,9 @@ double closed_form_emission_slab(double emission, double sigma_a, double length,
 // The integral of max(radius - r, 0)^exponent over a whole line that passes the origin at `offset`; exponent 1 or 2.
 double closed_form_cone_column(double radius, double offset, int exponent);
 
+// The integral of a density that changes evenly from `first` to `last`, both >= 0, over `length` metres.
+double closed_form_ramp_column(double first, double last, double length);
+
 // Single scattering in a homogeneous slab seen along its normal, `sun` being its irradiance at normal incidence: light that
 // travels with the camera's rays, enters at the near face and is sent back; and light that comes through the slab.
 double closed_form_front_lit_slab(double sigma_s, double sigma_t, double length, double phase, double sun);

@@ -3,6 +3,8 @@
 #include "core/job.h"
 #include "core/timeline.h"
 
+#include <string.h>
+
 static double number_at(const struct timeline *timeline, double time)
 {
     double value[3] = {0.0, 0.0, 0.0};
@@ -106,11 +108,43 @@ static struct bounds stop_bounds(const struct scene_bounds *source, double time)
     return bounds;
 }
 
-static bool stop_density(struct density *density, union still_field *field, const struct scene_density *source,
-                         double time)
+// Moves the grid's middle.
+static void move_middle(double index_to_world[static 12], const int size[static 3], struct vec3 center)
 {
-    static const struct density_homogeneous EMPTY;
+    const double wanted[3] = {center.x, center.y, center.z};
 
+    for (int a = 0; a < 3; a++) {
+        double *row = &index_to_world[4 * a];
+
+        row[3] = wanted[a] - 0.5 * (row[0] * (size[0] - 1) + row[1] * (size[1] - 1) + row[2] * (size[2] - 1));
+    }
+}
+
+static void stop_grid(struct density_grid *density, const struct scene_grid *source, const struct still_grid *input,
+                      double time)
+{
+    struct grid_params params = {.values = input->values,
+                                 .size = {input->size[0], input->size[1], input->size[2]},
+                                 .is_nearest = source->is_nearest,
+                                 .is_padded = input->is_padded};
+
+    memcpy(params.index_to_world, input->index_to_world, sizeof params.index_to_world);
+    if (source->has_center) move_middle(params.index_to_world, params.size, vector_at(&source->center, time));
+    *density = (struct density_grid){.has_transfer = source->point_count > 0};
+    grid_init(&density->grid, &params);
+    if (density->has_transfer) {
+        density->transfer = (struct transfer_function){.points = source->points,
+                                                       .count = source->point_count,
+                                                       .unit_distance = number_at(&source->unit_distance, time)};
+    } else {
+        density->scale = number_at(&source->scale, time);
+    }
+}
+
+// False when the medium's density is not known.
+static bool stop_density(struct density *density, union still_field *field, const struct scene_density *source,
+                         double time, const struct still_grid *grid, const struct still_function *function)
+{
     switch (source->kind) {
     case SCENE_DENSITY_FOLD_FRACTAL:
         stop_fractal(&field->fold_fractal, &source->fold_fractal, time);
@@ -125,23 +159,24 @@ static bool stop_density(struct density *density, union still_field *field, cons
         *density = density_noise_field(&field->noise);
         return true;
     case SCENE_DENSITY_GRID:
+        if (!grid->values) return false;
+        stop_grid(&field->grid, &source->grid, grid, time);
+        *density = density_grid(&field->grid);
+        return true;
     case SCENE_DENSITY_GLSL:
-        break;
+        if (!function->at) return false;
+        field->function = (struct density_function){.at = function->at,
+                                                    .context = function->context,
+                                                    .time = time,
+                                                    .scale = number_at(&source->glsl.scale, time)};
+        *density = density_function(&field->function);
+        return true;
     }
-    *density = density_homogeneous(&EMPTY);
     return false;
 }
 
-static void stop_medium(struct still *still, size_t index, const struct scene_medium *source, double time)
+static void stop_colors(struct medium *medium, const struct scene_medium *source, double time)
 {
-    struct medium *medium = &still->media[index];
-    struct density_bounded *bounded = &still->bounded[index];
-
-    if (!stop_density(&medium->density, &still->fields[index], &source->density, time)) still->is_complete = false;
-    if (source->density.bounds.kind != SCENE_BOUNDS_NONE) {
-        *bounded = (struct density_bounded){medium->density, stop_bounds(&source->density.bounds, time)};
-        medium->density = density_bounded(bounded);
-    }
     color_at(&source->sigma_s, time, medium->sigma_s);
     color_at(&source->sigma_a, time, medium->sigma_a);
     if (source->has_emission) color_at(&source->emission, time, medium->emission);
@@ -150,6 +185,33 @@ static void stop_medium(struct still *still, size_t index, const struct scene_me
         medium->lobes[i].kind = source->lobes[i].kind;
         medium->lobes[i].g = number_at(&source->lobes[i].g, time);
         medium->lobes[i].weight = number_at(&source->lobes[i].weight, time);
+    }
+}
+
+static void stop_medium(struct still *still, size_t index, const struct scene_medium *source, double time,
+                        const struct still_inputs *inputs)
+{
+    static const struct density_homogeneous EMPTY;
+    struct medium *medium = &still->media[index];
+    struct density_bounded *bounded = &still->bounded[index];
+    union still_field *field = &still->fields[index];
+
+    stop_colors(medium, source, time);
+    if (!stop_density(&medium->density, field, &source->density, time, &inputs->grids[index],
+                      &inputs->functions[index])) {
+        medium->density = density_homogeneous(&EMPTY);
+        still->is_complete = false;
+        return;
+    }
+    if (source->density.kind == SCENE_DENSITY_GRID && field->grid.has_transfer) {
+        // The density is the extinction itself.
+        for (int c = 0; c < 3; c++)
+            medium->sigma_a[c] = 1.0;
+        medium->glow = density_grid_glow(&field->grid);
+    }
+    if (source->density.bounds.kind != SCENE_BOUNDS_NONE) {
+        *bounded = (struct density_bounded){medium->density, stop_bounds(&source->density.bounds, time)};
+        medium->density = density_bounded(bounded);
     }
 }
 
@@ -166,6 +228,13 @@ static void stop_light(struct light *light, const struct scene_light *source, do
 }
 
 void still_init(struct still *still, const struct job *job, double time)
+{
+    static const struct still_inputs NOTHING;
+
+    still_init_with_inputs(still, job, time, &NOTHING);
+}
+
+void still_init_with_inputs(struct still *still, const struct job *job, double time, const struct still_inputs *inputs)
 {
     const struct scene *scene = &job->scene;
 
@@ -187,6 +256,6 @@ void still_init(struct still *still, const struct job *job, double time)
     for (size_t i = 0; i < scene->light_count; i++)
         stop_light(&still->lights[i], &scene->lights[i], time);
     for (size_t i = 0; i < scene->medium_count; i++)
-        stop_medium(still, i, &scene->media[i], time);
+        stop_medium(still, i, &scene->media[i], time, inputs);
     if (scene->has_background) color_at(&scene->background, time, still->background);
 }

@@ -4,6 +4,8 @@
 #include "reference/camera_pinhole.h"
 #include "reference/density_bounded.h"
 #include "reference/density_fold_fractal.h"
+#include "reference/density_function.h"
+#include "reference/density_grid.h"
 #include "reference/density_homogeneous.h"
 #include "reference/density_noise.h"
 #include "reference/light.h"
@@ -14,11 +16,32 @@
 
 struct job;
 
+// A grid as it was read; without values there is none.
+struct still_grid {
+    const float *values; // borrowed; outlives the still; i fastest
+    int size[3];
+    double index_to_world[12];
+    bool is_padded; // the outermost voxels are the background: the box ends at their centres, else half a voxel beyond
+};
+
+struct still_function {
+    density_function_at *at; // NULL: none
+    const void *context;     // borrowed; outlives the still
+};
+
+// What a still needs beside the job, by the medium's index.
+struct still_inputs {
+    struct still_grid grids[SCENE_MEDIUM_LIMIT];
+    struct still_function functions[SCENE_MEDIUM_LIMIT]; // twins of densities in GLSL
+};
+
 // The field of a medium, by its density's kind.
 union still_field {
     struct density_fold_fractal fold_fractal;
     struct density_homogeneous homogeneous;
     struct density_noise noise;
+    struct density_grid grid;
+    struct density_function function;
 };
 
 // Its media point into it: a copy must not outlive it. Tests may fill it by hand.
@@ -32,9 +55,11 @@ struct still {
     struct density_bounded bounded[SCENE_MEDIUM_LIMIT]; // of the media that have bounds
     double background[3];                               // radiance
     bool has_background;
-    bool is_complete; // false when a density has no twin here: it counts as empty
+    bool is_complete; // false when a density has neither twin nor input: it counts as empty
 };
 
 void still_init(struct still *still, const struct job *job, double time); // time in seconds
+// The job must outlive the still where it has transfer functions.
+void still_init_with_inputs(struct still *still, const struct job *job, double time, const struct still_inputs *inputs);
 // The medium's field; borrowed by the density it makes.
 struct density still_fractal_density(const struct density_fold_fractal *fractal);

@@ -1,0 +1,32 @@
+#include "reference/density_function.h"
+
+#include <math.h>
+
+static double at(const void *field, struct vec3 position)
+{
+    const struct density_function *function = field;
+
+    return function->scale * fmax(function->at(function->context, position, function->time), 0.0);
+}
+
+// Nothing is known of where it is smooth or positive: pieces so short that hardly a feature hides between their nodes.
+static void find_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
+{
+    const int pieces = 64;
+
+    for (int i = 0; i < pieces; i++) {
+        double begin = near + (far - near) * i / pieces, end = near + (far - near) * (i + 1) / pieces;
+
+        span_list_append(spans, begin, end, NULL);
+    }
+}
+
+static double find_reach(const void *field, const struct ray *ray)
+{
+    return INFINITY;
+}
+
+struct density density_function(const struct density_function *field)
+{
+    return (struct density){.field = field, .at = at, .spans = find_spans, .reach = find_reach};
+}

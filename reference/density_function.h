@@ -1,0 +1,16 @@
+// A density that the caller knows as a function: the twin of one written in GLSL.
+#pragma once
+
+#include "reference/density.h"
+
+// What `float density(vec3 p, float t)` returns.
+typedef double density_function_at(const void *context, struct vec3 position, double time);
+
+// density = scale max(at(position, time), 0)
+struct density_function {
+    density_function_at *at;
+    const void *context; // borrowed; outlives us
+    double time, scale;
+};
+
+struct density density_function(const struct density_function *field); // borrows the field

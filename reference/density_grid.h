@@ -1,0 +1,18 @@
+// Density that follows from a grid's values: in proportion, or by a transfer function.
+#pragma once
+
+#include "reference/density.h"
+#include "reference/grid.h"
+#include "reference/medium.h"
+#include "reference/transfer_function.h"
+
+struct density_grid {
+    struct grid grid;
+    double scale;      // density = scale max(value, 0)
+    bool has_transfer; // density = extinction by it, glow = its colour
+    struct transfer_function transfer;
+};
+
+// Spans end at every cell and where the value passes 0 or a point of the transfer function; columns in proportion are exact.
+struct density density_grid(const struct density_grid *field);          // borrows the field
+struct medium_glow density_grid_glow(const struct density_grid *field); // of one with a transfer function
