@@ -1,6 +1,7 @@
 #include "core/density_json.h"
 
 #include "core/bounds_json.h"
+#include "core/grid_json.h"
 #include "core/job_later.h"
 #include "core/scene.h"
 #include "core/scene_reader.h"
@@ -92,6 +93,8 @@ static bool read_kind(const struct scene_reader *reader, struct scene_density *d
         density->noise = (struct scene_noise){0};
         return read_noise(reader, &density->noise);
     case SCENE_DENSITY_GRID:
+        density->grid = (struct scene_grid){0};
+        return grid_from_json(&density->grid, reader);
     case SCENE_DENSITY_GLSL:
         break;
     }
@@ -100,7 +103,7 @@ static bool read_kind(const struct scene_reader *reader, struct scene_density *d
 
 bool density_from_json(struct scene_density *density, const struct scene_reader *medium)
 {
-    static const char *const kinds[] = {"fold_fractal", "homogeneous", "noise", NULL};
+    static const char *const kinds[] = {"fold_fractal", "homogeneous", "noise", "grid", NULL};
     struct json_node object = json_node_child(medium->object, "density"), kind = json_node_child(&object, "kind");
     struct scene_reader reader = {&object, medium->span, medium->error};
     int choice;

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 // Changes whenever the same job comes to mean another picture, so that no frame of an earlier meaning passes for one.
 static const char FORMAT[] = "marchd picture 2";
@@ -60,6 +61,28 @@ static void put_visited(const char *name, struct timeline *timeline, void *user)
     put_timeline(user, name, timeline);
 }
 
+// Length first: no text runs into what follows.
+static void put_text(FILE *text, const char *key, const char *value)
+{
+    fprintf(text, " %s %zu %s", key, value ? strlen(value) : 0, value ? value : "");
+}
+
+static void put_grid(FILE *text, const struct scene_grid *grid)
+{
+    const struct scene_raw *raw = &grid->raw;
+
+    put_text(text, "file", grid->file);
+    put_text(text, "grid", grid->grid_name);
+    fprintf(text, " size %d %d %d type %d %d big %d skip %" PRId64 " nearest %d center %d points %zu", raw->size[0],
+            raw->size[1], raw->size[2], raw->has_type, (int)raw->type, raw->is_big_endian, raw->skip_bytes,
+            grid->is_nearest, grid->has_center, grid->point_count);
+    put_numbers(text, "spacing", grid->spacing, 3);
+    for (size_t i = 0; i < grid->point_count; i++) {
+        put_numbers(text, "value", &grid->points[i].value, 1);
+        put_numbers(text, "rgba", grid->points[i].rgba, 4);
+    }
+}
+
 static void put_density(FILE *text, const struct scene_density *density)
 {
     fprintf(text, "density %d bounds %d", (int)density->kind, (int)density->bounds.kind);
@@ -70,8 +93,10 @@ static void put_density(FILE *text, const struct scene_density *density)
     case SCENE_DENSITY_NOISE:
         fprintf(text, " octaves %d mode %d", density->noise.octaves, (int)density->noise.mode);
         break;
-    case SCENE_DENSITY_HOMOGENEOUS:
     case SCENE_DENSITY_GRID:
+        put_grid(text, &density->grid);
+        break;
+    case SCENE_DENSITY_HOMOGENEOUS:
     case SCENE_DENSITY_GLSL:
         break;
     }
@@ -88,7 +113,9 @@ static void put_scene(FILE *text, const struct scene *scene)
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct scene_medium *medium = &scene->media[i];
 
-        fprintf(text, "medium emission %d lobes", medium->has_emission);
+        fprintf(text, "medium emission %d", medium->has_emission);
+        put_text(text, "blackbody", medium->blackbody.grid_name);
+        fprintf(text, " lobes");
         for (size_t k = 0; k < medium->lobe_count; k++)
             fprintf(text, " %d", (int)medium->lobes[k].kind);
         fputc('\n', text);

@@ -1,5 +1,6 @@
 #include "core/medium_json.h"
 
+#include "core/blackbody_json.h"
 #include "core/density_json.h"
 #include "core/scene.h"
 #include "core/scene_reader.h"
@@ -38,18 +39,45 @@ static bool read_phase(const struct scene_reader *medium_reader, struct scene_me
     return true;
 }
 
+// What a transfer function says instead.
+static bool check_transfer(const struct scene_reader *reader)
+{
+    static const char *const keys[] = {"sigma_s", "sigma_a", "emission", "phase", "blackbody"};
+
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        struct json_node node = json_node_child(reader->object, keys[i]);
+
+        if (!json_node_is_absent(&node))
+            return json_fail(&node, reader->error,
+                             "not beside a transfer_function, which says how light is absorbed and emitted");
+    }
+    return true;
+}
+
+static bool check_light(const struct scene_reader *reader)
+{
+    static const char *const keys[] = {"sigma_s", "sigma_a", "emission", "blackbody"};
+
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+        if (scene_reader_has_key(reader, keys[i])) return true;
+    return json_fail(reader->object, reader->error,
+                     "expected sigma_s, sigma_a, emission or blackbody, got none of them");
+}
+
 bool medium_from_json(struct scene_medium *medium, const struct scene_reader *reader)
 {
-    static const char *const keys[] = {"density", "sigma_s", "sigma_a", "emission", "phase", NULL};
+    static const char *const keys[] = {"density", "sigma_s", "sigma_a", "emission", "blackbody", "phase", NULL};
+    const struct scene_density *density = &medium->density;
 
-    if (!json_check_object(reader->object, reader->error) || !json_check_keys(reader->object, keys, reader->error))
+    if (!json_check_object(reader->object, reader->error) || !json_check_keys(reader->object, keys, reader->error) ||
+        !density_from_json(&medium->density, reader))
+        return false;
+    if (density->kind == SCENE_DENSITY_GRID && density->grid.point_count > 0 ? !check_transfer(reader)
+                                                                             : !check_light(reader))
         return false;
     medium->has_emission = scene_reader_has_key(reader, "emission");
-    if (!medium->has_emission && !scene_reader_has_key(reader, "sigma_s") && !scene_reader_has_key(reader, "sigma_a"))
-        return json_fail(reader->object, reader->error, "expected sigma_s, sigma_a or emission, got none of them");
-    return density_from_json(&medium->density, reader) &&
-           scene_reader_read_or(reader, "sigma_s", &COEFFICIENT, 0.0, &medium->sigma_s) &&
+    return scene_reader_read_or(reader, "sigma_s", &COEFFICIENT, 0.0, &medium->sigma_s) &&
            scene_reader_read_or(reader, "sigma_a", &COEFFICIENT, 0.0, &medium->sigma_a) &&
            scene_reader_read_or(reader, "emission", &SCENE_RADIANCE, 0.0, &medium->emission) &&
-           read_phase(reader, medium);
+           blackbody_from_json(&medium->blackbody, reader, density) && read_phase(reader, medium);
 }

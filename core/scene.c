@@ -1,7 +1,8 @@
 #include "core/scene.h"
 
+#include "core/input_path.h"
+
 #include <stdlib.h>
-#include <string.h>
 
 static void visit_bounds(struct scene_bounds *bounds, scene_visitor *visit, void *user)
 {
@@ -135,7 +136,12 @@ bool scene_is_constant(const struct scene *scene)
 bool scene_density_is_sequence(const struct scene_density *density)
 {
     return density->kind == SCENE_DENSITY_GLSL ||
-           (density->kind == SCENE_DENSITY_GRID && strchr(density->grid.file, '#'));
+           (density->kind == SCENE_DENSITY_GRID && input_path_is_sequence(density->grid.file));
+}
+
+bool scene_grid_is_vdb(const struct scene_grid *grid)
+{
+    return input_path_has_ending(grid->file, ".nvdb") || input_path_has_ending(grid->file, ".vdb");
 }
 
 bool scene_density_is_even(const struct scene_density *density)

@@ -13,7 +13,8 @@ enum {
     SCENE_LOBE_LIMIT = 8,
     SCENE_ITERATION_LIMIT = 32, // of a fold fractal
     SCENE_OCTAVE_LIMIT = 16,    // of a noise
-    SCENE_TRANSFER_LIMIT = 64   // points of a transfer function
+    SCENE_TRANSFER_LIMIT = 64,  // points of a transfer function
+    SCENE_GRID_SIDE_LIMIT = 65536
 };
 
 // A pinhole camera: forward = target - position, right = normalize(cross(forward, up)), image y up.
@@ -88,7 +89,7 @@ enum scene_voxel { SCENE_VOXEL_UINT8, SCENE_VOXEL_UINT16, SCENE_VOXEL_INT16, SCE
 
 // How a raw file is read. What is not given is taken from a name like "head_256x256x109xuint8.raw".
 struct scene_raw {
-    int size[3]; // voxels along x, y, z, x fastest; 0: by the name
+    int size[3]; // voxels along x, y, z, x fastest, each up to SCENE_GRID_SIDE_LIMIT; 0: by the name
     enum scene_voxel type;
     bool has_type;
     bool is_big_endian;
@@ -103,7 +104,7 @@ struct scene_transfer_point {
 
 // rho(p) = scale max(value, 0); or by a transfer function: sigma_t = -ln(1 - a) / unit_distance, source = rgb sigma_t.
 struct scene_grid {
-    char *file;      // owned; "####" stands for the frame's number
+    char *file;      // owned; see core/input_path.h
     char *grid_name; // owned; of a NanoVDB file, which may hold several; NULL: its first
     struct scene_raw raw;
     double spacing[3]; // m; 0: as the file says
@@ -191,6 +192,8 @@ void scene_finish(struct scene *scene);
 bool scene_is_constant(const struct scene *scene);
 // True when it may differ from frame to frame whatever its numbers do: a file a frame, or code that is given the time.
 bool scene_density_is_sequence(const struct scene_density *density);
+// True when its file is one of named, sparse grids.
+bool scene_grid_is_vdb(const struct scene_grid *grid);
 // True when it is the same everywhere inside its bounds at any one time: homogeneous without falloff.
 bool scene_density_is_even(const struct scene_density *density);
 

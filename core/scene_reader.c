@@ -1,5 +1,11 @@
 #include "core/scene_reader.h"
 
+#include "core/alloc.h"
+
+#include <string.h>
+
+static const size_t GRID_NAME_LIMIT = 255; // bytes; what a NanoVDB file has room for
+
 const struct timeline_limits SCENE_POSITION = {.components = 3, .min = -1e9, .max = 1e9, .is_position = true};
 const struct timeline_limits SCENE_DIRECTION = {.components = 3, .min = -1e9, .max = 1e9, .is_direction = true};
 const struct timeline_limits SCENE_LENGTH = {.components = 1, .min = 0.0, .max = 1e9};
@@ -45,4 +51,17 @@ bool scene_reader_read_choice(const struct scene_reader *reader, const char *key
     struct json_node node = json_node_child(reader->object, key);
 
     return json_node_is_absent(&node) || json_read_enum(&node, names, choice, reader->error);
+}
+
+bool scene_reader_read_grid_name(const struct scene_reader *reader, char **name)
+{
+    struct json_node node = json_node_child(reader->object, "grid");
+    const char *text;
+
+    *name = NULL;
+    if (!json_read_string(&node, &text, reader->error)) return false;
+    if (!*text || strlen(text) > GRID_NAME_LIMIT)
+        return json_fail_expected(&node, reader->error, "the name of a grid, 1 to 255 bytes");
+    *name = xstrdup(text);
+    return true;
 }

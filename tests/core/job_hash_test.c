@@ -110,9 +110,10 @@ static bool is_left_out(const char *path)
 static bool some_value_changes_the_hash(const char *document, const char *path, const struct hash *hash)
 {
     static const char *const values[] = {
-        "0.4",        "1",       "2",        "3",          "7",        "-0.4",     "50",
-        "true",       "false",   "\"hold\"", "\"linear\"", "\"none\"", "\"half\"", "\"transmittance\"",
-        "\"linear\"", "[1,1,1]", "\"remap\""};
+        "0.4",        "1",       "2",         "3",          "7",          "-0.4",      "50",
+        "true",       "false",   "\"hold\"",  "\"linear\"", "\"none\"",   "\"half\"",  "\"transmittance\"",
+        "\"linear\"", "[1,1,1]", "\"remap\"", "\"uint8\"",  "\"little\"", "\"a.raw\"", "\"a.nvdb\"",
+        "1500"};
 
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
         char *text = json_edit_set(document, path, values[i]);
@@ -155,6 +156,8 @@ static void every_value_that_a_picture_depends_on_counts(void **state)
     check_places(job_text_noise, "quality", 5);
     check_places(fog, "scene", 10);
     check_places(job_text_fog, "quality", 2);
+    check_places(job_text_grid, "scene", 45);
+    check_places(job_text_grid, "quality", 2);
     free(fog);
 }
 

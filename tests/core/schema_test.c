@@ -59,7 +59,18 @@ static const struct cross_rule cross_rules[] = {
     {"riemann has an end", "riemann needs camera.clip", {"quality.method", "\"riemann\""}},
     {"a march through a medium ends", "a march through it has no end", {"scene", MEDIUM(NOISE)}},
     {"light comes in somewhere", "comes all the way through it", {"scene", MEDIUM(SLAB)}},
-    {"voxels are a grid's", "a density of kind \"grid\"", {"quality", "{\"method\":\"midpoint\",\"step_voxels\":1}"}},
+    {"voxels are a grid's", "to take the voxels of", {"quality", "{\"method\":\"midpoint\",\"step_voxels\":1}"}},
+    {"keys of raw files",
+     "only for .raw files",
+     {"scene", MEDIUM("{\"kind\":\"grid\",\"file\":\"a.nii\",\"skip_bytes\":1}")}},
+    {"named grids",
+     "files have named grids",
+     {"scene", MEDIUM("{\"kind\":\"grid\",\"file\":\"a.nii\",\"grid\":\"density\"}")}},
+    {"hot grids", "which holds its temperature", {"scene.media[1].blackbody", "{\"grid\":\"t\",\"kelvin\":1}"}},
+    {"a transfer function is ascending",
+     "expected a value above that of the point",
+     {"scene", "{\"media\":[{\"density\":{\"kind\":\"grid\",\"file\":\"a.nii\",\"unit_distance\":1,"
+               "\"transfer_function\":[[0,0,0,0,0],[0,1,1,1,0.5]]}}]}"}},
     {"light marches in steps", "as light marches through media", {"quality.light_step", NULL}},
     {"equiangular is for the homogeneous",
      "which equiangular needs everywhere",
@@ -146,6 +157,18 @@ static const char *const for_strings[] = {"\"1-5\"",
                                           "\"clip\"",
                                           "\"rayleigh\"",
                                           "\"grid\"",
+                                          "\"uint8\"",
+                                          "\"big\"",
+                                          "\"nearest\"",
+                                          "\"a.raw\"",
+                                          "\"/b/a.NII.gz\"",
+                                          "\"#.nrrd\"",
+                                          "\".nhdr\"",
+                                          "\"a/.vdb\"",
+                                          "\"a#b#.vdb\"",
+                                          "\"a#/b#.vdb\"",
+                                          "\"a##########.nvdb\"",
+                                          "\"a.nii.zip\"",
                                           "\"none\"",
                                           "\"half\"",
                                           "\"zip\"",
@@ -202,6 +225,15 @@ static const char *const for_others[] = {
     "[1,2,\"x\"]",
     "[1,2,1e16]",
     "[1,2,3,4]",
+    "[1,2,3,4,0.5]",
+    "[1,2,3,4,1]",
+    "[-2,-2,3,4,0]",
+    "65536",
+    "65537",
+    "1125899906842624",
+    "1125899906842625",
+    "{\"grid\":\"t\",\"kelvin\":2}",
+    "[[1,2,3,4,0]]",
     "[\"Z\",\"Z\"]",
     "[\"Z\",\"transmittance\"]",
     "[[0,1]]",
@@ -311,7 +343,7 @@ static void schema_and_code_agree_on_every_change_of_a_job_with_every_key(void *
 
 static void schema_and_code_agree_on_every_change_of_other_densities_and_methods(void **state)
 {
-    static const char *const texts[] = {job_text_noise, job_text_fog};
+    static const char *const texts[] = {job_text_noise, job_text_fog, job_text_grid};
 
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         check_places(texts[i], "camera.shutter");

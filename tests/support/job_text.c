@@ -77,3 +77,16 @@ const char job_text_fog[] =
             "\"normal\":[0.5,2,0],\"thickness\":2,\"falloff\":0}},\"sigma_s\":1,\"phase\":[{\"kind\":\"rayleigh\"}]},"
             "{\"density\":{\"kind\":\"homogeneous\"},\"sigma_a\":0.25}]},"
             "\"quality\":{\"method\":\"equiangular\",\"points\":8,\"samples\":2}}";
+
+const char job_text_grid[] = OPENING
+    "\"lights\":[" POINT_LIGHT "],\"scene\":{\"media\":["
+    "{\"density\":{\"kind\":\"grid\",\"file\":\"/data/"
+    "head.raw\",\"size\":[64,32,16],\"type\":\"int16\",\"byte_order\":\"big\","
+    "\"skip_bytes\":7,\"spacing\":[0.01,0.02,0.03],\"interpolation\":\"nearest\",\"center\":{\"start\":[0,0,1],"
+    "\"rate\":[1,0,0]},\"transfer_function\":[[-1,0,0,0,0],[0.25,1,2,3,0.5],[2,3,2,1,0.999999]],"
+    "\"unit_distance\":{\"start\":0.01,\"rate\":1},\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}},"
+    "{\"density\":{\"kind\":\"grid\",\"file\":\"/data/"
+    "smoke.####.nvdb\",\"grid\":\"density\",\"scale\":3},\"sigma_s\":1,"
+    "\"blackbody\":{\"grid\":\"temperature\",\"kelvin\":{\"start\":1500,\"rate\":1},\"intensity\":2}},"
+    "{\"density\":{\"kind\":\"grid\",\"file\":\"still.nvdb\"},\"blackbody\":{\"grid\":\"flame\",\"kelvin\":1}}]},"
+    "\"quality\":{\"method\":\"midpoint\",\"step_voxels\":0.5,\"light_step_voxels\":2}}";

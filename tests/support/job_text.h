@@ -11,3 +11,4 @@ extern const char job_text_full[];
 // Jobs that use every key of the other densities, of bounds, and of the methods.
 extern const char job_text_noise[];
 extern const char job_text_fog[];
+extern const char job_text_grid[];
