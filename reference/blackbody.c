@@ -76,16 +76,23 @@ static void amounts_of(const double xyz[3], double amounts[3])
     amounts[2] = determinant(r, g, xyz) / whole;
 }
 
-void blackbody_rgb(double kelvin, double rgb[static 3])
+void blackbody_xyz_to_rgb(const double xyz[static 3], double rgb[static 3])
 {
     const double white[3] = {0.3127 / 0.3290, 1, (1 - 0.3127 - 0.3290) / 0.3290};
-    double xyz[3], of_white[3];
+    double of_white[3];
 
-    rgb[0] = rgb[1] = rgb[2] = 0;
-    if (!(kelvin > 400)) return;
-    blackbody_xyz(kelvin, xyz);
     amounts_of(xyz, rgb);
     amounts_of(white, of_white);
     for (int i = 0; i < 3; i++)
         rgb[i] = fmax(rgb[i] / of_white[i], 0);
+}
+
+void blackbody_rgb(double kelvin, double rgb[static 3])
+{
+    double xyz[3];
+
+    rgb[0] = rgb[1] = rgb[2] = 0;
+    if (!(kelvin > 400)) return;
+    blackbody_xyz(kelvin, xyz);
+    blackbody_xyz_to_rgb(xyz, rgb);
 }

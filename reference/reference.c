@@ -7,11 +7,11 @@
 // Below it everywhere an image counts as black, and errors are absolute.
 static const double BLACK = 1e-6;
 
-struct reference_pixel reference_measure_pixel(const struct still *still, int x, int y,
-                                               const struct integrate_accuracy *accuracy)
+static struct reference_pixel measure(const struct still *still, double x, double y,
+                                      const struct integrate_accuracy *accuracy)
 {
     const struct camera_pinhole *camera = &still->camera;
-    struct ray ray = camera_pinhole_ray(camera, x + 0.5, y + 0.5);
+    struct ray ray = camera_pinhole_ray(camera, x, y);
     struct integrate_result gathered = integrate_ray(still, &ray, camera->clip_near, camera->clip_far, accuracy);
     struct reference_pixel pixel = {.is_converged = gathered.is_converged};
     double sum = 0.0;
@@ -24,6 +24,35 @@ struct reference_pixel reference_measure_pixel(const struct still *still, int x,
     }
     pixel.alpha = still->has_background ? 1.0 : 1.0 - sum / 3.0;
     return pixel;
+}
+
+struct reference_pixel reference_measure_pixel(const struct still *still, int x, int y,
+                                               const struct integrate_accuracy *accuracy)
+{
+    return measure(still, x + 0.5, y + 0.5, accuracy);
+}
+
+struct reference_pixel reference_measure_samples(const struct job *job, const struct still_inputs *inputs, int x, int y,
+                                                 const struct reference_sample *samples, size_t count,
+                                                 const struct integrate_accuracy *accuracy)
+{
+    static const struct still_inputs NOTHING;
+    struct reference_pixel mean = {.is_converged = true};
+
+    for (size_t i = 0; i < count; i++) {
+        struct reference_pixel pixel;
+        struct still still;
+
+        still_init_with_inputs(&still, job, samples[i].time, inputs ? inputs : &NOTHING);
+        pixel = measure(&still, x + samples[i].x, y + samples[i].y, accuracy);
+        for (int c = 0; c < 3; c++) {
+            mean.radiance[c] += pixel.radiance[c] / (double)count;
+            mean.transmittance[c] += pixel.transmittance[c] / (double)count;
+        }
+        mean.alpha += pixel.alpha / (double)count;
+        mean.is_converged = mean.is_converged && pixel.is_converged;
+    }
+    return mean;
 }
 
 static double mean_transmittance(const struct still *still, const struct ray *ray, double distance)

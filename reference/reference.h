@@ -17,6 +17,16 @@ struct reference_pixel {
 // Along the ray through the centre of pixel (x, y), counted from the top left. `accuracy` may be NULL.
 struct reference_pixel reference_measure_pixel(const struct still *still, int x, int y,
                                                const struct integrate_accuracy *accuracy);
+// One camera ray of a pixel.
+struct reference_sample {
+    double x, y; // in the pixel, from its top left corner: (0.5, 0.5) is its centre
+    double time; // s: the moment at which the scene is stopped
+};
+
+// The mean of `count` >= 1 samples of pixel (x, y). `inputs` and `accuracy` may be NULL.
+struct reference_pixel reference_measure_samples(const struct job *job, const struct still_inputs *inputs, int x, int y,
+                                                 const struct reference_sample *samples, size_t count,
+                                                 const struct integrate_accuracy *accuracy);
 // Camera-space depth in metres where the mean transmittance of the pixel's ray passes 0.5; 0 where it does not.
 double reference_measure_depth(const struct still *still, int x, int y);
 

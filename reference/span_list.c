@@ -43,12 +43,36 @@ void span_list_split(struct span_list *list, double cut)
     list->count++;
 }
 
+// Two lists may find the same end with other roundings.
+static bool is_sliver(double begin, double end)
+{
+    return end - begin < 1e-12 * fmax(fabs(begin), fabs(end));
+}
+
 void span_list_split_at_ends(struct span_list *list, const struct span_list *other)
 {
-    for (size_t i = 0; i < other->count; i++) {
-        span_list_split(list, other->spans[i].begin);
-        span_list_split(list, other->spans[i].end);
+    struct span_list pieces = {0};
+    size_t at = 0;
+
+    for (size_t i = 0; i < list->count; i++) {
+        const struct span *span = &list->spans[i];
+        double begin = span->begin;
+
+        // An end of the other may be a begin as well: both are looked at, in order.
+        while (at < 2 * other->count) {
+            double cut = at % 2 ? other->spans[at / 2].end : other->spans[at / 2].begin;
+
+            if (cut >= span->end) break;
+            if (cut > begin && !is_sliver(begin, cut) && !is_sliver(cut, span->end)) {
+                span_list_append(&pieces, begin, cut, &span->image);
+                begin = cut;
+            }
+            at++;
+        }
+        span_list_append(&pieces, begin, span->end, &span->image);
     }
+    span_list_finish(list);
+    *list = pieces;
 }
 
 // Walks along a list's ends in ascending order.
@@ -79,13 +103,14 @@ void span_list_merge(struct span_list *list, const struct span_list *other)
     struct span_list merged = {0};
 
     while (a.at < list->count || b.at < other->count) {
-        double begin = fmin(next_end(&a), next_end(&b));
+        double begin = fmin(next_end(&a), next_end(&b)), end;
 
         walk_to(&a, begin);
         walk_to(&b, begin);
-        if (a.is_inside || b.is_inside) {
-            span_list_append(&merged, begin, fmin(next_end(&a), next_end(&b)), NULL);
-        }
+        if (!a.is_inside && !b.is_inside) continue;
+        end = fmin(next_end(&a), next_end(&b));
+        if (is_sliver(begin, end)) continue;
+        span_list_append(&merged, begin, end, NULL);
     }
     span_list_finish(list);
     *list = merged;

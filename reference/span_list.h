@@ -22,6 +22,6 @@ void span_list_append(struct span_list *list, double begin, double end, const st
 void span_list_split(struct span_list *list, double cut);
 // Splits at each end of `other`'s spans.
 void span_list_split_at_ends(struct span_list *list, const struct span_list *other);
-// Makes `list` the union of itself and `other`, with the ends of both as ends.
+// Makes `list` the union of itself and `other`, with the ends of both as ends, but for slivers that roundings leave.
 void span_list_merge(struct span_list *list, const struct span_list *other);
 void span_list_finish(struct span_list *list); // leaves it empty

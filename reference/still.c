@@ -120,8 +120,7 @@ static void move_middle(double index_to_world[static 12], const int size[static 
     }
 }
 
-static void stop_grid(struct density_grid *density, const struct scene_grid *source, const struct still_grid *input,
-                      double time)
+static struct grid_params stop_placement(const struct scene_grid *source, const struct still_grid *input, double time)
 {
     struct grid_params params = {.values = input->values,
                                  .size = {input->size[0], input->size[1], input->size[2]},
@@ -130,6 +129,14 @@ static void stop_grid(struct density_grid *density, const struct scene_grid *sou
 
     memcpy(params.index_to_world, input->index_to_world, sizeof params.index_to_world);
     if (source->has_center) move_middle(params.index_to_world, params.size, vector_at(&source->center, time));
+    return params;
+}
+
+static void stop_grid(struct density_grid *density, const struct scene_grid *source, const struct still_grid *input,
+                      double time)
+{
+    struct grid_params params = stop_placement(source, input, time);
+
     *density = (struct density_grid){.has_transfer = source->point_count > 0};
     grid_init(&density->grid, &params);
     if (density->has_transfer) {
@@ -188,6 +195,16 @@ static void stop_colors(struct medium *medium, const struct scene_medium *source
     }
 }
 
+static void stop_blackbody(struct glow_blackbody *glow, const struct scene_medium *source,
+                           const struct still_grid *input, double time)
+{
+    glow_blackbody_init(glow, &(struct glow_blackbody_params){
+                                  .grid = stop_placement(&source->density.grid, input, time),
+                                  .kelvin = number_at(&source->blackbody.kelvin, time),
+                                  .intensity = number_at(&source->blackbody.intensity, time),
+                              });
+}
+
 static void stop_medium(struct still *still, size_t index, const struct scene_medium *source, double time,
                         const struct still_inputs *inputs)
 {
@@ -202,6 +219,10 @@ static void stop_medium(struct still *still, size_t index, const struct scene_me
         medium->density = density_homogeneous(&EMPTY);
         still->is_complete = false;
         return;
+    }
+    if (source->density.kind == SCENE_DENSITY_GRID && inputs->temperatures[index].values) {
+        stop_blackbody(&still->glows[index], source, &inputs->temperatures[index], time);
+        medium->glow = glow_blackbody(&still->glows[index]);
     }
     if (source->density.kind == SCENE_DENSITY_GRID && field->grid.has_transfer) {
         // The density is the extinction itself.

@@ -8,6 +8,7 @@
 #include "reference/density_grid.h"
 #include "reference/density_homogeneous.h"
 #include "reference/density_noise.h"
+#include "reference/glow_blackbody.h"
 #include "reference/light.h"
 #include "reference/medium.h"
 
@@ -32,6 +33,7 @@ struct still_function {
 // What a still needs beside the job, by the medium's index.
 struct still_inputs {
     struct still_grid grids[SCENE_MEDIUM_LIMIT];
+    struct still_grid temperatures[SCENE_MEDIUM_LIMIT];  // of media that are black bodies
     struct still_function functions[SCENE_MEDIUM_LIMIT]; // twins of densities in GLSL
 };
 
@@ -53,6 +55,7 @@ struct still {
     size_t medium_count;
     union still_field fields[SCENE_MEDIUM_LIMIT];
     struct density_bounded bounded[SCENE_MEDIUM_LIMIT]; // of the media that have bounds
+    struct glow_blackbody glows[SCENE_MEDIUM_LIMIT];    // of those that glow as black bodies
     double background[3];                               // radiance
     bool has_background;
     bool is_complete; // false when a density has neither twin nor input: it counts as empty
