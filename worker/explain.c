@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "core/json_write.h"
 #include "worker/density_kind.h"
+#include "worker/pixel_samples.h"
 #include "worker/scene_program.h"
 
 #include <stdarg.h>
@@ -97,20 +98,53 @@ static void list_outputs(const struct listing *listing)
         features->has_transmittance ? "output.aovs names transmittance" : "output.aovs does not name transmittance");
 }
 
+// What changes with the frame, whichever sample.
+static bool is_moving(const struct frame_value *value)
+{
+    return !value->is_constant && value->origin != FRAME_VALUE_SAMPLE_INDEX;
+}
+
+static bool has_motion(const struct frame_uniforms *uniforms)
+{
+    for (size_t i = 0; i < uniforms->count; ++i)
+        if (is_moving(&uniforms->values[i])) return true;
+    return false;
+}
+
 static void list_motion(const struct listing *listing)
 {
     const struct frame_uniforms *uniforms = &listing->program->uniforms;
 
     for (size_t i = 0; i < uniforms->count; ++i)
-        if (!uniforms->values[i].is_constant) {
+        if (is_moving(&uniforms->values[i])) {
             char name[64];
 
             snprintf(name, sizeof name, "motion of %s", uniforms->values[i].name);
             say(listing, true, name, "it follows %s", uniforms->values[i].meaning);
         }
-    say(listing, uniforms->size_bytes > 0, "frames that differ", "%s",
-        uniforms->size_bytes > 0 ? "something seen moves"
-                                 : "nothing seen moves: the first frame is rendered, the others are copies");
+    say(listing, has_motion(uniforms), "frames that differ", "%s",
+        has_motion(uniforms) ? "something seen moves"
+                             : "nothing seen moves: the first frame is rendered, the others are copies");
+}
+
+static void list_samples(const struct listing *listing)
+{
+    bool has_samples = listing->program->features.has_samples;
+    double shutter = listing->job->scene.camera.shutter;
+    int samples = pixel_samples_count(listing->job);
+
+    if (has_samples)
+        say(listing, true, "antialiasing", "%d rays a pixel, each through a stratum of its own", samples);
+    else
+        say(listing, false, "antialiasing", "one ray a pixel, through its centre");
+    if (shutter == 0)
+        say(listing, false, "motion blur", "the camera's shutter is 0");
+    else if (!has_motion(&listing->program->uniforms))
+        say(listing, false, "motion blur", "nothing seen moves while the shutter is open");
+    else if (samples == 1)
+        say(listing, false, "motion blur", "one sample sees the middle of the time that the shutter is open");
+    else
+        say(listing, true, "motion blur", "%d moments of the %g frames that the shutter is open", samples, shutter);
 }
 
 static void list_method(const struct listing *listing)
@@ -126,8 +160,7 @@ static void list_method(const struct listing *listing)
             quality->min_transmittance);
     say(listing, false, "multiple scattering", "light is scattered once at most");
     say(listing, false, "surfaces", "the scene has no objects");
-    say(listing, false, "motion blur", "the camera has no shutter");
-    say(listing, false, "antialiasing", "one ray a pixel, through its centre");
+    list_samples(listing);
 }
 
 static void write_list(struct listing listing, const char *key, bool of_modelled)

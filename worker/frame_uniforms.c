@@ -41,6 +41,21 @@ void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value valu
     uniforms->size_bytes = round_up(uniforms->end_bytes, 16);
 }
 
+static void evaluate(const struct frame_value *value, const struct frame_moment *moment, double components[static 9])
+{
+    switch (value->origin) {
+    case FRAME_VALUE_OF_TIME:
+        value->evaluate(value->source, moment->time, components);
+        break;
+    case FRAME_VALUE_FRAME_SEED:
+        components[0] = moment->frame_seed;
+        break;
+    case FRAME_VALUE_SAMPLE_INDEX:
+        components[0] = moment->sample_index;
+        break;
+    }
+}
+
 // Nine digits read back as the same float, so that a constant and a uniform give the same picture.
 static void write_float(FILE *out, double value)
 {
@@ -55,7 +70,7 @@ static void write_literal(FILE *out, const struct frame_value *value)
     double components[9] = {0};
     int count = component_counts[value->type];
 
-    value->evaluate(value->source, 0, components);
+    evaluate(value, &(struct frame_moment){0}, components);
     if (count > 1) fprintf(out, "%s(", type_names[value->type]);
     for (int i = 0; i < count; ++i) {
         if (i > 0) fputs(", ", out);
@@ -106,7 +121,8 @@ static void pack_value(const struct frame_value *value, const double components[
     }
 }
 
-bool frame_uniforms_pack(const struct frame_uniforms *uniforms, double time, void *bytes, struct error *error)
+bool frame_uniforms_pack(const struct frame_uniforms *uniforms, const struct frame_moment *moment, void *bytes,
+                         struct error *error)
 {
     memset(bytes, 0, uniforms->size_bytes);
     for (size_t i = 0; i < uniforms->count; ++i) {
@@ -114,11 +130,11 @@ bool frame_uniforms_pack(const struct frame_uniforms *uniforms, double time, voi
         double components[9] = {0};
 
         if (value->is_constant) continue;
-        value->evaluate(value->source, time, components);
+        evaluate(value, moment, components);
         for (int k = 0; k < component_counts[value->type]; ++k)
             if (!(components[k] >= value->min && components[k] <= value->max)) {
                 error_set(error, "%s (%s): expected a number in [%g, %g], got %g at t = %g s", value->meaning,
-                          value->name, value->min, value->max, components[k], time);
+                          value->name, value->min, value->max, components[k], moment->time);
                 return false;
             }
         pack_value(value, components, bytes);

@@ -3,6 +3,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 struct error;
@@ -13,13 +14,28 @@ enum frame_value_type {
     FRAME_VALUE_MAT3 // column-major
 };
 
+// What a value follows from.
+enum frame_value_origin {
+    FRAME_VALUE_OF_TIME, // evaluate() says it
+    FRAME_VALUE_FRAME_SEED,
+    FRAME_VALUE_SAMPLE_INDEX
+};
+
+// What one pass over a frame shows.
+struct frame_moment {
+    double time; // s
+    uint32_t frame_seed;
+    int sample_index;
+};
+
 // Computes a value from what describes it, in double precision.
 typedef void frame_value_evaluate(const void *source, double time, double value[static 9]);
 
 struct frame_value {
     char name[48];
     enum frame_value_type type;
-    bool is_constant;
+    enum frame_value_origin origin;
+    bool is_constant; // of time 0, or seed and index 0
     frame_value_evaluate *evaluate;
     const void *source;  // borrowed from the job, which outlives us
     double min, max;     // what a component may be at any time
@@ -42,5 +58,6 @@ __attribute__((format(printf, 3, 4))) void frame_uniforms_add(struct frame_unifo
 // Writes a `const` for what is fixed; for what moves the block FrameUniforms and a variable, set by
 // `frame_uniforms_read()`, which main() calls first. Either way the shader has it by its name.
 void frame_uniforms_declare(const struct frame_uniforms *uniforms, FILE *out);
-// Evaluates what moves at `time` into `bytes` (size_bytes of them), rounded to float. Refuses what is out of range.
-bool frame_uniforms_pack(const struct frame_uniforms *uniforms, double time, void *bytes, struct error *error);
+// Evaluates what moves at a moment into `bytes` (size_bytes of them), rounded to float. Refuses what is out of range.
+bool frame_uniforms_pack(const struct frame_uniforms *uniforms, const struct frame_moment *moment, void *bytes,
+                         struct error *error);

@@ -12,6 +12,7 @@ struct gl_context;
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                         \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
+    X(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                   \
     X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                                               \
     X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                                       \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
@@ -28,6 +29,7 @@ struct gl_context;
     X(PFNGLDELETESHADERPROC, DeleteShader)                                                                             \
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
+    X(PFNGLDISABLEPROC, Disable)                                                                                       \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                 \
     X(PFNGLENABLEPROC, Enable)                                                                                         \
     X(PFNGLFINISHPROC, Finish)                                                                                         \

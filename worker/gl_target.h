@@ -12,14 +12,20 @@ struct gl_target {
     const struct gl_functions *gl; // borrowed; outlives us
     int width_px, height_px;
     bool has_transmittance, has_depth;
+    int pass_count;
     unsigned framebuffer;
-    unsigned textures[3]; // RGBA32F, transmittance RGBA32F, depth R32F; 0 where absent
+    unsigned textures[3]; // RGBA32F, transmittance RGBA32F, depth R32F or, of several passes, RG32F; 0 where absent
+    float *depth_sums;    // owned; 2 a pixel: the sum of the depths and their count; NULL where there is one pass
 };
 
-// The fragment outputs that match: 0 RGBA, 1 transmittance, 2 depth.
-bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct image *image,
+// The fragment outputs that match: 0 RGBA, 1 transmittance, 2 depth and whether there is one (1 or 0). Several passes are
+// added up.
+bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct image *image, int pass_count,
                     struct error *error);
 void gl_target_finish(struct gl_target *target); // accepts an empty one
-bool gl_target_fits(const struct gl_target *target, const struct image *image);
-// Copies all pixels into `image`, which fits; waits until they are rendered.
+bool gl_target_fits(const struct gl_target *target, const struct image *image, int pass_count);
+// Makes it what is drawn to, all of it, and empties it where passes are added up.
+void gl_target_begin(const struct gl_target *target);
+// Copies the mean of the passes into `image`, which fits; waits until they are rendered. A pixel's depth is the mean of
+// those passes that found one.
 void gl_target_read(const struct gl_target *target, struct image *image);

@@ -10,6 +10,7 @@
 #include "worker/gl_program.h"
 #include "worker/gl_target.h"
 #include "worker/image.h"
+#include "worker/pixel_samples.h"
 #include "worker/scene_program.h"
 
 #include <stdlib.h>
@@ -33,6 +34,13 @@ struct kept_program {
     uint64_t used;             // the greater, the more recently
 };
 
+// What a frame is the mean of: each pass is drawn with a block of uniforms of its own.
+struct passes {
+    unsigned char *blocks; // owned; NULL where the scene has no uniforms
+    size_t block_bytes;
+    int count;
+};
+
 struct renderer {
     const struct gl_context *context; // borrowed; outlives us
     char *shader_dir;                 // owned; NULL for the embedded modules
@@ -46,8 +54,7 @@ struct renderer {
     // What the target shows: a whole frame of this program with these uniforms.
     bool target_is_whole;
     char shown_hash[HASH_TEXT_SIZE];
-    unsigned char *shown_uniforms; // owned
-    size_t shown_size_bytes;
+    struct passes shown;
 };
 
 static double now_s(void)
@@ -80,7 +87,7 @@ void renderer_destroy(struct renderer *renderer)
     if (renderer->uniform_buffer) renderer->gl.DeleteBuffers(1, &renderer->uniform_buffer);
     if (renderer->vertex_array) renderer->gl.DeleteVertexArrays(1, &renderer->vertex_array);
     gl_debug_finish(&renderer->debug);
-    free(renderer->shown_uniforms);
+    free(renderer->shown.blocks);
     free(renderer->shader_dir);
     free(renderer);
 }
@@ -143,17 +150,12 @@ static int next_tile_rows(int rows, double seconds)
     return next < JOB_RESOLUTION_LIMIT ? next : JOB_RESOLUTION_LIMIT;
 }
 
-static bool draw_tiles(struct renderer *renderer, struct kept_program *program, renderer_progress *on_progress,
-                       void *user, struct renderer_result *result, struct error *error)
+static bool draw_tiles(struct renderer *renderer, struct kept_program *program, int pass,
+                       renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
 {
     const struct gl_functions *gl = &renderer->gl;
     int height_px = renderer->target.height_px;
 
-    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, renderer->target.framebuffer);
-    gl->Viewport(0, 0, renderer->target.width_px, height_px);
-    gl->Enable(GL_SCISSOR_TEST);
-    gl->BindVertexArray(renderer->vertex_array);
-    gl->UseProgram(program->name);
     for (int row = 0; row < height_px;) {
         int rows = program->tile_rows < height_px - row ? program->tile_rows : height_px - row;
         double start = now_s();
@@ -164,7 +166,7 @@ static bool draw_tiles(struct renderer *renderer, struct kept_program *program, 
         if (!check_gl(renderer, result, error)) return false;
         row += rows;
         program->tile_rows = next_tile_rows(rows, now_s() - start);
-        if (on_progress && !on_progress(user, (double)row / height_px)) {
+        if (on_progress && !on_progress(user, (pass + (double)row / height_px) / renderer->target.pass_count)) {
             result->fault = RENDERER_FAULT_STOPPED;
             error_set(error, "the frame was stopped");
             return false;
@@ -173,21 +175,65 @@ static bool draw_tiles(struct renderer *renderer, struct kept_program *program, 
     return true;
 }
 
-static bool is_shown(const struct renderer *renderer, const struct scene_program *scene, const unsigned char *uniforms,
-                     const struct image *image)
+static bool draw_passes(struct renderer *renderer, struct kept_program *program, const struct passes *passes,
+                        renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
 {
-    size_t size_bytes = scene->uniforms.size_bytes;
+    const struct gl_functions *gl = &renderer->gl;
 
-    return renderer->target_is_whole && gl_target_fits(&renderer->target, image) &&
-           strcmp(renderer->shown_hash, scene->hash) == 0 && renderer->shown_size_bytes == size_bytes &&
-           memcmp(renderer->shown_uniforms, uniforms, size_bytes) == 0;
+    gl_target_begin(&renderer->target);
+    gl->Enable(GL_SCISSOR_TEST);
+    gl->BindVertexArray(renderer->vertex_array);
+    gl->UseProgram(program->name);
+    for (int i = 0; i < passes->count; ++i) {
+        if (passes->block_bytes > 0) {
+            gl->NamedBufferData(renderer->uniform_buffer, (GLsizeiptr)passes->block_bytes,
+                                passes->blocks + (size_t)i * passes->block_bytes, GL_STREAM_DRAW);
+            gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, renderer->uniform_buffer);
+        }
+        if (!check_gl(renderer, result, error)) return false;
+        if (!draw_tiles(renderer, program, i, on_progress, user, result, error)) return false;
+    }
+    return true;
 }
 
-static void note_shown(struct renderer *renderer, const struct scene_program *scene, const unsigned char *uniforms)
+// The passes of a frame; those that would show the same are one.
+static bool plan_passes(struct passes *passes, const struct scene_program *scene, const struct job *job, int32_t frame,
+                        struct error *error)
 {
-    renderer->shown_size_bytes = scene->uniforms.size_bytes;
-    renderer->shown_uniforms = xrealloc(renderer->shown_uniforms, renderer->shown_size_bytes);
-    memcpy(renderer->shown_uniforms, uniforms, renderer->shown_size_bytes);
+    size_t block_bytes = scene->uniforms.size_bytes;
+    bool differ = false;
+
+    *passes = (struct passes){.block_bytes = block_bytes, .count = pixel_samples_count(job)};
+    passes->blocks = xmalloc((size_t)passes->count * block_bytes);
+    for (int i = 0; i < passes->count; ++i) {
+        const struct frame_moment moment = {.time = pixel_samples_time(job, frame, i),
+                                            .frame_seed = pixel_samples_frame_seed(job, frame),
+                                            .sample_index = i};
+        unsigned char *block = passes->blocks + (size_t)i * block_bytes;
+
+        if (!frame_uniforms_pack(&scene->uniforms, &moment, block, error)) return false;
+        if (memcmp(block, passes->blocks, block_bytes) != 0) differ = true;
+    }
+    if (!differ) passes->count = 1;
+    return true;
+}
+
+static bool is_shown(const struct renderer *renderer, const struct scene_program *scene, const struct passes *passes,
+                     const struct image *image)
+{
+    const struct passes *shown = &renderer->shown;
+
+    return renderer->target_is_whole && gl_target_fits(&renderer->target, image, passes->count) &&
+           strcmp(renderer->shown_hash, scene->hash) == 0 && shown->block_bytes == passes->block_bytes &&
+           memcmp(shown->blocks, passes->blocks, (size_t)passes->count * passes->block_bytes) == 0;
+}
+
+// Takes the passes over.
+static void note_shown(struct renderer *renderer, const struct scene_program *scene, struct passes *passes)
+{
+    free(renderer->shown.blocks);
+    renderer->shown = *passes;
+    *passes = (struct passes){0};
     memcpy(renderer->shown_hash, scene->hash, sizeof renderer->shown_hash);
     renderer->target_is_whole = true;
 }
@@ -209,7 +255,7 @@ static bool check_marches(const struct renderer *renderer, const struct image *i
     return true;
 }
 
-static bool render_scene(struct renderer *renderer, const struct scene_program *scene, const unsigned char *uniforms,
+static bool render_scene(struct renderer *renderer, const struct scene_program *scene, struct passes *passes,
                          struct image *image, renderer_progress *on_progress, void *user,
                          struct renderer_result *result, struct error *error)
 {
@@ -221,30 +267,26 @@ static bool render_scene(struct renderer *renderer, const struct scene_program *
         return false;
     }
     renderer->target_is_whole = false;
-    if (!gl_target_fits(&renderer->target, image)) {
+    if (!gl_target_fits(&renderer->target, image, passes->count)) {
         gl_target_finish(&renderer->target);
-        if (!gl_target_init(&renderer->target, &renderer->gl, image, error)) {
+        if (!gl_target_init(&renderer->target, &renderer->gl, image, passes->count, error)) {
             result->fault = RENDERER_FAULT_JOB;
             (void)gl_debug_check(&renderer->debug, NULL);
             return false;
         }
     }
-    renderer->gl.NamedBufferData(renderer->uniform_buffer, (GLsizeiptr)scene->uniforms.size_bytes, uniforms,
-                                 GL_STREAM_DRAW);
-    if (scene->uniforms.size_bytes > 0) renderer->gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, renderer->uniform_buffer);
-    if (!check_gl(renderer, result, error)) return false;
-    if (!draw_tiles(renderer, program, on_progress, user, result, error)) return false;
-    note_shown(renderer, scene, uniforms);
+    if (!draw_passes(renderer, program, passes, on_progress, user, result, error)) return false;
+    note_shown(renderer, scene, passes);
     return true;
 }
 
 bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,
                      renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
 {
-    double time = job_frame_time(job, frame), start;
     struct scene_program scene = {0};
-    unsigned char *uniforms = NULL;
+    struct passes passes = {0};
     struct camera_view view;
+    double start;
     bool ok = false;
 
     *result = (struct renderer_result){.fault = RENDERER_FAULT_JOB};
@@ -253,17 +295,18 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
         error_set(error, "%s", renderer->unusable.message);
         return false;
     }
-    if (!camera_view_init(&view, &job->scene.camera, time, job->width_px, job->height_px, error)) goto out;
+    if (!camera_view_init(&view, &job->scene.camera, pixel_samples_middle(job, frame), job->width_px, job->height_px,
+                          error))
+        goto out;
     camera_view_matrices(&view, result->world_to_camera, result->world_to_ndc);
     if (!scene_program_init(&scene, job, renderer->shader_dir, error)) goto out;
-    uniforms = xmalloc(scene.uniforms.size_bytes);
-    if (!frame_uniforms_pack(&scene.uniforms, time, uniforms, error)) goto out;
+    if (!plan_passes(&passes, &scene, job, frame, error)) goto out;
     result->fault = RENDERER_FAULT_NONE;
     start = now_s();
-    result->is_copy = is_shown(renderer, &scene, uniforms, image);
+    result->is_copy = is_shown(renderer, &scene, &passes, image);
     if (result->is_copy) {
         if (on_progress) (void)on_progress(user, 1);
-    } else if (!render_scene(renderer, &scene, uniforms, image, on_progress, user, result, error)) {
+    } else if (!render_scene(renderer, &scene, &passes, image, on_progress, user, result, error)) {
         goto out;
     }
     gl_target_read(&renderer->target, image);
@@ -273,7 +316,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     ok = check_marches(renderer, image, error);
     if (!ok) result->fault = RENDERER_FAULT_JOB;
 out:
-    free(uniforms);
+    free(passes.blocks);
     scene_program_finish(&scene);
     return ok;
 }

@@ -82,5 +82,7 @@ struct scene_features scene_features_of(const struct job *job)
     features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
                                                (job->quality.method == JOB_METHOD_MIDPOINT && features.has_lights));
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
+    features.has_samples = features.has_media && job->quality.samples > 1;
+    features.is_random = features.has_samples || (features.has_media && job->quality.roulette_below > 0);
     return features;
 }

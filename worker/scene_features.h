@@ -34,6 +34,8 @@ struct scene_features {
     bool marches_to_lights; // so do shadow rays; else columns are known in closed form
     bool is_rgb;            // something seen has a colour
     bool has_depth, has_transmittance, has_background;
+    bool has_samples; // each pixel has several
+    bool is_random;   // something is drawn by lot
 };
 
 struct scene_features scene_features_of(const struct job *job);

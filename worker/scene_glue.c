@@ -1,6 +1,7 @@
 #include "worker/scene_glue.h"
 
 #include "core/job.h"
+#include "worker/pixel_samples.h"
 #include "worker/scene_glue_media.h"
 #include "worker/scene_program.h"
 
@@ -172,15 +173,33 @@ static void write_interval(FILE *out, const struct scene_camera *camera)
     if (isfinite(camera->clip_far)) fprintf(out, "    interval.y = min(interval.y, %.9e);\n", camera->clip_far);
 }
 
+// The point of the pixel that this pass looks through; random numbers start here.
+static void write_point(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    int columns, rows;
+
+    pixel_samples_strata(pixel_samples_count(job), &columns, &rows);
+    if (features->has_samples)
+        fprintf(out,
+                "    vec2 point_px = pixel_samples_point(PixelSamples(%du, %du), uvec2(gl_FragCoord.xy), "
+                "uint(sample_index), uint(frame_seed));\n",
+                columns, rows);
+    else if (features->is_random)
+        fputs("    random_start(uvec2(gl_FragCoord.xy), uint(sample_index), uint(frame_seed));\n", out);
+}
+
 static void write_march(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_camera *camera = &job->scene.camera;
 
+    write_point(out, job, &program->features);
     fputs("    CameraPinhole camera = CameraPinhole(camera_position, camera_corner, camera_across, camera_down);\n"
-          "    vec3 toward = camera_pinhole_toward(camera, gl_FragCoord.xy);\n"
-          "    vec3 direction = normalize(toward);\n"
-          "    MediaSpans spans = media_spans(camera.position, direction);\n",
+          "    vec3 toward = camera_pinhole_toward(camera, ",
           out);
+    fprintf(out,
+            "%s);\n    vec3 direction = normalize(toward);\n"
+            "    MediaSpans spans = media_spans(camera.position, direction);\n",
+            program->features.has_samples ? "point_px" : "gl_FragCoord.xy");
     if (job->quality.method == JOB_METHOD_RIEMANN) {
         write_riemann(out, camera, job->quality.step);
         return;
@@ -193,13 +212,13 @@ static void write_march(FILE *out, const struct job *job, const struct scene_pro
     fputs(", camera.position, direction, interval, spans, gathered);\n", out);
 }
 
-static void write_outputs(FILE *out, const struct scene_program *program)
+// Of several passes the depth comes with a count, so that those without one can be left out of the mean.
+static void write_outputs(FILE *out, const struct job *job, const struct scene_features *features)
 {
-    const struct scene_features *features = &program->features;
-
     fputs("layout(location = 0) out vec4 rgba;\n", out);
     if (features->has_transmittance) fputs("layout(location = 1) out vec4 transmittance;\n", out);
-    if (features->has_depth) fputs("layout(location = 2) out float depth;\n", out);
+    if (features->has_depth)
+        fprintf(out, "layout(location = 2) out %s depth;\n", pixel_samples_count(job) > 1 ? "vec2" : "float");
 }
 
 static void write_background(FILE *out, const struct scene_program *program)
@@ -209,12 +228,22 @@ static void write_background(FILE *out, const struct scene_program *program)
     fputs("background), 1.0);\n", out);
 }
 
+static void write_depth(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    const char *depth = features->has_extinction ? "gathered.depth / length(toward)" : "0.0";
+
+    if (pixel_samples_count(job) > 1)
+        fprintf(out, "    depth.x = %s;\n    depth.y = depth.x > 0.0 ? 1.0 : 0.0;\n", depth);
+    else
+        fprintf(out, "    depth = %s;\n", depth);
+}
+
 void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
     bool finds_depth = features->has_depth && features->has_extinction;
 
-    write_outputs(out, program);
+    write_outputs(out, job, features);
     fputs("void main()\n{\n", out);
     if (program->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
     if (features->has_media) {
@@ -234,8 +263,8 @@ void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_
     if (features->has_transmittance)
         fprintf(out, "    transmittance = vec4(%s, 0.0);\n",
                 features->has_extinction ? "spectrum_rgb(gathered.transmittance)" : "vec3(1.0)");
-    if (features->has_depth)
-        fprintf(out, "    depth = %s;\n", features->has_extinction ? "gathered.depth / length(toward)" : "0.0");
-    if (features->marches) fputs("    if (march_was_cut) rgba.a = -1.0; // no picture has it\n", out);
+    if (features->has_depth) write_depth(out, job, features);
+    if (features->marches)
+        fputs("    if (march_was_cut) rgba.a = -1e6; // no picture has it, nor has a sum of them\n", out);
     fputs("}\n", out);
 }

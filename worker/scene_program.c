@@ -75,6 +75,8 @@ static void add_media(struct assembly *assembly)
 
     if (features->marches || features->marches_to_lights) add_module(assembly, "math/march.glsl");
     add_module(assembly, "camera/pinhole.glsl");
+    if (features->is_random) add_module(assembly, "math/random.glsl");
+    if (features->has_samples) add_module(assembly, "camera/pixel_samples.glsl");
     add_module(assembly, "region/span.glsl");
     for (size_t i = 0; i < features->medium_count; ++i)
         if (features->media[i].is_seen) add_density(assembly, i);

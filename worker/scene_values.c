@@ -176,6 +176,25 @@ static void add_light(struct frame_uniforms *uniforms, const struct scene_light 
     }
 }
 
+// Whole numbers that a float holds exactly.
+static void add_sampling(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
+{
+    const struct frame_value seed = {.type = FRAME_VALUE_FLOAT,
+                                     .origin = FRAME_VALUE_FRAME_SEED,
+                                     .is_constant = scene_is_constant(&job->scene),
+                                     .max = FRAME_NUMBER_LIMIT,
+                                     .meaning = "the frame's number"};
+    const struct frame_value sample = {.type = FRAME_VALUE_FLOAT,
+                                       .origin = FRAME_VALUE_SAMPLE_INDEX,
+                                       .is_constant = !features->has_samples,
+                                       .max = value_range_any.max,
+                                       .meaning = "quality.samples"};
+
+    if (!features->is_random) return;
+    frame_uniforms_add(uniforms, seed, "frame_seed");
+    frame_uniforms_add(uniforms, sample, "sample_index");
+}
+
 void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
 {
     enum frame_value_type spectrum = features->is_rgb ? FRAME_VALUE_VEC3 : FRAME_VALUE_FLOAT;
@@ -206,4 +225,5 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
         frame_uniforms_add(uniforms,
                            timeline_value(&scene->background, spectrum, value_range_not_negative, "background"),
                            "background");
+    add_sampling(uniforms, job, features);
 }

@@ -62,7 +62,7 @@ static void draw(const struct gl_functions *gl, unsigned program, const struct s
     gl->CreateBuffers(1, &buffer);
     gl->NamedBufferData(buffer, sizeof block, block, GL_STREAM_DRAW);
     gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, buffer);
-    if (!gl_target_init(&target, gl, image, &error)) fail_msg("%s", error.message);
+    if (!gl_target_init(&target, gl, image, 1, &error)) fail_msg("%s", error.message);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
     gl->Viewport(0, 0, image->width_px, image->height_px);
     gl->BindVertexArray(vertex_array);

@@ -143,6 +143,40 @@ static void the_shader_is_shown_with_its_modules_and_hash(void **state)
     job_finish(&job);
 }
 
+static void samples_and_shutter_are_explained(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    explain(&explanation, &job);
+    assert_not_modelled(&explanation, "antialiasing");
+    assert_not_modelled(&explanation, "motion blur");
+    assert_false(names_module(&explanation, "math/random.glsl"));
+    assert_false(names_module(&explanation, "camera/pixel_samples.glsl"));
+    explanation_finish(&explanation);
+    job.quality.samples = 4;
+    job.scene.camera.shutter = 0.5;
+    explain(&explanation, &job);
+    assert_modelled(&explanation, "antialiasing");
+    assert_not_modelled(&explanation, "motion blur");
+    assert_not_modelled(&explanation, "frames that differ");
+    assert_true(names_module(&explanation, "math/random.glsl"));
+    assert_true(names_module(&explanation, "camera/pixel_samples.glsl"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+    example_job_load(&job, "cloud");
+    job.scene.camera.shutter = 0.5;
+    explain(&explanation, &job);
+    assert_not_modelled(&explanation, "motion blur");
+    explanation_finish(&explanation);
+    job.quality.samples = 2;
+    explain(&explanation, &job);
+    assert_modelled(&explanation, "motion blur");
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
 static void a_missing_camera_view_is_an_error(void **state)
 {
     struct error error = {{0}};
@@ -164,6 +198,7 @@ int main(void)
         cmocka_unit_test(the_cloud_is_explained),
         cmocka_unit_test(a_light_that_nothing_scatters_is_not_modelled),
         cmocka_unit_test(the_shader_is_shown_with_its_modules_and_hash),
+        cmocka_unit_test(samples_and_shutter_are_explained),
         cmocka_unit_test(a_missing_camera_view_is_an_error),
     };
 

@@ -35,7 +35,7 @@ static void assert_renders_floats(struct gl_context *context)
 
     assert_true(gl_functions_load(&gl, context, NULL));
     assert_true(image_init(&image, 7, 5, true, false, NULL));
-    assert_true(gl_target_init(&target, &gl, &image, NULL));
+    assert_true(gl_target_init(&target, &gl, &image, 1, NULL));
     gl.ClearNamedFramebufferfv(target.framebuffer, GL_COLOR, 0, colour);
     gl_target_read(&target, &image);
     assert_int_equal(gl.GetError(), GL_NO_ERROR);

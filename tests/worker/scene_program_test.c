@@ -142,7 +142,7 @@ static void only_what_moves_is_a_uniform(void **state)
     assert_has(&program, "    mat3 medium_0_rotation;\n    vec3 light_0_position;\n} frame;");
     assert_has(&program, "const float medium_0_offset = 0.0599999987;");
     assert_int_equal(program.uniforms.size_bytes, 64);
-    assert_true(frame_uniforms_pack(&program.uniforms, 2.0, bytes, NULL));
+    assert_true(frame_uniforms_pack(&program.uniforms, &(struct frame_moment){.time = 2}, bytes, NULL));
     // -0.4 and -0.2 rad after two seconds; the second column of Ry Rx, then the light.
     assert_true(bytes[4] == (float)(sin(-0.2) * sin(-0.4)));
     assert_true(bytes[5] == (float)cos(-0.4));
@@ -159,8 +159,8 @@ static void a_moving_value_out_of_range_is_refused_with_its_time(void **state)
 
     assemble(&program, &job, media[3],
              "\"lights\": [{\"kind\": \"sun\", \"direction\": [0, -1, 0], \"intensity\": 2}], " BALL_JOB_MIDPOINT);
-    assert_true(frame_uniforms_pack(&program.uniforms, 50, bytes, &error));
-    assert_false(frame_uniforms_pack(&program.uniforms, 150, bytes, &error));
+    assert_true(frame_uniforms_pack(&program.uniforms, &(struct frame_moment){.time = 50}, bytes, &error));
+    assert_false(frame_uniforms_pack(&program.uniforms, &(struct frame_moment){.time = 150}, bytes, &error));
     assert_non_null(strstr(error.message, "phase.g"));
     assert_non_null(strstr(error.message, "got 1.5 at t = 150 s"));
     release(&program, &job);

@@ -1,0 +1,36 @@
+// Points of a pixel's samples: columns x rows strata, one point anywhere in each, the strata taken in an order of the
+// pixel's own, so that place and time (which follows the index) have nothing to do with one another.
+struct PixelSamples { uint columns, rows; };
+
+// One of the permutations of 0..count - 1 (2 <= count <= 1024), chosen by `seed`: steps that each can be undone permute
+// the numbers up to the next power of two, and are repeated until the result is one of ours again. Turning it round in the
+// end makes all results alike for each index.
+uint pixel_samples_permute(uint index, uint count, uint seed)
+{
+    uint top = uint(findMSB(count - 1u));
+    uint mask = (2u << top) - 1u;
+    uint shift = top / 2u + 1u;
+    for (int turn = 0; turn < 1024; ++turn) {
+        uint key = seed;
+        for (int round = 0; round < 3; ++round) {
+            key = random_hash(key);
+            index = (index * (key | 1u) + (key >> 16u)) & mask;
+            index ^= index >> shift;
+        }
+        if (index < count) break;
+    }
+    return (index + random_hash(seed ^ 0x5bd1e995u) % count) % count;
+}
+
+// In pixels from the image's top left. Whole numbers place it, so that every driver makes the same point of it. The
+// numbers that the sample draws from here on follow those drawn for its place.
+vec2 pixel_samples_point(PixelSamples samples, uvec2 pixel, uint index, uint frame)
+{
+    const uint ALL_SAMPLES = 0xffffffffu;
+    random_start(pixel, ALL_SAMPLES, frame);
+    uint stratum = pixel_samples_permute(index, samples.columns * samples.rows, random_bits());
+    random_start(pixel, index, frame);
+    uint across = (((stratum % samples.columns) << 20u) + (random_bits() >> 12u)) / samples.columns;
+    uint down = (((stratum / samples.columns) << 20u) + (random_bits() >> 12u)) / samples.rows;
+    return vec2(pixel) + vec2(across, down) * (1.0 / 1048576.0);
+}
