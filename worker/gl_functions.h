@@ -11,6 +11,7 @@ struct gl_context;
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                         \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
+    X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                                       \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
     X(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                   \
     X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                                               \
@@ -49,7 +50,10 @@ struct gl_context;
     X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
     X(PFNGLSCISSORPROC, Scissor)                                                                                       \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
+    X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                                                   \
     X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                                     \
+    X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                                                                     \
+    X(PFNGLTEXTURESUBIMAGE3DPROC, TextureSubImage3D)                                                                   \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
     X(PFNGLVIEWPORTPROC, Viewport)
 

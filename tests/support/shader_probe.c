@@ -78,7 +78,7 @@ static void draw(const struct gl_functions *gl, unsigned program, const struct s
 void shader_probe_run(const struct shader_probe_params *params, float (*outputs)[4])
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_context_create(params->on_egl ? GL_BACKEND_EGL : GL_BACKEND_OSMESA, NULL, &error);
     const char *names[MODULE_LIMIT];
     size_t name_count;
     char *vertex, *fragment;
@@ -99,7 +99,9 @@ void shader_probe_run(const struct shader_probe_params *params, float (*outputs)
         &error);
     if (!program) fail_msg("%s", error.message);
     assert_true(image_init(&image, (int)params->count, 1, false, false, &error));
+    if (params->bind) params->bind(&gl, params->user);
     draw(&gl, program, params, &image);
+    if (params->release) params->release(params->user);
     memcpy(outputs, image.rgba, params->count * sizeof outputs[0]);
     gl.DeleteProgram(program);
     image_finish(&image);

@@ -1,7 +1,10 @@
 // Evaluates shader modules at many inputs and brings back what they say.
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
+
+struct gl_functions;
 
 enum { SHADER_PROBE_INPUT_LIMIT = 1024 }; // vec4s: what every GL 4.5 takes as one block
 
@@ -12,7 +15,12 @@ struct shader_probe_params {
     const float (*inputs)[4];
     size_t input_count; // vec4s
     size_t count;       // outputs: probe(0), probe(1), ...
+    bool on_egl;        // else on OSMesa
+    // Binds what the body samples, and deletes it; NULL: nothing.
+    void (*bind)(const struct gl_functions *gl, void *user);
+    void (*release)(void *user);
+    void *user;
 };
 
-// On OSMesa; fails the test when something does not compile.
+// Fails the test when something does not compile.
 void shader_probe_run(const struct shader_probe_params *params, float (*outputs)[4]);

@@ -1,0 +1,172 @@
+#include "worker/gl_grid.h"
+
+#include "core/error.h"
+#include "worker/gl_functions.h"
+
+#include <inttypes.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { SLAB_BYTES = 4 * 1024 * 1024 };
+
+struct texel {
+    GLenum internal, component;
+    double largest; // the stored number that the texture gives as 1
+};
+
+static struct texel texel_of(enum volume_type type)
+{
+    switch (type) {
+    case VOLUME_UINT8:
+        return (struct texel){GL_R8, GL_UNSIGNED_BYTE, UINT8_MAX};
+    case VOLUME_UINT16:
+    case VOLUME_INT16:
+        return (struct texel){GL_R16, GL_UNSIGNED_SHORT, UINT16_MAX};
+    case VOLUME_FLOAT32:
+        break;
+    }
+    return (struct texel){GL_R32F, GL_FLOAT, 1};
+}
+
+double gl_grid_gain(enum volume_type type, double slope)
+{
+    return slope * texel_of(type).largest;
+}
+
+double gl_grid_bias(enum volume_type type, double slope, double intercept)
+{
+    return type == VOLUME_INT16 ? intercept + slope * INT16_MIN : intercept;
+}
+
+// What can be had without pushing anything else out; 0 when the system does not say.
+static uint64_t find_free_bytes(void)
+{
+    FILE *file = fopen("/proc/meminfo", "re");
+    uint64_t kilobytes = 0;
+    char line[128];
+
+    while (file && fgets(line, sizeof line, file))
+        if (sscanf(line, "MemAvailable: %" SCNu64, &kilobytes) == 1) break;
+    if (file) fclose(file);
+    return kilobytes * 1024;
+}
+
+static bool check_size(const struct gl_grid_params *params, size_t size_bytes, struct error *error)
+{
+    const int *size = params->volume->size;
+    GLint side_limit = 0, slice_limit = 0;
+    uint64_t free_bytes = params->is_in_memory ? find_free_bytes() : 0;
+
+    params->gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side_limit);
+    params->gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &slice_limit);
+    if (size[0] > side_limit || size[1] > side_limit || size[2] > slice_limit) {
+        error_set(error, "%s: GL here takes volumes of at most %d x %d x %d voxels, got %d x %d x %d", params->path,
+                  side_limit, side_limit, slice_limit, size[0], size[1], size[2]);
+        return false;
+    }
+    if (free_bytes > 0 && size_bytes > free_bytes) {
+        error_set(error, "%s: its %d x %d x %d voxels take %.2f GB, and %.2f GB of memory are free", params->path,
+                  size[0], size[1], size[2], 1e-9 * (double)size_bytes, 1e-9 * (double)free_bytes);
+        return false;
+    }
+    return true;
+}
+
+static void make_texture(struct gl_grid *grid, const int size[3])
+{
+    const struct gl_functions *gl = grid->gl;
+
+    gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &grid->voxels);
+    gl->TextureStorage3D(grid->voxels, 1, texel_of(grid->type).internal, size[0], size[1], size[2]);
+    gl->TextureParameteri(grid->voxels, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TextureParameteri(grid->voxels, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->TextureParameteri(grid->voxels, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl->TextureParameteri(grid->voxels, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+// Adds 32768 modulo 65536, which keeps the order: GL's signed formats give the two smallest numbers the same value.
+static void raise_signed(uint16_t *values, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        values[i] ^= 0x8000u;
+}
+
+static bool stream_slabs(struct gl_grid *grid, const struct gl_grid_params *params, void *slab, int slab_slices,
+                         struct error *error)
+{
+    const struct gl_functions *gl = grid->gl;
+    struct volume *volume = params->volume;
+    const int *size = volume->size;
+    size_t slice_voxels = (size_t)size[0] * (size_t)size[1];
+
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    for (int first = 0; first < size[2]; first += slab_slices) {
+        int count = size[2] - first < slab_slices ? size[2] - first : slab_slices;
+
+        if (!volume_read(volume, count, slab, error)) return false;
+        grid_bricks_add(&grid->bricks, grid->type, slab, first, count);
+        if (grid->type == VOLUME_INT16) raise_signed(slab, slice_voxels * (size_t)count);
+        gl->TextureSubImage3D(grid->voxels, 0, 0, 0, first, size[0], size[1], count, GL_RED,
+                              texel_of(grid->type).component, slab);
+        if (params->on_progress && !params->on_progress(params->user)) {
+            error_set(error, "the frame was stopped");
+            return false;
+        }
+    }
+    return true;
+}
+
+bool gl_grid_init(struct gl_grid *grid, const struct gl_grid_params *params, struct error *error)
+{
+    const struct volume *volume = params->volume;
+    const int *size = volume->size;
+    size_t slice_bytes = (size_t)size[0] * (size_t)size[1] * volume_type_size(volume->type);
+    int slab_slices = slice_bytes < SLAB_BYTES ? (int)(SLAB_BYTES / slice_bytes) : 1;
+    void *slab = NULL;
+    bool ok = false;
+
+    *grid =
+        (struct gl_grid){.gl = params->gl, .type = volume->type, .size_bytes = slice_bytes * (size_t)volume->size[2]};
+    if (slab_slices > size[2]) slab_slices = size[2];
+    if (!check_size(params, grid->size_bytes, error)) goto out;
+    slab = malloc(slice_bytes * (size_t)slab_slices);
+    if (!slab) {
+        error_set(error, "%s: out of memory", params->path);
+        goto out;
+    }
+    if (!grid_bricks_init(&grid->bricks, size, error)) goto out;
+    make_texture(grid, size);
+    ok = stream_slabs(grid, params, slab, slab_slices, error);
+out:
+    free(slab);
+    if (!ok) gl_grid_finish(grid);
+    return ok;
+}
+
+void gl_grid_finish(struct gl_grid *grid)
+{
+    if (grid->voxels) grid->gl->DeleteTextures(1, &grid->voxels);
+    grid_bricks_finish(&grid->bricks);
+    *grid = (struct gl_grid){0};
+}
+
+unsigned gl_grid_create_distances(const struct gl_grid *grid, double slope, double intercept,
+                                  grid_bricks_is_empty *is_empty, const void *user)
+{
+    const struct gl_functions *gl = grid->gl;
+    const int *count = grid->bricks.count;
+    unsigned char *distances = malloc((size_t)count[0] * (size_t)count[1] * (size_t)count[2]);
+    unsigned texture = 0;
+
+    if (!distances) return 0;
+    grid_bricks_find_distances(&grid->bricks, slope, intercept, is_empty, user, distances);
+    gl->CreateTextures(GL_TEXTURE_3D, 1, &texture);
+    gl->TextureStorage3D(texture, 1, GL_R8, count[0], count[1], count[2]);
+    gl->TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    gl->TextureSubImage3D(texture, 0, 0, 0, 0, count[0], count[1], count[2], GL_RED, GL_UNSIGNED_BYTE, distances);
+    free(distances);
+    return texture;
+}

@@ -1,0 +1,43 @@
+// A volume's voxels as a GL texture, streamed there slab by slab: at no time are they held twice.
+#pragma once
+
+#include "worker/grid_bricks.h"
+#include "worker/volume.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct error;
+struct gl_functions;
+
+// The zero value is empty.
+struct gl_grid {
+    const struct gl_functions *gl; // borrowed; outlives us
+    unsigned voxels;               // R8, R16 or R32F; an array of slices, so that GL can gather the four around a point
+    enum volume_type type;         // as stored; VOLUME_INT16 is held as R16, raised by 32768
+    size_t size_bytes;             // of the voxels
+    struct grid_bricks bricks;
+};
+
+// Called between slabs; false stops.
+typedef bool gl_grid_progress(void *user);
+
+struct gl_grid_params {
+    const struct gl_functions *gl;
+    struct volume *volume; // opened, nothing read; all of it is read
+    const char *path;      // for messages
+    bool is_in_memory;     // textures take the machine's own memory: it has to be free
+    gl_grid_progress *on_progress;
+    void *user;
+};
+
+bool gl_grid_init(struct gl_grid *grid, const struct gl_grid_params *params, struct error *error);
+void gl_grid_finish(struct gl_grid *grid); // accepts an empty one
+
+// The texture of how far each brick is from one that is not empty, for density_grid_skip; the caller deletes it.
+unsigned gl_grid_create_distances(const struct gl_grid *grid, double slope, double intercept,
+                                  grid_bricks_is_empty *is_empty, const void *user);
+
+// value = gain * what the texture gives + bias.
+double gl_grid_gain(enum volume_type type, double slope);
+double gl_grid_bias(enum volume_type type, double slope, double intercept);
