@@ -1,0 +1,243 @@
+#include "worker/scene_inputs.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "worker/volume_layout.h"
+#include "worker/volume_stream.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// The file's name with the frame's number in place of the last run of #, padded with zeros to its length.
+static char *format_path(const char *file, int32_t frame)
+{
+    const char *end = strrchr(file, '#'), *start = end;
+
+    if (!end) return xstrdup(file);
+    while (start > file && start[-1] == '#')
+        --start;
+    return xasprintf("%.*s%0*d%s", (int)(start - file), file, (int)(end + 1 - start), frame, end + 1);
+}
+
+static struct volume_source source_of(const struct scene_input *input)
+{
+    struct volume_source source = {.path = input->path, .raw = input->source->raw};
+
+    memcpy(source.spacing, input->source->spacing, sizeof source.spacing);
+    return source;
+}
+
+bool scene_input_open_volume(const struct scene_input *input, struct volume **volume, struct error *error)
+{
+    struct volume_source source = source_of(input);
+
+    return volume_open(volume, &source, error);
+}
+
+static void add_file(struct scene_input *input, const char *path)
+{
+    for (size_t i = 0; i < input->file_count; ++i)
+        if (strcmp(input->files[i].path, path) == 0) return;
+    input->files[input->file_count++].path = xstrdup(path);
+}
+
+static bool describe(struct scene_input *input, const struct scene_density *density, int32_t frame, struct error *error)
+{
+    struct volume *volume;
+
+    input->source = &density->grid;
+    input->is_sequence = scene_density_is_sequence(density);
+    input->path = format_path(density->grid.file, frame);
+    if (!scene_input_open_volume(input, &volume, error)) return false;
+    input->header = *volume;
+    input->header.layout = NULL;
+    add_file(input, input->path);
+    add_file(input, volume_stream_path(volume->layout->stream));
+    volume_close(volume);
+    return true;
+}
+
+// How the bytes are read is part of the hash: one raw file can be several volumes.
+static bool hash_contents(struct scene_input *input, struct file_hashes *hashes, struct error *error)
+{
+    const struct scene_raw *raw = &input->source->raw;
+    char hash[SCENE_INPUT_FILE_LIMIT][HASH_TEXT_SIZE] = {{0}};
+    char *text;
+
+    for (size_t i = 0; i < input->file_count; ++i)
+        if (!file_hashes_find(hashes, input->files[i].path, &input->files[i].version, hash[i], error)) return false;
+    text = xasprintf("%s %s raw %d %d %d type %d %d order %d skip %lld grid %s", hash[0], hash[1], raw->size[0],
+                     raw->size[1], raw->size[2], raw->has_type, (int)raw->type, raw->is_big_endian,
+                     (long long)raw->skip_bytes, input->source->grid_name ? input->source->grid_name : "");
+    hash_bytes(text, strlen(text), input->hash);
+    free(text);
+    return true;
+}
+
+bool scene_input_check(const struct scene_input *input, struct error *error)
+{
+    for (size_t i = 0; i < input->file_count; ++i) {
+        struct file_version version;
+
+        if (!file_version_find(input->files[i].path, &version, error)) return false;
+        if (file_version_is_same(&version, &input->files[i].version)) continue;
+        error_set(error, "%s: it changed while the frame was made", input->files[i].path);
+        return false;
+    }
+    return true;
+}
+
+void scene_input_place(const struct scene_input *input, double time, double index_to_world[static 12])
+{
+    const struct volume *header = &input->header;
+    double center[9] = {0};
+
+    memcpy(index_to_world, header->index_to_world, sizeof header->index_to_world);
+    if (!input->source->has_center) return;
+    timeline_evaluate(&input->source->center, time, center);
+    for (int row = 0; row < 3; ++row) {
+        double *to = &index_to_world[4 * row];
+
+        to[3] = center[row];
+        for (int axis = 0; axis < 3; ++axis)
+            to[3] -= to[axis] * 0.5 * (header->size[axis] - 1);
+    }
+}
+
+static double edge_of(const struct volume *header, int axis)
+{
+    const double *matrix = header->index_to_world;
+
+    return hypot(hypot(matrix[axis], matrix[4 + axis]), matrix[8 + axis]);
+}
+
+// At most the longest way through the box, m; no less than half of it.
+static double box_diagonal(const struct volume *header)
+{
+    double longest = 0;
+
+    for (int corner = 0; corner < 4; ++corner) {
+        double square = 0;
+
+        for (int row = 0; row < 3; ++row) {
+            double sum = 0;
+
+            for (int axis = 0; axis < 3; ++axis)
+                sum += (axis > 0 && (corner >> (axis - 1) & 1) ? -1 : 1) * header->size[axis] *
+                       header->index_to_world[4 * row + axis];
+            square += sum * sum;
+        }
+        longest = fmax(longest, sqrt(square));
+    }
+    return longest;
+}
+
+static bool check_steps(const char *key, size_t medium, double length, double step, struct error *error)
+{
+    double count = ceil(length / step - 1e-9);
+
+    if (count <= JOB_MARCH_STEPS_LIMIT) return true;
+    error_set(error,
+              "quality.%s: expected at most %d steps along a ray, got %.10g: %.10g m through scene.media[%zu] in "
+              "steps of %.10g m",
+              key, JOB_MARCH_STEPS_LIMIT, count, length, medium, step);
+    return false;
+}
+
+// Steps told in voxels become metres; only now is it known how many a ray needs.
+static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, struct error *error)
+{
+    const struct scene_camera *camera = &job->scene.camera;
+    struct job_quality *quality = &inputs->quality;
+    double shortest = INFINITY;
+
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+        for (int axis = 0; inputs->media[i].source && axis < 3; ++axis)
+            shortest = fmin(shortest, edge_of(&inputs->media[i].header, axis));
+    if (quality->step_voxels > 0) quality->step = quality->step_voxels * shortest;
+    if (quality->light_step_voxels > 0) quality->light_step = quality->light_step_voxels * shortest;
+    if (quality->method != JOB_METHOD_MIDPOINT) return true;
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        double diagonal;
+
+        if (!inputs->media[i].source) continue;
+        diagonal = box_diagonal(&inputs->media[i].header);
+        if (!check_steps(quality->step_voxels > 0 ? "step_voxels" : "step", i,
+                         fmin(diagonal, camera->clip_far - camera->clip_near), quality->step, error))
+            return false;
+        if (job->scene.light_count > 0 && quality->light_step > 0 &&
+            !check_steps(quality->light_step_voxels > 0 ? "light_step_voxels" : "light_step", i, diagonal,
+                         quality->light_step, error))
+            return false;
+    }
+    return true;
+}
+
+static void hash_picture(struct scene_inputs *inputs, const struct job *job)
+{
+    char hashes[SCENE_MEDIUM_LIMIT][HASH_TEXT_SIZE] = {{0}}, both[2][HASH_TEXT_SIZE];
+    bool has_files = false;
+
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        memcpy(hashes[i], inputs->media[i].hash, sizeof hashes[i]);
+        has_files |= inputs->media[i].source != NULL;
+    }
+    memcpy(inputs->picture_hash, job->hash, sizeof inputs->picture_hash);
+    if (!has_files) return;
+    hash_bytes(hashes, sizeof hashes, inputs->files_hash);
+    memcpy(both[0], job->hash, sizeof both[0]);
+    memcpy(both[1], inputs->files_hash, sizeof both[1]);
+    hash_bytes(both, sizeof both, inputs->picture_hash);
+}
+
+// A file that is being written may be whole the next time.
+static bool is_lasting_fault(const struct scene_input *input)
+{
+    struct file_version version;
+
+    if (input->is_sequence) return false;
+    return !file_version_find(input->path, &version, NULL) || file_version_is_settled(&version);
+}
+
+static bool open_medium(struct scene_inputs *inputs, const struct job *job, size_t medium, int32_t frame,
+                        struct file_hashes *hashes, bool *is_lasting, struct error *error)
+{
+    const struct scene_density *density = &job->scene.media[medium].density;
+    struct scene_input *input = &inputs->media[medium];
+
+    if (density->kind != SCENE_DENSITY_GRID) return true;
+    if (describe(input, density, frame, error) && (!hashes || hash_contents(input, hashes, error))) return true;
+    error_prefix(error, "scene.media[%zu].density.file", medium);
+    *is_lasting = is_lasting_fault(input);
+    return false;
+}
+
+bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame, struct file_hashes *hashes,
+                       bool *is_lasting, struct error *error)
+{
+    bool ignored;
+
+    if (!is_lasting) is_lasting = &ignored;
+    *is_lasting = true;
+    *inputs = (struct scene_inputs){.quality = job->quality};
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        if (!open_medium(inputs, job, i, frame, hashes, is_lasting, error)) goto fail;
+    if (!resolve_quality(inputs, job, error)) goto fail;
+    if (hashes) hash_picture(inputs, job);
+    return true;
+fail:
+    scene_inputs_finish(inputs);
+    return false;
+}
+
+void scene_inputs_finish(struct scene_inputs *inputs)
+{
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        free(inputs->media[i].path);
+        for (size_t k = 0; k < inputs->media[i].file_count; ++k)
+            free(inputs->media[i].files[k].path);
+    }
+    *inputs = (struct scene_inputs){0};
+}

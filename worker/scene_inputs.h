@@ -1,0 +1,52 @@
+// The files that a frame's media read: where their voxels lie, what their contents are, and what follows for the march.
+#pragma once
+
+#include "core/hash.h"
+#include "core/job.h"
+#include "worker/file_hashes.h"
+#include "worker/volume.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+
+enum { SCENE_INPUT_FILE_LIMIT = 2 }; // a header and the voxels it tells of
+
+struct scene_input {
+    const struct scene_grid *source; // borrowed from the job; NULL: the medium reads no file
+    char *path;                      // owned; of this frame
+    bool is_sequence;                // a file a frame
+    struct volume header;            // closed: without its layout
+    // Of the contents and of how they are read; empty when only described.
+    char hash[HASH_TEXT_SIZE];
+    struct {
+        char *path; // owned
+        struct file_version version;
+    } files[SCENE_INPUT_FILE_LIMIT];
+    size_t file_count;
+};
+
+// The zero value is that of a scene without files.
+struct scene_inputs {
+    struct scene_input media[SCENE_MEDIUM_LIMIT]; // by medium
+    // The job's quality with its steps in metres.
+    struct job_quality quality;
+    // Of all its files; empty when there are none, or when only described.
+    char files_hash[HASH_TEXT_SIZE];
+    // Of all that the frame's picture depends on: the job's and the files'.
+    char picture_hash[HASH_TEXT_SIZE];
+};
+
+// Opens what frame `frame` reads, headers only. With `hashes` (NULL: describe only) the contents are hashed too. On failure
+// `is_lasting` (may be NULL) says whether every frame and attempt will meet the same. `job` outlives `inputs`.
+bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame, struct file_hashes *hashes,
+                       bool *is_lasting, struct error *error);
+void scene_inputs_finish(struct scene_inputs *inputs); // accepts an empty one
+// False, with the reason, when a file of the input is no longer what was hashed.
+bool scene_input_check(const struct scene_input *input, struct error *error);
+
+// Opens the input's voxels for reading.
+bool scene_input_open_volume(const struct scene_input *input, struct volume **volume, struct error *error);
+// Metres of voxel (i, j, k)'s centre at a time, row-major 3x4, with the grid's middle where the job wants it.
+void scene_input_place(const struct scene_input *input, double time, double index_to_world[static 12]);
