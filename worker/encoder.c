@@ -32,11 +32,11 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .fps_denominator = job->fps_denominator,
         .owner = frame->job->owner,
         .job_id = frame->job->id,
-        .job_hash = job->hash,
+        .job_hash = picture->hash,
         .frame = frame->frame,
         .attempt = frame->attempt,
         .method = job_method_name(job->quality.method),
-        .step = job->quality.step,
+        .step = picture->step,
         .backend = worker->backend,
         .renderer = worker->renderer,
         .shader_hash = picture->shader_hash,
@@ -71,6 +71,7 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
         *fault = REPORT_FAULT_FRAME;
         ok = gate_check(&(struct gate_params){.fd = fd,
                                               .job = &picture->frame->job->job,
+                                              .picture_hash = picture->hash,
                                               .frame = picture->frame->frame,
                                               .thread_count = worker->options->encode_threads},
                         file, error);

@@ -4,6 +4,7 @@
 #include "core/json_write.h"
 #include "worker/density_kind.h"
 #include "worker/pixel_samples.h"
+#include "worker/scene_inputs.h"
 #include "worker/scene_program.h"
 
 #include <stdarg.h>
@@ -153,7 +154,7 @@ static void list_method(const struct listing *listing)
     bool has_media = listing->program->features.has_media;
 
     say(listing, has_media, "marching", has_media ? "%s, step %g m" : "no medium is seen",
-        job_method_name(quality->method), quality->step);
+        job_method_name(quality->method), listing->program->step);
     if (has_media)
         say(listing, quality->min_transmittance > 0, "early stop",
             quality->min_transmittance > 0 ? "a ray ends below transmittance %g" : "min_transmittance is %g",
@@ -180,9 +181,14 @@ static void write_list(struct listing listing, const char *key, bool of_modelled
 bool explain_write(const struct job *job, const char *shader_dir, struct json_writer *writer, struct error *error)
 {
     struct scene_program program = {0};
+    struct scene_inputs inputs = {0};
     struct listing listing = {.writer = writer, .job = job, .program = &program};
 
-    if (!scene_program_init(&program, job, shader_dir, error)) return false;
+    if (!scene_inputs_open(&inputs, job, frame_range_at(&job->frames, 0), NULL, NULL, error)) return false;
+    if (!scene_program_init(&program, job, &inputs, shader_dir, error)) {
+        scene_inputs_finish(&inputs);
+        return false;
+    }
     json_write_begin_object(writer);
     write_list(listing, "modelled", true);
     write_list(listing, "not_modelled", false);
@@ -197,5 +203,6 @@ bool explain_write(const struct job *job, const char *shader_dir, struct json_wr
     json_write_integer_member(writer, "uniform_bytes", (int64_t)program.uniforms.size_bytes);
     json_write_end_object(writer);
     scene_program_finish(&program);
+    scene_inputs_finish(&inputs);
     return true;
 }

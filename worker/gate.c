@@ -22,15 +22,17 @@ static bool check_channel(const char *name, bool found, bool expected, struct er
     return false;
 }
 
-static bool check_facts(const struct image_exr_facts *facts, const struct job *job, int32_t frame, struct error *error)
+static bool check_facts(const struct image_exr_facts *facts, const struct gate_params *params, struct error *error)
 {
-    if (strcmp(facts->job_hash, job->hash) != 0) {
-        error_set(error, "marchd:jobHash: expected %s, got %s", job->hash,
+    const struct job *job = params->job;
+
+    if (strcmp(facts->job_hash, params->picture_hash) != 0) {
+        error_set(error, "marchd:jobHash: expected %s, got %s", params->picture_hash,
                   facts->job_hash[0] ? facts->job_hash : "nothing");
         return false;
     }
-    if (facts->frame != frame) {
-        error_set(error, "marchd:frame: expected %d, got %d", frame, facts->frame);
+    if (facts->frame != params->frame) {
+        error_set(error, "marchd:frame: expected %d, got %d", params->frame, facts->frame);
         return false;
     }
     if (facts->width_px != job->width_px || facts->height_px != job->height_px) {
@@ -67,7 +69,7 @@ bool gate_check(const struct gate_params *params, struct published_file *file, s
     bool ok;
 
     // The header first: it is cheap, and a file of another job need not be read whole.
-    ok = image_exr_read(fd, NULL, &facts, 1, error) && check_facts(&facts, params->job, params->frame, error) &&
+    ok = image_exr_read(fd, NULL, &facts, 1, error) && check_facts(&facts, params, error) &&
          image_exr_read(fd, &image, NULL, params->thread_count, error) && image_is_finite(&image, false, error) &&
          (!file || describe_file(fd, file, error));
     image_finish(&image);

@@ -34,8 +34,8 @@ static bool is_regular(int fd)
     return fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
 }
 
-enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, int folder_fd,
-                                                struct published_file *file, struct error *error)
+enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, const char *picture_hash,
+                                                int folder_fd, struct published_file *file, struct error *error)
 {
     const struct job *job = &frame->job->job;
     enum part_file_existing existing = PART_FILE_RENDER;
@@ -54,7 +54,9 @@ enum part_file_existing part_file_find_existing(const struct assignment_frame *f
     fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0 || !is_regular(fd))
         log_info("%s is no file of ours: rendered again", name);
-    else if (gate_check(&(struct gate_params){.fd = fd, .job = job, .frame = frame->frame}, file, &reason))
+    else if (gate_check(
+                 &(struct gate_params){.fd = fd, .job = job, .picture_hash = picture_hash, .frame = frame->frame}, file,
+                 &reason))
         existing = PART_FILE_SKIP;
     else
         log_info("%s is rendered again: %s", name, reason.message);

@@ -16,8 +16,9 @@ enum part_file_existing {
     PART_FILE_SKIP,   // this very frame is there, described in `file`
     PART_FILE_REFUSE  // the job wants no file to be there, and one is
 };
-enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, int folder_fd,
-                                                struct published_file *file, struct error *error);
+// `picture_hash` is what the file's header has to say.
+enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, const char *picture_hash,
+                                                int folder_fd, struct published_file *file, struct error *error);
 
 // A new, empty file for reading and writing; -1 on failure, with errno set.
 int part_file_create(const struct assignment_frame *frame, int folder_fd, struct error *error);

@@ -113,6 +113,8 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
         memcpy(picture->world_to_camera, result.world_to_camera, sizeof picture->world_to_camera);
         memcpy(picture->world_to_ndc, result.world_to_ndc, sizeof picture->world_to_ndc);
         snprintf(picture->shader_hash, sizeof picture->shader_hash, "%s", result.shader_hash ? result.shader_hash : "");
+        memcpy(picture->hash, result.picture_hash, sizeof picture->hash);
+        picture->step = result.step;
         hand_over(loop, picture);
         return;
     }
@@ -129,6 +131,8 @@ static void render_frame(struct render_loop *loop)
 {
     struct connection *connection = &loop->worker->connection;
     const struct held_job *job = loop->frame->job;
+    char picture_hash[HASH_TEXT_SIZE];
+    enum renderer_fault fault;
     struct published_file file;
     struct error error = {0};
     struct picture *picture;
@@ -143,12 +147,16 @@ static void render_frame(struct render_loop *loop)
         fail_frame(loop, REPORT_FAULT_WORKER, "the worker has no GL context: it was started with --backend none");
         return;
     }
+    if (!renderer_hash_picture(loop->renderer, &job->job, loop->frame->frame, picture_hash, &fault, &error)) {
+        fail_frame(loop, fault_of(fault), error.message);
+        return;
+    }
     folder_fd = part_file_open_folder(loop->frame, &error);
     if (folder_fd < 0) {
         fail_frame(loop, REPORT_FAULT_OUTPUT, error.message);
         return;
     }
-    switch (part_file_find_existing(loop->frame, folder_fd, &file, &error)) {
+    switch (part_file_find_existing(loop->frame, picture_hash, folder_fd, &file, &error)) {
     case PART_FILE_SKIP:
         report_skipped(connection, loop->frame, &file);
         worker_end_frame(loop->worker, loop->frame);

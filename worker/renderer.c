@@ -7,10 +7,12 @@
 #include "worker/gl_context.h"
 #include "worker/gl_debug.h"
 #include "worker/gl_functions.h"
+#include "worker/gl_grids.h"
 #include "worker/gl_program.h"
 #include "worker/gl_target.h"
 #include "worker/image.h"
 #include "worker/pixel_samples.h"
+#include "worker/scene_inputs.h"
 #include "worker/scene_program.h"
 
 #include <stdlib.h>
@@ -46,14 +48,17 @@ struct renderer {
     char *shader_dir;                 // owned; NULL for the embedded modules
     struct gl_functions gl;
     struct gl_debug debug;
-    struct error unusable; // why no frame can be rendered at all; empty when all is well
+    struct gl_grids *grids;     // owned
+    struct file_hashes *hashes; // owned
+    struct error unusable;      // why no frame can be rendered at all; empty when all is well
     struct kept_program programs[PROGRAM_LIMIT];
     uint64_t use_count;
     unsigned vertex_array, uniform_buffer;
     struct gl_target target;
     // What the target shows: a whole frame of this program with these uniforms.
     bool target_is_whole;
-    char shown_hash[HASH_TEXT_SIZE];
+    char shown_hash[HASH_TEXT_SIZE];  // of the program
+    char shown_files[HASH_TEXT_SIZE]; // what its media read
     struct passes shown;
 };
 
@@ -71,8 +76,10 @@ struct renderer *renderer_create(struct gl_context *context, const char *shader_
 
     renderer->context = context;
     renderer->shader_dir = shader_dir ? xstrdup(shader_dir) : NULL;
+    renderer->hashes = file_hashes_create();
     if (!gl_functions_load(&renderer->gl, context, &renderer->unusable)) return renderer;
     gl_debug_init(&renderer->debug, &renderer->gl);
+    renderer->grids = gl_grids_create(&renderer->gl, gl_context_facts(context)->is_software);
     renderer->gl.CreateVertexArrays(1, &renderer->vertex_array);
     renderer->gl.CreateBuffers(1, &renderer->uniform_buffer);
     return renderer;
@@ -82,6 +89,8 @@ void renderer_destroy(struct renderer *renderer)
 {
     if (!renderer) return;
     gl_target_finish(&renderer->target);
+    gl_grids_destroy(renderer->grids);
+    file_hashes_destroy(renderer->hashes);
     for (size_t i = 0; i < PROGRAM_LIMIT; ++i)
         if (renderer->programs[i].name) renderer->gl.DeleteProgram(renderer->programs[i].name);
     if (renderer->uniform_buffer) renderer->gl.DeleteBuffers(1, &renderer->uniform_buffer);
@@ -224,6 +233,7 @@ static bool is_shown(const struct renderer *renderer, const struct scene_program
     const struct passes *shown = &renderer->shown;
 
     return renderer->target_is_whole && gl_target_fits(&renderer->target, image, passes->count) &&
+           strcmp(renderer->shown_files, scene->inputs->files_hash) == 0 &&
            strcmp(renderer->shown_hash, scene->hash) == 0 && shown->block_bytes == passes->block_bytes &&
            memcmp(shown->blocks, passes->blocks, (size_t)passes->count * passes->block_bytes) == 0;
 }
@@ -235,6 +245,7 @@ static void note_shown(struct renderer *renderer, const struct scene_program *sc
     renderer->shown = *passes;
     *passes = (struct passes){0};
     memcpy(renderer->shown_hash, scene->hash, sizeof renderer->shown_hash);
+    memcpy(renderer->shown_files, scene->inputs->files_hash, sizeof renderer->shown_files);
     renderer->target_is_whole = true;
 }
 
@@ -253,6 +264,32 @@ static bool check_marches(const struct renderer *renderer, const struct image *i
             return false;
         }
     return true;
+}
+
+struct reading {
+    renderer_progress *on_progress;
+    void *user;
+    bool is_stopped;
+};
+
+static bool on_slab(void *user)
+{
+    struct reading *reading = user;
+
+    reading->is_stopped = reading->on_progress && !reading->on_progress(reading->user, 0);
+    return !reading->is_stopped;
+}
+
+// Reads the grids that are not in GL yet, and binds all.
+static bool bind_grids(struct renderer *renderer, const struct scene_inputs *inputs, renderer_progress *on_progress,
+                       void *user, struct renderer_result *result, struct error *error)
+{
+    struct reading reading = {.on_progress = on_progress, .user = user};
+
+    if (gl_grids_bind(renderer->grids, inputs, on_slab, &reading, error)) return check_gl(renderer, result, error);
+    result->fault = reading.is_stopped ? RENDERER_FAULT_STOPPED : RENDERER_FAULT_FRAME;
+    (void)gl_debug_check(&renderer->debug, NULL);
+    return false;
 }
 
 static bool render_scene(struct renderer *renderer, const struct scene_program *scene, struct passes *passes,
@@ -275,8 +312,30 @@ static bool render_scene(struct renderer *renderer, const struct scene_program *
             return false;
         }
     }
+    if (!bind_grids(renderer, scene->inputs, on_progress, user, result, error)) return false;
     if (!draw_passes(renderer, program, passes, on_progress, user, result, error)) return false;
     note_shown(renderer, scene, passes);
+    return true;
+}
+
+static bool open_inputs(struct renderer *renderer, const struct job *job, int32_t frame, struct scene_inputs *inputs,
+                        enum renderer_fault *fault, struct error *error)
+{
+    bool is_lasting;
+
+    if (scene_inputs_open(inputs, job, frame, renderer->hashes, &is_lasting, error)) return true;
+    *fault = is_lasting ? RENDERER_FAULT_JOB : RENDERER_FAULT_FRAME;
+    return false;
+}
+
+bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int32_t frame,
+                           char hash[static HASH_TEXT_SIZE], enum renderer_fault *fault, struct error *error)
+{
+    struct scene_inputs inputs;
+
+    if (!open_inputs(renderer, job, frame, &inputs, fault, error)) return false;
+    memcpy(hash, inputs.picture_hash, sizeof inputs.picture_hash);
+    scene_inputs_finish(&inputs);
     return true;
 }
 
@@ -285,6 +344,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
 {
     struct scene_program scene = {0};
     struct passes passes = {0};
+    struct scene_inputs inputs = {0};
     struct camera_view view;
     double start;
     bool ok = false;
@@ -299,7 +359,10 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
                           error))
         goto out;
     camera_view_matrices(&view, result->world_to_camera, result->world_to_ndc);
-    if (!scene_program_init(&scene, job, renderer->shader_dir, error)) goto out;
+    if (!open_inputs(renderer, job, frame, &inputs, &result->fault, error)) goto out;
+    memcpy(result->picture_hash, inputs.picture_hash, sizeof result->picture_hash);
+    result->step = inputs.quality.step;
+    if (!scene_program_init(&scene, job, &inputs, renderer->shader_dir, error)) goto out;
     if (!plan_passes(&passes, &scene, job, frame, error)) goto out;
     result->fault = RENDERER_FAULT_NONE;
     start = now_s();
@@ -318,5 +381,6 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
 out:
     free(passes.blocks);
     scene_program_finish(&scene);
+    scene_inputs_finish(&inputs);
     return ok;
 }

@@ -14,6 +14,7 @@ struct renderer;
 enum renderer_fault {
     RENDERER_FAULT_NONE,
     RENDERER_FAULT_JOB,     // the shader does not compile, a value is out of range, the scene needs more than GL has
+    RENDERER_FAULT_FRAME,   // a file of this frame's cannot be read, or changed meanwhile
     RENDERER_FAULT_CONTEXT, // the context is lost or not usable
     RENDERER_FAULT_STOPPED  // on_progress asked for it
 };
@@ -25,11 +26,17 @@ typedef bool renderer_progress(void *user, double done);
 struct renderer *renderer_create(struct gl_context *context, const char *shader_dir);
 void renderer_destroy(struct renderer *renderer);
 
+// The hash of all that the frame's picture depends on: the job's, and what its files hold now. Without GL.
+bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int32_t frame,
+                           char hash[static HASH_TEXT_SIZE], enum renderer_fault *fault, struct error *error);
+
 struct renderer_result {
     enum renderer_fault fault;
     double seconds;                               // GPU work and readback
     bool is_copy;                                 // nothing was rendered: the frame before has the same inputs
     const char *shader_hash;                      // borrowed from the renderer until the next call
+    char picture_hash[HASH_TEXT_SIZE];            // of what was rendered, as renderer_hash_picture makes it
+    double step;                                  // m, along camera rays
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };
 

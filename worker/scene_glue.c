@@ -67,14 +67,14 @@ static void write_gathered(FILE *out, const struct job *job, const struct scene_
         fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
 }
 
-static void write_shadow(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_shadow(FILE *out, const struct job *job, const struct scene_program *program)
 {
-    if (!features->marches_to_lights)
+    if (!program->features.marches_to_lights)
         fputs("transmittance_closed(", out);
     else if (job->quality.method == JOB_METHOD_RIEMANN)
         fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d), ", job->quality.light_steps);
     else
-        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", job->quality.light_step);
+        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", program->light_step);
     fputs("point, light.direction, light.distance)", out);
 }
 
@@ -91,7 +91,7 @@ static void write_scattering(FILE *out, const struct job *job, const struct scen
         fprintf(out, "medium_%zu_sigma_s * (density_%zu * medium_%zu_phase(cos_theta))", i, i, i);
     }
     fputs(";\n        MediaColumn column = ", out);
-    write_shadow(out, job, &program->features);
+    write_shadow(out, job, program);
     fputs(";\n        source += scattered * light.irradiance * media_transmittance(column);\n    }\n", out);
 }
 
@@ -201,12 +201,12 @@ static void write_march(FILE *out, const struct job *job, const struct scene_pro
             "    MediaSpans spans = media_spans(camera.position, direction);\n",
             program->features.has_samples ? "point_px" : "gl_FragCoord.xy");
     if (job->quality.method == JOB_METHOD_RIEMANN) {
-        write_riemann(out, camera, job->quality.step);
+        write_riemann(out, camera, program->step);
         return;
     }
     write_interval(out, camera);
     if (program->features.marches)
-        fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e)", job->quality.step);
+        fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e)", program->step);
     else // n spans have 2 n ends
         fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * job->scene.medium_count);
     fputs(", camera.position, direction, interval, spans, gathered);\n", out);

@@ -71,7 +71,8 @@ static void write_medium(FILE *out, const struct job *job, const struct scene_pr
 {
     const struct scene_medium *medium = &job->scene.media[i];
 
-    density_kind_of(&medium->density)->write(out, &(struct density_site){.job = job, .medium = i, .source = medium});
+    density_kind_of(&medium->density)
+        ->write(out, &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = program->inputs});
     if (medium->density.bounds.kind != SCENE_BOUNDS_NONE)
         scene_bounds_write(out, &medium->density.bounds, program->features.media[i].has_falloff, i);
     write_span(out, &medium->density, i);

@@ -8,6 +8,7 @@
 #include "worker/scene_bounds.h"
 #include "worker/scene_glue.h"
 #include "worker/scene_glue_media.h"
+#include "worker/scene_inputs.h"
 #include "worker/scene_values.h"
 #include "worker/shader_sources.h"
 
@@ -61,7 +62,8 @@ static void begin_generated(struct assembly *assembly)
 static void add_density(struct assembly *assembly, size_t i)
 {
     const struct scene_medium *source = &assembly->job->scene.media[i];
-    const struct density_site site = {.job = assembly->job, .medium = i, .source = source};
+    const struct density_site site = {
+        .job = assembly->job, .medium = i, .source = source, .inputs = assembly->program->inputs};
     const char *bounds = scene_bounds_module(&source->density.bounds);
 
     for (const char *const *name = density_kind_of(&source->density)->modules(&site); *name; ++name)
@@ -162,9 +164,10 @@ static void hash_texts(struct scene_program *program)
     hash_bytes(hashes, sizeof hashes, program->hash);
 }
 
-bool scene_program_init(struct scene_program *program, const struct job *job, const char *shader_dir,
-                        struct error *error)
+bool scene_program_init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                        const char *shader_dir, struct error *error)
 {
+    const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
     struct camera_view view;
 
     for (size_t i = 0; i < job->scene.medium_count; ++i)
@@ -173,11 +176,12 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
             error_set(error, "scene.media[%zu].density: its kind cannot be rendered yet", i);
             return false;
         }
-    *program = (struct scene_program){.features = scene_features_of(job)};
+    *program = (struct scene_program){
+        .features = scene_features_of(job), .inputs = inputs, .step = quality->step, .light_step = quality->light_step};
     if (!camera_view_init(&view, &job->scene.camera, job_frame_time(job, frame_range_at(&job->frames, 0)),
                           job->width_px, job->height_px, error))
         return false;
-    scene_values_add(&program->uniforms, job, &program->features);
+    scene_values_add(&program->uniforms, job, inputs, &program->features);
     program->vertex = shader_sources_load(shader_dir, "fullscreen.vert", error);
     if (!program->vertex || !assemble(program, job, shader_dir, error)) {
         scene_program_finish(program);

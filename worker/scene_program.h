@@ -10,6 +10,7 @@
 
 struct error;
 struct job;
+struct scene_inputs;
 
 enum { SCENE_PROGRAM_MODULE_LIMIT = 32 };
 
@@ -22,10 +23,12 @@ struct scene_program {
     size_t module_count;
     char hash[HASH_TEXT_SIZE]; // of both texts
     struct scene_features features;
-    struct frame_uniforms uniforms; // refers to the job
+    struct frame_uniforms uniforms;    // refers to the job and the inputs
+    const struct scene_inputs *inputs; // borrowed; NULL where the job reads no files
+    double step, light_step;           // m
 };
 
-// `job` outlives the program. `shader_dir` is as for shader_sources_load. A camera that cannot look is an error.
-bool scene_program_init(struct scene_program *program, const struct job *job, const char *shader_dir,
-                        struct error *error);
+// `job` and `inputs`, the frame's, outlive the program; NULL will do for a job that reads no files. `shader_dir` is as for shader_sources_load. A camera that cannot look is an error.
+bool scene_program_init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                        const char *shader_dir, struct error *error);
 void scene_program_finish(struct scene_program *program); // accepts an empty one

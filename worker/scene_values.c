@@ -142,13 +142,13 @@ static struct frame_value sigma_t_of(const struct scene_medium *medium, const st
                                 .meaning = "sigma_s + sigma_a"};
 }
 
-static void add_medium(struct frame_uniforms *uniforms, const struct job *job, const struct medium_features *features,
-                       enum frame_value_type spectrum, size_t i)
+static void add_medium(struct frame_uniforms *uniforms, const struct density_site *site,
+                       const struct medium_features *features, enum frame_value_type spectrum)
 {
-    const struct scene_medium *medium = &job->scene.media[i];
+    const struct scene_medium *medium = site->source;
+    size_t i = site->medium;
 
-    density_kind_of(&medium->density)
-        ->add_values(uniforms, &(struct density_site){.job = job, .medium = i, .source = medium});
+    density_kind_of(&medium->density)->add_values(uniforms, site);
     scene_bounds_add_values(uniforms, &medium->density.bounds, i);
     if (medium_features_have_column(features))
         frame_uniforms_add(uniforms, sigma_t_of(medium, features, spectrum), "medium_%zu_sigma_t", i);
@@ -195,7 +195,8 @@ static void add_sampling(struct frame_uniforms *uniforms, const struct job *job,
     frame_uniforms_add(uniforms, sample, "sample_index");
 }
 
-void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
+void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                      const struct scene_features *features)
 {
     enum frame_value_type spectrum = features->is_rgb ? FRAME_VALUE_VEC3 : FRAME_VALUE_FLOAT;
     const struct scene *scene = &job->scene;
@@ -213,7 +214,8 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
         const struct scene_medium *medium = &scene->media[i];
 
         if (!features->media[i].is_seen) continue;
-        add_medium(uniforms, job, &features->media[i], spectrum, i);
+        add_medium(uniforms, &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = inputs},
+                   &features->media[i], spectrum);
         if (!features->has_lights || !features->media[i].scatters) continue;
         frame_uniforms_add(uniforms, timeline_value(&medium->sigma_s, spectrum, value_range_not_negative, "sigma_s"),
                            "medium_%zu_sigma_s", i);

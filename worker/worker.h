@@ -19,7 +19,9 @@ struct picture {
     int folder_fd; // owned; where its file goes
     double world_to_camera[16], world_to_ndc[16];
     double render_s;
+    double step; // m
     char shader_hash[64];
+    char hash[HASH_TEXT_SIZE]; // of the job and of what the frame's files hold
 };
 
 void picture_destroy(struct picture *picture); // accepts NULL

@@ -50,7 +50,8 @@ static void assert_refused(int fd, const struct job *job, int32_t frame, const c
 {
     struct error error = {0};
 
-    assert_false(gate_check(&(struct gate_params){.fd = fd, .job = job, .frame = frame}, NULL, &error));
+    assert_false(gate_check(&(struct gate_params){.fd = fd, .job = job, .picture_hash = job->hash, .frame = frame},
+                            NULL, &error));
     if (!strstr(error.message, reason)) fail_msg("expected \"%s\" in \"%s\"", reason, error.message);
     close(fd);
 }
@@ -64,7 +65,9 @@ static void whole_frame_passes_and_is_described(void **state)
     char hash[HASH_TEXT_SIZE];
     int fd = make_file(0.5f);
 
-    if (!gate_check(&(struct gate_params){.fd = fd, .job = &job, .frame = 7, .thread_count = 2}, &file, &error))
+    if (!gate_check(
+            &(struct gate_params){.fd = fd, .job = &job, .picture_hash = job.hash, .frame = 7, .thread_count = 2},
+            &file, &error))
         fail_msg("%s", error.message);
     assert_int_equal(fstat(fd, &status), 0);
     assert_int_equal(file.inode, status.st_ino);

@@ -40,7 +40,7 @@ static void assemble(struct scene_program *program, struct job *job, const char 
     struct error error = {{0}};
 
     ball_job_parse(job, medium, rest);
-    if (!scene_program_init(program, job, NULL, &error)) fail_msg("%s", error.message);
+    if (!scene_program_init(program, job, NULL, NULL, &error)) fail_msg("%s", error.message);
 }
 
 static void release(struct scene_program *program, struct job *job)
@@ -94,7 +94,7 @@ static void what_is_not_asked_for_is_not_written(void **state)
 
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     job.output.has_depth = job.output.has_transmittance = false;
-    assert_true(scene_program_init(&program, &job, NULL, NULL));
+    assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
     assert_lacks(&program, "depth_half");
     assert_lacks(&program, "out float depth");
     assert_lacks(&program, "out vec4 transmittance");
@@ -138,7 +138,7 @@ static void only_what_moves_is_a_uniform(void **state)
     float bytes[64];
 
     example_job_load(&job, "cloud");
-    assert_true(scene_program_init(&program, &job, NULL, NULL));
+    assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
     assert_has(&program, "    mat3 medium_0_rotation;\n    vec3 light_0_position;\n} frame;");
     assert_has(&program, "const float medium_0_offset = 0.0599999987;");
     assert_int_equal(program.uniforms.size_bytes, 64);
@@ -252,7 +252,7 @@ static void every_example_is_valid_glsl(void **state)
         *strrchr(name, '.') = '\0';
         if (strcmp(name, "schema") == 0) continue;
         example_job_load(&job, name);
-        assert_true(scene_program_init(&program, &job, NULL, NULL));
+        assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
         write_shaders(state, &program, i);
         release(&program, &job);
     }
@@ -270,7 +270,7 @@ static void every_combination_of_features_is_valid_glsl(void **state)
         snprintf(rest, sizeof rest, "%s%s%s", lights[i / 5 % 3], backgrounds[i / 15 % 3], qualities[i / 45 % 2]);
         ball_job_parse(&job, media[i % 5], rest);
         job.output.has_depth = job.output.has_transmittance = i / 90 == 0;
-        assert_true(scene_program_init(&program, &job, NULL, NULL));
+        assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
         write_shaders(state, &program, i);
         release(&program, &job);
     }
@@ -286,7 +286,7 @@ static void a_module_folder_overrides_what_it_has(void **state)
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     assert_int_equal(mkdir(temp_folder_path(state, "region"), 0700), 0);
     assert_true(file_write_atomic(temp_folder_path(state, "region/sphere.glsl"), text, sizeof text - 1, NULL));
-    assert_true(scene_program_init(&program, &job, *state, NULL));
+    assert_true(scene_program_init(&program, &job, NULL, *state, NULL));
     assert_has(&program, "// Mine.");
     assert_has(&program, "density_fold_fractal_at");
     release(&program, &job);

@@ -1,0 +1,207 @@
+#include "worker/density_kind.h"
+#include "worker/gl_grid.h"
+#include "worker/scene_inputs.h"
+#include "worker/timeline_value.h"
+#include "worker/transfer_function.h"
+
+#include <assert.h>
+#include <math.h>
+
+static bool is_zero(const struct scene_density *density)
+{
+    const struct scene_grid *grid = &density->grid;
+
+    if (grid->point_count == 0) return timeline_value_is_zero(&grid->scale);
+    return transfer_function_max_opacity(grid->points, grid->point_count, -INFINITY, INFINITY) <= 0;
+}
+
+static bool has_color(const struct scene_density *density)
+{
+    return density->grid.point_count > 0;
+}
+
+static const struct scene_input *input_of(const struct density_site *site)
+{
+    assert(site->inputs && site->inputs->media[site->medium].source);
+    return &site->inputs->media[site->medium];
+}
+
+// Of the matrix from index coordinates to the world, without its shift; column-major. A matrix without one was refused.
+static void invert(const double matrix[12], double inverse[static 9])
+{
+    const double *a = matrix, *b = matrix + 4, *c = matrix + 8;
+    double determinant =
+        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    const double adjugate[9] = {b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0],
+                                a[2] * c[1] - a[1] * c[2], a[0] * c[2] - a[2] * c[0], a[1] * c[0] - a[0] * c[1],
+                                a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+
+    for (int i = 0; i < 9; ++i)
+        inverse[i] = adjugate[i] / determinant;
+}
+
+static void evaluate_to_index(const void *source, double time, double value[static 9])
+{
+    double matrix[12];
+
+    scene_input_place(source, time, matrix);
+    invert(matrix, value);
+}
+
+static void evaluate_shift(const void *source, double time, double value[static 9])
+{
+    double matrix[12], inverse[9];
+
+    scene_input_place(source, time, matrix);
+    invert(matrix, inverse);
+    for (int row = 0; row < 3; ++row)
+        value[row] = -(inverse[row] * matrix[3] + inverse[3 + row] * matrix[7] + inverse[6 + row] * matrix[11]);
+}
+
+static void evaluate_size(const void *source, double time, double value[static 9])
+{
+    const struct scene_input *input = source;
+
+    for (int axis = 0; axis < 3; ++axis)
+        value[axis] = input->header.size[axis];
+}
+
+static void evaluate_gain(const void *source, double time, double value[static 9])
+{
+    const struct scene_input *input = source;
+
+    value[0] = gl_grid_gain(input->header.type, input->header.slope);
+}
+
+static void evaluate_bias(const void *source, double time, double value[static 9])
+{
+    const struct scene_input *input = source;
+
+    value[0] = gl_grid_bias(input->header.type, input->header.slope, input->header.intercept);
+}
+
+static void add_values(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    static const struct {
+        const char *name;
+        enum frame_value_type type;
+        bool is_placed; // it moves with the grid's middle
+        frame_value_evaluate *evaluate;
+    } values[] = {{"to_index", FRAME_VALUE_MAT3, false, evaluate_to_index},
+                  {"shift", FRAME_VALUE_VEC3, true, evaluate_shift},
+                  {"size", FRAME_VALUE_VEC3, false, evaluate_size},
+                  {"gain", FRAME_VALUE_FLOAT, false, evaluate_gain},
+                  {"bias", FRAME_VALUE_FLOAT, false, evaluate_bias}};
+    const struct scene_input *input = input_of(site);
+    const struct scene_grid *grid = input->source;
+    bool is_still = !grid->has_center || timeline_is_constant(&grid->center);
+    size_t medium = site->medium;
+
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
+        frame_uniforms_add(
+            uniforms,
+            (struct frame_value){.type = values[i].type,
+                                 .is_constant = !input->is_sequence && (is_still || !values[i].is_placed),
+                                 .evaluate = values[i].evaluate,
+                                 .source = input,
+                                 .min = value_range_any.min,
+                                 .max = value_range_any.max,
+                                 .meaning = "density.file"},
+            "medium_%zu_%s", medium, values[i].name);
+    if (grid->point_count > 0)
+        frame_uniforms_add(
+            uniforms,
+            timeline_value(&grid->unit_distance, FRAME_VALUE_FLOAT, value_range_positive, "density.unit_distance"),
+            "medium_%zu_unit_distance", medium);
+    else
+        frame_uniforms_add(uniforms,
+                           timeline_value(&grid->scale, FRAME_VALUE_FLOAT, value_range_not_negative, "density.scale"),
+                           "medium_%zu_scale", medium);
+}
+
+static const char *const *modules(const struct density_site *site)
+{
+    static const char *const names[2][2][5] = {
+        {{"density/grid.glsl", "density/grid_linear.glsl", "density/grid_bricks.glsl", NULL},
+         {"density/grid.glsl", "density/grid_linear.glsl", "density/grid_bricks.glsl", "transfer/piecewise.glsl",
+          NULL}},
+        {{"density/grid.glsl", "density/grid_nearest.glsl", "density/grid_bricks.glsl", NULL},
+         {"density/grid.glsl", "density/grid_nearest.glsl", "density/grid_bricks.glsl", "transfer/piecewise.glsl",
+          NULL}}};
+    const struct scene_grid *grid = &site->source->density.grid;
+
+    return names[grid->is_nearest][grid->point_count > 0];
+}
+
+static void write_grid(FILE *out, bool is_nearest, size_t i)
+{
+    fprintf(out,
+            "layout(binding = %zu) uniform sampler2DArray medium_%zu_voxels;\n"
+            "layout(binding = %zu) uniform sampler3D medium_%zu_bricks;\n",
+            4 * i, i, 4 * i + 1, i);
+    fprintf(out,
+            "DensityGrid medium_%zu_grid()\n{\n    return DensityGrid(medium_%zu_to_index, medium_%zu_shift, "
+            "medium_%zu_size, medium_%zu_gain, medium_%zu_bias);\n}\n",
+            i, i, i, i, i, i);
+    fprintf(out,
+            "vec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n"
+            "    return density_grid_span(medium_%zu_grid(), origin, direction);\n}\n",
+            i, i);
+    fprintf(out,
+            "// The value, and how far ahead the grid is empty.\n"
+            "vec2 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
+            "    DensityGrid grid = medium_%zu_grid();\n"
+            "    vec3 at = density_grid_index(grid, p);\n"
+            "    return vec2(density_grid_%s(medium_%zu_voxels, grid, at),\n"
+            "                density_grid_skip(medium_%zu_bricks, grid, at, direction));\n}\n",
+            i, i, is_nearest ? "nearest" : "linear", i, i);
+}
+
+static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
+{
+    char prefix[32];
+
+    snprintf(prefix, sizeof prefix, "medium_%zu", i);
+    transfer_function_write(out, prefix, grid->points, grid->point_count);
+    fprintf(out,
+            "float medium_%zu_density(vec2 field)\n{\n"
+            "    return transfer_extinction(medium_%zu_opacity(field.x), medium_%zu_unit_distance);\n}\n",
+            i, i, i);
+    fprintf(out, "vec3 medium_%zu_color(vec2 field)\n{\n    return medium_%zu_rgb(field.x);\n}\n", i, i);
+    fprintf(out,
+            "float medium_%zu_distance(vec2 field)\n{\n"
+            "    return field.y > 0.0 ? field.y : medium_%zu_opacity(field.x) > 0.0 ? -1.0 : 0.0;\n}\n",
+            i, i);
+}
+
+static void write_scale(FILE *out, size_t i)
+{
+    fprintf(out,
+            "float medium_%zu_density(vec2 field)\n{\n    return medium_%zu_scale * max(field.x, 0.0);\n}\n"
+            "float medium_%zu_distance(vec2 field)\n{\n"
+            "    return field.y > 0.0 ? field.y : field.x > 0.0 ? -1.0 : 0.0;\n}\n",
+            i, i, i);
+}
+
+static void write(FILE *out, const struct density_site *site)
+{
+    const struct scene_grid *grid = &site->source->density.grid;
+
+    write_grid(out, grid->is_nearest, site->medium);
+    if (grid->point_count > 0)
+        write_transfer(out, grid, site->medium);
+    else
+        write_scale(out, site->medium);
+}
+
+const struct density_kind density_kind_grid = {
+    .name = "grid",
+    .field_type = "vec2",
+    .has_support = true,
+    .takes_direction = true,
+    .is_zero = is_zero,
+    .has_color = has_color,
+    .add_values = add_values,
+    .modules = modules,
+    .write = write,
+};

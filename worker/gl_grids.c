@@ -1,0 +1,187 @@
+#include "worker/gl_grids.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "worker/gl_functions.h"
+#include "worker/scene_inputs.h"
+#include "worker/transfer_function.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GRID_LIMIT = 2 * SCENE_MEDIUM_LIMIT, UNITS_PER_MEDIUM = 4 };
+
+// Of grids that the frame does not need but a next one may: another job's, say.
+static const size_t idle_bytes_limit = (size_t)1 << 30;
+
+struct kept_grid {
+    char hash[HASH_TEXT_SIZE]; // of the input; empty: none
+    struct gl_grid grid;
+    uint64_t used; // the frame that last needed it
+};
+
+struct kept_distances {
+    char hash[HASH_TEXT_SIZE]; // of the input and of what decides where it is empty
+    unsigned texture;
+};
+
+struct gl_grids {
+    const struct gl_functions *gl; // borrowed; outlives us
+    bool is_in_memory;
+    uint64_t frame_count;
+    struct kept_grid grids[GRID_LIMIT];
+    struct kept_distances distances[SCENE_MEDIUM_LIMIT];
+};
+
+struct gl_grids *gl_grids_create(const struct gl_functions *gl, bool is_in_memory)
+{
+    struct gl_grids *grids = xcalloc(1, sizeof *grids);
+
+    grids->gl = gl;
+    grids->is_in_memory = is_in_memory;
+    return grids;
+}
+
+static void drop(struct kept_grid *kept)
+{
+    gl_grid_finish(&kept->grid);
+    *kept = (struct kept_grid){0};
+}
+
+void gl_grids_destroy(struct gl_grids *grids)
+{
+    if (!grids) return;
+    for (size_t i = 0; i < GRID_LIMIT; ++i)
+        drop(&grids->grids[i]);
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+        if (grids->distances[i].texture) grids->gl->DeleteTextures(1, &grids->distances[i].texture);
+    free(grids);
+}
+
+static struct kept_grid *find(struct gl_grids *grids, const char *hash)
+{
+    for (size_t i = 0; i < GRID_LIMIT; ++i)
+        if (grids->grids[i].hash[0] && strcmp(grids->grids[i].hash, hash) == 0) return &grids->grids[i];
+    return NULL;
+}
+
+// An empty place, after the grids longest unused have gone that are in the way of `size_bytes` more.
+static struct kept_grid *make_room(struct gl_grids *grids, size_t size_bytes)
+{
+    for (;;) {
+        struct kept_grid *oldest = NULL, *empty = NULL;
+        size_t idle_bytes = size_bytes;
+
+        for (size_t i = 0; i < GRID_LIMIT; ++i) {
+            struct kept_grid *kept = &grids->grids[i];
+
+            if (!kept->hash[0]) {
+                empty = kept;
+                continue;
+            }
+            if (kept->used == grids->frame_count) continue;
+            idle_bytes += kept->grid.size_bytes;
+            if (!oldest || kept->used < oldest->used) oldest = kept;
+        }
+        // Of twice as many places as a frame has media one is empty or idle.
+        if (!oldest || (empty && idle_bytes <= idle_bytes_limit)) return empty;
+        drop(oldest);
+    }
+}
+
+static size_t size_of(const struct volume *header)
+{
+    return (size_t)header->size[0] * (size_t)header->size[1] * (size_t)header->size[2] * volume_type_size(header->type);
+}
+
+static struct kept_grid *read_grid(struct gl_grids *grids, const struct scene_input *input,
+                                   gl_grid_progress *on_progress, void *user, struct error *error)
+{
+    struct kept_grid *kept = make_room(grids, size_of(&input->header));
+    struct volume *volume;
+    bool ok;
+
+    if (!scene_input_open_volume(input, &volume, error)) return NULL;
+    ok = gl_grid_init(&kept->grid,
+                      &(struct gl_grid_params){.gl = grids->gl,
+                                               .volume = volume,
+                                               .path = input->path,
+                                               .is_in_memory = grids->is_in_memory,
+                                               .on_progress = on_progress,
+                                               .user = user},
+                      error);
+    volume_close(volume);
+    if (ok && !scene_input_check(input, error)) {
+        gl_grid_finish(&kept->grid);
+        ok = false;
+    }
+    if (!ok) return NULL;
+    memcpy(kept->hash, input->hash, sizeof kept->hash);
+    log_debug("grids: %s read, %zu bytes", input->path, kept->grid.size_bytes);
+    return kept;
+}
+
+static bool is_empty(double min, double max, const void *user)
+{
+    const struct scene_grid *grid = user;
+
+    if (grid->point_count == 0) return max <= 0;
+    return transfer_function_max_opacity(grid->points, grid->point_count, min, max) <= 0;
+}
+
+static void hash_distances(const struct scene_input *input, char hash[static HASH_TEXT_SIZE])
+{
+    char hashes[2][HASH_TEXT_SIZE];
+
+    memcpy(hashes[0], input->hash, sizeof hashes[0]);
+    hash_bytes(input->source->points, input->source->point_count * sizeof *input->source->points, hashes[1]);
+    hash_bytes(hashes, sizeof hashes, hash);
+}
+
+static bool bind_distances(struct gl_grids *grids, const struct scene_input *input, const struct gl_grid *grid,
+                           size_t medium, struct error *error)
+{
+    struct kept_distances *kept = &grids->distances[medium];
+    char hash[HASH_TEXT_SIZE];
+
+    hash_distances(input, hash);
+    if (strcmp(hash, kept->hash) != 0) {
+        if (kept->texture) grids->gl->DeleteTextures(1, &kept->texture);
+        *kept =
+            (struct kept_distances){.texture = gl_grid_create_distances(
+                                        grid, input->header.slope, input->header.intercept, is_empty, input->source)};
+        if (!kept->texture) {
+            error_set(error, "%s: out of memory", input->path);
+            return false;
+        }
+        memcpy(kept->hash, hash, sizeof kept->hash);
+    }
+    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium + 1), kept->texture);
+    return true;
+}
+
+bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
+                   struct error *error)
+{
+    grids->frame_count++;
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        struct kept_grid *kept = inputs->media[i].source ? find(grids, inputs->media[i].hash) : NULL;
+
+        if (kept) kept->used = grids->frame_count;
+    }
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        const struct scene_input *input = &inputs->media[i];
+        struct kept_grid *kept;
+
+        if (!input->source) continue;
+        kept = find(grids, input->hash);
+        if (!kept) kept = read_grid(grids, input, on_progress, user, error);
+        if (!kept) return false;
+        kept->used = grids->frame_count;
+        grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * i), kept->grid.voxels);
+        if (!bind_distances(grids, input, &kept->grid, i, error)) return false;
+    }
+    return true;
+}

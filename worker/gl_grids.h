@@ -1,0 +1,20 @@
+// The grids that scenes show, kept in GL from frame to frame, and bound where shaders look for them.
+#pragma once
+
+#include "worker/gl_grid.h"
+
+#include <stdbool.h>
+
+struct error;
+struct gl_functions;
+struct gl_grids;
+struct scene_inputs;
+
+// `is_in_memory` is as for gl_grid_init. `gl` outlives the grids.
+struct gl_grids *gl_grids_create(const struct gl_functions *gl, bool is_in_memory);
+void gl_grids_destroy(struct gl_grids *grids); // accepts NULL
+
+// Reads what is not here yet, then binds medium I's voxels to texture unit 4 I and the distances of its bricks to 4 I + 1.
+// `inputs` are hashed.
+bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
+                   struct error *error);

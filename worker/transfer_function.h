@@ -1,0 +1,14 @@
+// What a transfer function makes of values: the greatest opacity in a range, and its text as GLSL.
+#pragma once
+
+#include "core/scene.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+// The greatest opacity of values in [min, max].
+double transfer_function_max_opacity(const struct scene_transfer_point *points, size_t count, double min, double max);
+
+// Writes `float PREFIX_opacity(float value)` and `vec3 PREFIX_rgb(float value)`, by transfer/piecewise.glsl.
+void transfer_function_write(FILE *out, const char *prefix, const struct scene_transfer_point *points, size_t count);
