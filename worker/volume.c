@@ -23,9 +23,8 @@ static const struct {
     const char *ending;
     open_format *open;
 } formats[] = {
-    {".raw", volume_raw_open},
-    {".nii", volume_nifti_open},
-    {".nii.gz", volume_nifti_gzip_open},
+    {".raw", volume_raw_open},   {".nrrd", volume_nrrd_open},         {".nhdr", volume_nrrd_open},
+    {".nii", volume_nifti_open}, {".nii.gz", volume_nifti_gzip_open},
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
@@ -56,7 +55,7 @@ static bool open_by_name(struct volume_layout *layout, const struct volume_sourc
     if (has_ending(source->path, ".hdr") || has_ending(source->path, ".img"))
         error_set(error, "header and voxels are in two files (.hdr and .img): join them into one .nii first");
     else
-        error_set(error, "expected a name that ends in .raw, .nii or .nii.gz");
+        error_set(error, "expected a name that ends in .raw, .nrrd, .nhdr, .nii or .nii.gz");
     return false;
 }
 

@@ -22,6 +22,7 @@ struct volume_layout {
 
 // Each format's reader fills an empty layout; on failure its caller finishes it.
 bool volume_raw_open(struct volume_layout *layout, const struct volume_source *source, struct error *error);
+bool volume_nrrd_open(struct volume_layout *layout, const struct volume_source *source, struct error *error);
 bool volume_nifti_open(struct volume_layout *layout, const struct volume_source *source, struct error *error);
 bool volume_nifti_gzip_open(struct volume_layout *layout, const struct volume_source *source, struct error *error);
 

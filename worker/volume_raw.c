@@ -5,6 +5,8 @@
 #include "worker/volume_stream.h"
 
 #include <ctype.h>
+#include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -110,6 +112,37 @@ static bool read_keys(struct volume_layout *layout, const struct volume_source *
     return volume_layout_set_size(layout, field, facts.size, error);
 }
 
+// What other keys would make of a file with `left` bytes for the voxels; an empty text when nothing fits.
+static void describe_fit(const struct volume_layout *layout, int64_t left, int64_t skip_bytes, char *text,
+                         size_t text_size)
+{
+    int64_t voxels = volume_layout_voxels(layout), expected = volume_layout_bytes(layout);
+    int64_t slice = expected / layout->size[2];
+    size_t used = 0;
+
+    text[0] = '\0';
+    for (size_t i = 0; i < TYPE_COUNT; i++)
+        if (voxels * (int64_t)volume_stored_size(types[i].stored) == left)
+            used += (size_t)snprintf(text + used, text_size - used, ", type %s would fit", types[i].name);
+    if (left >= slice && left % slice == 0)
+        used += (size_t)snprintf(text + used, text_size - used, ", size [%d, %d, %" PRId64 "] would fit",
+                                 layout->size[0], layout->size[1], left / slice);
+    if (left > expected)
+        snprintf(text + used, text_size - used, ", skip_bytes %" PRId64 " would fit", skip_bytes + left - expected);
+}
+
+static bool check_length(const struct volume_layout *layout, int64_t skip_bytes, struct error *error)
+{
+    int64_t left = volume_stream_left(layout->stream), expected = volume_layout_bytes(layout);
+    char fit[256];
+
+    if (left == expected) return true;
+    describe_fit(layout, left, skip_bytes, fit, sizeof fit);
+    error_set(error, "expected %d x %d x %d voxels of %s, %" PRId64 " bytes, got %" PRId64 " bytes%s", layout->size[0],
+              layout->size[1], layout->size[2], volume_stored_name(layout->stored), expected, left, fit);
+    return false;
+}
+
 bool volume_raw_open(struct volume_layout *layout, const struct volume_source *source, struct error *error)
 {
     if (!read_keys(layout, source, error)) return false;
@@ -117,5 +150,5 @@ bool volume_raw_open(struct volume_layout *layout, const struct volume_source *s
     volume_place_unit(layout->index_to_world, layout->size);
     return volume_stream_open(&layout->stream, source->path, error) &&
            volume_stream_skip(layout->stream, source->raw.skip_bytes, error) &&
-           volume_layout_check_length(layout, error);
+           check_length(layout, source->raw.skip_bytes, error);
 }

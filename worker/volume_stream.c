@@ -152,6 +152,16 @@ bool volume_stream_read(struct volume_stream *stream, void *bytes, size_t size_b
     return true;
 }
 
+bool volume_stream_read_byte(struct volume_stream *stream, int *byte, struct error *error)
+{
+    unsigned char next = 0;
+    size_t count;
+
+    if (!read_some(stream, &next, 1, &count, error)) return false;
+    *byte = count > 0 ? next : -1;
+    return true;
+}
+
 static bool skip_unzipped(struct volume_stream *stream, int64_t size_bytes, struct error *error)
 {
     unsigned char bytes[4096];

@@ -21,5 +21,6 @@ bool volume_stream_skip(struct volume_stream *stream, int64_t size_bytes, struct
 
 // Exactly `size_bytes`; a file that ends before is an error.
 bool volume_stream_read(struct volume_stream *stream, void *bytes, size_t size_bytes, struct error *error);
+bool volume_stream_read_byte(struct volume_stream *stream, int *byte, struct error *error); // -1 at the end
 // Nothing may follow, and the file must still be the one that was opened.
 bool volume_stream_check_end(struct volume_stream *stream, struct error *error);

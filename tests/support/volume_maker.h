@@ -3,8 +3,7 @@
 
 #include "worker/volume_voxels.h"
 
-// Column i, row j, slice k of an asymmetric volume: different at every index of any volume up to 60 voxels, and between
-// 0 and 250.
+// i + 5 j + 20 k: different at every index of a volume of 5 x 4 x 3 voxels.
 double volume_maker_value(int i, int j, int k);
 
 // The voxels of volume_maker_value as they are stored; owned by the caller.
