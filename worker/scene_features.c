@@ -7,6 +7,7 @@
 static enum lobe_feature lobe_feature_of(const struct scene_phase_lobe *lobe)
 {
     if (timeline_value_is_zero(&lobe->weight)) return LOBE_UNSEEN;
+    if (lobe->kind == SCENE_LOBE_RAYLEIGH) return LOBE_RAYLEIGH;
     return timeline_value_is_zero(&lobe->g) ? LOBE_ISOTROPIC : LOBE_HENYEY_GREENSTEIN;
 }
 
@@ -58,6 +59,11 @@ static void add_medium(struct scene_features *features, const struct scene_mediu
     features->is_rgb |= !medium_is_grey(source, medium);
 }
 
+bool scene_light_is_inverse_square(const struct scene_light *light)
+{
+    return light->kind == SCENE_LIGHT_POINT && light->falloff == SCENE_FALLOFF_INVERSE_SQUARE;
+}
+
 struct scene_features scene_features_of(const struct job *job)
 {
     const struct scene *scene = &job->scene;
@@ -78,6 +84,7 @@ struct scene_features scene_features_of(const struct job *job)
         features.is_rgb |= features.light_is_seen[i] && !timeline_value_is_grey(&scene->lights[i].intensity);
     }
     features.marches_to_lights &= features.has_lights;
+    features.places_points = features.has_lights && job->quality.method == JOB_METHOD_EQUIANGULAR;
     // A Riemann sum is defined by its samples.
     features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
                                                (job->quality.method == JOB_METHOD_MIDPOINT && features.has_lights));

@@ -10,7 +10,8 @@ struct job;
 enum lobe_feature {
     LOBE_UNSEEN,    // its weight is 0
     LOBE_ISOTROPIC, // its g is 0
-    LOBE_HENYEY_GREENSTEIN
+    LOBE_HENYEY_GREENSTEIN,
+    LOBE_RAYLEIGH
 };
 
 struct medium_features {
@@ -32,12 +33,15 @@ struct scene_features {
     bool takes_time;        // some medium's density is given the time
     bool marches;           // camera rays take steps; else each stretch between edges of media is one segment
     bool marches_to_lights; // so do shadow rays; else columns are known in closed form
+    bool places_points;     // light of a whole stretch is gathered at points placed for each light
     bool is_rgb;            // something seen has a colour
     bool has_depth, has_transmittance, has_background;
     bool has_samples; // each pixel has several
     bool is_random;   // something is drawn by lot
 };
 
+// True for a point light whose irradiance falls with the square of the distance.
+bool scene_light_is_inverse_square(const struct scene_light *light);
 struct scene_features scene_features_of(const struct job *job);
 // True when something of it attenuates light.
 bool medium_features_have_column(const struct medium_features *medium);

@@ -2,30 +2,24 @@
 
 #include "core/job.h"
 #include "worker/pixel_samples.h"
-#include "worker/scene_glue_media.h"
 #include "worker/scene_program.h"
 
 #include <math.h>
 
-// "a OPERATOR b OPERATOR c" over media: call before each term.
-static void write_separator(FILE *out, bool *first, const char *operator)
-{
-    if (!*first) fputs(operator, out);
-    *first = false;
-}
-
 static void write_phase(FILE *out, const struct scene_medium *medium, const struct medium_features *features, size_t i)
 {
-    bool first = true;
+    const char *separator = "";
 
     fprintf(out, "float medium_%zu_phase(float cos_theta)\n{\n    return ", i);
     if (medium->lobe_count == 0) fputs("phase_isotropic()", out);
     for (size_t k = 0; k < medium->lobe_count; ++k) {
         if (features->lobes[k] == LOBE_UNSEEN) continue;
-        write_separator(out, &first, " + ");
-        fprintf(out, "medium_%zu_lobe_%zu_weight * ", i, k);
+        fprintf(out, "%smedium_%zu_lobe_%zu_weight * ", separator, i, k);
+        separator = " + ";
         if (features->lobes[k] == LOBE_ISOTROPIC)
             fputs("phase_isotropic()", out);
+        else if (features->lobes[k] == LOBE_RAYLEIGH)
+            fputs("phase_rayleigh(cos_theta)", out);
         else
             fprintf(out, "phase_henyey_greenstein(PhaseHenyeyGreenstein(medium_%zu_lobe_%zu_g), cos_theta)", i, k);
     }
@@ -51,110 +45,6 @@ void scene_glue_write_lights(FILE *out, const struct job *job, const struct scen
         if (program->features.media[i].scatters) write_phase(out, &scene->media[i], &program->features.media[i], i);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (program->features.light_is_seen[i]) write_light(out, &scene->lights[i], program, i);
-}
-
-static void write_gathered(FILE *out, const struct job *job, const struct scene_features *features)
-{
-    fputs("// What a ray has met so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
-    if (features->has_extinction) fputs("    Spectrum transmittance;\n", out);
-    if (features->has_extinction && features->has_depth) fputs("    float depth; // distance, 0 for none\n", out);
-    fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
-    if (!features->has_extinction)
-        fputs("    return false;\n}\n", out);
-    else if (job->quality.min_transmittance > 0)
-        fprintf(out, "    return spectrum_max(gathered.transmittance) < %.9e;\n}\n", job->quality.min_transmittance);
-    else
-        fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
-}
-
-static void write_shadow(FILE *out, const struct job *job, const struct scene_program *program)
-{
-    if (!program->features.marches_to_lights)
-        fputs("transmittance_closed(", out);
-    else if (job->quality.method == JOB_METHOD_RIEMANN)
-        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d), ", job->quality.light_steps);
-    else
-        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", program->light_step);
-    fputs("point, light.direction, light.distance)", out);
-}
-
-static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program, size_t light)
-{
-    bool first = true;
-
-    fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", light);
-    fputs("        // Both directions of travel are reversed here, which leaves their cosine as it is.\n", out);
-    fputs("        float cos_theta = dot(light.direction, direction);\n        Spectrum scattered = ", out);
-    for (size_t i = 0; i < job->scene.medium_count; ++i) {
-        if (!program->features.media[i].scatters) continue;
-        write_separator(out, &first, " + ");
-        fprintf(out, "medium_%zu_sigma_s * (density_%zu * medium_%zu_phase(cos_theta))", i, i, i);
-    }
-    fputs(";\n        MediaColumn column = ", out);
-    write_shadow(out, job, program);
-    fputs(";\n        source += scattered * light.irradiance * media_transmittance(column);\n    }\n", out);
-}
-
-static void write_extinction(FILE *out, const struct job *job, const struct scene_program *program)
-{
-    bool first = true;
-
-    fputs("    Spectrum sigma_t = ", out);
-    for (size_t i = 0; i < job->scene.medium_count; ++i) {
-        if (!medium_features_have_column(&program->features.media[i])) continue;
-        write_separator(out, &first, " + ");
-        fprintf(out, "medium_%zu_sigma_t * density_%zu", i, i);
-    }
-    if (job->quality.method == JOB_METHOD_RIEMANN) {
-        fputs(";\n    gathered.radiance += gathered.transmittance * source * length;\n"
-              "    Spectrum after = gathered.transmittance * exp(-sigma_t * length);\n",
-              out);
-    } else {
-        fputs(";\n    Segment part = segment(sigma_t * length);\n"
-              "    gathered.radiance += gathered.transmittance * source * part.escape * length;\n"
-              "    Spectrum after = gathered.transmittance * part.transmittance;\n",
-              out);
-    }
-    if (program->features.has_depth)
-        fputs("    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5)\n"
-              "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
-              out);
-    fputs("    gathered.transmittance = after;\n", out);
-}
-
-static void write_source(FILE *out, const struct medium_features *medium, size_t i)
-{
-    if (medium->emits) fprintf(out, "    source += medium_%zu_emission * density_%zu;\n", i, i);
-    if (medium->has_color) fprintf(out, "    source += medium_%zu_color(field.medium_%zu) * density_%zu;\n", i, i, i);
-    if (medium->glows) fprintf(out, "    source += medium_%zu_glow(point) * density_%zu;\n", i, i);
-}
-
-void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
-{
-    const struct scene_features *features = &program->features;
-    const struct scene *scene = &job->scene;
-
-    write_gathered(out, job, features);
-    fputs("// `at` is where the segment begins, `point` where the field was taken.\n"
-          "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
-          "length)\n{\n",
-          out);
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (features->media[i].is_seen) {
-            fprintf(out, "    float density_%zu = ", i);
-            scene_glue_write_density(out, job, program, i);
-            fputs(";\n", out);
-        }
-    fputs("    Spectrum source = spectrum(0.0);\n", out);
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        write_source(out, &features->media[i], i);
-    for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i]) write_scattering(out, job, program, i);
-    if (features->has_extinction)
-        write_extinction(out, job, program);
-    else
-        fputs("    gathered.radiance += source * length;\n", out);
-    fputs("}\n", out);
 }
 
 static void write_riemann(FILE *out, const struct scene_camera *camera, double step)

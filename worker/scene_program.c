@@ -7,6 +7,7 @@
 #include "worker/gl_program.h"
 #include "worker/scene_bounds.h"
 #include "worker/scene_glue.h"
+#include "worker/scene_glue_gather.h"
 #include "worker/scene_glue_media.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_values.h"
@@ -93,11 +94,26 @@ static void add_media(struct assembly *assembly)
 static void add_phase(struct assembly *assembly, const struct scene_medium *medium,
                       const struct medium_features *features)
 {
+    static const char *const modules[] = {[LOBE_ISOTROPIC] = "phase/isotropic.glsl",
+                                          [LOBE_HENYEY_GREENSTEIN] = "phase/henyey_greenstein.glsl",
+                                          [LOBE_RAYLEIGH] = "phase/rayleigh.glsl"};
+
     if (medium->lobe_count == 0) add_module(assembly, "phase/isotropic.glsl");
     for (size_t i = 0; i < medium->lobe_count; ++i)
-        if (features->lobes[i] != LOBE_UNSEEN)
-            add_module(assembly,
-                       features->lobes[i] == LOBE_ISOTROPIC ? "phase/isotropic.glsl" : "phase/henyey_greenstein.glsl");
+        if (features->lobes[i] != LOBE_UNSEEN) add_module(assembly, modules[features->lobes[i]]);
+}
+
+static void add_placement(struct assembly *assembly)
+{
+    const struct scene *scene = &assembly->job->scene;
+
+    add_module(assembly, "placement/point.glsl");
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (assembly->program->features.light_is_seen[i])
+            add_module(assembly, scene_light_is_inverse_square(&scene->lights[i]) ? "placement/angle.glsl"
+                                                                                  : "placement/transmittance.glsl");
+    begin_generated(assembly);
+    scene_glue_write_placed(assembly->out, assembly->job);
 }
 
 static void add_lights(struct assembly *assembly)
@@ -122,6 +138,7 @@ static void add_lights(struct assembly *assembly)
 
 static void add_integrator(struct assembly *assembly)
 {
+    if (assembly->program->features.places_points) add_placement(assembly);
     begin_generated(assembly);
     scene_glue_write_gather(assembly->out, assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"

@@ -4,7 +4,6 @@
 #include "core/job.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
 
@@ -14,13 +13,17 @@
 
 #include <cmocka.h>
 
-void render_frame_zero(const struct job *job, struct image *image)
+void render_frame_on(enum gl_backend backend, const struct job *job, struct image *image)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_context_create(backend, NULL, &error);
     struct renderer *renderer;
     struct renderer_result result;
 
+    if (!context && backend != GL_BACKEND_OSMESA) {
+        print_message("skipped: %s\n", error.message);
+        skip();
+    }
     if (!context) fail_msg("%s", error.message);
     keep_libraries();
     renderer = renderer_create(context, test_shader_dir());
@@ -30,4 +33,9 @@ void render_frame_zero(const struct job *job, struct image *image)
     }
     renderer_destroy(renderer);
     gl_context_destroy(context);
+}
+
+void render_frame_zero(const struct job *job, struct image *image)
+{
+    render_frame_on(GL_BACKEND_OSMESA, job, image);
 }

@@ -1,8 +1,12 @@
 // Renders one frame for a test on a context of its own.
 #pragma once
 
+#include "worker/gl_context.h"
+
 struct image;
 struct job;
 
 // Frame 0 on OSMesa, with depth and transmittance; a failure fails the test. The caller finishes the image.
 void render_frame_zero(const struct job *job, struct image *image);
+// The same on any backend; one that is not there skips the test.
+void render_frame_on(enum gl_backend backend, const struct job *job, struct image *image);

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/job_json.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
 #include "tests/support/temp_folder.h"
@@ -128,6 +129,96 @@ static void emission_alone_has_no_extinction(void **state)
     assert_lacks(&program, "gathered.transmittance");
     assert_lacks(&program, "segment(");
     assert_has(&program, "medium_0_emission");
+    release(&program, &job);
+}
+
+// The ball's medium with another density.
+static void assemble_density(struct scene_program *program, struct job *job, const char *density, const char *medium,
+                             const char *rest)
+{
+    struct error error = {{0}};
+    char text[2048];
+
+    snprintf(text, sizeof text,
+             "{\"version\": 1, \"name\": \"even\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [48, 32],"
+             " \"camera\": {\"position\": [0, 0, 4], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov\": 40, \"clip\": "
+             "[1, 8]}, \"scene\": {\"media\": [{\"density\": {%s}, %s}]},"
+             " \"output\": {\"path\": \"even.####.exr\", \"aovs\": [\"Z\", \"transmittance\"]}, %s}",
+             density, medium, rest);
+    if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    if (!scene_program_init(program, job, NULL, NULL, &error)) fail_msg("%s", error.message);
+}
+
+#define EVEN_BALL "\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1"
+#define EQUIANGULAR "\"quality\": {\"method\": \"equiangular\", \"points\": 8}"
+
+static void even_media_without_light_are_not_marched(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    assert_has(&program, "integrator_stretches(");
+    assert_lacks(&program, "march_was_cut");
+    assert_lacks(&program, "MARCH_LIMIT");
+    assert_lacks(&program, "span_has(spans");
+    assert_lacks(&program, "_share");
+    assert_lacks(&program, "smoothstep");
+    release(&program, &job);
+}
+
+static void even_media_cast_shadows_without_a_march(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    assert_has(&program, "transmittance_closed(");
+    assert_lacks(&program, "transmittance_midpoint(");
+    assert_lacks(&program, "media_column_add");
+    assert_has(&program, "integrator_midpoint(");
+    release(&program, &job);
+    assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " EQUIANGULAR);
+    assert_has(&program, "placement_angle_at(");
+    assert_lacks(&program, "placement_transmittance_at(");
+    assert_lacks(&program, "march_was_cut");
+    release(&program, &job);
+}
+
+static void a_falloff_alone_is_smoothed(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble_density(&program, &job, EVEN_BALL ", \"falloff\": 0.2}", BALL_JOB_SIGMA_S_1,
+                     BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    assert_has(&program, "smoothstep");
+    assert_has(&program, "field.medium_0_share * medium_0_density(");
+    assert_has(&program, "transmittance_midpoint(");
+    release(&program, &job);
+}
+
+static void a_medium_without_density_costs_nothing(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble_density(&program, &job, EVEN_BALL "}, \"scale\": 0", BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    assert_lacks(&program, "medium_0");
+    assert_lacks(&program, "region_");
+    assert_lacks(&program, "camera_");
+    release(&program, &job);
+}
+
+static void rayleigh_is_there_when_a_lobe_is(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble(&program, &job, BALL_JOB_SIGMA_S_1 ", \"phase\": [{\"kind\": \"rayleigh\"}]",
+             BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    assert_has(&program, "phase_rayleigh(cos_theta)");
+    assert_lacks(&program, "henyey_greenstein");
     release(&program, &job);
 }
 
@@ -300,6 +391,11 @@ int main(void)
         cmocka_unit_test(what_is_not_asked_for_is_not_written),
         cmocka_unit_test(lobes_that_weigh_nothing_or_lean_nowhere_cost_nothing),
         cmocka_unit_test(emission_alone_has_no_extinction),
+        cmocka_unit_test(even_media_without_light_are_not_marched),
+        cmocka_unit_test(even_media_cast_shadows_without_a_march),
+        cmocka_unit_test(a_falloff_alone_is_smoothed),
+        cmocka_unit_test(a_medium_without_density_costs_nothing),
+        cmocka_unit_test(rayleigh_is_there_when_a_lobe_is),
         cmocka_unit_test(only_what_moves_is_a_uniform),
         cmocka_unit_test(a_moving_value_out_of_range_is_refused_with_its_time),
         cmocka_unit_test(each_module_is_emitted_once),

@@ -1,0 +1,198 @@
+#include "worker/scene_glue_gather.h"
+
+#include "core/job.h"
+#include "worker/gauss_legendre.h"
+#include "worker/scene_glue_media.h"
+#include "worker/scene_program.h"
+
+static void write_gathered(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    fputs("// What a ray has met so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
+    if (features->has_extinction) fputs("    Spectrum transmittance;\n", out);
+    if (features->has_extinction && features->has_depth) fputs("    float depth; // distance, 0 for none\n", out);
+    fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
+    if (!features->has_extinction)
+        fputs("    return false;\n}\n", out);
+    else if (job->quality.min_transmittance > 0)
+        fprintf(out, "    return spectrum_max(gathered.transmittance) < %.9e;\n}\n", job->quality.min_transmittance);
+    else
+        fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
+}
+
+static void write_shadow(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    if (!program->features.marches_to_lights)
+        fputs("transmittance_closed(", out);
+    else if (job->quality.method == JOB_METHOD_RIEMANN)
+        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d), ", job->quality.light_steps);
+    else
+        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", program->light_step);
+    fputs("point, light.direction, light.distance)", out);
+}
+
+// The scattering coefficient times the phase function, summed over media.
+static void write_scattered(FILE *out, const char *indent, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const char *separator = "";
+
+    fprintf(out, "%s// Both directions of travel are reversed here, which leaves their cosine as it is.\n", indent);
+    fprintf(out, "%sfloat cos_theta = dot(light.direction, direction);\n%sSpectrum scattered = ", indent, indent);
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!features->media[i].scatters) continue;
+        fprintf(out, "%smedium_%zu_sigma_s * (density_%zu * medium_%zu_phase(cos_theta))", separator, i, i, i);
+        separator = " + ";
+    }
+    fputs(";\n", out);
+}
+
+static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program, size_t light)
+{
+    fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", light);
+    write_scattered(out, "        ", program);
+    fputs("        MediaColumn column = ", out);
+    write_shadow(out, job, program);
+    fputs(";\n        source += scattered * light.irradiance * media_transmittance(column);\n    }\n", out);
+}
+
+// Light along the whole segment from points placed for this light. Where little of it is left we look no further.
+static void write_placed_scattering(FILE *out, const struct scene_light *light, const struct scene_program *program,
+                                    size_t i)
+{
+    bool is_by_angle = scene_light_is_inverse_square(light);
+
+    fputs("    {\n", out);
+    if (is_by_angle)
+        fprintf(out, "        PlacementAngle way = placement_angle(light_%zu_position - point, direction, seen);\n", i);
+    else
+        fputs("        PlacementTransmittance way = PlacementTransmittance(spectrum_min(sigma_t), seen);\n", out);
+    fputs("        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < PLACED_COUNT; ++i) {\n", out);
+    fprintf(out, "            Placed placed = placement_%s_at(way, placed_share(i));\n",
+            is_by_angle ? "angle" : "transmittance");
+    fprintf(out,
+            "            vec3 place = point + placed.at * direction;\n"
+            "            LightSample light = light_%zu(place);\n",
+            i);
+    write_scattered(out, "            ", program);
+    fputs("            MediaColumn column = transmittance_closed(place, light.direction, light.distance);\n"
+          "            Spectrum left = media_transmittance(column) * exp(-sigma_t * placed.at);\n"
+          "            sum += scattered * left * (placed_weight(i) * placed.weight);\n        }\n",
+          out);
+    fprintf(out, "        gathered.radiance += gathered.transmittance * light_%zu_intensity * sum;\n    }\n", i);
+}
+
+static void write_all_placed(FILE *out, const struct scene *scene, const struct scene_program *program)
+{
+    // Of what is farther than this optical depth, 2e-9 is left.
+    fputs("    float seen = min(length, 20.0 / max(spectrum_min(sigma_t), 1e-30));\n", out);
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (program->features.light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], program, i);
+}
+
+static void write_sigma_t(FILE *out, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const char *separator = "";
+
+    fputs("    Spectrum sigma_t = ", out);
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!medium_features_have_column(&features->media[i])) continue;
+        fprintf(out, "%smedium_%zu_sigma_t * density_%zu", separator, i, i);
+        separator = " + ";
+    }
+    fputs(";\n", out);
+}
+
+static void write_extinction(FILE *out, const struct job *job, const struct scene_features *features, bool has_source)
+{
+    bool is_riemann = job->quality.method == JOB_METHOD_RIEMANN;
+
+    if (!is_riemann) fputs("    Segment part = segment(sigma_t * length);\n", out);
+    if (has_source)
+        fprintf(out, "    gathered.radiance += gathered.transmittance * source * %slength;\n",
+                is_riemann ? "" : "part.escape * ");
+    fprintf(out, "    Spectrum after = gathered.transmittance * %s;\n",
+            is_riemann ? "exp(-sigma_t * length)" : "part.transmittance");
+    if (features->has_depth)
+        fputs("    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5)\n"
+              "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
+              out);
+    fputs("    gathered.transmittance = after;\n", out);
+}
+
+static void write_source(FILE *out, const struct medium_features *medium, size_t i)
+{
+    if (medium->emits) fprintf(out, "    source += medium_%zu_emission * density_%zu;\n", i, i);
+    if (medium->has_color) fprintf(out, "    source += medium_%zu_color(field.medium_%zu) * density_%zu;\n", i, i, i);
+    if (medium->glows) fprintf(out, "    source += medium_%zu_glow(point) * density_%zu;\n", i, i);
+}
+
+static void write_sources(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const struct scene *scene = &job->scene;
+
+    fputs("    Spectrum source = spectrum(0.0);\n", out);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        write_source(out, &features->media[i], i);
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (features->light_is_seen[i] && !features->places_points) write_scattering(out, job, program, i);
+}
+
+void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const struct scene *scene = &job->scene;
+    bool has_source = features->has_emission || (features->has_lights && !features->places_points);
+
+    write_gathered(out, job, features);
+    fprintf(out,
+            "// `at` is where the segment begins, `point` %s.\n"
+            "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
+            "length)\n{\n",
+            features->marches ? "where the field was taken" : "is there");
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (features->media[i].is_seen) {
+            fprintf(out, "    float density_%zu = ", i);
+            scene_glue_write_density(out, job, program, i);
+            fputs(";\n", out);
+        }
+    if (has_source) write_sources(out, job, program);
+    if (features->has_extinction) write_sigma_t(out, program);
+    if (features->places_points) write_all_placed(out, scene, program);
+    if (features->has_extinction)
+        write_extinction(out, job, features, has_source);
+    else
+        fputs("    gathered.radiance += source * length;\n", out);
+    fputs("}\n", out);
+}
+
+// Up to this many points are one Gauss-Legendre rule; more are several rules of the same size, one behind the other.
+enum { RULE_LIMIT = 64 };
+
+static void write_numbers(FILE *out, const char *name, const double *numbers, int count)
+{
+    fprintf(out, "const float %s[%d] = float[](", name, count);
+    for (int i = 0; i < count; ++i)
+        fprintf(out, "%s%.9e", i > 0 ? ", " : "", numbers[i]);
+    fputs(");\n", out);
+}
+
+void scene_glue_write_placed(FILE *out, const struct job *job)
+{
+    int rules = (job->quality.points + RULE_LIMIT - 1) / RULE_LIMIT;
+    int size = (job->quality.points + rules - 1) / rules;
+    double points[GAUSS_LEGENDRE_LIMIT], weights[GAUSS_LEGENDRE_LIMIT];
+
+    gauss_legendre(size, points, weights);
+    for (int i = 0; i < size; ++i) {
+        points[i] /= rules;
+        weights[i] /= rules;
+    }
+    write_numbers(out, "PLACED_SHARES", points, size);
+    write_numbers(out, "PLACED_WEIGHTS", weights, size);
+    fprintf(out, "const int PLACED_COUNT = %d;\n", rules * size);
+    fprintf(out, "float placed_share(int i)\n{\n    return PLACED_SHARES[i %% %d] + float(i / %d) * %.9e;\n}\n", size,
+            size, 1.0 / rules);
+    fprintf(out, "float placed_weight(int i)\n{\n    return PLACED_WEIGHTS[i %% %d];\n}\n", size);
+}

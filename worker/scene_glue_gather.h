@@ -1,0 +1,12 @@
+// Writes the part of a scene's shader that adds a segment of a ray to its pixel.
+#pragma once
+
+#include <stdio.h>
+
+struct job;
+struct scene_program;
+
+// `Gathered` and `gather`, called by the integrator for each place that has density.
+void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program);
+// `PLACED_COUNT`, `placed_share(i)` and `placed_weight(i)`: the points of a stretch, for jobs that place them.
+void scene_glue_write_placed(FILE *out, const struct job *job);
