@@ -2,10 +2,9 @@
 
 #include "core/error.h"
 #include "worker/gl_functions.h"
+#include "worker/volume_memory.h"
 
-#include <inttypes.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 enum { SLAB_BYTES = 4 * 1024 * 1024 };
@@ -39,24 +38,10 @@ double gl_grid_bias(enum volume_type type, double slope, double intercept)
     return type == VOLUME_INT16 ? intercept + slope * INT16_MIN : intercept;
 }
 
-// What can be had without pushing anything else out; 0 when the system does not say.
-static uint64_t find_free_bytes(void)
-{
-    FILE *file = fopen("/proc/meminfo", "re");
-    uint64_t kilobytes = 0;
-    char line[128];
-
-    while (file && fgets(line, sizeof line, file))
-        if (sscanf(line, "MemAvailable: %" SCNu64, &kilobytes) == 1) break;
-    if (file) fclose(file);
-    return kilobytes * 1024;
-}
-
 static bool check_size(const struct gl_grid_params *params, size_t size_bytes, struct error *error)
 {
     const int *size = params->volume->size;
     GLint side_limit = 0, slice_limit = 0;
-    uint64_t free_bytes = params->is_in_memory ? find_free_bytes() : 0;
 
     params->gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side_limit);
     params->gl->GetIntegerv(GL_MAX_ARRAY_TEXTURE_LAYERS, &slice_limit);
@@ -65,12 +50,9 @@ static bool check_size(const struct gl_grid_params *params, size_t size_bytes, s
                   side_limit, side_limit, slice_limit, size[0], size[1], size[2]);
         return false;
     }
-    if (free_bytes > 0 && size_bytes > free_bytes) {
-        error_set(error, "%s: its %d x %d x %d voxels take %.2f GB, and %.2f GB of memory are free", params->path,
-                  size[0], size[1], size[2], 1e-9 * (double)size_bytes, 1e-9 * (double)free_bytes);
-        return false;
-    }
-    return true;
+    if (!params->is_in_memory || volume_memory_check((int64_t)size_bytes, volume_memory_limit(), error)) return true;
+    error_prefix(error, "%s: %d x %d x %d voxels", params->path, size[0], size[1], size[2]);
+    return false;
 }
 
 static void make_texture(struct gl_grid *grid, const int size[3])
