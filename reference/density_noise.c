@@ -28,18 +28,18 @@ static const signed char GRADIENT[16][3] = {
     {1, 1, 0}, {0, -1, 1}, {-1, 1, 0}, {0, -1, -1},
 };
 
-static int permuted(int64_t number)
+static int permuted(int number)
 {
-    return PERMUTATION[(uint64_t)number % 256];
+    return PERMUTATION[number & 255];
 }
 
 static double smooth(double t)
 {
-    return ((6.0 * t - 15.0) * t + 10.0) * pow(t, 3.0);
+    return t * t * t * (10.0 - t * (15.0 - 6.0 * t));
 }
 
 // What a lattice point's gradient says at `away` from it.
-static double ramp(const int64_t point[static 3], const double away[static 3])
+static double ramp(const int point[static 3], const double away[static 3])
 {
     const signed char *gradient = GRADIENT[permuted(permuted(permuted(point[0]) + point[1]) + point[2]) % 16];
 
@@ -50,20 +50,27 @@ static double ramp(const int64_t point[static 3], const double away[static 3])
 double density_noise_octave(struct vec3 q)
 {
     const double coordinates[3] = {q.x, q.y, q.z};
-    double sum = 0.0;
+    double part[3], smoothed[3], sum = 0.0;
+    int cell[3];
 
-    for (unsigned corner = 0; corner < 8; corner++) {
+    for (int axis = 0; axis < 3; axis++) {
+        double whole = floor(coordinates[axis]);
+
+        // Exact, and an int whatever the size.
+        cell[axis] = (int)(whole - 256.0 * floor(whole / 256.0));
+        part[axis] = coordinates[axis] - whole;
+        smoothed[axis] = smooth(part[axis]);
+    }
+    for (int corner = 0; corner < 8; corner++) {
         double weight = 1.0, away[3];
-        int64_t point[3];
+        int point[3];
 
-        for (unsigned axis = 0; axis < 3; axis++) {
-            unsigned side = corner >> axis & 1u;
-            double whole = floor(coordinates[axis]), part = coordinates[axis] - whole;
+        for (int axis = 0; axis < 3; axis++) {
+            int side = corner >> axis & 1;
 
-            // fmod is exact; beyond 2^63 a whole number has no 64 bits.
-            point[axis] = (int64_t)fmod(whole, 256.0) + side;
-            away[axis] = part - side;
-            weight *= side ? smooth(part) : 1.0 - smooth(part);
+            point[axis] = cell[axis] + side;
+            away[axis] = part[axis] - side;
+            weight *= side ? smoothed[axis] : 1.0 - smoothed[axis];
         }
         sum += weight * ramp(point, away);
     }

@@ -3,6 +3,7 @@
 static const struct density_kind *const kinds[] = {
     [SCENE_DENSITY_FOLD_FRACTAL] = &density_kind_fold_fractal,
     [SCENE_DENSITY_HOMOGENEOUS] = &density_kind_homogeneous,
+    [SCENE_DENSITY_NOISE] = &density_kind_noise,
     [SCENE_DENSITY_GRID] = &density_kind_grid,
     [SCENE_DENSITY_GLSL] = NULL,
 };

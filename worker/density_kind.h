@@ -49,7 +49,8 @@ struct density_kind {
     void (*write)(FILE *out, const struct density_site *site);
 };
 
-extern const struct density_kind density_kind_fold_fractal, density_kind_homogeneous, density_kind_grid;
+extern const struct density_kind density_kind_fold_fractal, density_kind_homogeneous, density_kind_noise,
+    density_kind_grid;
 
 // NULL for a kind that cannot be rendered yet.
 const struct density_kind *density_kind_of(const struct scene_density *density);
