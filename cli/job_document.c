@@ -1,5 +1,6 @@
 #include "cli/job_document.h"
 
+#include "cli/job_inputs.h"
 #include "cli/json_set.h"
 #include "core/alloc.h"
 #include "core/error.h"
@@ -84,6 +85,11 @@ char *job_document_load(const char *path, const char *const sets[], size_t set_c
         free(document);
         document = edited;
     }
+    if (document && !job_inputs_resolve(&document, path, error)) {
+        error_prefix(error, "%s", job_document_name(path));
+        free(document);
+        return NULL;
+    }
     return document;
 }
 
@@ -106,7 +112,10 @@ bool job_document_set_text(char **document, const char *path_in_document, const 
 bool job_document_check(const char *path, const char *document, const char *output_root, struct job *job,
                         struct error *error)
 {
-    if (job_parse(job, document, strlen(document), output_root, error)) return true;
+    if (job_parse(job, document, strlen(document), output_root, error)) {
+        if (job_inputs_check(job, error)) return true;
+        job_finish(job);
+    }
     error_prefix(error, "%s", job_document_name(path));
     return false;
 }

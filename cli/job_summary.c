@@ -33,6 +33,23 @@ static void print_media(const struct scene *scene)
            scene_is_constant(scene) ? "; nothing moves: rendered once" : "");
 }
 
+static void print_step(const char *name, double metres, double voxels)
+{
+    if (metres > 0.0) printf(", %s %g m", name, metres);
+    if (voxels > 0.0) printf(", %s %g voxels", name, voxels);
+}
+
+static void print_quality(const struct job_quality *quality)
+{
+    printf("%-10s %s", "quality", job_method_name(quality->method));
+    print_step("step", quality->step, quality->step_voxels);
+    print_step("light step", quality->light_step, quality->light_step_voxels);
+    if (quality->light_steps > 0) printf(", %d light steps", quality->light_steps);
+    if (quality->points > 0) printf(", %d points", quality->points);
+    if (quality->samples > 1) printf(", %d samples a pixel", quality->samples);
+    printf("\n");
+}
+
 void job_summary_print(const struct job *job)
 {
     int64_t count = frame_range_count(&job->frames);
@@ -43,11 +60,7 @@ void job_summary_print(const struct job *job)
     printf("%-10s %" PRId64 ": %s\n", "frames", count, range);
     printf("%-10s %d x %d\n", "resolution", job->width_px, job->height_px);
     print_media(&job->scene);
-    printf("%-10s %s, step %g m", "quality", job_method_name(job->quality.method), job->quality.step);
-    if (job->quality.method == JOB_METHOD_RIEMANN)
-        printf(", %d light steps\n", job->quality.light_steps);
-    else
-        printf(", light step %g m\n", job->quality.light_step);
+    print_quality(&job->quality);
     printf("%-10s %s, %s%s%s\n", "channels", job->output.pixel == JOB_PIXEL_HALF ? "half RGBA" : "float RGBA",
            job_compression_name(job->output.compression), job->output.has_depth ? ", Z" : "",
            job->output.has_transmittance ? ", transmittance" : "");
@@ -75,7 +88,9 @@ void job_summary_write_members(const struct job *job, struct json_writer *writer
     json_write_integer_member(writer, "lights", (int64_t)job->scene.light_count);
     json_write_bool_member(writer, "moves", !scene_is_constant(&job->scene));
     json_write_string_member(writer, "method", job_method_name(job->quality.method));
-    json_write_number_member(writer, "step", job->quality.step);
+    if (job->quality.step > 0.0) json_write_number_member(writer, "step", job->quality.step);
+    if (job->quality.step_voxels > 0.0) json_write_number_member(writer, "step_voxels", job->quality.step_voxels);
+    json_write_integer_member(writer, "samples", job->quality.samples);
     json_write_string_member(writer, "first_file", first);
     json_write_string_member(writer, "last_file", last);
     json_write_string_member(writer, "hash", job->hash);

@@ -1,8 +1,8 @@
 #include "core/density_json.h"
 
 #include "core/bounds_json.h"
+#include "core/glsl_json.h"
 #include "core/grid_json.h"
-#include "core/job_later.h"
 #include "core/scene.h"
 #include "core/scene_reader.h"
 
@@ -96,21 +96,20 @@ static bool read_kind(const struct scene_reader *reader, struct scene_density *d
         density->grid = (struct scene_grid){0};
         return grid_from_json(&density->grid, reader);
     case SCENE_DENSITY_GLSL:
-        break;
+        density->glsl = (struct scene_glsl){0};
+        return glsl_from_json(&density->glsl, reader);
     }
     return false;
 }
 
 bool density_from_json(struct scene_density *density, const struct scene_reader *medium)
 {
-    static const char *const kinds[] = {"fold_fractal", "homogeneous", "noise", "grid", NULL};
+    static const char *const kinds[] = {"fold_fractal", "homogeneous", "noise", "grid", "glsl", NULL};
     struct json_node object = json_node_child(medium->object, "density"), kind = json_node_child(&object, "kind");
     struct scene_reader reader = {&object, medium->span, medium->error};
     int choice;
 
-    if (!json_check_object(&object, reader.error) || !job_later_check(&object, JOB_LATER_DENSITY, reader.error) ||
-        !json_read_enum(&kind, kinds, &choice, reader.error))
-        return false;
+    if (!json_check_object(&object, reader.error) || !json_read_enum(&kind, kinds, &choice, reader.error)) return false;
     density->kind = (enum scene_density_kind)choice;
     return read_kind(&reader, density) && bounds_from_json(&density->bounds, &reader);
 }

@@ -132,3 +132,27 @@ bool job_check(const struct job *job, const struct json_node *document, struct e
 {
     return check_moments(job, document, error) && step_check(job, document, error);
 }
+
+static bool check_input(const struct scene_density *density, const struct json_node *node, struct error *error)
+{
+    const char *path = density->kind == SCENE_DENSITY_GRID ? density->grid.file : density->glsl.file;
+    struct json_node file = json_node_child(node, "file"), source = json_node_child(node, "source");
+
+    if (path && *path != '/') return json_fail_expected(&file, error, "an absolute path");
+    if (density->kind != SCENE_DENSITY_GLSL || density->glsl.source) return true;
+    return json_fail_expected(&source, error, "the text of the file");
+}
+
+bool job_check_inputs(const struct job *job, const struct json_node *document, struct error *error)
+{
+    struct json_node scene = json_node_child(document, "scene"), media = json_node_child(&scene, "media");
+
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const struct scene_density *density = &job->scene.media[i].density;
+        struct json_node medium = json_node_element(&media, i), node = json_node_child(&medium, "density");
+        bool has_files = density->kind == SCENE_DENSITY_GRID || density->kind == SCENE_DENSITY_GLSL;
+
+        if (has_files && !check_input(density, &node, error)) return false;
+    }
+    return true;
+}

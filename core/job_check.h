@@ -9,3 +9,6 @@ struct json_node;
 
 // All of `job` but its hash is read from `document`, which messages name places in.
 bool job_check(const struct job *job, const struct json_node *document, struct error *error);
+
+// True when a program that runs elsewhere can read what the job reads: files by absolute paths, GLSL as text.
+bool job_check_inputs(const struct job *job, const struct json_node *document, struct error *error);

@@ -96,8 +96,11 @@ static void put_density(FILE *text, const struct scene_density *density)
     case SCENE_DENSITY_GRID:
         put_grid(text, &density->grid);
         break;
-    case SCENE_DENSITY_HOMOGENEOUS:
     case SCENE_DENSITY_GLSL:
+        put_text(text, "source", density->glsl.source);
+        put_numbers(text, "lipschitz", &density->glsl.lipschitz, 1);
+        break;
+    case SCENE_DENSITY_HOMOGENEOUS:
         break;
     }
     fputc('\n', text);

@@ -4,7 +4,6 @@
 
 const struct job_later job_later_table[] = {
     {JOB_LATER_SCENE, .key = "objects"},
-    {JOB_LATER_DENSITY, .key = "kind", .text = "glsl"},
     {JOB_LATER_QUALITY, .key = "tolerance"},
     {JOB_LATER_QUALITY, .key = "method", .text = "jittered"},
     {JOB_LATER_QUALITY, .key = "method", .text = "adaptive"},

@@ -7,7 +7,7 @@
 
 struct error;
 
-enum job_later_place { JOB_LATER_SCENE, JOB_LATER_DENSITY, JOB_LATER_QUALITY };
+enum job_later_place { JOB_LATER_SCENE, JOB_LATER_QUALITY };
 
 struct job_later {
     enum job_later_place place;
@@ -17,5 +17,5 @@ struct job_later {
 
 extern const struct job_later job_later_table[];
 
-// Refuses what `object` holds of the table's entries for `place`: `PATH: "grid" is not there yet`. Accepts an absent one.
+// Refuses what `object` holds of the table's entries for `place`: `PATH: "jittered" is not there yet`. Accepts an absent one.
 bool job_later_check(const struct json_node *object, enum job_later_place place, struct error *error);

@@ -14,7 +14,9 @@ enum {
     SCENE_ITERATION_LIMIT = 32, // of a fold fractal
     SCENE_OCTAVE_LIMIT = 16,    // of a noise
     SCENE_TRANSFER_LIMIT = 64,  // points of a transfer function
-    SCENE_GRID_SIDE_LIMIT = 65536
+    SCENE_GRID_SIDE_LIMIT = 65536,
+    SCENE_GLSL_SIZE_LIMIT = 64 * 1024, // bytes of a user's density
+    SCENE_GLSL_LINE_LIMIT = 5000       // of it: fewer than the numbers between two modules' first lines
 };
 
 // A pinhole camera: forward = target - position, right = normalize(cross(forward, up)), image y up.
@@ -119,9 +121,9 @@ struct scene_grid {
 
 // rho(p) = scale max(density(p, t), 0), the function being the user's.
 struct scene_glsl {
-    char *file;            // owned; for messages, and where the text came from
-    char *source;          // owned; `float density(vec3 p, float t)` and what it calls
-    double lipschitz;      // > 0: |density(p) - density(q)| <= lipschitz |p - q|, negative outside; 0: nothing is known
+    char *file;       // owned; for messages; NULL: the text is from the job itself
+    char *source;     // owned; `float density(vec3 p, float t)` and what it calls; NULL: still to be read from `file`
+    double lipschitz; // > 0: |density(p) - density(q)| <= lipschitz |p - q|, negative outside; 0: nothing is known
     struct timeline scale; // >= 0
 };
 

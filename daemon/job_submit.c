@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"
+#include "core/job_check.h"
 #include "core/job_json.h"
 #include "core/json_write.h"
 #include "core/log.h"
@@ -125,7 +126,9 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     bool ok = false;
 
     request->code = MESSAGE_CODE_PARAMS;
-    if (!job_from_json(&job, document, farm->options->output_root, &request->error)) goto out;
+    if (!job_from_json(&job, document, farm->options->output_root, &request->error) ||
+        !job_check_inputs(&job, document, &request->error))
+        goto out;
     if (!check_collisions(request, &job)) goto out;
     text = json_format(document);
     submit = create_submit(request, &job, text, paused);

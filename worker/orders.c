@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/frame_range.h"
+#include "core/job_check.h"
 #include "core/job_json.h"
 #include "core/json_read.h"
 #include "core/json_write.h"
@@ -46,7 +47,8 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
         held_job_destroy(job);
         return false;
     }
-    if (!job_from_json(&job->job, &root, job->root, &reason)) job->fault = xstrdup(reason.message);
+    if (!job_from_json(&job->job, &root, job->root, &reason) || !job_check_inputs(&job->job, &root, &reason))
+        job->fault = xstrdup(reason.message);
     pthread_mutex_lock(&worker->lock);
     assignment_add_job(&worker->assignment, job);
     pthread_mutex_unlock(&worker->lock);

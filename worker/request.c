@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"
+#include "core/job_check.h"
 #include "core/job_json.h"
 #include "core/json_write.h"
 #include "worker/connection.h"
@@ -33,6 +34,10 @@ static bool answer_explain(const struct json_node *params, const char *shader_di
     *code = MESSAGE_CODE_PARAMS;
     if (!json_node_is_absent(&output_root) && !json_read_string(&output_root, &output_root_path, error)) return false;
     if (!job_from_json(&job, &document_root, output_root_path, error)) return false;
+    if (!job_check_inputs(&job, &document_root, error)) {
+        job_finish(&job);
+        return false;
+    }
     *code = MESSAGE_CODE_INTERNAL;
     ok = explain_write(&job, shader_dir, writer, error);
     job_finish(&job);

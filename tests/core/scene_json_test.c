@@ -210,10 +210,10 @@ static void wrong_media_are_refused_by_place(void **state)
 {
     assert_edit_refused("scene.media[1].sigma_a", NULL,
                         "scene.media[1]: expected sigma_s, sigma_a, emission or blackbody, got none of them");
-    assert_edit_refused(
-        "scene.media[0].density.kind", "\"fold_factal\"",
-        "scene.media[0].density.kind: expected one of \"fold_fractal\",\"homogeneous\",\"noise\",\"grid\", got "
-        "\"fold_factal\", did you mean \"fold_fractal\"?");
+    assert_edit_refused("scene.media[0].density.kind", "\"fold_factal\"",
+                        "scene.media[0].density.kind: expected one of "
+                        "\"fold_fractal\",\"homogeneous\",\"noise\",\"grid\",\"glsl\", got "
+                        "\"fold_factal\", did you mean \"fold_fractal\"?");
     assert_edit_refused("scene.media[0].density.exponent", "0",
                         "scene.media[0].density.exponent: expected a number in (0, 100], got 0");
     assert_edit_refused("scene.media[0].density.iterations", "2.5",

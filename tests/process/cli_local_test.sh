@@ -48,6 +48,21 @@ if ! march validate - <"$cloud" | grep -qF "standard input: ok"; then
     failures=$((failures + 1))
 fi
 
+mkdir -p "a#b" # a folder's name is no frame number
+cat >"a#b/scan.json" <<END
+{"version": 1, "name": "scan", "frames": "1-4", "fps": 24, "resolution": [8, 8], "output": {"path": "s.#.exr"},
+ "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov": 40}, "quality": {"method": "midpoint", "step_voxels": 1},
+ "scene": {"media": [{"density": {"kind": "grid", "file": "scan.##.nii"}, "sigma_a": 1}]}}
+END
+touch "a#b/scan.01.nii" "a#b/scan.02.nii" "a#b/scan.04.nii"
+expect 2 "scan.json: scene.media[0].density.file: $scratch/a#b/scan.03.nii: No such file or directory" march validate "a#b/scan.json"
+expect 2 "$scratch/a#b/scan.03.nii: No such file" march submit --dry-run "a#b/scan.json"
+touch "a#b/scan.03.nii"
+expect 0 "scan.json: ok, 4 frames" march validate "a#b/scan.json"
+expect 0 "midpoint, step 1 voxels" march submit --dry-run "a#b/scan.json"
+expect 0 "scan.json: ok" march validate "a#b/scan.json" --set 'scene.media[0].density.file=scan.01.nii'
+expect 2 "$scratch/a#b/scan.1.nii: No such file" march validate "a#b/scan.json" --set 'scene.media[0].density.file=scan.#.nii'
+
 expect 0 "cloud/cloud.0000.exr to cloud/cloud.0230.exr" march submit --dry-run "$cloud" --set frames=0-239x10
 expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10
 expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=101

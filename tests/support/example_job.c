@@ -1,7 +1,9 @@
 #include "tests/support/example_job.h"
 
+#include "core/alloc.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/job_hash.h"
 #include "core/job_json.h"
 
 #include <setjmp.h>
@@ -9,6 +11,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -18,6 +21,30 @@ void example_job_load(struct job *job, const char *name)
 
     snprintf(path, sizeof path, "%s/jobs/%s.json", PROJECT_ROOT, name);
     example_job_load_file(job, path);
+}
+
+static char *find_file(char *owned_path, const char *job_path)
+{
+    const char *slash = strrchr(job_path, '/');
+    char *path;
+
+    if (!owned_path || *owned_path == '/' || !slash) return owned_path;
+    path = xasprintf("%.*s/%s", (int)(slash - job_path), job_path, owned_path);
+    free(owned_path);
+    return path;
+}
+
+// As the command line does it.
+static void find_inputs(struct scene_density *density, const char *job_path)
+{
+    struct error error = {{0}};
+    struct scene_glsl *glsl = &density->glsl;
+
+    if (density->kind == SCENE_DENSITY_GRID) density->grid.file = find_file(density->grid.file, job_path);
+    if (density->kind != SCENE_DENSITY_GLSL) return;
+    glsl->file = find_file(glsl->file, job_path);
+    if (!glsl->source && !file_read_text(glsl->file, SCENE_GLSL_SIZE_LIMIT, &glsl->source, NULL, &error))
+        fail_msg("%s", error.message);
 }
 
 void example_job_load_file(struct job *job, const char *path)
@@ -30,6 +57,9 @@ void example_job_load_file(struct job *job, const char *path)
     ok = file_read_text(path, JOB_DOCUMENT_LIMIT, &text, &length, &error) && job_parse(job, text, length, NULL, &error);
     free(text);
     if (!ok) fail_msg("%s: %s", path, error.message);
+    for (size_t i = 0; i < job->scene.medium_count; i++)
+        find_inputs(&job->scene.media[i].density, path);
+    job_hash_picture(job, job->hash);
 }
 
 void example_job_shrink(struct job *job, int width_px, int height_px, double time)

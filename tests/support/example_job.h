@@ -3,7 +3,7 @@
 
 #include "core/job.h"
 
-// Loads jobs/NAME.json; fails the test when it is wrong. Free with job_finish.
+// Loads jobs/NAME.json, relative input paths from its folder; fails the test when it is wrong. Free with job_finish.
 void example_job_load(struct job *job, const char *name);
 void example_job_load_file(struct job *job, const char *path);
 // The same picture at another size, and frame 0 at `time` seconds.

@@ -90,3 +90,13 @@ const char job_text_grid[] = OPENING
     "\"blackbody\":{\"grid\":\"temperature\",\"kelvin\":{\"start\":1500,\"rate\":1},\"intensity\":2}},"
     "{\"density\":{\"kind\":\"grid\",\"file\":\"still.nvdb\"},\"blackbody\":{\"grid\":\"flame\",\"kelvin\":1}}]},"
     "\"quality\":{\"method\":\"midpoint\",\"step_voxels\":0.5,\"light_step_voxels\":2}}";
+
+const char job_text_glsl[] = OPENING
+    "\"scene\":{\"media\":["
+    "{\"density\":{\"kind\":\"glsl\",\"file\":\"/data/custom.glsl\",\"source\":\"float density(vec3 p, float t)\\n{\\n "
+    "   return "
+    "0.5 - "
+    "length(p);\\n}\\n\",\"lipschitz\":1,\"scale\":2,\"bounds\":{\"kind\":\"sphere\",\"radius\":1}},\"sigma_a\":1},"
+    "{\"density\":{\"kind\":\"glsl\",\"file\":\"a.glsl\",\"bounds\":{\"kind\":\"slab\",\"thickness\":2}},\"sigma_a\":1}"
+    "]},"
+    "\"quality\":{\"method\":\"midpoint\",\"step\":0.5}}";

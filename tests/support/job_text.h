@@ -12,3 +12,4 @@ extern const char job_text_full[];
 extern const char job_text_noise[];
 extern const char job_text_fog[];
 extern const char job_text_grid[];
+extern const char job_text_glsl[];

@@ -5,6 +5,7 @@
 #include <float.h>
 #include <math.h>
 #include <regex.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -258,15 +259,30 @@ static bool check_not(const struct place *place, const struct json_node *rule)
     return !accepts(place->root, rule, place->document);
 }
 
-static bool check_ref(const struct place *place, const struct json_node *rule)
+// Definitions are many and are looked up a million times.
+static struct json_node find_definition(const struct json_node *root, const struct json_node *rule)
 {
     static const char prefix[] = "#/$defs/";
-    struct json_node definitions = json_node_child(place->root, "$defs"), schema;
+    static struct {
+        const struct cJSON *rule, *definition;
+    } known[1024];
+    struct json_node definitions = json_node_child(root, "$defs"), schema;
+    size_t slot = (uintptr_t)rule->value / sizeof(void *) % 1024;
     const char *name = text_of(rule);
 
+    if (known[slot].rule == rule->value) return json_node_root(known[slot].definition);
     if (strncmp(name, prefix, strlen(prefix)) != 0) give_up("not supported", name);
     schema = json_node_child(&definitions, name + strlen(prefix));
     if (json_node_is_absent(&schema)) give_up("no such definition", name);
+    known[slot].rule = rule->value;
+    known[slot].definition = schema.value;
+    return schema;
+}
+
+static bool check_ref(const struct place *place, const struct json_node *rule)
+{
+    struct json_node schema = find_definition(place->root, rule);
+
     return accepts(place->root, &schema, place->document);
 }
 

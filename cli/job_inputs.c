@@ -1,0 +1,159 @@
+#include "cli/job_inputs.h"
+
+#include "cli/job_document.h"
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/input_path.h"
+#include "core/job.h"
+#include "core/json_read.h"
+#include "core/utf8.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const int64_t FRAMES_CHECKED = 10 * 1000;
+
+// The folder that relative paths start from, owned by the caller; NULL on failure.
+static char *find_folder(const char *job_path, struct error *error)
+{
+    const char *slash = strrchr(job_path, '/');
+    char *folder = slash ? xstrndup(job_path, (size_t)(slash - job_path) + 1) : xstrdup(".");
+    char *absolute = realpath(folder, NULL);
+
+    if (!absolute) error_set_errno(error, errno, "%s", folder);
+    free(folder);
+    return absolute;
+}
+
+static char *read_glsl(const char *path, struct error *error)
+{
+    size_t length, size;
+    char *text;
+
+    if (!file_read_text(path, SCENE_GLSL_SIZE_LIMIT, &text, &length, error)) goto fail;
+    if (strlen(text) != length) {
+        error_set(error, "expected text, got a NUL byte at offset %zu", strlen(text));
+        goto fail;
+    }
+    for (size_t i = 0; i < length; i += size) {
+        size = utf8_character_length(text + i, length - i);
+        if (size > 0) continue;
+        error_set(error, "expected UTF-8 text, got the byte 0x%02x at offset %zu", (unsigned char)text[i], i);
+        goto fail;
+    }
+    return text;
+fail:
+    error_prefix(error, "%s", path);
+    free(text);
+    return NULL;
+}
+
+static bool set_member(char **document, const char *place, const char *key, const char *text, struct error *error)
+{
+    char *path = xasprintf("%s.%s", place, key);
+    bool ok = job_document_set_text(document, path, text, error);
+
+    free(path);
+    return ok;
+}
+
+static bool resolve_density(char **document, const struct json_node *density, const char *place, const char *folder,
+                            struct error *error)
+{
+    struct json_node kind = json_node_child(density, "kind"), file = json_node_child(density, "file");
+    struct json_node source = json_node_child(density, "source");
+    const char *kind_name, *path;
+    char *absolute, *text = NULL;
+    bool is_glsl, ok = true;
+
+    if (!json_read_string(&kind, &kind_name, NULL) || !json_read_string(&file, &path, NULL)) return true;
+    is_glsl = strcmp(kind_name, "glsl") == 0;
+    if ((!is_glsl && strcmp(kind_name, "grid") != 0) || !input_path_check(path, NULL)) return true;
+    absolute = *path == '/' ? xstrdup(path) : xasprintf("%s/%s", strcmp(folder, "/") == 0 ? "" : folder, path);
+    if (is_glsl && json_node_is_absent(&source)) {
+        text = read_glsl(absolute, error);
+        if (!text) error_prefix(error, "%s.file", place);
+        ok = text && set_member(document, place, "source", text, error);
+    }
+    ok = ok && set_member(document, place, "file", absolute, error);
+    free(absolute);
+    free(text);
+    return ok;
+}
+
+static bool resolve_media(char **document, const struct json_node *root, const char *folder, struct error *error)
+{
+    struct json_node scene = json_node_child(root, "scene"), media = json_node_child(&scene, "media"), medium = {0};
+    bool ok = true;
+
+    while (ok && json_node_type(&media) == JSON_ARRAY && json_node_next(&media, &medium)) {
+        struct json_node density = json_node_child(&medium, "density");
+        char *place = xasprintf("scene.media[%zu].density", medium.index);
+
+        ok = resolve_density(document, &density, place, folder, error);
+        free(place);
+    }
+    return ok;
+}
+
+bool job_inputs_resolve(char **document, const char *job_path, struct error *error)
+{
+    char *folder = find_folder(job_path, error);
+    struct cJSON *root = NULL;
+    struct json_node node;
+    bool ok = false;
+
+    if (!folder) return false;
+    if (!json_parse(&root, *document, strlen(*document), error)) goto out;
+    node = json_node_root(root);
+    ok = resolve_media(document, &node, folder, error);
+out:
+    json_delete(root);
+    free(folder);
+    return ok;
+}
+
+static bool check_file(const char *path, struct error *error)
+{
+    struct stat status;
+
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
+        error_set(error, "%s: expected a file, got a folder or a device", path);
+        return false;
+    }
+    if (access(path, R_OK) == 0) return true;
+    error_set_errno(error, errno, "%s", path);
+    return false;
+}
+
+static bool check_grid(const struct job *job, const struct scene_grid *grid, struct error *error)
+{
+    int64_t count = input_path_is_sequence(grid->file) ? frame_range_count(&job->frames) : 1;
+
+    if (count > FRAMES_CHECKED) count = FRAMES_CHECKED;
+    for (int64_t i = 0; i < count; i++) {
+        char *path = input_path_format(grid->file, frame_range_at(&job->frames, i));
+        bool ok = check_file(path, error);
+
+        free(path);
+        if (!ok) return false;
+    }
+    return true;
+}
+
+bool job_inputs_check(const struct job *job, struct error *error)
+{
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const struct scene_density *density = &job->scene.media[i].density;
+
+        if (density->kind != SCENE_DENSITY_GRID || check_grid(job, &density->grid, error)) continue;
+        error_prefix(error, "scene.media[%zu].density.file", i);
+        return false;
+    }
+    return true;
+}
