@@ -182,6 +182,35 @@ static void slope_scales_unless_it_is_zero(void **state)
     }
 }
 
+// Extensions stand between the header and the voxels; 0 is how some say that there are none.
+static void voxels_begin_at_their_offset(void **state)
+{
+    for (int version = 1; version <= 2; version++)
+        for (int is_zipped = 0; is_zipped <= 1; is_zipped++) {
+            struct volume_source source = {.path = temp_folder_path(state, is_zipped ? "a.nii.gz" : "a.nii")};
+            size_t least = version == 1 ? 352 : 544;
+            unsigned char bytes[544 + 5000 + 60] = {0};
+            struct volume_maker_nifti nifti;
+            struct volume *volume;
+
+            volume_maker_nifti_init(&nifti, version, false, size, VOLUME_STORED_UINT8);
+            volume_maker_nifti_set(&nifti, "vox_offset", 0, (double)least + 5000);
+            memcpy(bytes, nifti.bytes, least);
+            memcpy(bytes + least + 5000, nifti.bytes + least, 60);
+            (is_zipped ? volume_maker_write_gzip : volume_maker_write)(source.path, bytes, least + 5000 + 60);
+            volume = volume_check_open(&source);
+            volume_check_voxels(volume);
+            volume_close(volume);
+
+            volume_maker_nifti_set(&nifti, "vox_offset", 0, 0);
+            (is_zipped ? volume_maker_write_gzip : volume_maker_write)(source.path, nifti.bytes, nifti.size_bytes);
+            volume = volume_check_open(&source);
+            volume_check_voxels(volume);
+            volume_close(volume);
+            volume_maker_nifti_finish(&nifti);
+        }
+}
+
 // The voxels' directions and the grid's middle, here (7, 14, -26) mm, stay.
 static void spacing_overrides_the_sides(void **state)
 {
@@ -308,6 +337,7 @@ int main(void)
         cmocka_unit_test(half_turns_survive_rounding),
         cmocka_unit_test(units_are_metres_millimetres_or_micrometres),
         cmocka_unit_test(slope_scales_unless_it_is_zero),
+        cmocka_unit_test(voxels_begin_at_their_offset),
         cmocka_unit_test(spacing_overrides_the_sides),
         cmocka_unit_test(bad_fields_are_named),
         cmocka_unit_test(bad_directions_are_refused),
