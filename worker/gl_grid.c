@@ -2,7 +2,6 @@
 
 #include "core/error.h"
 #include "worker/gl_functions.h"
-#include "worker/volume_memory.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -38,7 +37,7 @@ double gl_grid_bias(enum volume_type type, double slope, double intercept)
     return type == VOLUME_INT16 ? intercept + slope * INT16_MIN : intercept;
 }
 
-static bool check_size(const struct gl_grid_params *params, size_t size_bytes, struct error *error)
+static bool check_size(const struct gl_grid_params *params, struct error *error)
 {
     const int *size = params->volume->size;
     GLint side_limit = 0, slice_limit = 0;
@@ -50,9 +49,7 @@ static bool check_size(const struct gl_grid_params *params, size_t size_bytes, s
                   side_limit, side_limit, slice_limit, size[0], size[1], size[2]);
         return false;
     }
-    if (!params->is_in_memory || volume_memory_check((int64_t)size_bytes, volume_memory_limit(), error)) return true;
-    error_prefix(error, "%s: %d x %d x %d voxels", params->path, size[0], size[1], size[2]);
-    return false;
+    return true;
 }
 
 static void make_texture(struct gl_grid *grid, const int size[3])
@@ -111,7 +108,7 @@ bool gl_grid_init(struct gl_grid *grid, const struct gl_grid_params *params, str
     *grid =
         (struct gl_grid){.gl = params->gl, .type = volume->type, .size_bytes = slice_bytes * (size_t)volume->size[2]};
     if (slab_slices > size[2]) slab_slices = size[2];
-    if (!check_size(params, grid->size_bytes, error)) goto out;
+    if (!check_size(params, error)) goto out;
     slab = malloc(slice_bytes * (size_t)slab_slices);
     if (!slab) {
         error_set(error, "%s: out of memory", params->path);

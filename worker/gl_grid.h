@@ -26,7 +26,6 @@ struct gl_grid_params {
     const struct gl_functions *gl;
     struct volume *volume; // opened, nothing read; all of it is read
     const char *path;      // for messages
-    bool is_in_memory;     // textures take the machine's own memory: it has to be free
     gl_grid_progress *on_progress;
     void *user;
 };

@@ -29,18 +29,16 @@ struct kept_distances {
 
 struct gl_grids {
     const struct gl_functions *gl; // borrowed; outlives us
-    bool is_in_memory;
     uint64_t frame_count;
     struct kept_grid grids[GRID_LIMIT];
     struct kept_distances distances[SCENE_MEDIUM_LIMIT];
 };
 
-struct gl_grids *gl_grids_create(const struct gl_functions *gl, bool is_in_memory)
+struct gl_grids *gl_grids_create(const struct gl_functions *gl)
 {
     struct gl_grids *grids = xcalloc(1, sizeof *grids);
 
     grids->gl = gl;
-    grids->is_in_memory = is_in_memory;
     return grids;
 }
 
@@ -104,14 +102,11 @@ static struct kept_grid *read_grid(struct gl_grids *grids, const struct scene_in
     bool ok;
 
     if (!scene_input_open_volume(input, &volume, error)) return NULL;
-    ok = gl_grid_init(&kept->grid,
-                      &(struct gl_grid_params){.gl = grids->gl,
-                                               .volume = volume,
-                                               .path = input->path,
-                                               .is_in_memory = grids->is_in_memory,
-                                               .on_progress = on_progress,
-                                               .user = user},
-                      error);
+    ok = gl_grid_init(
+        &kept->grid,
+        &(struct gl_grid_params){
+            .gl = grids->gl, .volume = volume, .path = input->path, .on_progress = on_progress, .user = user},
+        error);
     volume_close(volume);
     if (ok && !scene_input_check(input, error)) {
         gl_grid_finish(&kept->grid);

@@ -10,9 +10,8 @@ struct gl_functions;
 struct gl_grids;
 struct scene_inputs;
 
-// `is_in_memory` is as for gl_grid_init. `gl` outlives the grids.
-struct gl_grids *gl_grids_create(const struct gl_functions *gl, bool is_in_memory);
-void gl_grids_destroy(struct gl_grids *grids); // accepts NULL
+struct gl_grids *gl_grids_create(const struct gl_functions *gl); // which outlives the grids
+void gl_grids_destroy(struct gl_grids *grids);                   // accepts NULL
 
 // Reads what is not here yet, then binds medium I's voxels to texture unit 4 I and the distances of its bricks to 4 I + 1.
 // `inputs` are hashed.

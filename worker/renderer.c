@@ -79,7 +79,7 @@ struct renderer *renderer_create(struct gl_context *context, const char *shader_
     renderer->hashes = file_hashes_create();
     if (!gl_functions_load(&renderer->gl, context, &renderer->unusable)) return renderer;
     gl_debug_init(&renderer->debug, &renderer->gl);
-    renderer->grids = gl_grids_create(&renderer->gl, gl_context_facts(context)->is_software);
+    renderer->grids = gl_grids_create(&renderer->gl);
     renderer->gl.CreateVertexArrays(1, &renderer->vertex_array);
     renderer->gl.CreateBuffers(1, &renderer->uniform_buffer);
     return renderer;

@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/job.h"
 #include "tests/support/render_frame.h"
+#include "tests/support/still_grids.h"
 #include "worker/image.h"
 
 #include <setjmp.h>
@@ -17,12 +18,14 @@ struct true_light true_light_compare(const struct job *job, enum gl_backend back
     size_t count = (size_t)job->width_px * (size_t)job->height_px;
     double *truth = xcalloc(7 * count, sizeof *truth);
     float *seen = xcalloc(7 * count, sizeof *seen);
+    struct still_inputs inputs;
     struct true_light light;
     struct still *still = xcalloc(1, sizeof *still);
     struct image image;
 
     render_frame_on(backend, job, &image);
-    still_init(still, job, job_frame_time(job, 0));
+    still_grids_read(&inputs, job, 0);
+    still_init_with_inputs(still, job, job_frame_time(job, 0), &inputs);
     for (size_t i = 0; i < count; ++i) {
         struct reference_pixel pixel =
             reference_measure_pixel(still, (int)(i % (size_t)job->width_px), (int)(i / (size_t)job->width_px), NULL);
@@ -42,6 +45,7 @@ struct true_light true_light_compare(const struct job *job, enum gl_backend back
     print_message("relative RMSE of radiance %.2e (largest %.2e at %zu), transmittance %.2e, alpha %.2e\n",
                   light.radiance.relative_rmse, light.radiance.largest, light.radiance.largest_index / 3,
                   light.transmittance.relative_rmse, light.alpha.relative_rmse);
+    still_grids_finish(&inputs);
     image_finish(&image);
     free(still);
     free(truth);

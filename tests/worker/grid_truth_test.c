@@ -1,0 +1,268 @@
+// Pictures of voxels against the converged integral: transfer functions, filters, placement, the camera inside, lit scans.
+#include "core/error.h"
+#include "core/job_json.h"
+#include "tests/support/random.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/true_light.h"
+#include "tests/support/volume_maker.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH_PX = 24, HEIGHT_PX = 16 };
+
+#define SKEWED_AXES "space directions: (0.031,-0.006,0.001) (0.004,0.03,0.003) (-0.002,0.005,-0.055)\n"
+#define PLAIN_AXES "space directions: (0.04,0,0) (0,0.04,0) (0,0,0.04)\n"
+
+// Soft lobes with none alike under any mirror or exchange of axes; 0 in more than half of the box.
+static double lobe(double x, double y, double z, const double center[3], double radius)
+{
+    double square = pow(x - center[0], 2) + pow(y - center[1], 2) + pow(z - center[2], 2);
+    double inside = fmax(1 - square / (radius * radius), 0);
+
+    return inside * inside;
+}
+
+static double value_at(double x, double y, double z)
+{
+    static const double centers[3][3] = {{0.3, 0.35, 0.4}, {0.7, 0.3, 0.6}, {0.35, 0.75, 0.75}};
+    static const double radii[3] = {0.3, 0.22, 0.16}, heights[3] = {1, 0.7, 0.85};
+    double value = 0;
+
+    for (int i = 0; i < 3; i++)
+        value += heights[i] * lobe(x, y, z, centers[i], radii[i]);
+    return value;
+}
+
+// An NRRD file of float voxels with its middle at the origin.
+static void write_lobes(const char *path, const int size[3], const char *axes)
+{
+    size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2], at = 0;
+    double directions[3][3];
+    char header[512];
+    size_t length;
+    char *bytes;
+
+    assert_int_equal(sscanf(axes, "space directions: (%lf,%lf,%lf) (%lf,%lf,%lf) (%lf,%lf,%lf)", &directions[0][0],
+                            &directions[0][1], &directions[0][2], &directions[1][0], &directions[1][1],
+                            &directions[1][2], &directions[2][0], &directions[2][1], &directions[2][2]),
+                     9);
+    snprintf(
+        header, sizeof header,
+        "NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: %d %d %d\n%sspace origin: (%.17g,%.17g,"
+        "%.17g)\nendian: little\nencoding: raw\n\n",
+        size[0], size[1], size[2], axes,
+        -0.5 * ((size[0] - 1) * directions[0][0] + (size[1] - 1) * directions[1][0] + (size[2] - 1) * directions[2][0]),
+        -0.5 * ((size[0] - 1) * directions[0][1] + (size[1] - 1) * directions[1][1] + (size[2] - 1) * directions[2][1]),
+        -0.5 *
+            ((size[0] - 1) * directions[0][2] + (size[1] - 1) * directions[1][2] + (size[2] - 1) * directions[2][2]));
+    length = strlen(header);
+    bytes = calloc(1, length + count * sizeof(float));
+    memcpy(bytes, header, length);
+    for (int k = 0; k < size[2]; k++)
+        for (int j = 0; j < size[1]; j++)
+            for (int i = 0; i < size[0]; i++, at++) {
+                float value = (float)value_at((i + 0.5) / size[0], (j + 0.5) / size[1], (k + 0.5) / size[2]);
+
+                memcpy(bytes + length + at * sizeof value, &value, sizeof value);
+            }
+    volume_maker_write(path, bytes, length + count * sizeof(float));
+    free(bytes);
+}
+
+#define OUTSIDE "\"position\": [0.9, 1.1, 0.7], \"target\": [0, 0, 0], \"up\": [0, 0, 1], \"fov\": 45"
+#define INSIDE "\"position\": [0.02, 0.05, -0.1], \"target\": [0.3, -0.4, 0.5], \"up\": [0, 0, 1], \"fov\": 70"
+#define MIDPOINT(STEPS) "\"method\": \"midpoint\", " STEPS
+#define SMOOTH_TRANSFER                                                                                                \
+    "\"transfer_function\": [[0.05, 0.1, 0.3, 1, 0], [0.4, 1, 0.2, 0.1, 0.3], [0.9, 1, 0.9, 0.3, 0.9]], "              \
+    "\"unit_distance\": 0.08"
+#define STEEP_TRANSFER                                                                                                 \
+    "\"transfer_function\": [[0.3, 0, 0, 0, 0], [0.31, 1, 0.6, 0.2, 0.97], [0.34, 1, 0.5, 0.1, 0.97],"                 \
+    " [0.35, 0, 0, 0, 0], [0.7, 0.2, 0.4, 1, 0], [0.71, 0.2, 0.4, 1, 0.999]], \"unit_distance\": 0.02"
+
+struct picture {
+    const char *file, *density, *medium; // medium: members beside the density, with a comma before
+    const char *camera, *lights, *quality;
+};
+
+static void parse(struct job *job, const struct picture *picture)
+{
+    struct error error = {{0}};
+    char text[4096];
+
+    snprintf(text, sizeof text,
+             "{ \"version\": 1, \"name\": \"grid\", \"frames\": \"0\", \"fps\": 24, \"time_offset\": 0.5,"
+             " \"resolution\": [%d, %d], \"camera\": { %s }, \"lights\": [ %s ],"
+             " \"scene\": { \"media\": [ { \"density\": { \"kind\": \"grid\", \"file\": \"%s\", %s } %s } ] },"
+             " \"quality\": { %s },"
+             " \"output\": { \"path\": \"grid.####.exr\", \"aovs\": [\"Z\", \"transmittance\"] } }",
+             WIDTH_PX, HEIGHT_PX, picture->camera, picture->lights ? picture->lights : "", picture->file,
+             picture->density, picture->medium ? picture->medium : "", picture->quality);
+    if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+}
+
+static struct true_light compare(const struct picture *picture, enum gl_backend backend)
+{
+    struct true_light light;
+    struct job job = {0};
+
+    parse(&job, picture);
+    light = true_light_compare(&job, backend);
+    job_finish(&job);
+    return light;
+}
+
+static void assert_true_light(const struct picture *picture, double tolerance)
+{
+    struct true_light light = compare(picture, GL_BACKEND_OSMESA);
+
+    assert_true(true_light_is_within(&light, tolerance));
+}
+
+static const int SIZE[3] = {21, 17, 19};
+
+// Steps of a quarter voxel over cells whose interpolation has kinks at their faces: second order, some 1e-3.
+static void transfer_function_on_both_backends(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+    struct picture picture = {path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")};
+    struct true_light light;
+
+    write_lobes(path, SIZE, PLAIN_AXES);
+    assert_true_light(&picture, 1e-3);
+    light = compare(&picture, GL_BACKEND_EGL);
+    assert_true(true_light_is_within(&light, 1e-3));
+}
+
+static void oblique_flat_mirrored_voxels(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+
+    write_lobes(path, SIZE, SKEWED_AXES);
+    assert_true_light(
+        &(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")},
+        1e-3);
+}
+
+static void camera_inside_the_box(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+
+    write_lobes(path, SIZE, SKEWED_AXES);
+    assert_true_light(
+        &(struct picture){path, SMOOTH_TRANSFER, .camera = INSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")}, 1e-3);
+}
+
+// Between voxels of different value there is a step, in the middle of a segment or not: first order.
+static void nearest_voxels(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+
+    write_lobes(path, SIZE, SKEWED_AXES);
+    assert_true_light(&(struct picture){path, SMOOTH_TRANSFER ", \"interpolation\": \"nearest\"", .camera = OUTSIDE,
+                                        .quality = MIDPOINT("\"step_voxels\": 0.02")},
+                      2e-3);
+}
+
+// Opacity appears within a hundredth of the values: shells some tenths of a millimetre thin.
+static void steep_transfer_function(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+
+    write_lobes(path, SIZE, PLAIN_AXES);
+    assert_true_light(
+        &(struct picture){path, STEEP_TRANSFER, .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.004")},
+        2e-3);
+}
+
+static void moved_and_respaced(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+
+    write_lobes(path, SIZE, SKEWED_AXES);
+    assert_true_light(&(struct picture){path,
+                                        SMOOTH_TRANSFER ", \"spacing\": [0.03, 0.05, 0.02], \"center\": "
+                                                        "{ \"start\": [0, 0.1, 0], \"rate\": [0.2, -0.3, 0.1] }",
+                                        .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")},
+                      1e-3);
+}
+
+static void lit_scan(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+
+    write_lobes(path, SIZE, SKEWED_AXES);
+    assert_true_light(
+        &(struct picture){path, "\"scale\": 20",
+                          ", \"sigma_s\": [0.5, 0.8, 1], \"sigma_a\": 0.2, \"phase\": [{\"g\": 0.4}]", OUTSIDE,
+                          "{ \"kind\": \"sun\", \"intensity\": 3, \"direction\": [-1, 0.3, -0.8] },"
+                          "{ \"kind\": \"point\", \"intensity\": [1, 0.5, 0.2], \"position\": [0.1, -0.05, 0.2] }",
+                          MIDPOINT("\"step_voxels\": 0.2, \"light_step_voxels\": 0.2")},
+        1e-3);
+}
+
+static void grids_of_one_and_two_voxels(void **state)
+{
+    const char *path = temp_folder_path(state, "tiny.nrrd");
+
+    for (int i = 1; i <= 2; i++) {
+        write_lobes(path, (int[]){i, 1, 1}, "space directions: (0.3,0.05,0) (0,0.4,0) (0,0,0.5)\n");
+        assert_true_light(&(struct picture){path, "\"scale\": 30", ", \"sigma_a\": 1, \"emission\": [1, 2, 3]", OUTSIDE,
+                                            .quality = MIDPOINT("\"step_voxels\": 0.01")},
+                          1e-3);
+    }
+}
+
+// The picture is that of the integral whatever the step: halving it takes the error to a quarter.
+static void opacity_does_not_depend_on_the_step(void **state)
+{
+    static const char *const steps[] = {MIDPOINT("\"step_voxels\": 1"), MIDPOINT("\"step_voxels\": 0.5"),
+                                        MIDPOINT("\"step_voxels\": 0.25")};
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+    double error[3];
+
+    write_lobes(path, SIZE, PLAIN_AXES);
+    for (int i = 0; i < 3; i++)
+        error[i] =
+            compare(&(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = steps[i]}, GL_BACKEND_OSMESA)
+                .radiance.relative_rmse;
+    assert_true(error[0] < 0.02);
+    assert_true(error[0] / error[2] > 8); // 16, were there no kinks
+}
+
+static void riemann_sums_know_the_box_too(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+
+    write_lobes(path, SIZE, SKEWED_AXES);
+    assert_true_light(&(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE ", \"clip\": [0.5, 3]",
+                                        .quality = "\"method\": \"riemann\", \"step\": 0.001, \"light_steps\": 1"},
+                      0.01);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, temp_folder_create, temp_folder_destroy)
+    const struct CMUnitTest tests[] = {
+        TEST(transfer_function_on_both_backends),
+        TEST(oblique_flat_mirrored_voxels),
+        TEST(camera_inside_the_box),
+        TEST(nearest_voxels),
+        TEST(steep_transfer_function),
+        TEST(moved_and_respaced),
+        TEST(lit_scan),
+        TEST(grids_of_one_and_two_voxels),
+        TEST(opacity_does_not_depend_on_the_step),
+        TEST(riemann_sums_know_the_box_too),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
