@@ -1,5 +1,6 @@
 // Pictures of voxels against the converged integral: transfer functions, filters, placement, the camera inside, lit scans.
 #include "core/error.h"
+#include "core/job.h"
 #include "core/job_json.h"
 #include "tests/support/random.h"
 #include "tests/support/temp_folder.h"
@@ -248,7 +249,7 @@ static void riemann_sums_know_the_box_too(void **state)
                       0.01);
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, temp_folder_create, temp_folder_destroy)
     const struct CMUnitTest tests[] = {
@@ -264,5 +265,6 @@ int main(void)
         TEST(riemann_sums_know_the_box_too),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
