@@ -18,6 +18,11 @@ expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.resolution = [1e9, 2]'
 expect_error "$(ask job.submit "{\"document\":$(job 0-9999999)}")" -32602 "frames"
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "../up.####.exr"')}")" -32602 "output.path"
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "/etc/up.####.exr"')}")" -32602 "output.path"
+# The daemon stands in no job file's folder.
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.scene.media[0].density = {"kind": "grid", "file": "head.nii"} | del(.scene.media[0].phase)')}")" \
+    -32602 'scene.media[0].density.file: expected an absolute path, got "head.nii"'
+glsl='.scene.media[0].density = {"kind": "glsl", "file": "/a.glsl", "bounds": {"kind": "sphere", "radius": 1}}'
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 "$glsl")}")" -32602 "scene.media[0].density.source: expected the text of the file"
 deep=$(printf '%0.s[' $(seq 40))$(printf '%0.s]' $(seq 40))
 expect_error "$(ask job.submit "{\"document\":$deep}")" -32700 "deep"
 expect_error "$(ask_raw <<<'{"jsonrpc":"2.0","id":1,"method":"job.priority","params":{"id":NaN}}')" -32700 ""
