@@ -159,6 +159,9 @@ static void list_method(const struct listing *listing)
         say(listing, quality->min_transmittance > 0, "early stop",
             quality->min_transmittance > 0 ? "a ray ends below transmittance %g" : "min_transmittance is %g",
             quality->min_transmittance);
+    if (listing->program->features.has_roulette)
+        say(listing, true, "roulette", "below transmittance %g a ray goes on with probability %g",
+            quality->roulette_below, quality->roulette_survive);
     say(listing, false, "multiple scattering", "light is scattered once at most");
     say(listing, false, "surfaces", "the scene has no objects");
     list_samples(listing);

@@ -90,6 +90,7 @@ struct scene_features scene_features_of(const struct job *job)
                                                (job->quality.method == JOB_METHOD_MIDPOINT && features.has_lights));
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     features.has_samples = features.has_media && job->quality.samples > 1;
-    features.is_random = features.has_samples || (features.has_media && job->quality.roulette_below > 0);
+    features.has_roulette = features.marches && features.has_extinction && job->quality.roulette_below > 0;
+    features.is_random = features.has_samples || features.has_roulette;
     return features;
 }

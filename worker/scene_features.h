@@ -36,8 +36,9 @@ struct scene_features {
     bool places_points;     // light of a whole stretch is gathered at points placed for each light
     bool is_rgb;            // something seen has a colour
     bool has_depth, has_transmittance, has_background;
-    bool has_samples; // each pixel has several
-    bool is_random;   // something is drawn by lot
+    bool has_samples;  // each pixel has several
+    bool has_roulette; // rays with little left end by lot
+    bool is_random;    // something is drawn by lot
 };
 
 // True for a point light whose irradiance falls with the square of the distance.

@@ -114,10 +114,15 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
     fprintf(out, "    Spectrum after = gathered.transmittance * %s;\n",
             is_riemann ? "exp(-sigma_t * length)" : "part.transmittance");
     if (features->has_depth)
-        fputs("    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5)\n"
-              "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
-              out);
-    fputs("    gathered.transmittance = after;\n", out);
+        fprintf(out,
+                "    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5%s)\n"
+                "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
+                features->has_roulette ? " && gathered.depth <= 0.0" : "");
+    if (features->has_roulette)
+        fprintf(out, "    gathered.transmittance = integrator_roulette(IntegratorRoulette(%.9e, %.9e), after);\n",
+                job->quality.roulette_below, job->quality.roulette_survive);
+    else
+        fputs("    gathered.transmittance = after;\n", out);
 }
 
 static void write_source(FILE *out, const struct medium_features *medium, size_t i)

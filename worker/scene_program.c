@@ -139,6 +139,7 @@ static void add_lights(struct assembly *assembly)
 static void add_integrator(struct assembly *assembly)
 {
     if (assembly->program->features.places_points) add_placement(assembly);
+    if (assembly->program->features.has_roulette) add_module(assembly, "integrator/roulette.glsl");
     begin_generated(assembly);
     scene_glue_write_gather(assembly->out, assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
