@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-enum { SLAB_BYTES = 4 * 1024 * 1024 };
+enum { SLAB_BYTES = 1024 * 1024 };
 
 struct texel {
     GLenum internal, component;
