@@ -63,9 +63,13 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
 
     fputs("    {\n", out);
     if (is_by_angle)
-        fprintf(out, "        PlacementAngle way = placement_angle(light_%zu_position - point, direction, seen);\n", i);
+        fprintf(out,
+                "        PlacementAngle way = placement_angle(light_%zu_position - point, direction, seen, "
+                "spectrum_min(sigma_t));\n",
+                i);
     else
-        fputs("        PlacementTransmittance way = PlacementTransmittance(spectrum_min(sigma_t), seen);\n", out);
+        fputs("        PlacementTransmittance way = PlacementTransmittance(spectrum_min(sigma_t) * seen, seen);\n",
+              out);
     fputs("        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < PLACED_COUNT; ++i) {\n", out);
     fprintf(out, "            Placed placed = placement_%s_at(way, placed_share(i));\n",
             is_by_angle ? "angle" : "transmittance");

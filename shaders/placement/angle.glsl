@@ -1,27 +1,42 @@
-// Points along a stretch at even steps of the angle seen from a point light, which takes its 1 / r^2 out of the sum.
-// Kulla and Fajardo, Computer Graphics Forum 31, 2012.
+// Points along a stretch by the angle seen from a point light, which takes its 1 / r^2 out of the sum: Kulla and Fajardo,
+// Computer Graphics Forum 31, 2012. Where transmittance falls over all of the angle, the angle is shared out as it falls
+// where it does so slowest, next to the light: exact for a far light, and a thick medium's points lie where there is light.
 struct PlacementAngle {
     float height; // of the light over the ray
     float ahead;  // where the stretch begins, counted from the light's foot on the ray
     float angle;  // the whole stretch's
-    float length;
+    float reach; // of the stretch
+    float optical_depth; // that the angle is shared out by
 };
+
+// Some drivers' arc tangent has but five digits; one step of Newton's method has all.
+float placement_arc(float y, float x)
+{
+    float angle = atan(y, x);
+    float s = sin(angle);
+    float c = cos(angle);
+    return angle + (y * c - x * s) / (x * c + y * s);
+}
 
 // The angle is taken from the difference of its tangents: of a far light both ends' own angles are nearly the same. A light
 // on the ray counts as a micrometre beside it.
-PlacementAngle placement_angle(vec3 toward, vec3 direction, float length)
+PlacementAngle placement_angle(vec3 toward, vec3 direction, float length, float sigma_t)
 {
     float along = dot(toward, direction);
     vec3 off = toward - along * direction;
     float height = max(sqrt(dot(off, off)), 1e-6);
-    return PlacementAngle(height, -along, atan(length * height, height * height - along * (length - along)), length);
+    float angle = placement_arc(length * height, height * height - along * (length - along));
+    float nearest = clamp(0.0, -along, length - along);
+    float slowest = sigma_t * (height + nearest * (nearest / height)); // optical depth per angle
+    return PlacementAngle(height, -along, angle, length, min(slowest * angle, sigma_t * length));
 }
 
-// At a share in [0, 1] of the angle; the weight is that of the light's intensity, in 1/m.
+// At a share in [0, 1]; the weight is that of the light's intensity, in 1/m, the transmittance not yet in it.
 Placed placement_angle_at(PlacementAngle way, float share)
 {
-    float s = sin(share * way.angle);
-    float c = cos(share * way.angle);
+    Placed placed = placement_share(way.optical_depth, share);
+    float s = sin(placed.at * way.angle);
+    float c = cos(placed.at * way.angle);
     float at = s * (way.height * way.height + way.ahead * way.ahead) / max(way.height * c - way.ahead * s, 1e-30);
-    return Placed(min(at, way.length), way.angle / way.height);
+    return Placed(min(at, way.reach), placed.weight * way.angle / way.height);
 }

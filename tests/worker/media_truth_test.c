@@ -124,6 +124,76 @@ static void points_placed_for_each_light(void **state)
                       placed_tolerance);
 }
 
+static double radiance_error(const char *lights, const char *media, const char *quality)
+{
+    struct true_light light;
+    struct job job;
+
+    parse(&job, CAMERA_OUTSIDE, lights, media, quality);
+    light = true_light_compare(&job, GL_BACKEND_OSMESA);
+    job_finish(&job);
+    return light.radiance.relative_rmse;
+}
+
+static void thin_and_thick_media_under_every_light(void **state)
+{
+    // Ten thousand times the depth makes a position's rounding that much of an optical depth.
+    static const struct {
+        const char *scale, *power;
+        double tolerance;
+    } cases[] = {{"1e-6", "1e6", 1e-5}, {"1e-2", "100", 1e-5}, {"1", "1", 3e-5},  {"10", "1", 4e-4},
+                 {"100", "1", 2e-4},    {"1e3", "1", 1e-3},    {"1e4", "1", 1e-2}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        static const char *const lights[] = {
+            "{ \"kind\": \"point\", \"position\": [0.9, 0.8, 0.2], \"intensity\": ",
+            "{ \"kind\": \"point\", \"falloff\": \"none\", \"position\": [-0.9, 0.8, -0.7], \"intensity\": ",
+            "{ \"kind\": \"sun\", \"direction\": [1, -2, 0.5], \"intensity\": "};
+
+        for (int k = 0; k < 3; ++k) {
+            char medium[512], light[128];
+
+            snprintf(medium, sizeof medium,
+                     "{ \"density\": { \"kind\": \"homogeneous\", \"scale\": %s" SPHERE " }, " COLORS " }",
+                     cases[i].scale);
+            snprintf(light, sizeof light, "%s%s }", lights[k], cases[i].power);
+            assert_true(radiance_error(light, medium, EQUIANGULAR) <= cases[i].tolerance);
+        }
+    }
+}
+
+static void twice_the_points_are_ten_times_closer(void **state)
+{
+    static const char *const counts[] = {"4", "8", "16", "32"};
+    double before = 1;
+
+    for (int i = 0; i < 4; ++i) {
+        char quality[128];
+        double error;
+
+        snprintf(quality, sizeof quality, "\"method\": \"equiangular\", \"points\": %s", counts[i]);
+        error = radiance_error(POINT_OUTSIDE, EVEN(SPHERE, COLORS), quality);
+        assert_true(error < before / 5);
+        before = error;
+    }
+}
+
+static void sharp_phases_need_more_points(void **state)
+{
+    static const struct {
+        const char *g;
+        double tolerance;
+    } cases[] = {{"-0.9", 1e-4}, {"0.9", 1e-4}, {"0.99", 1e-4}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char medium[512];
+
+        snprintf(medium, sizeof medium, EVEN(SPHERE, "\"sigma_s\": 1, \"phase\": [ { \"g\": %s } ]"), cases[i].g);
+        assert_true(radiance_error(POINT_OUTSIDE ", " SUN ", " EVEN_POINT, medium,
+                                   "\"method\": \"equiangular\", \"points\": 64") <= cases[i].tolerance);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -133,6 +203,9 @@ int main(void)
         cmocka_unit_test(even_media_without_light_are_exact),
         cmocka_unit_test(a_falloff_softens_a_region),
         cmocka_unit_test(points_placed_for_each_light),
+        cmocka_unit_test(thin_and_thick_media_under_every_light),
+        cmocka_unit_test(twice_the_points_are_ten_times_closer),
+        cmocka_unit_test(sharp_phases_need_more_points),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

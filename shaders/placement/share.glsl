@@ -1,0 +1,12 @@
+// A point of a stretch in which light is gathered, and how much of the stretch it stands for.
+struct Placed { float at, weight; };
+
+// At even steps of a transmittance that falls by `optical_depth` over [0, 1]; thin stretches are shared out evenly.
+Placed placement_share(float optical_depth, float share)
+{
+    const float THIN = 0.1;
+    if (optical_depth < THIN) return Placed(share, 1.0);
+    float lost = 1.0 - exp(-optical_depth);
+    float left = 1.0 - share * lost;
+    return Placed(-log(left) / optical_depth, lost / (left * optical_depth));
+}
