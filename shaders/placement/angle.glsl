@@ -5,7 +5,7 @@ struct PlacementAngle {
     float height; // of the light over the ray
     float ahead;  // where the stretch begins, counted from the light's foot on the ray
     float angle;  // the whole stretch's
-    float reach; // of the stretch
+    float reach;  // of the stretch
     float optical_depth; // that the angle is shared out by
 };
 
