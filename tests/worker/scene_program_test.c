@@ -7,6 +7,7 @@
 #include "tests/support/example_job.h"
 #include "tests/support/temp_folder.h"
 #include "worker/gl_program.h"
+#include "worker/scene_inputs.h"
 
 #include <glob.h>
 #include <math.h>
@@ -336,16 +337,24 @@ static void every_example_is_valid_glsl(void **state)
     assert_int_equal(glob(PROJECT_ROOT "/jobs/*.json", 0, NULL, &found), 0);
     for (size_t i = 0; i < found.gl_pathc; ++i) {
         char name[256];
+        struct scene_inputs inputs = {0};
         struct scene_program program;
+        struct error error = {{0}};
         struct job job;
 
         snprintf(name, sizeof name, "%s", strrchr(found.gl_pathv[i], '/') + 1);
         *strrchr(name, '.') = '\0';
         if (strcmp(name, "schema") == 0) continue;
         example_job_load(&job, name);
-        assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
-        write_shaders(state, &program, i);
-        release(&program, &job);
+        if (scene_inputs_open(&inputs, &job, frame_range_at(&job.frames, 0), NULL, NULL, &error)) {
+            if (!scene_program_init(&program, &job, &inputs, NULL, &error)) fail_msg("%s", error.message);
+            write_shaders(state, &program, i);
+            scene_program_finish(&program);
+        } else {
+            print_message("without %s: %s\n", name, error.message);
+        }
+        scene_inputs_finish(&inputs);
+        job_finish(&job);
     }
     assert_shaders_are_valid(state);
     globfree(&found);
