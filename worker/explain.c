@@ -35,28 +35,86 @@ __attribute__((format(printf, 4, 5))) static void say(const struct listing *list
     json_write_end_object(listing->writer);
 }
 
-static void list_medium(const struct listing *listing, size_t i)
+// Of medium i: says "medium I: FEATURE".
+static void say_of_medium(const struct listing *listing, size_t i, bool is_modelled, const char *feature,
+                          const char *why)
+{
+    char name[64];
+
+    snprintf(name, sizeof name, "medium %zu: %s", i, feature);
+    say(listing, is_modelled, name, "%s", why);
+}
+
+static void list_region(const struct listing *listing, size_t i)
+{
+    static const char *const regions[] = {"the job gives none", "a sphere", "a box", "a slab"};
+    const struct medium_features *features = &listing->program->features.media[i];
+    enum scene_bounds_kind bounds = listing->job->scene.media[i].density.bounds.kind;
+
+    say_of_medium(listing, i, bounds != SCENE_BOUNDS_NONE, "bounds", regions[bounds]);
+    say_of_medium(listing, i, features->has_falloff, "falloff",
+                  features->has_falloff         ? "density rises smoothly from the bounds inwards"
+                  : bounds == SCENE_BOUNDS_NONE ? "there are no bounds"
+                                                : "falloff is 0");
+    say_of_medium(listing, i, features->is_even, "closed form",
+                  features->is_even ? "density is the same throughout: columns are lengths, and need no steps"
+                                    : "density varies from place to place");
+}
+
+static void list_phase(const struct listing *listing, size_t i)
+{
+    static const char *const names[] = {
+        [LOBE_ISOTROPIC] = "isotropic", [LOBE_HENYEY_GREENSTEIN] = "Henyey-Greenstein", [LOBE_RAYLEIGH] = "Rayleigh"};
+    const struct medium_features *features = &listing->program->features.media[i];
+    const struct scene_medium *medium = &listing->job->scene.media[i];
+    char lobes[32 * SCENE_LOBE_LIMIT] = "";
+    size_t length = 0;
+
+    for (size_t k = 0; k < medium->lobe_count; ++k)
+        if (features->lobes[k] != LOBE_UNSEEN)
+            length += (size_t)snprintf(lobes + length, sizeof lobes - length, "%s%s", length ? " + " : "",
+                                       names[features->lobes[k]]);
+    say_of_medium(listing, i, true, "phase function", medium->lobe_count ? lobes : "isotropic, for it names none");
+}
+
+static void list_coefficients(const struct listing *listing, size_t i)
 {
     const struct medium_features *features = &listing->program->features.media[i];
     const struct scene_medium *medium = &listing->job->scene.media[i];
+
+    say_of_medium(listing, i, features->has_color, "transfer function",
+                  features->has_color ? "its points give extinction and source" : "the density has none");
+    say_of_medium(listing, i, features->absorbs, "absorption",
+                  features->has_color ? "the transfer function's extinction"
+                  : features->absorbs ? "sigma_a is not 0"
+                                      : "sigma_a is 0");
+    say_of_medium(listing, i, features->scatters, "scattering",
+                  features->scatters    ? "sigma_s is not 0"
+                  : features->has_color ? "a transfer function's light is its own"
+                                        : "sigma_s is 0");
+    say_of_medium(listing, i, features->emits, "emission",
+                  features->emits        ? "emission is not 0"
+                  : medium->has_emission ? "emission is 0"
+                                         : "the medium has no emission");
+    say_of_medium(listing, i, features->glows, "blackbody",
+                  features->glows               ? "its temperature makes it glow"
+                  : medium->blackbody.grid_name ? "its intensity is 0"
+                                                : "the medium has no temperature");
+}
+
+static void list_medium(const struct listing *listing, size_t i)
+{
+    const struct scene_features *features = &listing->program->features;
+    bool is_seen = features->media[i].is_seen;
     char name[64];
 
     snprintf(name, sizeof name, "medium %zu", i);
-    say(listing, features->is_seen, name, features->is_seen ? "%s density" : "its %s density is 0, or it does nothing",
-        density_kind_of(&medium->density)->name);
-    if (!features->is_seen) return;
-    snprintf(name, sizeof name, "medium %zu: absorption", i);
-    say(listing, features->absorbs, name, "%s", features->absorbs ? "sigma_a is not 0" : "sigma_a is 0");
-    snprintf(name, sizeof name, "medium %zu: scattering", i);
-    say(listing, features->scatters, name, "%s", features->scatters ? "sigma_s is not 0" : "sigma_s is 0");
-    snprintf(name, sizeof name, "medium %zu: emission", i);
-    say(listing, features->emits, name, "%s",
-        features->emits        ? "emission is not 0"
-        : medium->has_emission ? "emission is 0"
-                               : "the medium has no emission");
-    if (!features->scatters || !listing->program->features.has_lights) return;
-    snprintf(name, sizeof name, "medium %zu: phase function", i);
-    say(listing, true, name, "%s", medium->lobe_count ? "the medium's lobes" : "isotropic, for it names none");
+    say(listing, is_seen, name, is_seen ? "%s density" : "its %s density is 0, or it does nothing",
+        density_kind_of(&listing->job->scene.media[i].density)->name);
+    if (!is_seen) return;
+    list_region(listing, i);
+    list_coefficients(listing, i);
+    if (features->media[i].scatters && features->has_lights) list_phase(listing, i);
 }
 
 static void list_lights(const struct listing *listing)
@@ -151,15 +209,26 @@ static void list_samples(const struct listing *listing)
 static void list_method(const struct listing *listing)
 {
     const struct job_quality *quality = &listing->job->quality;
-    bool has_media = listing->program->features.has_media;
+    const struct scene_features *features = &listing->program->features;
+    bool has_media = features->has_media;
 
-    say(listing, has_media, "marching", has_media ? "%s, step %g m" : "no medium is seen",
-        job_method_name(quality->method), listing->program->step);
+    if (features->marches)
+        say(listing, true, "marching", "%s, step %g m", job_method_name(quality->method), listing->program->step);
+    else
+        say(listing, false, "marching", "%s",
+            has_media ? "density changes at faces only: each stretch between them is one segment"
+                      : "no medium is seen");
+    if (features->has_lights)
+        say(listing, features->marches_to_lights, "marching to lights", "%s",
+            features->marches_to_lights ? "density varies from place to place" : "columns have a closed form");
+    if (features->places_points)
+        say(listing, true, "placed points",
+            "%d for each light and stretch, by the angle seen from it or by transmittance", quality->points);
     if (has_media)
         say(listing, quality->min_transmittance > 0, "early stop",
             quality->min_transmittance > 0 ? "a ray ends below transmittance %g" : "min_transmittance is %g",
             quality->min_transmittance);
-    if (listing->program->features.has_roulette)
+    if (features->has_roulette)
         say(listing, true, "roulette", "below transmittance %g a ray goes on with probability %g",
             quality->roulette_below, quality->roulette_survive);
     say(listing, false, "multiple scattering", "light is scattered once at most");

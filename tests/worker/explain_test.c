@@ -76,7 +76,11 @@ static void the_cloud_is_explained(void **state)
     assert_modelled(&explanation, "medium 0: scattering");
     assert_modelled(&explanation, "light 0");
     assert_modelled(&explanation, "shadows");
+    assert_modelled(&explanation, "marching");
+    assert_modelled(&explanation, "marching to lights");
     assert_modelled(&explanation, "depth");
+    assert_not_modelled(&explanation, "medium 0: bounds");
+    assert_not_modelled(&explanation, "medium 0: closed form");
     assert_modelled(&explanation, "motion of light_0_position");
     assert_modelled(&explanation, "motion of medium_0_rotation");
     assert_not_modelled(&explanation, "medium 0: absorption");
@@ -84,6 +88,28 @@ static void the_cloud_is_explained(void **state)
     assert_not_modelled(&explanation, "colour");
     assert_not_modelled(&explanation, "background");
     assert_not_modelled(&explanation, "multiple scattering");
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
+static void fog_is_explained(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    example_job_load(&job, "fog");
+    explain(&explanation, &job);
+    assert_string_equal(find_why(&explanation, "modelled", "medium 0"), "homogeneous density");
+    assert_string_equal(find_why(&explanation, "modelled", "medium 0: bounds"), "a box");
+    assert_string_equal(find_why(&explanation, "modelled", "medium 0: phase function"), "Henyey-Greenstein");
+    assert_modelled(&explanation, "medium 0: closed form");
+    assert_modelled(&explanation, "placed points");
+    assert_not_modelled(&explanation, "medium 0: falloff");
+    assert_not_modelled(&explanation, "medium 0: transfer function");
+    assert_not_modelled(&explanation, "medium 0: blackbody");
+    assert_not_modelled(&explanation, "medium 1: scattering");
+    assert_not_modelled(&explanation, "marching");
+    assert_not_modelled(&explanation, "marching to lights");
     explanation_finish(&explanation);
     job_finish(&job);
 }
@@ -196,6 +222,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cloud_is_explained),
+        cmocka_unit_test(fog_is_explained),
         cmocka_unit_test(a_light_that_nothing_scatters_is_not_modelled),
         cmocka_unit_test(the_shader_is_shown_with_its_modules_and_hash),
         cmocka_unit_test(samples_and_shutter_are_explained),
