@@ -1,11 +1,10 @@
+#include "tests/support/schema_agreement.h"
+
 #include "core/alloc.h"
-#include "core/error.h"
-#include "core/job.h"
-#include "core/job_json.h"
 #include "core/job_later.h"
+#include "core/scene.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
-#include "tests/support/schema_check.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,316 +15,11 @@
 
 #include <cmocka.h>
 
-// Rules that join several keys, or count what JSON Schema does not: the schema accepts what they refuse. `example` is an
-// edit of job_text_full that shows the rule at work, `message` what the code then says.
-struct cross_rule {
-    const char *name, *message;
-    struct {
-        const char *path, *value;
-    } example;
-};
-
-#define MEDIUM(density) "{\"media\":[{\"sigma_a\":1,\"density\":" density "}]}"
-#define NOISE "{\"kind\":\"noise\",\"frequency\":1}"
-#define SLAB                                                                                                           \
-    "{\"kind\":\"noise\",\"frequency\":1,\"bounds\":{\"kind\":\"slab\",\"normal\":{\"start\":[0,1,0],\"rate\":[1,0,0]" \
-    "},"                                                                                                               \
-    "\"thickness\":1}}"
-#define GLSL "{\"kind\":\"glsl\",\"source\":\"# version 450\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}"
-#define FALLOFF "{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1,\"falloff\":0.5}}"
-
-static const struct cross_rule cross_rules[] = {
-    {"a name counts bytes, not characters, and has no U+0080 to U+009F",
-     "1 to 128 printable bytes",
-     {"name",
-      "\"\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9"
-      "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9"
-      "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9"
-      "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\""}},
-    {"frames in all", "at most 4000000 frames", {"frames", "\"0-4000000\""}},
-    {"fps has at most 6 decimals", "at most 6 decimals", {"fps", "23.97602397"}},
-    {"fps as a ratio", "at most 1000 frames a second", {"fps", "[1001, 1]"}},
-    {"pixels in all", "pixels in all", {"resolution", "[16384, 4097]"}},
-    {"clip is ascending", "expected near < far", {"camera.clip", "[5, 5]"}},
-    {"keys are ascending", "a time after that of the key before it", {"camera.fov", "{\"keys\":[[1,50],[1,60]]}"}},
-    {"a moving value stays in its range", "expected to stay in", {"camera.fov", "{\"start\":179,\"rate\":2}"}},
-    {"a direction has a length", "a vector whose length is not 0", {"camera.up", "[1e-7, 0, 0]"}},
-    {"the camera looks somewhere", "a point other than camera.position", {"camera.position", "[0.25, 0, 0]"}},
-    {"up is not along the view", "a direction that is not along the view", {"camera.position", "[0, 3, 0]"}},
-    {"phase weights", "weights that sum to 1", {"scene.media[0].phase[1].weight", "0.7"}},
-    {"steps along a ray", "at most 60000 steps along a ray", {"quality.step", "1e-6"}},
-    {"a step reaches no further than clip",
-     "m between the clip distances, got",
-     {"quality", "{\"method\":\"riemann\",\"step\":9,\"light_steps\":1}"}},
-    {"riemann has an end", "riemann needs camera.clip", {"quality.method", "\"riemann\""}},
-    {"a march through a medium ends", "a march through it has no end", {"scene", MEDIUM(NOISE)}},
-    {"light comes in somewhere", "comes all the way through it", {"scene", MEDIUM(SLAB)}},
-    {"voxels are a grid's", "to take the voxels of", {"quality", "{\"method\":\"midpoint\",\"step_voxels\":1}"}},
-    {"keys of raw files",
-     "only for .raw files",
-     {"scene", MEDIUM("{\"kind\":\"grid\",\"file\":\"a.nii\",\"skip_bytes\":1}")}},
-    {"named grids",
-     "files have named grids",
-     {"scene", MEDIUM("{\"kind\":\"grid\",\"file\":\"a.nii\",\"grid\":\"density\"}")}},
-    {"no directives", "is not for densities", {"scene", MEDIUM(GLSL)}},
-    {"hot grids", "which holds its temperature", {"scene.media[1].blackbody", "{\"grid\":\"t\",\"kelvin\":1}"}},
-    {"a transfer function is ascending",
-     "expected a value above that of the point",
-     {"scene", "{\"media\":[{\"density\":{\"kind\":\"grid\",\"file\":\"a.nii\",\"unit_distance\":1,"
-               "\"transfer_function\":[[0,0,0,0,0],[0,1,1,1,0.5]]}}]}"}},
-    {"light marches in steps", "as light marches through media", {"quality.light_step", NULL}},
-    {"equiangular is for the homogeneous",
-     "which equiangular needs everywhere",
-     {"quality", "{\"method\":\"equiangular\",\"points\":1}"}},
-    {"equiangular is for the even", "0, which equiangular needs", {"scene", MEDIUM(FALLOFF)}},
-    {"output stays below its root", "expected a path below", {"output.path", "\"/elsewhere/a.#.exr\""}},
-    {"no . or .. in a path", "is not allowed in a path", {"output.path", "\"../a.#.exr\""}},
-    {"a number in the name alone", "belongs into the file name", {"output.path", "\"%04d/a.#.exr\""}},
-    {"one number in the name", "expected one frame number", {"output.path", "\"a.%04d.%04d.exr\""}},
-};
-
-enum { RULE_COUNT = sizeof cross_rules / sizeof cross_rules[0] };
-
-static struct cJSON *schema_root;
-
-static const struct cross_rule *find_rule(const char *message)
-{
-    for (size_t i = 0; i < RULE_COUNT; i++)
-        if (strstr(message, cross_rules[i].message)) return &cross_rules[i];
-    return NULL;
-}
-
-struct verdicts {
-    bool schema, code;
-    struct error error; // the code's
-};
-
-static struct verdicts judge(const char *text)
-{
-    struct verdicts verdicts = {0};
-    struct cJSON *root = NULL;
-    struct json_node schema = json_node_root(schema_root), document;
-    struct job job;
-
-    if (!json_parse(&root, text, strlen(text), &verdicts.error)) fail_msg("%s: %s", verdicts.error.message, text);
-    document = json_node_root(root);
-    verdicts.schema = schema_accepts(&schema, &document);
-    verdicts.code = job_from_json(&job, &document, "/srv/out", &verdicts.error);
-    job_finish(&job);
-    json_delete(root);
-    return verdicts;
-}
-
-static void assert_agreement(const char *text, const char *change)
-{
-    struct verdicts verdicts = judge(text);
-
-    if (verdicts.schema == verdicts.code) return;
-    if (verdicts.schema && find_rule(verdicts.error.message)) return;
-    fail_msg("%s: the schema %s it, the code says \"%s\"", change, verdicts.schema ? "takes" : "refuses",
-             verdicts.code ? "yes" : verdicts.error.message);
-}
-
-// Put in the place of each value, of each string, and of each that is no string.
-static const char *const for_all[] = {"null", "true", "false", "\"\"", "\"x\"", "-1", "0", "1", "[]", "{}", NULL};
-static const char *const for_strings[] = {"\"1-5\"",
-                                          "\" 1 , 5-3 ,07-9x2\\t\"",
-                                          "\"1-5x0\"",
-                                          "\"12345678\"",
-                                          "\"1:5\"",
-                                          "\"1,,2\"",
-                                          "\"a.#.exr\"",
-                                          "\"a/b.%04d.exr\"",
-                                          "\"a//b.#.exr\"",
-                                          "\"/srv/out/a.##########.exr\"",
-                                          "\"#########.exr\"",
-                                          "\"/srv/out/a.#.exr\"",
-                                          "\"a.#.png\"",
-                                          "\"a.exr\"",
-                                          "\"a#b#.exr\"",
-                                          "\"caf\\u00e9\"",
-                                          "\"a\\tb\"",
-                                          "\"a\\u0085b\"",
-                                          "\"point\"",
-                                          "\"sun\"",
-                                          "\"riemann\"",
-                                          "\"midpoint\"",
-                                          "\"equiangular\"",
-                                          "\"homogeneous\"",
-                                          "\"noise\"",
-                                          "\"sphere\"",
-                                          "\"box\"",
-                                          "\"slab\"",
-                                          "\"clip\"",
-                                          "\"rayleigh\"",
-                                          "\"grid\"",
-                                          "\"uint8\"",
-                                          "\"big\"",
-                                          "\"nearest\"",
-                                          "\"a.raw\"",
-                                          "\"/b/a.NII.gz\"",
-                                          "\"#.nrrd\"",
-                                          "\".nhdr\"",
-                                          "\"a/.vdb\"",
-                                          "\"a#b#.vdb\"",
-                                          "\"a#/b#.vdb\"",
-                                          "\"a##########.nvdb\"",
-                                          "\"a.nii.zip\"",
-                                          "\"none\"",
-                                          "\"half\"",
-                                          "\"zip\"",
-                                          "\"Z\"",
-                                          "\"verify\"",
-                                          "\"linear\"",
-                                          NULL};
-static const char *const for_others[] = {
-    "-0.0",
-    "1e-12",
-    "1e-9",
-    "1e-6",
-    "0.5",
-    "0.9999999",
-    "1.0",
-    "1.5",
-    "0.999",
-    "0.9995",
-    "-0.9995",
-    "10.5",
-    "16",
-    "17",
-    "1024",
-    "1025",
-    "2",
-    "3",
-    "33",
-    "100",
-    "100.5",
-    "101",
-    "179.9",
-    "180",
-    "1000",
-    "1001",
-    "16384",
-    "16385",
-    "60000",
-    "60001",
-    "1e9",
-    "1.1e9",
-    "-1.1e9",
-    "1e15",
-    "1.1e15",
-    "1e300",
-    "[1]",
-    "[0,1]",
-    "[1,0]",
-    "[1,2]",
-    "[1,1.5]",
-    "[0,0,0]",
-    "[0.5,0.5,0.5]",
-    "[1,2,3]",
-    "[-1,0,1]",
-    "[1,2,\"x\"]",
-    "[1,2,1e16]",
-    "[1,2,3,4]",
-    "[1,2,3,4,0.5]",
-    "[1,2,3,4,1]",
-    "[-2,-2,3,4,0]",
-    "65536",
-    "65537",
-    "1125899906842624",
-    "1125899906842625",
-    "{\"grid\":\"t\",\"kelvin\":2}",
-    "[[1,2,3,4,0]]",
-    "[\"Z\",\"Z\"]",
-    "[\"Z\",\"transmittance\"]",
-    "[[0,1]]",
-    "[[0,[1,2,3]]]",
-    "[[0,0.5],[1,0.25]]",
-    "[[0,1],[1,[1,2,3]]]",
-    "{\"x\":1}",
-    "{\"angle\":1}",
-    "{\"below\":1,\"survive\":0.5}",
-    "{\"below\":0.5,\"survive\":1}",
-    "{\"kind\":\"sphere\",\"radius\":1}",
-    "{\"kind\":\"box\",\"size\":[1,0,1]}",
-    "{\"kind\":\"homogeneous\"}",
-    "{\"start\":0.5}",
-    "{\"start\":0.5,\"rate\":0}",
-    "{\"start\":[0,0.5,1],\"rate\":[0,0,0]}",
-    "{\"start\":0.5,\"rate\":[0,0,0]}",
-    "{\"keys\":[]}",
-    "{\"keys\":[[0,0.5],[1,0.25]],\"interpolation\":\"hold\"}",
-    "{\"keys\":[[0,[1,2,3]],[1,[0,0,0]]]}",
-    "{\"keys\":[[0,[1,2,3]],[1,2]]}",
-    "{\"keys\":[[0,0.5,1]]}",
-    "{\"keys\":[[0,0.5]],\"interpolation\":\"cubic\"}",
-    "{\"keys\":[[0,0.5]],\"start\":1,\"rate\":0}",
-    "{\"lissajous\":{\"center\":0.5,\"amplitude\":0.1,\"frequency_rad\":1}}",
-    "{\"lissajous\":{\"center\":[1,1,1],\"amplitude\":[0.1,0,0],\"frequency_rad\":[1,1,1],\"phase_rad\":[0,0,0]}}",
-    "{\"lissajous\":{\"center\":[1,1,1],\"amplitude\":0.1,\"frequency_rad\":1}}",
-    "{\"lissajous\":{\"center\":0.5}}",
-    "{\"lissajous\":0.5}",
-    "{\"orbit\":{\"radius\":2,\"period\":5}}",
-    "{\"orbit\":{\"radius\":2,\"period\":0}}",
-    "{\"orbit\":{\"radius\":2,\"period\":5,\"axis\":[0,0,0]}}",
-    "{\"orbit\":{\"radius\":-2,\"period\":5}}",
-    "{\"orbit\":{}}",
-    "{\"orbit\":{\"radius\":2,\"period\":5},\"start\":[0,0,0],\"rate\":[0,0,0]}",
-    NULL};
-
-static void check_replacements(const char *text, const char *path, const char *const replacements[])
-{
-    for (size_t i = 0; replacements[i]; i++) {
-        char *change = xasprintf("%s = %s", path, replacements[i]);
-        char *edited = json_edit_set(text, path, replacements[i]);
-
-        assert_agreement(edited, change);
-        free(edited);
-        free(change);
-    }
-}
-
-static void check_place(const char *text, const struct json_place *place)
-{
-    const char *dot = strrchr(place->path, '.');
-    char *change = xasprintf("%s removed", place->path);
-    char *key = xasprintf("%sx", dot ? dot + 1 : place->path);
-    char *edited = json_edit_set(text, place->path, NULL);
-
-    assert_agreement(edited, change);
-    free(edited);
-    free(change);
-    if (!strchr(key, ']')) {
-        change = xasprintf("%s renamed", place->path);
-        edited = json_edit_rename(text, place->path, key);
-        assert_agreement(edited, change);
-        free(edited);
-        free(change);
-    }
-    free(key);
-    check_replacements(text, place->path, for_all);
-    check_replacements(text, place->path, place->is_string ? for_strings : for_others);
-}
-
-// At the places that begin with `prefix`.
-static void check_places(const char *text, const char *prefix)
-{
-    struct verdicts verdicts = judge(text);
-    size_t count;
-    struct json_place *places = json_edit_places(text, &count);
-
-    if (!verdicts.schema || !verdicts.code)
-        fail_msg("schema %d, code %d: %s", verdicts.schema, verdicts.code, verdicts.error.message);
-    for (size_t i = 0; i < count; i++)
-        if (strncmp(places[i].path, prefix, strlen(prefix)) == 0) check_place(text, &places[i]);
-    json_edit_free_places(places, count);
-}
-
 static void schema_and_code_agree_on_every_change_of_cloud(void **state)
 {
     char *text = job_text_load("cloud.json");
 
-    check_places(text, "");
+    schema_agreement_check_places(text, "");
     free(text);
 }
 
@@ -334,24 +28,13 @@ static void schema_and_code_agree_on_changes_of_cloud_seeds_quality(void **state
 {
     char *text = job_text_load("cloud_seed.json");
 
-    check_places(text, "quality");
+    schema_agreement_check_places(text, "quality");
     free(text);
 }
 
 static void schema_and_code_agree_on_every_change_of_a_job_with_every_key(void **state)
 {
-    check_places(job_text_full, "");
-}
-
-static void schema_and_code_agree_on_every_change_of_other_densities_and_methods(void **state)
-{
-    static const char *const texts[] = {job_text_noise, job_text_fog, job_text_grid, job_text_glsl};
-
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
-        check_places(texts[i], "camera.shutter");
-        check_places(texts[i], "scene");
-        check_places(texts[i], "quality");
-    }
+    schema_agreement_check_places(job_text_full, "");
 }
 
 static void schema_and_code_agree_on_limits_of_counts(void **state)
@@ -375,10 +58,10 @@ static void schema_and_code_agree_on_limits_of_counts(void **state)
         for (size_t count = 1; count <= lists[i].limit + 1; count++) {
             char *longer = xasprintf("[%s,%s", lists[i].element, list + 1);
             char *text = json_edit_set(job_text_full, lists[i].path, list);
-            struct verdicts verdicts = judge(text);
+            struct schema_verdicts verdicts = schema_agreement_judge(text);
 
             if (count > lists[i].limit) assert_false(verdicts.code);
-            assert_agreement(text, lists[i].path);
+            schema_agreement_assert(text, lists[i].path);
             free(text);
             free(list);
             list = longer;
@@ -395,7 +78,7 @@ static void schema_refuses_what_is_not_there_yet(void **state)
         char *path = xasprintf("%s.%s", places[later->place], later->key);
         char *value = later->text ? xasprintf("\"%s\"", later->text) : xstrdup("2");
         char *text = json_edit_set(job_text_full, path, value);
-        struct verdicts verdicts = judge(text);
+        struct schema_verdicts verdicts = schema_agreement_judge(text);
 
         if (verdicts.schema || verdicts.code) fail_msg("%s = %s is taken", path, value);
         free(text);
@@ -406,10 +89,9 @@ static void schema_refuses_what_is_not_there_yet(void **state)
 
 static void each_cross_rule_is_beyond_the_schema(void **state)
 {
-    for (size_t i = 0; i < RULE_COUNT; i++) {
-        const struct cross_rule *rule = &cross_rules[i];
+    for (const struct cross_rule *rule = schema_cross_rules; rule->name; rule++) {
         char *edited, *text = xstrdup(job_text_full);
-        struct verdicts verdicts;
+        struct schema_verdicts verdicts;
 
         if (strncmp(rule->name, "the camera", 10) == 0 || strncmp(rule->name, "up is", 5) == 0) {
             edited = json_edit_set(text, "camera.target", "[0.25, 0, 0]");
@@ -433,29 +115,12 @@ static void each_cross_rule_is_beyond_the_schema(void **state)
             free(edited);
         }
         edited = json_edit_set(text, rule->example.path, rule->example.value);
-        verdicts = judge(edited);
-        if (!verdicts.schema || verdicts.code || find_rule(verdicts.error.message) != rule)
+        verdicts = schema_agreement_judge(edited);
+        if (!verdicts.schema || verdicts.code || schema_agreement_find_rule(verdicts.error.message) != rule)
             fail_msg("%s: schema %d, code %d: %s", rule->name, verdicts.schema, verdicts.code, verdicts.error.message);
         free(edited);
         free(text);
     }
-}
-
-static int load_schema(void **state)
-{
-    char *text = job_text_load("schema.json");
-    struct error error = {0};
-    bool ok = json_parse(&schema_root, text, strlen(text), &error);
-
-    if (!ok) print_error("schema.json: %s\n", error.message);
-    free(text);
-    return ok ? 0 : -1;
-}
-
-static int drop_schema(void **state)
-{
-    json_delete(schema_root);
-    return 0;
 }
 
 int main(void)
@@ -464,11 +129,10 @@ int main(void)
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_cloud),
         cmocka_unit_test(schema_and_code_agree_on_changes_of_cloud_seeds_quality),
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_a_job_with_every_key),
-        cmocka_unit_test(schema_and_code_agree_on_every_change_of_other_densities_and_methods),
         cmocka_unit_test(schema_and_code_agree_on_limits_of_counts),
         cmocka_unit_test(schema_refuses_what_is_not_there_yet),
         cmocka_unit_test(each_cross_rule_is_beyond_the_schema),
     };
 
-    return cmocka_run_group_tests(tests, load_schema, drop_schema);
+    return cmocka_run_group_tests(tests, schema_agreement_load, schema_agreement_drop);
 }

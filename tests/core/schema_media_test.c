@@ -1,0 +1,49 @@
+// A program of its own beside schema_test: the two run at the same time.
+#include "tests/support/job_text.h"
+#include "tests/support/schema_agreement.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static void check_text(const char *text)
+{
+    schema_agreement_check_places(text, "camera.shutter");
+    schema_agreement_check_places(text, "scene");
+    schema_agreement_check_places(text, "quality");
+}
+
+static void schema_and_code_agree_on_every_change_of_noise(void **state)
+{
+    check_text(job_text_noise);
+}
+
+static void schema_and_code_agree_on_every_change_of_fog(void **state)
+{
+    check_text(job_text_fog);
+}
+
+static void schema_and_code_agree_on_every_change_of_grid(void **state)
+{
+    check_text(job_text_grid);
+}
+
+static void schema_and_code_agree_on_every_change_of_glsl(void **state)
+{
+    check_text(job_text_glsl);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(schema_and_code_agree_on_every_change_of_noise),
+        cmocka_unit_test(schema_and_code_agree_on_every_change_of_fog),
+        cmocka_unit_test(schema_and_code_agree_on_every_change_of_grid),
+        cmocka_unit_test(schema_and_code_agree_on_every_change_of_glsl),
+    };
+
+    return cmocka_run_group_tests(tests, schema_agreement_load, schema_agreement_drop);
+}

@@ -1,0 +1,35 @@
+// Whether jobs/schema.json and the code judge documents alike, but for the rules that a schema cannot say.
+#pragma once
+
+#include "core/error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+// Rules that join several keys, or count what JSON Schema does not: the schema accepts what they refuse. `example` is an
+// edit of job_text_full that shows the rule at work, `message` a part of what the code then says.
+struct cross_rule {
+    const char *name, *message;
+    struct {
+        const char *path, *value;
+    } example;
+};
+
+extern const struct cross_rule schema_cross_rules[]; // ends with an empty one
+
+struct schema_verdicts {
+    bool schema, code;
+    struct error error; // the code's
+};
+
+// cmocka's group setup and teardown: between them the schema is there.
+int schema_agreement_load(void **state);
+int schema_agreement_drop(void **state);
+
+struct schema_verdicts schema_agreement_judge(const char *text);
+// The rule that a message of the code's is about, or NULL.
+const struct cross_rule *schema_agreement_find_rule(const char *message);
+// Fails the test unless both judge `text` alike or a rule makes the difference. `change` is for the message.
+void schema_agreement_assert(const char *text, const char *change);
+// Removes, renames and replaces each value of `text` whose path begins with `prefix`, one at a time; all are to agree.
+void schema_agreement_check_places(const char *text, const char *prefix);
