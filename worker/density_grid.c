@@ -147,14 +147,12 @@ static void write_grid(FILE *out, bool is_nearest, size_t i)
             "vec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n"
             "    return density_grid_span(medium_%zu_grid(), origin, direction);\n}\n",
             i, i);
-    fprintf(out,
-            "// The value, and how far ahead the grid is empty.\n"
-            "vec2 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
-            "    DensityGrid grid = medium_%zu_grid();\n"
-            "    vec3 at = density_grid_index(grid, p);\n"
-            "    return vec2(density_grid_%s(medium_%zu_voxels, grid, at),\n"
-            "                density_grid_skip(medium_%zu_bricks, grid, at, direction));\n}\n",
-            i, i, is_nearest ? "nearest" : "linear", i, i);
+    fprintf(
+        out,
+        "float medium_%zu_value(vec3 at)\n{\n    return density_grid_%s(medium_%zu_voxels, medium_%zu_grid(), at);\n}\n"
+        "float medium_%zu_skip(vec3 at, vec3 direction)\n{\n"
+        "    return density_grid_skip(medium_%zu_bricks, medium_%zu_grid(), at, direction);\n}\n",
+        i, is_nearest ? "nearest" : "linear", i, i, i, i, i);
 }
 
 static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
@@ -164,23 +162,28 @@ static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
     snprintf(prefix, sizeof prefix, "medium_%zu", i);
     transfer_function_write(out, prefix, grid->points, grid->point_count);
     fprintf(out,
-            "float medium_%zu_density(vec2 field)\n{\n"
-            "    return transfer_extinction(medium_%zu_opacity(field.x), medium_%zu_unit_distance);\n}\n",
-            i, i, i);
-    fprintf(out, "vec3 medium_%zu_color(vec2 field)\n{\n    return medium_%zu_rgb(field.x);\n}\n", i, i);
+            "// Opacity, how far ahead the grid is empty, and the value.\n"
+            "vec3 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
+            "    vec3 at = density_grid_index(medium_%zu_grid(), p);\n    float value = medium_%zu_value(at);\n"
+            "    return vec3(medium_%zu_opacity(value), medium_%zu_skip(at, direction), value);\n}\n",
+            i, i, i, i, i);
     fprintf(out,
-            "float medium_%zu_distance(vec2 field)\n{\n"
-            "    return field.y > 0.0 ? field.y : medium_%zu_opacity(field.x) > 0.0 ? -1.0 : 0.0;\n}\n",
-            i, i);
+            "float medium_%zu_density(vec3 field)\n{\n"
+            "    return transfer_extinction(field.x, medium_%zu_unit_distance);\n}\n"
+            "vec3 medium_%zu_color(vec3 field)\n{\n    return medium_%zu_rgb(field.z);\n}\n",
+            i, i, i, i);
 }
 
 static void write_scale(FILE *out, size_t i)
 {
     fprintf(out,
-            "float medium_%zu_density(vec2 field)\n{\n    return medium_%zu_scale * max(field.x, 0.0);\n}\n"
-            "float medium_%zu_distance(vec2 field)\n{\n"
-            "    return field.y > 0.0 ? field.y : field.x > 0.0 ? -1.0 : 0.0;\n}\n",
-            i, i, i);
+            "// The value, and how far ahead the grid is empty.\n"
+            "vec3 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
+            "    vec3 at = density_grid_index(medium_%zu_grid(), p);\n"
+            "    return vec3(medium_%zu_value(at), medium_%zu_skip(at, direction), 0.0);\n}\n",
+            i, i, i, i);
+    fprintf(out, "float medium_%zu_density(vec3 field)\n{\n    return medium_%zu_scale * max(field.x, 0.0);\n}\n", i,
+            i);
 }
 
 static void write(FILE *out, const struct density_site *site)
@@ -192,11 +195,15 @@ static void write(FILE *out, const struct density_site *site)
         write_transfer(out, grid, site->medium);
     else
         write_scale(out, site->medium);
+    fprintf(out,
+            "float medium_%zu_distance(vec3 field)\n{\n"
+            "    return field.y > 0.0 ? field.y : field.x > 0.0 ? -1.0 : 0.0;\n}\n",
+            site->medium);
 }
 
 const struct density_kind density_kind_grid = {
     .name = "grid",
-    .field_type = "vec2",
+    .field_type = "vec3",
     .has_support = true,
     .takes_direction = true,
     .is_zero = is_zero,

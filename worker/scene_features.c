@@ -31,11 +31,15 @@ static struct medium_features medium_features_of(const struct scene_medium *medi
     return features;
 }
 
+static bool extinction_is_grey(const struct scene_medium *medium, const struct medium_features *features)
+{
+    return features->has_color || ((!features->scatters || timeline_value_is_grey(&medium->sigma_s)) &&
+                                   (!features->absorbs || timeline_value_is_grey(&medium->sigma_a)));
+}
+
 static bool medium_is_grey(const struct scene_medium *medium, const struct medium_features *features)
 {
-    return !features->has_color && !features->glows &&
-           (!features->scatters || timeline_value_is_grey(&medium->sigma_s)) &&
-           (!features->absorbs || timeline_value_is_grey(&medium->sigma_a)) &&
+    return !features->has_color && !features->glows && extinction_is_grey(medium, features) &&
            (!features->emits || timeline_value_is_grey(&medium->emission));
 }
 
@@ -57,6 +61,7 @@ static void add_medium(struct scene_features *features, const struct scene_mediu
     features->marches |= !medium->is_even;
     features->marches_to_lights |= !medium->is_even && medium_features_have_column(medium);
     features->is_rgb |= !medium_is_grey(source, medium);
+    features->extinction_is_rgb |= !extinction_is_grey(source, medium);
 }
 
 bool scene_light_is_inverse_square(const struct scene_light *light)

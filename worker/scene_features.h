@@ -35,6 +35,7 @@ struct scene_features {
     bool marches_to_lights; // so do shadow rays; else columns are known in closed form
     bool places_points;     // light of a whole stretch is gathered at points placed for each light
     bool is_rgb;            // something seen has a colour
+    bool extinction_is_rgb; // media take more of one colour than of another
     bool has_depth, has_transmittance, has_background;
     bool has_samples;  // each pixel has several
     bool has_roulette; // rays with little left end by lot

@@ -86,7 +86,7 @@ static void add_media(struct assembly *assembly)
     if (features->has_extinction && assembly->job->quality.method != JOB_METHOD_RIEMANN)
         add_module(assembly, "math/segment.glsl");
     if (features->has_extinction && features->has_depth)
-        add_module(assembly, features->is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
+        add_module(assembly, features->extinction_is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
     begin_generated(assembly);
     scene_glue_write_media(assembly->out, assembly->job, assembly->program);
 }

@@ -7,7 +7,7 @@ float density_grid_linear(sampler2DArray voxels, DensityGrid grid, vec3 at)
     vec3 cell = floor(at);
     vec3 share = at - cell;
     // The corner that four voxels of a slice have in common: gathered there, rounding cannot pick others.
-    vec2 corner = (cell.xy + 1.0) / grid.size.xy;
+    vec2 corner = (cell.xy + 1.0) * (1.0 / grid.size.xy);
     vec4 near = textureGather(voxels, vec3(corner, cell.z));
     vec4 far = textureGather(voxels, vec3(corner, min(cell.z + 1.0, grid.size.z - 1.0)));
     vec4 slice = near + share.z * (far - near);

@@ -1,5 +1,5 @@
-// How far into a homogeneous segment the transmittance falls to one half.
-float depth_half(float before, float sigma_t, float length)
+// How far into a homogeneous segment the mean transmittance falls to one half, where all colours are taken alike.
+float depth_half(Spectrum before, Spectrum sigma_t, float length)
 {
-    return min(log(2.0 * before) / max(sigma_t, 1e-30), length);
+    return min(log(2.0 * spectrum_mean(before)) / max(spectrum_mean(sigma_t), 1e-30), length);
 }
