@@ -52,7 +52,8 @@ static void sunset_is_the_converged_light_on_egl(void **state)
     assert_true_light("sunset", 5, GL_BACKEND_EGL, sunset_tolerance);
 }
 
-int main(void)
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fog_is_the_converged_light),
@@ -61,5 +62,6 @@ int main(void)
         cmocka_unit_test(sunset_is_the_converged_light_on_egl),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

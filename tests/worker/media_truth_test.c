@@ -194,7 +194,8 @@ static void sharp_phases_need_more_points(void **state)
     }
 }
 
-int main(void)
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(even_media_are_marched_with_shadows_in_closed_form),
@@ -208,5 +209,6 @@ int main(void)
         cmocka_unit_test(sharp_phases_need_more_points),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -219,7 +219,8 @@ static void places_by_transmittance_share_out_what_is_lost(void **state)
     }
 }
 
-int main(void)
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(regions_are_met_where_their_twins_are),
@@ -231,5 +232,6 @@ int main(void)
         cmocka_unit_test(places_by_transmittance_share_out_what_is_lost),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
