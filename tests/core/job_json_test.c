@@ -8,6 +8,7 @@
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
+#include <glob.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -86,6 +87,27 @@ static void cloud_seed_is_read_in_full(void **state)
     assert_false(job.output.has_depth || job.output.has_transmittance);
     job_finish(&job);
     free(text);
+}
+
+static void every_example_is_taken(void **state)
+{
+    glob_t examples;
+
+    assert_int_equal(glob(PROJECT_ROOT "/jobs/*.json", 0, NULL, &examples), 0);
+    assert_true(examples.gl_pathc > 2);
+    for (size_t i = 0; i < examples.gl_pathc; i++) {
+        const char *name = strrchr(examples.gl_pathv[i], '/') + 1;
+        struct error error = {0};
+        struct job job;
+        char *text;
+
+        if (strcmp(name, "schema.json") == 0) continue;
+        text = job_text_load(name);
+        if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s: %s", name, error.message);
+        job_finish(&job);
+        free(text);
+    }
+    globfree(&examples);
 }
 
 static void the_first_job_of_the_documentation_is_taken(void **state)
@@ -339,6 +361,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cloud_is_read_in_full),
         cmocka_unit_test(cloud_seed_is_read_in_full),
+        cmocka_unit_test(every_example_is_taken),
         cmocka_unit_test(the_first_job_of_the_documentation_is_taken),
         cmocka_unit_test(frame_times_are_offset_plus_frame_over_fps),
         cmocka_unit_test(time_span_holds_all_frames),
