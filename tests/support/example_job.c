@@ -17,10 +17,11 @@
 
 void example_job_load(struct job *job, const char *name)
 {
-    char path[512];
+    const char *folder = getenv("MARCHD_TEST_JOBS");
+    char *path = xasprintf("%s/%s.json", folder ? folder : PROJECT_ROOT "/jobs", name);
 
-    snprintf(path, sizeof path, "%s/jobs/%s.json", PROJECT_ROOT, name);
     example_job_load_file(job, path);
+    free(path);
 }
 
 static char *find_file(char *owned_path, const char *job_path)
