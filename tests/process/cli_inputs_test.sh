@@ -1,0 +1,58 @@
+#!/bin/sh
+# `march` with jobs that read files: what is there is rendered again when a file changed, and what cannot be read is told.
+set -u
+PATH=$PROGRAM_FOLDER:$PATH
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_inputs_test.XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch" || exit 1
+unset MARCH_WORKER
+. "$PROJECT_ROOT/tests/process/march.sh"
+
+volume() { head -c 512 /dev/zero | tr '\0' "$1" >jobs/v_8x8x8xuint8.raw; }
+
+mkdir jobs
+cat >jobs/grid.json <<'JOB'
+{ "version": 1, "name": "grid", "frames": "0-2", "fps": 24, "resolution": [16, 16],
+  "camera": { "position": { "start": [0, 0, 3], "rate": [0, 0, 1] }, "target": [0, 0, 0], "up": [0, 1, 0], "fov": 30 },
+  "scene": { "media": [ { "density": { "kind": "grid", "file": "v_8x8x8xuint8.raw", "scale": 0.01 }, "sigma_a": 1 } ] },
+  "quality": { "method": "midpoint", "step_voxels": 0.5 },
+  "output": { "path": "grid/grid.####.exr" } }
+JOB
+
+# The file is beside the job, wherever we are.
+volume A
+expect 0 march render jobs/grid.json
+[ "$(grep -c 'rendered' out)" -eq 3 ] || fail "three frames"
+expect 0 march render jobs/grid.json
+[ "$(grep -c 'was there already' out)" -eq 3 ] || fail "frames of the same file are skipped"
+touch jobs/v_8x8x8xuint8.raw
+expect 0 march render jobs/grid.json
+[ "$(grep -c 'was there already' out)" -eq 3 ] || fail "frames of the same contents are skipped"
+volume B
+expect 0 march render jobs/grid.json
+[ "$(grep -c 'rendered' out)" -eq 3 ] || fail "a file that changed is shown anew"
+expect 0 march render jobs/grid.json
+[ "$(grep -c 'was there already' out)" -eq 3 ] || fail "frames of the new file are skipped"
+
+expect 0 march explain jobs/grid.json
+grep -q 'density/grid_linear.glsl' out || fail "the modules of a grid"
+grep -q 'transfer/' out && fail "no transfer function, no look-up"
+grep -q 'step 0.0625 m' out || fail "a step in voxels is told in metres"
+expect 0 march explain jobs/grid.json --set scene.media[0].density.interpolation=nearest
+grep -q 'density/grid_linear.glsl' out && fail "nearest needs no interpolation"
+expect 0 march validate jobs/grid.json
+
+# What cannot be read.
+head -c 511 /dev/zero >jobs/v_8x8x8xuint8.raw
+expect 1 march render jobs/grid.json
+grep -q 'scene.media\[0\].density.file: .*v_8x8x8xuint8.raw: ' err || fail "a short file is told with its place"
+rm jobs/v_8x8x8xuint8.raw
+expect 2 march render jobs/grid.json
+grep -q 'scene.media\[0\].density.file: .*v_8x8x8xuint8.raw: ' err || fail "a missing file is told with its place"
+expect 2 march explain jobs/grid.json
+grep -q 'v_8x8x8xuint8.raw: ' err || fail "explain tells of a missing file"
+[ "$(ls grid)" = "grid.0000.exr
+grid.0001.exr
+grid.0002.exr" ] || fail "what was rendered stays: $(ls grid)"
+
+[ "$failures" -eq 0 ]
