@@ -9,6 +9,21 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
+// What the header of a scene promises about what points and counts.
+static void check_media(const struct job *job)
+{
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const struct scene_density *density = &job->scene.media[i].density;
+        bool is_grid = density->kind == SCENE_DENSITY_GRID;
+
+        if (is_grid && (!density->grid.file || density->grid.point_count == 1)) abort();
+        if (is_grid && (density->grid.point_count > 0) != (density->grid.points != NULL)) abort();
+        if (density->kind == SCENE_DENSITY_GLSL && !density->glsl.file && !density->glsl.source) abort();
+        if (density->kind == SCENE_DENSITY_GLSL && density->bounds.kind == SCENE_BOUNDS_NONE) abort();
+        if (job->quality.method == JOB_METHOD_EQUIANGULAR && !scene_density_is_even(density)) abort();
+    }
+}
+
 // A job that is taken can be asked for any of its times; one that is refused says why and leaves nothing behind.
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
@@ -23,6 +38,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     if (strlen(job.hash) != HASH_TEXT_SIZE - 1 || frame_range_count(&job.frames) < 1) abort();
     timeline_evaluate(&job.scene.camera.position, job_frame_time(&job, frame_range_at(&job.frames, 0)), value);
     if (!(value[0] - value[0] == 0.0)) abort();
+    check_media(&job);
     job_finish(&job);
     return 0;
 }
