@@ -17,9 +17,13 @@ static const double DARKNESS = 1e-12;
 // A cell of more optical depth may hide its bright front from every node, and two halvings agree on black.
 static const double THICKEST_CELL = 2.0;
 
+// A halving divides a cell's error by 2^2 even at a kink.
+static const double LITTLE = 4.0;
+
 struct gatherer {
     const struct still *still;
     const struct ray *ray;
+    double relative;         // accuracy of the radiance
     double shadow_tolerance; // of optical depths
     double radiance_tolerance[3], share_tolerance;
     bool hit_limit;
@@ -120,8 +124,9 @@ static struct cell_light follow(const struct cell_light *first, const struct cel
     return both;
 }
 
+// To within `slack` times the cell's share of the accuracy.
 static bool agree(const struct gatherer *gatherer, const double throughput[static 3], const struct cell_light *a,
-                  const struct cell_light *b)
+                  const struct cell_light *b, double slack)
 {
     for (int c = 0; c < 3; c++) {
         if (throughput[c] > DARKNESS && b->optical_depth[c] > THICKEST_CELL) return false;
@@ -130,8 +135,8 @@ static bool agree(const struct gatherer *gatherer, const double throughput[stati
         double radiance_change = throughput[c] * fabs(a->radiance[c] - b->radiance[c]);
         double share_change = throughput[c] * fabs(exp(-a->optical_depth[c]) - exp(-b->optical_depth[c]));
 
-        if (!(radiance_change <= gatherer->radiance_tolerance[c])) return false;
-        if (!(share_change <= gatherer->share_tolerance)) return false;
+        if (!(radiance_change <= slack * gatherer->radiance_tolerance[c])) return false;
+        if (!(share_change <= slack * gatherer->share_tolerance)) return false;
     }
     return true;
 }
@@ -141,7 +146,8 @@ static bool is_dark(const double throughput[static 3])
     return throughput[0] < DARKNESS && throughput[1] < DARKNESS && throughput[2] < DARKNESS;
 }
 
-// Halves the cell until two halvings in a row change nothing that matters: one alone may do so by accident.
+// Halves the cell until two halvings in a row change little and the second nothing that matters: one alone may do so by
+// accident.
 static struct cell_light refine(struct gatherer *gatherer, struct cell cell, const double throughput[static 3],
                                 const struct cell_light *whole, bool agreed_before, int halvings_left)
 {
@@ -156,8 +162,8 @@ static struct cell_light refine(struct gatherer *gatherer, struct cell cell, con
         throughput_right[c] = throughput[c] * exp(-left_light.optical_depth[c]);
     right_light = light_of_cell(gatherer, right, is_dark(throughput_right));
     halved = follow(&left_light, &right_light);
-    agrees = agree(gatherer, throughput, whole, &halved);
-    if (agrees && agreed_before) return halved;
+    if (agreed_before && agree(gatherer, throughput, whole, &halved, 1.0)) return halved;
+    agrees = agree(gatherer, throughput, whole, &halved, LITTLE);
     if (halvings_left == 0) {
         gatherer->hit_limit = true;
         return halved;
@@ -208,9 +214,14 @@ static void find_spans(const struct still *still, const struct ray *ray, double 
     }
 }
 
-// `rough` has each span's light as one cell.
-static struct cell_light gather(struct gatherer *gatherer, const struct span_list *spans,
-                                const struct cell_light *rough, int halving_limit)
+// What is known of a span's light before it is refined.
+struct expectation {
+    struct cell_light rough; // as one cell
+    double radiance[3];      // what it adds to the ray's; gathering replaces it by what it did add
+};
+
+static struct cell_light gather(struct gatherer *gatherer, const struct span_list *spans, struct expectation *expected,
+                                const double brightness[static 3], int halving_limit)
 {
     struct cell_light total = {0};
 
@@ -218,40 +229,57 @@ static struct cell_light gather(struct gatherer *gatherer, const struct span_lis
         double throughput[3];
         struct cell_light light;
 
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             throughput[c] = exp(-total.optical_depth[c]);
-        light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &rough[i], false, halving_limit);
+            // Half of the accuracy to all spans alike, half by what each is about to add.
+            gatherer->radiance_tolerance[c] =
+                0.5 * gatherer->relative * (brightness[c] / (double)spans->count + expected[i].radiance[c]);
+        }
+        light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &expected[i].rough, false, halving_limit);
+        for (int c = 0; c < 3; c++)
+            expected[i].radiance[c] = throughput[c] * light.radiance[c];
         total = follow(&total, &light);
+    }
+    return total;
+}
+
+static struct cell_light expect(const struct gatherer *gatherer, const struct span_list *spans,
+                                struct expectation *expected)
+{
+    struct cell_light total = {0};
+
+    for (size_t i = 0; i < spans->count; i++) {
+        expected[i].rough = light_of_cell(gatherer, cell_of(&spans->spans[i]), false);
+        for (int c = 0; c < 3; c++)
+            expected[i].radiance[c] = exp(-total.optical_depth[c]) * expected[i].rough.radiance[c];
+        total = follow(&total, &expected[i].rough);
     }
     return total;
 }
 
 // A tolerance relative to the radiance needs the radiance: where the guess was too bright the tolerance was too lax.
 static struct cell_light gather_until_guess_holds(struct gatherer *gatherer, const struct span_list *spans,
-                                                  double relative, double floor, int halving_limit)
+                                                  double floor, int halving_limit)
 {
-    struct cell_light *rough = xmalloc(spans->count * sizeof rough[0]), light = {0};
+    struct expectation *expected = xmalloc(spans->count * sizeof expected[0]);
+    struct cell_light light = expect(gatherer, spans, expected);
     bool holds = false;
 
-    for (size_t i = 0; i < spans->count; i++) {
-        rough[i] = light_of_cell(gatherer, cell_of(&spans->spans[i]), false);
-        light = follow(&light, &rough[i]);
-    }
-    gatherer->share_tolerance = relative / (double)spans->count;
+    gatherer->share_tolerance = gatherer->relative / (double)spans->count;
     while (!holds) {
         struct cell_light guess = light;
+        double brightness[3];
 
         gatherer->hit_limit = false;
-        for (int c = 0; c < 3; c++) {
-            gatherer->radiance_tolerance[c] = relative * fmax(guess.radiance[c], floor) / (double)spans->count;
-        }
-        light = gather(gatherer, spans, rough, halving_limit);
+        for (int c = 0; c < 3; c++)
+            brightness[c] = fmax(guess.radiance[c], floor);
+        light = gather(gatherer, spans, expected, brightness, halving_limit);
         holds = true;
         for (int c = 0; c < 3; c++) {
             if (guess.radiance[c] > fmax(2.0 * light.radiance[c], floor)) holds = false;
         }
     }
-    free(rough);
+    free(expected);
     return light;
 }
 
@@ -262,14 +290,14 @@ struct integrate_result integrate_ray(const struct still *still, const struct ra
     double floor = accuracy && accuracy->floor > 0.0 ? accuracy->floor : DEFAULT_FLOOR;
     int limit = accuracy && accuracy->halving_limit > 0 ? accuracy->halving_limit : DEFAULT_HALVING_LIMIT;
     struct integrate_result result = {.transmittance = {1.0, 1.0, 1.0}, .is_converged = true};
-    struct gatherer gatherer = {.still = still, .ray = ray, .shadow_tolerance = 0.1 * relative};
+    struct gatherer gatherer = {.still = still, .ray = ray, .relative = relative, .shadow_tolerance = 0.25 * relative};
     struct span_list spans = {0};
     struct cell_light light;
 
     far = transmittance_reach(still->media, still->medium_count, ray, near, far);
     find_spans(still, ray, near, far, &spans);
     if (spans.count == 0) return result;
-    light = gather_until_guess_holds(&gatherer, &spans, relative, floor, limit);
+    light = gather_until_guess_holds(&gatherer, &spans, floor, limit);
     for (int c = 0; c < 3; c++) {
         result.radiance[c] = light.radiance[c];
         result.transmittance[c] = exp(-light.optical_depth[c]);

@@ -19,27 +19,36 @@ struct stretch {
     struct ray ray;
 };
 
-static double column_of_cell(const struct stretch *stretch, double begin, double end)
+struct cell {
+    double begin, end; // m along the ray
+};
+
+static double column_of_cell(const struct stretch *stretch, struct cell cell)
 {
-    double length = end - begin, sum = 0.0;
+    double length = cell.end - cell.begin, sum = 0.0;
 
     for (int i = 0; i < GAUSS_NODES; i++) {
-        sum += GAUSS_WEIGHT[i] * stretch->at(stretch->field, ray_at(&stretch->ray, begin + GAUSS_NODE[i] * length));
+        sum +=
+            GAUSS_WEIGHT[i] * stretch->at(stretch->field, ray_at(&stretch->ray, cell.begin + GAUSS_NODE[i] * length));
     }
     return sum * length;
 }
 
-// Halves the cell, whose column is `whole`, until a halving changes it by no more than the tolerance.
-static double refine(const struct stretch *stretch, double begin, double end, double whole, double tolerance,
-                     int halvings_left)
+// Halves the cell, whose column is `whole`, until what is left of the error is within the tolerance. Where the field is
+// smooth a halving divides the error by 2^4 at least; how much it did is seen by `change_before`, of the cell it is half of.
+static double refine(const struct stretch *stretch, struct cell cell, double whole, double change_before,
+                     double tolerance, int halvings_left)
 {
-    double middle = 0.5 * (begin + end);
-    double left = column_of_cell(stretch, begin, middle);
-    double right = column_of_cell(stretch, middle, end);
+    double middle = 0.5 * (cell.begin + cell.end);
+    struct cell left = {cell.begin, middle}, right = {middle, cell.end};
+    double left_column = column_of_cell(stretch, left), right_column = column_of_cell(stretch, right);
+    double change = fabs(left_column + right_column - whole);
+    double quotient = fmin(fmax(change_before / change, 1.0), 16.0);
 
-    if (fabs(left + right - whole) <= tolerance || halvings_left == 0) return left + right;
-    return refine(stretch, begin, middle, left, tolerance, halvings_left - 1) +
-           refine(stretch, middle, end, right, tolerance, halvings_left - 1);
+    // Not "change > tolerance": a NaN ends here.
+    if (!(change > tolerance * quotient) || halvings_left == 0) return left_column + right_column;
+    return refine(stretch, left, left_column, change, tolerance, halvings_left - 1) +
+           refine(stretch, right, right_column, change, tolerance, halvings_left - 1);
 }
 
 double transmittance_density_column(const struct density *density, const struct ray *ray, double near, double far,
@@ -53,13 +62,15 @@ double transmittance_density_column(const struct density *density, const struct 
     for (size_t i = 0; i < spans.count; i++) {
         const struct span *span = &spans.spans[i];
         struct stretch stretch = {density->at, density->field, *ray};
+        struct cell cell;
 
         if (density->at_image) {
             stretch.at = density->at_image;
             stretch.ray = span->image;
         }
-        column += refine(&stretch, span->begin, span->end, column_of_cell(&stretch, span->begin, span->end),
-                         tolerance / (double)spans.count, HALVING_LIMIT);
+        cell = (struct cell){span->begin, span->end};
+        column +=
+            refine(&stretch, cell, column_of_cell(&stretch, cell), 0.0, tolerance / (double)spans.count, HALVING_LIMIT);
     }
     span_list_finish(&spans);
     return column;
