@@ -28,51 +28,49 @@ static const signed char GRADIENT[16][3] = {
     {1, 1, 0}, {0, -1, 1}, {-1, 1, 0}, {0, -1, -1},
 };
 
+// Of any whole number, by its remainder.
 static int permuted(int number)
 {
-    return PERMUTATION[number & 255];
+    return PERMUTATION[(unsigned)number % 256];
 }
 
 static double smooth(double t)
 {
-    return t * t * t * (10.0 - t * (15.0 - 6.0 * t));
+    return ((6.0 * t - 15.0) * t + 10.0) * t * t * t;
 }
 
-// What a lattice point's gradient says at `away` from it.
-static double ramp(const int point[static 3], const double away[static 3])
-{
-    const signed char *gradient = GRADIENT[permuted(permuted(permuted(point[0]) + point[1]) + point[2]) % 16];
+// Along one axis: the lattice points on either side and the way from each.
+struct sides {
+    int point[2];
+    double away[2], weight[2];
+};
 
-    return gradient[0] * away[0] + gradient[1] * away[1] + gradient[2] * away[2];
+static struct sides sides_of(double coordinate)
+{
+    double whole = floor(coordinate), part = coordinate - whole;
+    // Exact: 256 is a power of two.
+    int point = (int)(whole - 256.0 * floor(whole / 256.0));
+
+    return (struct sides){{point, point + 1}, {part, part - 1.0}, {1.0 - smooth(part), smooth(part)}};
 }
 
 // Each corner of the cell has a weight for itself.
 double density_noise_octave(struct vec3 q)
 {
-    const double coordinates[3] = {q.x, q.y, q.z};
-    double part[3], smoothed[3], sum = 0.0;
-    int cell[3];
+    struct sides x = sides_of(q.x), y = sides_of(q.y), z = sides_of(q.z);
+    double sum = 0.0;
 
-    for (int axis = 0; axis < 3; axis++) {
-        double whole = floor(coordinates[axis]);
+    for (int i = 0; i < 2; i++) {
+        for (int j = 0; j < 2; j++) {
+            int column = permuted(permuted(x.point[i]) + y.point[j]);
 
-        // Exact, and an int whatever the size.
-        cell[axis] = (int)(whole - 256.0 * floor(whole / 256.0));
-        part[axis] = coordinates[axis] - whole;
-        smoothed[axis] = smooth(part[axis]);
-    }
-    for (int corner = 0; corner < 8; corner++) {
-        double weight = 1.0, away[3];
-        int point[3];
+            for (int k = 0; k < 2; k++) {
+                const signed char *gradient = GRADIENT[permuted(column + z.point[k]) % 16];
+                double ramp = gradient[0] * x.away[i] + gradient[1] * y.away[j] + gradient[2] * z.away[k];
 
-        for (int axis = 0; axis < 3; axis++) {
-            int side = corner >> axis & 1;
-
-            point[axis] = cell[axis] + side;
-            away[axis] = part[axis] - side;
-            weight *= side ? smoothed[axis] : 1.0 - smoothed[axis];
+                sum += x.weight[i] * y.weight[j] * z.weight[k] * ramp;
+            }
         }
-        sum += weight * ramp(point, away);
     }
     return sum;
 }
@@ -97,7 +95,7 @@ void density_noise_init(struct density_noise *noise, const struct density_noise_
         .mode = params->mode,
         .frequency = params->frequency,
         .lacunarity = params->lacunarity,
-        .hurst = params->hurst,
+        .gain = pow(params->lacunarity, -params->hurst),
         .exponent = (1.0 - params->bias) / (1.0 + params->bias),
         .offset = params->offset,
         .center = params->center,
@@ -110,13 +108,15 @@ void density_noise_init(struct density_noise *noise, const struct density_noise_
 
 static double sum_of_octaves(const struct density_noise *noise, struct vec3 q)
 {
-    double sum = 0.0;
+    double sum = 0.0, frequency = 1.0, weight = 1.0;
 
     for (int k = 0; k < noise->octaves; k++) {
-        double octave = density_noise_octave(vec3_scale(q, pow(noise->lacunarity, k)));
+        double octave = density_noise_octave(vec3_scale(q, frequency));
 
         if (noise->mode == SCENE_NOISE_ABSOLUTE) octave = fabs(octave);
-        sum += pow(noise->lacunarity, -noise->hurst * k) * octave;
+        sum += weight * octave;
+        frequency *= noise->lacunarity;
+        weight *= noise->gain;
     }
     return sum;
 }
@@ -128,7 +128,8 @@ double density_noise(const struct density_noise *noise, struct vec3 position)
     double value = sum_of_octaves(noise, vec3_add(vec3_scale(image, noise->frequency), noise->offset));
 
     if (noise->mode == SCENE_NOISE_REMAP) value = 0.5 * (1.0 + value);
-    return value > 0.0 ? noise->scale * pow(value, noise->exponent) : 0.0;
+    if (!(value > 0.0)) return 0.0;
+    return noise->scale * (noise->exponent == 1.0 ? value : pow(value, noise->exponent));
 }
 
 static double at(const void *field, struct vec3 position)

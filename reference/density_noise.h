@@ -9,7 +9,8 @@ struct density_noise {
     int octaves;
     enum scene_noise_mode mode;
     double frequency; // lattice cells per metre
-    double lacunarity, hurst;
+    double lacunarity;
+    double gain;                     // of an octave over the one before it: lacunarity^-hurst
     double exponent;                 // (1 - bias) / (1 + bias)
     struct vec3 offset;              // lattice cells
     struct vec3 center;              // m

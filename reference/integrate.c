@@ -231,9 +231,9 @@ static struct cell_light gather(struct gatherer *gatherer, const struct span_lis
 
         for (int c = 0; c < 3; c++) {
             throughput[c] = exp(-total.optical_depth[c]);
-            // Half of the accuracy to all spans alike, half by what each is about to add.
+            // A third of the accuracy to all spans alike, one by what each is about to add; the rest is the shadows'.
             gatherer->radiance_tolerance[c] =
-                0.5 * gatherer->relative * (brightness[c] / (double)spans->count + expected[i].radiance[c]);
+                gatherer->relative / 3.0 * (brightness[c] / (double)spans->count + expected[i].radiance[c]);
         }
         light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &expected[i].rough, false, halving_limit);
         for (int c = 0; c < 3; c++)
@@ -290,7 +290,7 @@ struct integrate_result integrate_ray(const struct still *still, const struct ra
     double floor = accuracy && accuracy->floor > 0.0 ? accuracy->floor : DEFAULT_FLOOR;
     int limit = accuracy && accuracy->halving_limit > 0 ? accuracy->halving_limit : DEFAULT_HALVING_LIMIT;
     struct integrate_result result = {.transmittance = {1.0, 1.0, 1.0}, .is_converged = true};
-    struct gatherer gatherer = {.still = still, .ray = ray, .relative = relative, .shadow_tolerance = 0.25 * relative};
+    struct gatherer gatherer = {.still = still, .ray = ray, .relative = relative, .shadow_tolerance = 0.1 * relative};
     struct span_list spans = {0};
     struct cell_light light;
 
