@@ -225,6 +225,20 @@ static bool check_riemann(const struct check *check)
     return check_count(&step, length, check->job->quality.step, "between the clip distances", check->error);
 }
 
+// Spans of n media have at most 2 n - 1 stretches between their ends; each light has its points on each.
+static bool check_points(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    struct json_node points = json_node_child(check->quality, "points");
+    int limit;
+
+    if (scene->medium_count == 0 || scene->light_count == 0) return true;
+    limit = JOB_MARCH_STEPS_LIMIT / (int)(scene->light_count * (2 * scene->medium_count - 1));
+    if (check->job->quality.points <= limit) return true;
+    return json_fail(&points, check->error, "expected at most %d with %zu lights and %zu media, got %d", limit,
+                     scene->light_count, scene->medium_count, check->job->quality.points);
+}
+
 static bool check_equiangular(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
@@ -241,7 +255,7 @@ static bool check_equiangular(const struct check *check)
         if (!scene_density_is_even(density))
             return json_fail_expected(&falloff, check->error, "0, which equiangular needs");
     }
-    return true;
+    return check_points(check);
 }
 
 bool step_check(const struct job *job, const struct json_node *document, struct error *error)

@@ -10,6 +10,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -138,6 +139,37 @@ static void equiangular_is_for_even_media(void **state)
     free(noise);
 }
 
+static void equiangular_points_are_limited_along_a_ray(void **state)
+{
+    char lights[2048] = "[", expected[128];
+    char *medium, *lit, *text;
+
+    for (int i = 0; i < 16; ++i)
+        strcat(lights, i == 0 ? "{\"kind\":\"sun\",\"intensity\":1,\"direction\":[0,-1,0]}"
+                              : ",{\"kind\":\"sun\",\"intensity\":1,\"direction\":[0,-1,0]}");
+    strcat(lights, "]");
+    medium = json_edit_set(job_text_fog, "scene.media",
+                           "[{\"density\":{\"kind\":\"homogeneous\"},\"sigma_s\":1},{\"density\":{\"kind\":"
+                           "\"homogeneous\"},\"sigma_a\":1},"
+                           "{\"density\":{\"kind\":\"homogeneous\"},\"sigma_a\":1}]");
+    lit = json_edit_set(medium, "lights", lights);
+    // Three media have five stretches at most.
+    text = json_edit_set(lit, "quality", "{\"method\":\"equiangular\",\"points\":751}");
+    snprintf(expected, sizeof expected, "quality.points: expected at most %d with 16 lights and 3 media, got 751",
+             60000 / (16 * 5));
+    assert_refused(text, expected);
+    free(text);
+    text = json_edit_set(lit, "quality", "{\"method\":\"equiangular\",\"points\":750}");
+    {
+        struct job job = parse(text);
+
+        job_finish(&job);
+    }
+    free(text);
+    free(lit);
+    free(medium);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -146,6 +178,7 @@ int main(void)
         cmocka_unit_test(a_march_has_an_end),
         cmocka_unit_test(even_media_need_no_end),
         cmocka_unit_test(equiangular_is_for_even_media),
+        cmocka_unit_test(equiangular_points_are_limited_along_a_ray),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
