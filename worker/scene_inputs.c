@@ -2,6 +2,7 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
+#include "core/input_path.h"
 #include "worker/volume_layout.h"
 #include "worker/volume_stream.h"
 
@@ -9,17 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-// The file's name with the frame's number in place of the last run of #, padded with zeros to its length.
-static char *format_path(const char *file, int32_t frame)
-{
-    const char *end = strrchr(file, '#'), *start = end;
-
-    if (!end) return xstrdup(file);
-    while (start > file && start[-1] == '#')
-        --start;
-    return xasprintf("%.*s%0*d%s", (int)(start - file), file, (int)(end + 1 - start), frame, end + 1);
-}
 
 static struct volume_source source_of(const struct scene_input *input)
 {
@@ -49,7 +39,7 @@ static bool describe(struct scene_input *input, const struct scene_density *dens
 
     input->source = &density->grid;
     input->is_sequence = scene_density_is_sequence(density);
-    input->path = format_path(density->grid.file, frame);
+    input->path = input_path_format(density->grid.file, frame);
     if (!scene_input_open_volume(input, &volume, error)) return false;
     input->header = *volume;
     input->header.layout = NULL;
