@@ -213,6 +213,7 @@ static const char *text_of(const struct json_node *body, const char *key)
 static enum step on_frame(struct session *session, const struct message *message, struct error *error)
 {
     const char *event = message->method + strlen("frame.");
+    enum step step = STEP_ON;
     struct render_ticket ticket;
 
     if (!read_ticket(&message->body, &ticket, error)) return STEP_STOP;
@@ -232,11 +233,11 @@ static enum step on_frame(struct session *session, const struct message *message
     else if (strcmp(event, "skipped") == 0)
         on_skipped(session, &ticket, &message->body);
     else if (strcmp(event, "failed") == 0)
-        return on_failed(session, &ticket, &message->body, error);
+        step = on_failed(session, &ticket, &message->body, error);
     else if (strcmp(event, "dropped") == 0)
         report_failed(session, ticket.frame, "the worker gave it back");
-    assign(session);
-    return STEP_ON;
+    if (step == STEP_ON) assign(session);
+    return step;
 }
 
 static enum step on_message(struct session *session, const struct message *message, struct error *error)

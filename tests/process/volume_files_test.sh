@@ -9,10 +9,11 @@ unset MARCH_WORKER
 . "$PROJECT_ROOT/tests/process/march.sh"
 seeds=$PROJECT_ROOT/tests/fuzz/seeds
 
+last=1
 # job FILE [KEYS]: job.json shows that volume.
 job() {
     cat >job.json <<JSON
-{ "version": 1, "name": "scan", "frames": "0-1", "fps": 24, "resolution": [16, 9],
+{ "version": 1, "name": "scan", "frames": "0-$last", "fps": 24, "resolution": [16, 9],
   "camera": { "position": { "orbit": { "center": [0, 0, 0], "axis": [0, 0, 1], "radius": 4, "period": 5 } },
               "target": [0, 0, 0], "up": [0, 0, 1], "fov": 30 },
   "scene": { "media": [ { "density": { "kind": "grid", "file": "$1"${2+, $2} }, "emission": 1 } ] },
@@ -28,7 +29,7 @@ refuse() {
     words=$3
     shift 3
     job "$file" "$@"
-    expect "$wanted" march render job.json
+    expect "$wanted" timeout 100 march render job.json
     grep -F "$file" err | grep -qF "$words" || fail "$file: expected \"$words\""
     [ -z "$(ls pictures 2>/dev/null)" ] || fail "$file: left behind: $(ls pictures)"
     rm -rf pictures
@@ -57,6 +58,10 @@ refuse 1 empty.nii 'ends after 0 bytes'
 refuse 1 long.nii '60 bytes, got 61 bytes'
 head -c 120 good.nii.gz >cut.nii.gz
 refuse 1 cut.nii.gz 'its gzip data end before they are complete'
+# More frames than a worker is given at once: each fails by itself, and the command ends.
+last=5
+refuse 1 cut.nii.gz 'frame 5 failed: '
+last=1
 { head -c 137 good.nii.gz && printf 'wrong' && tail -c 3 good.nii.gz; } >damaged.nii.gz
 refuse 1 damaged.nii.gz 'damaged'
 { cat good.nii.gz && echo more; } >followed.nii.gz
