@@ -1,3 +1,4 @@
+#include "worker/affine.h"
 #include "worker/density_kind.h"
 #include "worker/gl_grid.h"
 #include "worker/scene_inputs.h"
@@ -26,26 +27,12 @@ static const struct scene_input *input_of(const struct density_site *site)
     return &site->inputs->media[site->medium];
 }
 
-// Of the matrix from index coordinates to the world, without its shift; column-major. A matrix without one was refused.
-static void invert(const double matrix[12], double inverse[static 9])
-{
-    const double *a = matrix, *b = matrix + 4, *c = matrix + 8;
-    double determinant =
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-    const double adjugate[9] = {b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0],
-                                a[2] * c[1] - a[1] * c[2], a[0] * c[2] - a[2] * c[0], a[1] * c[0] - a[0] * c[1],
-                                a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-
-    for (int i = 0; i < 9; ++i)
-        inverse[i] = adjugate[i] / determinant;
-}
-
 static void evaluate_to_index(const void *source, double time, double value[static 9])
 {
-    double matrix[12];
+    double matrix[12], shift[3];
 
     scene_input_place(source, time, matrix);
-    invert(matrix, value);
+    affine_invert(matrix, value, shift);
 }
 
 static void evaluate_shift(const void *source, double time, double value[static 9])
@@ -53,9 +40,7 @@ static void evaluate_shift(const void *source, double time, double value[static 
     double matrix[12], inverse[9];
 
     scene_input_place(source, time, matrix);
-    invert(matrix, inverse);
-    for (int row = 0; row < 3; ++row)
-        value[row] = -(inverse[row] * matrix[3] + inverse[3 + row] * matrix[7] + inverse[6 + row] * matrix[11]);
+    affine_invert(matrix, inverse, value);
 }
 
 static void evaluate_size(const void *source, double time, double value[static 9])

@@ -28,5 +28,7 @@ struct sparse_grid {
 
 void sparse_grid_destroy(struct sparse_grid *grid); // NULL is accepted
 size_t sparse_grid_brick_total(const struct sparse_grid *grid);
+// The values of brick (i, j, k), which may lie anywhere, or NULL when all of them are `*value`.
+const float *sparse_grid_brick(const struct sparse_grid *grid, const int brick[3], float *value);
 // The value of voxel (i, j, k), which may lie anywhere.
 float sparse_grid_at(const struct sparse_grid *grid, const int voxel[3]);

@@ -23,7 +23,7 @@ enum {
     COORDINATE_LIMIT = 1 << 29
 };
 
-static const uint64_t brick_limit = 1U << 25;
+static const uint64_t brick_limit = 1U << 24;
 static const uint64_t magic_first = 0x304244566f6e614e, magic_grid = 0x314244566f6e614e;
 
 // The nodes of one level: where they lie in the buffer, and which of them a parent has named.

@@ -1,0 +1,5 @@
+// Affine maps between voxels and the world.
+#pragma once
+
+// `matrix` is row-major 3x4 and not singular: writes what turns differences back, column-major, and the shift that belongs to it.
+void affine_invert(const double matrix[static 12], double inverse[static 9], double shift[static 3]);

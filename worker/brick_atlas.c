@@ -1,0 +1,223 @@
+#include "worker/brick_atlas.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "worker/grid_bricks.h"
+#include "worker/sparse_grid.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    SIDE = BRICK_ATLAS_SIDE,
+    SLOT_VOXELS = SIDE * SIDE * SIDE,
+    LAYER_LIMIT = 2048 / SIDE,  // slots: every GL 4.5 has arrays of as many layers
+    ACROSS_LIMIT = 16384 / SIDE // and textures as wide
+};
+
+void brick_atlas_destroy(struct brick_atlas *atlas)
+{
+    if (!atlas) return;
+    for (int i = 0; i < BRICK_ATLAS_GRIDS; ++i)
+        free(atlas->values[i]);
+    free(atlas->index);
+    free(atlas);
+}
+
+static void find_place(const int count[3], size_t brick, int place[3])
+{
+    place[0] = (int)(brick % (size_t)count[0]);
+    place[1] = (int)(brick / (size_t)count[0] % (size_t)count[1]);
+    place[2] = (int)(brick / (size_t)count[0] / (size_t)count[1]);
+}
+
+// The voxels of a brick and those around it that interpolation reaches, i fastest: bit `axis` of `part` says that a part's
+// voxels are the next brick's.
+static void copy_part(const struct sparse_grid *grid, const int brick[3], int part, float values[SLOT_VOXELS])
+{
+    int source[3], first[3], count[3];
+    const float *leaf;
+    float value;
+
+    for (int axis = 0; axis < 3; ++axis) {
+        bool is_next = part >> axis & 1;
+
+        source[axis] = brick[axis] + is_next;
+        first[axis] = is_next ? SPARSE_BRICK_SIDE : 0;
+        count[axis] = is_next ? 1 : SPARSE_BRICK_SIDE;
+    }
+    leaf = sparse_grid_brick(grid, source, &value);
+    for (int k = 0; k < count[2]; ++k)
+        for (int j = 0; j < count[1]; ++j)
+            for (int i = 0; i < count[0]; ++i)
+                values[first[0] + i + SIDE * (first[1] + j + SIDE * (first[2] + k))] =
+                    leaf ? leaf[i + SPARSE_BRICK_SIDE * (j + SPARSE_BRICK_SIDE * k)] : value;
+}
+
+static void copy_brick(const struct sparse_grid *grid, const int brick[3], float values[SLOT_VOXELS])
+{
+    for (int part = 0; part < 8; ++part)
+        copy_part(grid, brick, part, values);
+}
+
+static struct grid_bound bound_of(const float values[SLOT_VOXELS])
+{
+    struct grid_bound bound = {values[0], values[0]};
+
+    for (int i = 1; i < SLOT_VOXELS; ++i) {
+        bound.min = fminf(bound.min, values[i]);
+        bound.max = fmaxf(bound.max, values[i]);
+    }
+    return bound;
+}
+
+static bool is_empty(double min, double max, const void *user)
+{
+    return max <= 0;
+}
+
+// Fills in how far each brick is from density.
+static bool find_reach(struct brick_atlas *atlas, const struct sparse_grid *density, struct error *error)
+{
+    size_t total = sparse_grid_brick_total(density);
+    struct grid_bricks bricks = {.bounds = malloc(total * sizeof *bricks.bounds)};
+    unsigned char *distances = malloc(total);
+    bool ok = bricks.bounds && distances;
+
+    if (!ok) {
+        error_set(error, "out of memory for %zu bricks", total);
+        goto out;
+    }
+    memcpy(bricks.count, density->brick_count, sizeof bricks.count);
+    for (size_t n = 0; n < total; ++n) {
+        float values[SLOT_VOXELS];
+        int brick[3];
+
+        find_place(density->brick_count, n, brick);
+        for (int axis = 0; axis < 3; ++axis)
+            brick[axis] += density->brick_min[axis];
+        copy_brick(density, brick, values);
+        bricks.bounds[n] = bound_of(values);
+    }
+    grid_bricks_find_distances(&bricks, 1, 0, is_empty, NULL, distances);
+    for (size_t n = 0; n < total; ++n)
+        atlas->index[n][3] = distances[n];
+out:
+    free(bricks.bounds);
+    free(distances);
+    return ok;
+}
+
+// About a cube.
+static bool lay_out_slots(struct brick_atlas *atlas, size_t count, struct error *error)
+{
+    size_t layers = (size_t)ceil(cbrt((double)count)), across, down;
+
+    if (layers > LAYER_LIMIT) layers = LAYER_LIMIT;
+    across = (size_t)ceil(sqrt((double)count / (double)layers));
+    down = (count + across * layers - 1) / (across * layers);
+    layers = (count + across * down - 1) / (across * down);
+    if (across > ACROSS_LIMIT) {
+        error_set(error, "%zu bricks of 8^3 voxels with density are more than a texture holds", count);
+        return false;
+    }
+    atlas->slots[0] = (int)across;
+    atlas->slots[1] = (int)down;
+    atlas->slots[2] = (int)layers;
+    for (int axis = 0; axis < 3; ++axis)
+        atlas->texels[axis] = SIDE * atlas->slots[axis];
+    return true;
+}
+
+static void paste(const struct brick_atlas *atlas, float *texels, const uint16_t slot[3],
+                  const float values[SLOT_VOXELS])
+{
+    size_t width = (size_t)atlas->texels[0], layer = width * (size_t)atlas->texels[1];
+
+    for (size_t k = 0; k < SIDE; ++k)
+        for (size_t j = 0; j < SIDE; ++j)
+            memcpy(texels + SIDE * (size_t)slot[0] + width * (SIDE * (size_t)slot[1] + j) +
+                       layer * (SIDE * (size_t)slot[2] + k),
+                   values + SIDE * (j + SIDE * k), SIDE * sizeof *values);
+}
+
+static bool fill_slots(struct brick_atlas *atlas, const struct sparse_grid *density, const struct sparse_grid *glow,
+                       struct error *error)
+{
+    const struct sparse_grid *grids[BRICK_ATLAS_GRIDS] = {density, glow};
+    size_t texels = (size_t)atlas->texels[0] * (size_t)atlas->texels[1] * (size_t)atlas->texels[2];
+    size_t total = sparse_grid_brick_total(density), used = 1;
+
+    for (int i = 0; i < BRICK_ATLAS_GRIDS; ++i) {
+        if (!grids[i]) continue;
+        atlas->values[i] = calloc(texels, sizeof(float));
+        atlas->size_bytes += texels * sizeof(float);
+        if (!atlas->values[i]) {
+            error_set(error, "out of memory for %zu texels", texels);
+            return false;
+        }
+    }
+    for (size_t n = 0; n < total; ++n) {
+        int brick[3], slot[3];
+
+        if (atlas->index[n][3] > 0) continue;
+        find_place(density->brick_count, n, brick);
+        find_place(atlas->slots, used++, slot);
+        for (int axis = 0; axis < 3; ++axis) {
+            brick[axis] += density->brick_min[axis];
+            atlas->index[n][axis] = (uint16_t)slot[axis];
+        }
+        for (int i = 0; i < BRICK_ATLAS_GRIDS; ++i) {
+            float values[SLOT_VOXELS];
+
+            if (!grids[i]) continue;
+            copy_brick(grids[i], brick, values);
+            paste(atlas, atlas->values[i], atlas->index[n], values);
+        }
+    }
+    return true;
+}
+
+static bool check_places(const struct sparse_grid *density, const struct sparse_grid *glow, struct error *error)
+{
+    double size = 0;
+
+    for (int i = 0; i < 12; ++i)
+        size = fmax(size, fabs(density->index_to_world[i]));
+    for (int i = 0; i < 12; ++i)
+        if (fabs(density->index_to_world[i] - glow->index_to_world[i]) > 1e-9 * size) {
+            error_set(error, "the two grids' voxels lie in different places; expected one map for both");
+            return false;
+        }
+    return true;
+}
+
+struct brick_atlas *brick_atlas_create(const struct sparse_grid *density, const struct sparse_grid *glow,
+                                       struct error *error)
+{
+    struct brick_atlas *atlas;
+    size_t total = sparse_grid_brick_total(density), count = 1;
+
+    if (glow && !check_places(density, glow, error)) return NULL;
+    atlas = xcalloc(1, sizeof *atlas);
+    memcpy(atlas->brick_min, density->brick_min, sizeof atlas->brick_min);
+    memcpy(atlas->brick_count, density->brick_count, sizeof atlas->brick_count);
+    memcpy(atlas->voxel_min, density->voxel_min, sizeof atlas->voxel_min);
+    memcpy(atlas->voxel_max, density->voxel_max, sizeof atlas->voxel_max);
+    memcpy(atlas->index_to_world, density->index_to_world, sizeof atlas->index_to_world);
+    atlas->index = calloc(total, sizeof *atlas->index);
+    atlas->size_bytes = total * sizeof *atlas->index;
+    if (!atlas->index) {
+        error_set(error, "out of memory for %zu bricks", total);
+        goto failed;
+    }
+    if (!find_reach(atlas, density, error)) goto failed;
+    for (size_t n = 0; n < total; ++n)
+        count += atlas->index[n][3] == 0;
+    if (!lay_out_slots(atlas, count, error) || !fill_slots(atlas, density, glow, error)) goto failed;
+    return atlas;
+failed:
+    brick_atlas_destroy(atlas);
+    return NULL;
+}

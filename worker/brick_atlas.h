@@ -1,0 +1,32 @@
+// Sparse grids as textures hold them: bricks with what interpolation reaches beyond them, and where each brick is.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct error;
+struct sparse_grid;
+
+enum {
+    BRICK_ATLAS_SIDE = 9, // a brick's 8 voxels and the next brick's first
+    BRICK_ATLAS_GRIDS = 2
+};
+
+// Texel (x, y, z) of a grid's values is at x + width (y + height z). Bricks without density share the slot (0, 0, 0).
+struct brick_atlas {
+    int slots[3];                     // along x, y, z
+    int texels[3];                    // BRICK_ATLAS_SIDE times as many
+    float *values[BRICK_ATLAS_GRIDS]; // owned; of the density, and of what glows where there is density or NULL
+    int brick_min[3];                 // of the lattice, as in struct sparse_grid
+    int brick_count[3];
+    uint16_t (*index)[4]; // owned; of each brick, i fastest: its slot, and how many bricks away the nearest density is
+    int voxel_min[3], voxel_max[3]; // the box of the density's active voxels, inclusive
+    double index_to_world[12];
+    size_t size_bytes; // of values and index
+};
+
+// `glow` may be NULL; its voxels must lie where those of `density` do. NULL on failure; the caller destroys the atlas.
+struct brick_atlas *brick_atlas_create(const struct sparse_grid *density, const struct sparse_grid *glow,
+                                       struct error *error);
+void brick_atlas_destroy(struct brick_atlas *atlas); // NULL is accepted
