@@ -89,6 +89,13 @@ bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t fr
     return true;
 }
 
+const struct assignment_frame *assignment_find_waiting(const struct assignment *assignment)
+{
+    for (const struct assignment_frame *frame = assignment->frames; frame; frame = frame->next)
+        if (!frame->is_started) return frame;
+    return NULL;
+}
+
 struct assignment_frame *assignment_start_frame(struct assignment *assignment)
 {
     struct assignment_frame *frame = assignment->frames;

@@ -48,6 +48,8 @@ bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t fr
 
 // The next frame that waits, now started; NULL when none does. Belongs to the assignment until it is ended.
 struct assignment_frame *assignment_start_frame(struct assignment *assignment);
+// The same frame, left waiting.
+const struct assignment_frame *assignment_find_waiting(const struct assignment *assignment);
 void assignment_end_frame(struct assignment *assignment, struct assignment_frame *frame);
 
 struct assignment_dropped {

@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-enum { BLACKBODY_TABLE_SIZE = 512 };
+enum { BLACKBODY_TABLE_SIZE = 1024 };
 
 // Entry i is that of 1/kelvin = i / (BLACKBODY_TABLE_SIZE - 1) / 400: linear Rec. 709 by the luminance, not clipped, and
 // log2(luminance / kelvin), the luminance being 1 at 1500 K.

@@ -50,7 +50,7 @@ struct density_kind {
 };
 
 extern const struct density_kind density_kind_fold_fractal, density_kind_homogeneous, density_kind_noise,
-    density_kind_grid;
+    density_kind_grid, density_kind_bricks;
 
 // NULL for a kind that cannot be rendered yet.
 const struct density_kind *density_kind_of(const struct scene_density *density);

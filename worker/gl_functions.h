@@ -53,6 +53,7 @@ struct gl_context;
     X(PFNGLTEXTUREPARAMETERIPROC, TextureParameteri)                                                                   \
     X(PFNGLTEXTURESTORAGE2DPROC, TextureStorage2D)                                                                     \
     X(PFNGLTEXTURESTORAGE3DPROC, TextureStorage3D)                                                                     \
+    X(PFNGLTEXTURESUBIMAGE2DPROC, TextureSubImage2D)                                                                   \
     X(PFNGLTEXTURESUBIMAGE3DPROC, TextureSubImage3D)                                                                   \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
     X(PFNGLVIEWPORTPROC, Viewport)

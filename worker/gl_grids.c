@@ -3,6 +3,9 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/log.h"
+#include "worker/blackbody.h"
+#include "worker/brick_store.h"
+#include "worker/gl_bricks.h"
 #include "worker/gl_functions.h"
 #include "worker/scene_inputs.h"
 #include "worker/transfer_function.h"
@@ -27,11 +30,18 @@ struct kept_distances {
     unsigned texture;
 };
 
+struct kept_bricks {
+    char hash[HASH_TEXT_SIZE]; // of the input; empty: none
+    struct gl_bricks bricks;
+};
+
 struct gl_grids {
     const struct gl_functions *gl; // borrowed; outlives us
     uint64_t frame_count;
     struct kept_grid grids[GRID_LIMIT];
     struct kept_distances distances[SCENE_MEDIUM_LIMIT];
+    struct kept_bricks bricks[SCENE_MEDIUM_LIMIT];
+    unsigned blackbody; // its table; 0: nothing has glowed yet
 };
 
 struct gl_grids *gl_grids_create(const struct gl_functions *gl)
@@ -55,6 +65,9 @@ void gl_grids_destroy(struct gl_grids *grids)
         drop(&grids->grids[i]);
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         if (grids->distances[i].texture) grids->gl->DeleteTextures(1, &grids->distances[i].texture);
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+        gl_bricks_finish(&grids->bricks[i].bricks);
+    if (grids->blackbody) grids->gl->DeleteTextures(1, &grids->blackbody);
     free(grids);
 }
 
@@ -157,6 +170,43 @@ static bool bind_distances(struct gl_grids *grids, const struct scene_input *inp
     return true;
 }
 
+static unsigned make_blackbody(const struct gl_functions *gl)
+{
+    static float table[BLACKBODY_TABLE_SIZE][4];
+    unsigned texture;
+
+    blackbody_fill_table(table);
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
+    gl->TextureStorage2D(texture, 1, GL_RGBA32F, BLACKBODY_TABLE_SIZE, 1);
+    gl->TextureSubImage2D(texture, 0, 0, 0, BLACKBODY_TABLE_SIZE, 1, GL_RGBA, GL_FLOAT, table);
+    gl->TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    return texture;
+}
+
+static bool bind_bricks(struct gl_grids *grids, const struct scene_input *input, size_t medium, struct error *error)
+{
+    struct kept_bricks *kept = &grids->bricks[medium];
+    GLuint unit = (GLuint)(UNITS_PER_MEDIUM * medium);
+
+    if (strcmp(kept->hash, input->hash) != 0) {
+        gl_bricks_finish(&kept->bricks);
+        *kept = (struct kept_bricks){0};
+        if (!gl_bricks_init(&kept->bricks, grids->gl, input->bricks->atlas, error)) {
+            error_prefix(error, "%s", input->path);
+            return false;
+        }
+        memcpy(kept->hash, input->hash, sizeof kept->hash);
+    }
+    grids->gl->BindTextureUnit(unit, kept->bricks.values[0]);
+    grids->gl->BindTextureUnit(unit + 1, kept->bricks.index);
+    if (!kept->bricks.values[1]) return true;
+    if (!grids->blackbody) grids->blackbody = make_blackbody(grids->gl);
+    grids->gl->BindTextureUnit(unit + 2, kept->bricks.values[1]);
+    grids->gl->BindTextureUnit(unit + 3, grids->blackbody);
+    return true;
+}
+
 bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
                    struct error *error)
 {
@@ -171,6 +221,10 @@ bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl
         struct kept_grid *kept;
 
         if (!input->source) continue;
+        if (input->bricks) {
+            if (!bind_bricks(grids, input, i, error)) return false;
+            continue;
+        }
         kept = find(grids, input->hash);
         if (!kept) kept = read_grid(grids, input, on_progress, user, error);
         if (!kept) return false;

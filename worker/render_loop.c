@@ -20,13 +20,35 @@ struct render_loop {
     struct gl_context *context;     // NULL with --backend none
     struct renderer *renderer;      // likewise
     struct assignment_frame *frame; // being rendered
+    // The frame whose files are being read ahead; its job -1: none.
+    int64_t expected_job;
+    int32_t expected_frame;
 };
+
+// Has the files of the frame that comes next read while this one is rendered. It may be dropped at any time: only under the
+// lock is it there.
+static void expect_next(struct render_loop *loop)
+{
+    struct worker *worker = loop->worker;
+    const struct assignment_frame *next;
+
+    pthread_mutex_lock(&worker->lock);
+    next = assignment_find_waiting(&worker->assignment);
+    if (next && !next->job->fault && loop->renderer &&
+        (next->job->id != loop->expected_job || next->frame != loop->expected_frame)) {
+        loop->expected_job = next->job->id;
+        loop->expected_frame = next->frame;
+        renderer_expect(loop->renderer, &next->job->job, next->frame);
+    }
+    pthread_mutex_unlock(&worker->lock);
+}
 
 static bool on_progress(void *user, double done)
 {
     struct render_loop *loop = user;
 
     worker_advance(loop->worker);
+    expect_next(loop);
     return !worker_is_unwanted(loop->worker, loop->frame);
 }
 
@@ -216,7 +238,7 @@ static void work(struct render_loop *loop)
 
 void *render_loop_run(void *user)
 {
-    struct render_loop loop = {.worker = user};
+    struct render_loop loop = {.worker = user, .expected_job = -1};
     struct worker *worker = user;
 
     if (make_renderer(&loop))

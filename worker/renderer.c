@@ -48,9 +48,9 @@ struct renderer {
     char *shader_dir;                 // owned; NULL for the embedded modules
     struct gl_functions gl;
     struct gl_debug debug;
-    struct gl_grids *grids;     // owned
-    struct file_hashes *hashes; // owned
-    struct error unusable;      // why no frame can be rendered at all; empty when all is well
+    struct gl_grids *grids;   // owned
+    struct scene_files files; // owned
+    struct error unusable;    // why no frame can be rendered at all; empty when all is well
     struct kept_program programs[PROGRAM_LIMIT];
     uint64_t use_count;
     unsigned vertex_array, uniform_buffer;
@@ -76,7 +76,7 @@ struct renderer *renderer_create(struct gl_context *context, const char *shader_
 
     renderer->context = context;
     renderer->shader_dir = shader_dir ? xstrdup(shader_dir) : NULL;
-    renderer->hashes = file_hashes_create();
+    renderer->files = (struct scene_files){.hashes = file_hashes_create(), .bricks = brick_store_create()};
     if (!gl_functions_load(&renderer->gl, context, &renderer->unusable)) return renderer;
     gl_debug_init(&renderer->debug, &renderer->gl);
     renderer->grids = gl_grids_create(&renderer->gl);
@@ -90,7 +90,8 @@ void renderer_destroy(struct renderer *renderer)
     if (!renderer) return;
     gl_target_finish(&renderer->target);
     gl_grids_destroy(renderer->grids);
-    file_hashes_destroy(renderer->hashes);
+    file_hashes_destroy(renderer->files.hashes);
+    brick_store_destroy(renderer->files.bricks);
     for (size_t i = 0; i < PROGRAM_LIMIT; ++i)
         if (renderer->programs[i].name) renderer->gl.DeleteProgram(renderer->programs[i].name);
     if (renderer->uniform_buffer) renderer->gl.DeleteBuffers(1, &renderer->uniform_buffer);
@@ -323,7 +324,7 @@ static bool open_inputs(struct renderer *renderer, const struct job *job, int32_
 {
     bool is_lasting;
 
-    if (scene_inputs_open(inputs, job, frame, renderer->hashes, &is_lasting, error)) return true;
+    if (scene_inputs_open(inputs, job, frame, &renderer->files, &is_lasting, error)) return true;
     *fault = is_lasting ? RENDERER_FAULT_JOB : RENDERER_FAULT_FRAME;
     return false;
 }
@@ -337,6 +338,11 @@ bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int
     memcpy(hash, inputs.picture_hash, sizeof inputs.picture_hash);
     scene_inputs_finish(&inputs);
     return true;
+}
+
+void renderer_expect(struct renderer *renderer, const struct job *job, int32_t frame)
+{
+    scene_inputs_expect(job, frame, &renderer->files);
 }
 
 bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,

@@ -30,6 +30,9 @@ void renderer_destroy(struct renderer *renderer);
 bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int32_t frame,
                            char hash[static HASH_TEXT_SIZE], enum renderer_fault *fault, struct error *error);
 
+// Has what the frame will need from files read in the background, as far as that can be; nothing of it is kept of the job.
+void renderer_expect(struct renderer *renderer, const struct job *job, int32_t frame);
+
 struct renderer_result {
     enum renderer_fault fault;
     double seconds;                               // GPU work and readback

@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/input_path.h"
+#include "worker/brick_atlas.h"
 #include "worker/volume_layout.h"
 #include "worker/volume_stream.h"
 
@@ -33,13 +34,56 @@ static void add_file(struct scene_input *input, const char *path)
     input->files[input->file_count++].path = xstrdup(path);
 }
 
-static bool describe(struct scene_input *input, const struct scene_density *density, int32_t frame, struct error *error)
+static struct brick_source brick_source_of(const struct scene_medium *medium, const char *path)
 {
+    return (struct brick_source){path, medium->density.grid.grid_name, medium->blackbody.grid_name};
+}
+
+static void describe_bricks(struct scene_input *input)
+{
+    const struct brick_atlas *atlas = input->bricks->atlas;
+    double *matrix = input->header.index_to_world;
+
+    memcpy(matrix, atlas->index_to_world, sizeof input->header.index_to_world);
+    for (int axis = 0; axis < 3; ++axis) {
+        double edge = hypot(hypot(matrix[axis], matrix[4 + axis]), matrix[8 + axis]);
+        double wanted = input->source->spacing[axis];
+
+        input->header.size[axis] = atlas->voxel_max[axis] - atlas->voxel_min[axis] + 2;
+        for (int row = 0; wanted > 0 && row < 3; ++row)
+            matrix[4 * row + axis] *= wanted / edge;
+    }
+}
+
+// Their place in the world is told by the tree, which is read as a whole.
+static bool read_bricks(struct scene_input *input, const struct scene_medium *medium, struct brick_store *store,
+                        struct error *error)
+{
+    struct brick_source source = brick_source_of(medium, input->path);
+
+    if (medium->density.grid.point_count > 0) {
+        error_set(error, "%s: a transfer function is for grids of other files: those of NanoVDB are densities",
+                  input->path);
+        return false;
+    }
+    input->bricks = store ? brick_store_take(store, &source, error) : brick_volume_load(&source, error);
+    if (!input->bricks) return false;
+    describe_bricks(input);
+    add_file(input, input->path);
+    input->files[0].version = input->bricks->version;
+    return true;
+}
+
+static bool describe(struct scene_input *input, const struct scene_medium *medium, int32_t frame,
+                     struct brick_store *store, struct error *error)
+{
+    const struct scene_density *density = &medium->density;
     struct volume *volume;
 
     input->source = &density->grid;
     input->is_sequence = scene_density_is_sequence(density);
     input->path = input_path_format(density->grid.file, frame);
+    if (scene_grid_is_vdb(&density->grid)) return read_bricks(input, medium, store, error);
     if (!scene_input_open_volume(input, &volume, error)) return false;
     input->header = *volume;
     input->header.layout = NULL;
@@ -49,13 +93,28 @@ static bool describe(struct scene_input *input, const struct scene_density *dens
     return true;
 }
 
-// How the bytes are read is part of the hash: one raw file can be several volumes.
-static bool hash_contents(struct scene_input *input, struct file_hashes *hashes, struct error *error)
+// How the bytes are read is part of the hash: a file can hold several grids, and one raw file can be several volumes.
+static void hash_bricks(struct scene_input *input, const struct scene_medium *medium)
+{
+    const char *density_name = medium->density.grid.grid_name, *glow_name = medium->blackbody.grid_name;
+    char *text = xasprintf("%s bricks %s\n%s", input->bricks->hash, density_name ? density_name : "",
+                           glow_name ? glow_name : "");
+
+    hash_bytes(text, strlen(text), input->hash);
+    free(text);
+}
+
+static bool hash_contents(struct scene_input *input, const struct scene_medium *medium, struct file_hashes *hashes,
+                          struct error *error)
 {
     const struct scene_raw *raw = &input->source->raw;
     char hash[SCENE_INPUT_FILE_LIMIT][HASH_TEXT_SIZE] = {{0}};
     char *text;
 
+    if (input->bricks) {
+        hash_bricks(input, medium);
+        return true;
+    }
     for (size_t i = 0; i < input->file_count; ++i)
         if (!file_hashes_find(hashes, input->files[i].path, &input->files[i].version, hash[i], error)) return false;
     text = xasprintf("%s %s raw %d %d %d type %d %d order %d skip %lld grid %s", hash[0], hash[1], raw->size[0],
@@ -90,6 +149,10 @@ void scene_input_place(const struct scene_input *input, double time, double inde
     for (int row = 0; row < 3; ++row) {
         double *to = &index_to_world[4 * row];
 
+        if (input->bricks) { // the box moves with what is active: it has no middle that stays
+            to[3] += center[row];
+            continue;
+        }
         to[3] = center[row];
         for (int axis = 0; axis < 3; ++axis)
             to[3] -= to[axis] * 0.5 * (header->size[axis] - 1);
@@ -192,30 +255,32 @@ static bool is_lasting_fault(const struct scene_input *input)
 }
 
 static bool open_medium(struct scene_inputs *inputs, const struct job *job, size_t medium, int32_t frame,
-                        struct file_hashes *hashes, bool *is_lasting, struct error *error)
+                        const struct scene_files *files, bool *is_lasting, struct error *error)
 {
-    const struct scene_density *density = &job->scene.media[medium].density;
+    const struct scene_medium *source = &job->scene.media[medium];
     struct scene_input *input = &inputs->media[medium];
 
-    if (density->kind != SCENE_DENSITY_GRID) return true;
-    if (describe(input, density, frame, error) && (!hashes || hash_contents(input, hashes, error))) return true;
+    if (source->density.kind != SCENE_DENSITY_GRID) return true;
+    if (describe(input, source, frame, inputs->bricks, error) &&
+        (!files || hash_contents(input, source, files->hashes, error)))
+        return true;
     error_prefix(error, "scene.media[%zu].density.file", medium);
     *is_lasting = is_lasting_fault(input);
     return false;
 }
 
-bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame, struct file_hashes *hashes,
-                       bool *is_lasting, struct error *error)
+bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame,
+                       const struct scene_files *files, bool *is_lasting, struct error *error)
 {
     bool ignored;
 
     if (!is_lasting) is_lasting = &ignored;
     *is_lasting = true;
-    *inputs = (struct scene_inputs){.quality = job->quality};
+    *inputs = (struct scene_inputs){.bricks = files ? files->bricks : NULL, .quality = job->quality};
     for (size_t i = 0; i < job->scene.medium_count; ++i)
-        if (!open_medium(inputs, job, i, frame, hashes, is_lasting, error)) goto fail;
+        if (!open_medium(inputs, job, i, frame, files, is_lasting, error)) goto fail;
     if (!resolve_quality(inputs, job, error)) goto fail;
-    if (hashes) hash_picture(inputs, job);
+    if (files) hash_picture(inputs, job);
     return true;
 fail:
     scene_inputs_finish(inputs);
@@ -225,9 +290,25 @@ fail:
 void scene_inputs_finish(struct scene_inputs *inputs)
 {
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        brick_store_release(inputs->bricks, inputs->media[i].bricks);
         free(inputs->media[i].path);
         for (size_t k = 0; k < inputs->media[i].file_count; ++k)
             free(inputs->media[i].files[k].path);
     }
     *inputs = (struct scene_inputs){0};
+}
+
+void scene_inputs_expect(const struct job *job, int32_t frame, const struct scene_files *files)
+{
+    for (size_t i = 0; i < job->scene.medium_count; ++i) {
+        const struct scene_medium *medium = &job->scene.media[i];
+        struct brick_source source;
+        char *path;
+
+        if (medium->density.kind != SCENE_DENSITY_GRID || !scene_grid_is_vdb(&medium->density.grid)) continue;
+        path = input_path_format(medium->density.grid.file, frame);
+        source = brick_source_of(medium, path);
+        brick_store_expect(files->bricks, &source);
+        free(path);
+    }
 }

@@ -3,6 +3,7 @@
 
 #include "core/hash.h"
 #include "core/job.h"
+#include "worker/brick_store.h"
 #include "worker/file_hashes.h"
 #include "worker/volume.h"
 
@@ -18,6 +19,8 @@ struct scene_input {
     char *path;                      // owned; of this frame
     bool is_sequence;                // a file a frame
     struct volume header;            // closed: without its layout
+    const struct brick_volume
+        *bricks; // of a sparse grid, the header then being that of its active voxels' box; else NULL
     // Of the contents and of how they are read; empty when only described.
     char hash[HASH_TEXT_SIZE];
     struct {
@@ -27,8 +30,15 @@ struct scene_input {
     size_t file_count;
 };
 
+// What is kept of files from frame to frame.
+struct scene_files {
+    struct file_hashes *hashes;
+    struct brick_store *bricks;
+};
+
 // The zero value is that of a scene without files.
 struct scene_inputs {
+    struct brick_store *bricks;                   // borrowed; outlives us. NULL when only described
     struct scene_input media[SCENE_MEDIUM_LIMIT]; // by medium
     // The job's quality with its steps in metres.
     struct job_quality quality;
@@ -38,11 +48,13 @@ struct scene_inputs {
     char picture_hash[HASH_TEXT_SIZE];
 };
 
-// Opens what frame `frame` reads, headers only. With `hashes` (NULL: describe only) the contents are hashed too. On failure
+// Opens what frame `frame` reads, headers only. With `files` (NULL: describe only) the contents are hashed too. On failure
 // `is_lasting` (may be NULL) says whether every frame and attempt will meet the same. `job` outlives `inputs`.
-bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame, struct file_hashes *hashes,
-                       bool *is_lasting, struct error *error);
+bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame,
+                       const struct scene_files *files, bool *is_lasting, struct error *error);
 void scene_inputs_finish(struct scene_inputs *inputs); // accepts an empty one
+// Has what frame `frame` reads and can be read ahead read in the background.
+void scene_inputs_expect(const struct job *job, int32_t frame, const struct scene_files *files);
 // False, with the reason, when a file of the input is no longer what was hashed.
 bool scene_input_check(const struct scene_input *input, struct error *error);
 

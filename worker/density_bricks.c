@@ -1,0 +1,161 @@
+#include "worker/affine.h"
+#include "worker/brick_atlas.h"
+#include "worker/brick_store.h"
+#include "worker/density_kind.h"
+#include "worker/scene_inputs.h"
+#include "worker/sparse_grid.h"
+#include "worker/timeline_value.h"
+
+#include <assert.h>
+
+static bool is_zero(const struct scene_density *density)
+{
+    return timeline_value_is_zero(&density->grid.scale);
+}
+
+static const struct scene_input *input_of(const struct density_site *site)
+{
+    assert(site->inputs && site->inputs->media[site->medium].bricks);
+    return &site->inputs->media[site->medium];
+}
+
+static void evaluate_to_lattice(const void *source, double time, double value[static 9])
+{
+    double matrix[12], shift[3];
+
+    scene_input_place(source, time, matrix);
+    affine_invert(matrix, value, shift);
+}
+
+static void evaluate_shift(const void *source, double time, double value[static 9])
+{
+    const struct scene_input *input = source;
+    double matrix[12], inverse[9];
+
+    scene_input_place(source, time, matrix);
+    affine_invert(matrix, inverse, value);
+    for (int axis = 0; axis < 3; ++axis)
+        value[axis] -= SPARSE_BRICK_SIDE * input->bricks->atlas->brick_min[axis];
+}
+
+static void evaluate_low(const void *source, double time, double value[static 9])
+{
+    const struct brick_atlas *atlas = ((const struct scene_input *)source)->bricks->atlas;
+
+    for (int axis = 0; axis < 3; ++axis)
+        value[axis] = atlas->voxel_min[axis] - 1 - SPARSE_BRICK_SIDE * atlas->brick_min[axis];
+}
+
+static void evaluate_high(const void *source, double time, double value[static 9])
+{
+    const struct brick_atlas *atlas = ((const struct scene_input *)source)->bricks->atlas;
+
+    for (int axis = 0; axis < 3; ++axis)
+        value[axis] = atlas->voxel_max[axis] + 1 - SPARSE_BRICK_SIDE * atlas->brick_min[axis];
+}
+
+static void add_values(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    static const struct {
+        const char *name;
+        enum frame_value_type type;
+        frame_value_evaluate *evaluate;
+    } values[] = {{"to_lattice", FRAME_VALUE_MAT3, evaluate_to_lattice},
+                  {"shift", FRAME_VALUE_VEC3, evaluate_shift},
+                  {"low", FRAME_VALUE_VEC3, evaluate_low},
+                  {"high", FRAME_VALUE_VEC3, evaluate_high}};
+    const struct scene_input *input = input_of(site);
+    const struct scene_blackbody *blackbody = &site->source->blackbody;
+    bool is_still = !input->source->has_center || timeline_is_constant(&input->source->center);
+
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
+        frame_uniforms_add(uniforms,
+                           (struct frame_value){.type = values[i].type,
+                                                .is_constant = !input->is_sequence && is_still,
+                                                .evaluate = values[i].evaluate,
+                                                .source = input,
+                                                .min = value_range_any.min,
+                                                .max = value_range_any.max,
+                                                .meaning = "density.file"},
+                           "medium_%zu_%s", site->medium, values[i].name);
+    frame_uniforms_add(
+        uniforms, timeline_value(&input->source->scale, FRAME_VALUE_FLOAT, value_range_not_negative, "density.scale"),
+        "medium_%zu_scale", site->medium);
+    if (!blackbody->grid_name) return;
+    frame_uniforms_add(uniforms,
+                       timeline_value(&blackbody->kelvin, FRAME_VALUE_FLOAT, value_range_any, "blackbody.kelvin"),
+                       "medium_%zu_kelvin", site->medium);
+    frame_uniforms_add(
+        uniforms,
+        timeline_value(&blackbody->intensity, FRAME_VALUE_FLOAT, value_range_not_negative, "blackbody.intensity"),
+        "medium_%zu_intensity", site->medium);
+}
+
+static const char *const *modules(const struct density_site *site)
+{
+    static const char *const names[2][2][4] = {
+        {{"density/bricks.glsl", "density/bricks_linear.glsl", NULL},
+         {"density/bricks.glsl", "density/bricks_linear.glsl", "emission/blackbody.glsl", NULL}},
+        {{"density/bricks.glsl", "density/bricks_nearest.glsl", NULL},
+         {"density/bricks.glsl", "density/bricks_nearest.glsl", "emission/blackbody.glsl", NULL}}};
+
+    return names[site->source->density.grid.is_nearest][site->source->blackbody.grid_name != NULL];
+}
+
+static void write_glow(FILE *out, const char *filter, size_t i)
+{
+    fprintf(out,
+            "layout(binding = %zu) uniform sampler2DArray medium_%zu_heat;\n"
+            "layout(binding = %zu) uniform sampler2D medium_%zu_blackbody;\n",
+            4 * i + 2, i, 4 * i + 3, i);
+    fprintf(out,
+            "vec3 medium_%zu_glow(vec3 p)\n{\n"
+            "    vec3 at = density_bricks_at(medium_%zu_bricks(), p);\n"
+            "    uvec4 brick = density_bricks_find(medium_%zu_index, at);\n"
+            "    if (brick.w > 0u) return vec3(0.0);\n"
+            "    float kelvin = medium_%zu_kelvin * density_bricks_%s(medium_%zu_heat, brick, at);\n"
+            "    return medium_%zu_intensity * emission_blackbody(medium_%zu_blackbody, kelvin);\n}\n",
+            i, i, i, i, filter, i, i, i);
+}
+
+static void write(FILE *out, const struct density_site *site)
+{
+    const char *filter = site->source->density.grid.is_nearest ? "nearest" : "linear";
+    size_t i = site->medium;
+
+    fprintf(out,
+            "layout(binding = %zu) uniform sampler2DArray medium_%zu_atlas;\n"
+            "layout(binding = %zu) uniform usampler3D medium_%zu_index;\n"
+            "DensityBricks medium_%zu_bricks()\n{\n    return DensityBricks(medium_%zu_to_lattice, medium_%zu_shift, "
+            "medium_%zu_low, medium_%zu_high);\n}\n",
+            4 * i, i, 4 * i + 1, i, i, i, i, i, i);
+    fprintf(out,
+            "vec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n"
+            "    return density_bricks_span(medium_%zu_bricks(), origin, direction);\n}\n",
+            i, i);
+    fprintf(out,
+            "// The value, and how far ahead there is no density.\n"
+            "vec2 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
+            "    DensityBricks grid = medium_%zu_bricks();\n"
+            "    vec3 at = density_bricks_at(grid, p);\n"
+            "    uvec4 brick = density_bricks_find(medium_%zu_index, at);\n"
+            "    if (brick.w > 0u) return vec2(0.0, density_bricks_skip(grid, brick, at, direction));\n"
+            "    return vec2(density_bricks_%s(medium_%zu_atlas, brick, at), 0.0);\n}\n",
+            i, i, i, filter, i);
+    fprintf(out,
+            "float medium_%zu_density(vec2 field)\n{\n    return medium_%zu_scale * max(field.x, 0.0);\n}\n"
+            "float medium_%zu_distance(vec2 field)\n{\n    return field.x > 0.0 ? -1.0 : field.y;\n}\n",
+            i, i, i);
+    if (site->source->blackbody.grid_name) write_glow(out, filter, i);
+}
+
+const struct density_kind density_kind_bricks = {
+    .name = "grid",
+    .field_type = "vec2",
+    .has_support = true,
+    .takes_direction = true,
+    .is_zero = is_zero,
+    .add_values = add_values,
+    .modules = modules,
+    .write = write,
+};
