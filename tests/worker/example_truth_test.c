@@ -32,7 +32,7 @@ static void fog_is_the_converged_light(void **state)
     assert_true_light("fog", 0, GL_BACKEND_OSMESA, fog_tolerance);
     assert_true_light("fog", 1.4, GL_BACKEND_OSMESA, fog_tolerance);
     // The light is behind a ball, whose shadow then fills the picture.
-    assert_true_light("fog", 4.7, GL_BACKEND_OSMESA, 8e-3);
+    assert_true_light("fog", 4.7, GL_BACKEND_OSMESA, 4e-3);
 }
 
 static void fog_is_the_converged_light_on_egl(void **state)
