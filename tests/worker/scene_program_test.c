@@ -377,6 +377,36 @@ static void every_combination_of_features_is_valid_glsl(void **state)
     assert_shaders_are_valid(state);
 }
 
+static void every_region_and_method_is_valid_glsl(void **state)
+{
+    static const char *const densities[] = {
+        "\"kind\": \"homogeneous\"",
+        EVEN_BALL "}",
+        "\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"box\", \"center\": [0, 0, 0], \"size\": [1, 2, 3]}",
+        ("\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"slab\", \"center\": [0, 0, 0], \"thickness\": 1,"
+         " \"normal\": {\"start\": [0, 1, 0], \"rate\": [0.1, 0, 0]}}"),
+        EVEN_BALL ", \"falloff\": 0.5}",
+        ("\"kind\": \"fold_fractal\", \"iterations\": 2, \"offset\": 0, \"radius\": 1, \"exponent\": 1, \"scale\": 1,"
+         " \"bounds\": {\"kind\": \"box\", \"center\": [0, 0, 0], \"size\": [1, 2, 3], \"falloff\": 0.1}"),
+    };
+    static const char *const methods[] = {BALL_JOB_MIDPOINT, BALL_JOB_RIEMANN, EQUIANGULAR};
+
+    for (size_t i = 0; i < 6 * 3 * 5 * 3; ++i) {
+        size_t density = i % 6, method = i / 90;
+        struct scene_program program;
+        struct job job;
+        char rest[1024];
+
+        // Equiangular needs even media, and a Riemann sum an end towards the sun.
+        if ((method == 2 && density > 3) || (method == 1 && (density == 0 || density == 3))) continue;
+        snprintf(rest, sizeof rest, "%s%s", lights[i / 6 % 3], methods[method]);
+        assemble_density(&program, &job, densities[density], media[i / 18 % 5], rest);
+        write_shaders(state, &program, i);
+        release(&program, &job);
+    }
+    assert_shaders_are_valid(state);
+}
+
 static void a_module_folder_overrides_what_it_has(void **state)
 {
     static const char text[] = "// Mine.\nstruct RegionSphere { vec3 center; float radius; };\n";
@@ -412,6 +442,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(every_example_is_valid_glsl, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(every_combination_of_features_is_valid_glsl, temp_folder_create,
                                         temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(every_region_and_method_is_valid_glsl, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_module_folder_overrides_what_it_has, temp_folder_create, temp_folder_destroy),
     };
 
