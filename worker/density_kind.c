@@ -5,7 +5,7 @@ static const struct density_kind *const kinds[] = {
     [SCENE_DENSITY_HOMOGENEOUS] = &density_kind_homogeneous,
     [SCENE_DENSITY_NOISE] = &density_kind_noise,
     [SCENE_DENSITY_GRID] = &density_kind_grid,
-    [SCENE_DENSITY_GLSL] = NULL,
+    [SCENE_DENSITY_GLSL] = &density_kind_glsl,
 };
 
 const struct density_kind *density_kind_of(const struct scene_density *density)

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+struct error;
 struct frame_uniforms;
 struct job;
 struct scene_inputs;
@@ -17,6 +18,13 @@ struct density_site {
     size_t medium;
     const struct scene_medium *source; // job->scene.media[medium]
     const struct scene_inputs *inputs; // the frame's open files; NULL when the job has none
+};
+
+// Code of the job's own: a module between generated lines.
+struct density_text {
+    const char *name;     // for messages; borrowed from the job
+    const char *text;     // borrowed from the job
+    char *before, *after; // owned
 };
 
 // A new kind is one file with one of these, called density_kind_KIND, and a line in density_kind.c's table.
@@ -36,6 +44,8 @@ struct density_kind {
     void (*add_values)(struct frame_uniforms *uniforms, const struct density_site *site);
     // Shader modules it uses, in order, ends in NULL; static strings.
     const char *const *(*modules)(const struct density_site *site);
+    // The job's own code, which comes before what `write` emits; its mistakes that can be seen without a compiler. NULL: none.
+    bool (*load_text)(const struct density_site *site, struct density_text *text, struct error *error);
     // Emits, FIELD being the field's type:
     // - vec2 medium_I_support(vec3 origin, vec3 direction): distances along the ray outside of which there is no density,
     //   entry >= exit for none (has_support). What lies outside is never asked for, unless is_zero_outside.
@@ -50,7 +60,7 @@ struct density_kind {
 };
 
 extern const struct density_kind density_kind_fold_fractal, density_kind_homogeneous, density_kind_noise,
-    density_kind_grid, density_kind_bricks;
+    density_kind_grid, density_kind_bricks, density_kind_glsl;
 
 // NULL for a kind that cannot be rendered yet.
 const struct density_kind *density_kind_of(const struct scene_density *density);

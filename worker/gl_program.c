@@ -29,6 +29,24 @@ static const char *parse_place(const char *text, unsigned long *line)
     return end;
 }
 
+// Names that were made private to a medium get back what the user wrote.
+static void remove_prefixes(char *text)
+{
+    char *to = text;
+
+    while (*text) {
+        int length = 0;
+
+        if (sscanf(text, "medium_%*[0-9]_own_x_%n", &length) == 0 && length > 0)
+            text += length - 1; // the name's own underscore stays
+        else if (sscanf(text, "medium_%*[0-9]_own_%n", &length) == 0 && length > 0)
+            text += length;
+        else
+            *to++ = *text++;
+    }
+    *to = 0;
+}
+
 char *gl_program_translate_log(const char *log, const char *const *module_names, size_t module_count)
 {
     char *text = NULL;
@@ -51,6 +69,7 @@ char *gl_program_translate_log(const char *log, const char *const *module_names,
         log += length;
     }
     if (stream) fclose(stream);
+    if (text) remove_prefixes(text);
     return text ? text : xstrdup("");
 }
 

@@ -22,5 +22,5 @@ struct gl_program_params {
 unsigned gl_program_create(const struct gl_functions *gl, const struct gl_program_params *params, struct error *error);
 
 // Rewrites the places of a driver's log ("3:30012(5): error: ...", "3(30012) : error ...", "ERROR: 3:30012: ...") as
-// "density/fold_fractal.glsl:12". Owned by the caller.
+// "density/fold_fractal.glsl:12", and names private to a medium as its author wrote them. Owned by the caller.
 char *gl_program_translate_log(const char *log, const char *const *module_names, size_t module_count);

@@ -60,15 +60,36 @@ static void begin_generated(struct assembly *assembly)
     fprintf(assembly->out, "#line %zu 0\n", line + 1);
 }
 
+static void add_text(struct assembly *assembly, const struct density_text *text)
+{
+    struct scene_program *program = assembly->program;
+
+    assert(program->module_count < SCENE_PROGRAM_MODULE_LIMIT);
+    begin_generated(assembly);
+    fprintf(assembly->out, "%s#line %zu %zu\n%s\n", text->before, program->module_count * GL_PROGRAM_LINE_STRIDE + 1,
+            program->module_count, text->text);
+    program->module_names[program->module_count++] = text->name;
+    begin_generated(assembly);
+    fputs(text->after, assembly->out);
+}
+
 static void add_density(struct assembly *assembly, size_t i)
 {
+    const struct density_kind *kind = density_kind_of(&assembly->job->scene.media[i].density);
+    struct density_text text = {0};
     const struct scene_medium *source = &assembly->job->scene.media[i];
     const struct density_site site = {
         .job = assembly->job, .medium = i, .source = source, .inputs = assembly->program->inputs};
     const char *bounds = scene_bounds_module(&source->density.bounds);
 
-    for (const char *const *name = density_kind_of(&source->density)->modules(&site); *name; ++name)
+    for (const char *const *name = kind->modules(&site); *name; ++name)
         add_module(assembly, *name);
+    if (kind->load_text && !assembly->failed) {
+        assembly->failed = !kind->load_text(&site, &text, assembly->error);
+        if (!assembly->failed) add_text(assembly, &text);
+        free(text.before);
+        free(text.after);
+    }
     if (bounds) add_module(assembly, bounds);
 }
 

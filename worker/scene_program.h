@@ -12,13 +12,13 @@ struct error;
 struct job;
 struct scene_inputs;
 
-enum { SCENE_PROGRAM_MODULE_LIMIT = 32 };
+enum { SCENE_PROGRAM_MODULE_LIMIT = 48 };
 
 // The zero value is empty.
 struct scene_program {
     char *vertex;   // owned
     char *fragment; // owned; `#line` numbers it as gl_program.h says, by module_names
-    // [0] is "generated", whose lines are those of the whole text; static strings.
+    // [0] is "generated", whose lines are those of the whole text; static strings, or borrowed from the job.
     const char *module_names[SCENE_PROGRAM_MODULE_LIMIT];
     size_t module_count;
     char hash[HASH_TEXT_SIZE]; // of both texts

@@ -1,0 +1,122 @@
+#include "core/alloc.h"
+#include "core/error.h"
+#include "worker/density_kind.h"
+#include "worker/glsl_names.h"
+#include "worker/timeline_value.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char wanted[] = "float density(vec3, float)";
+
+static bool is_zero(const struct scene_density *density)
+{
+    return timeline_value_is_zero(&density->glsl.scale);
+}
+
+static void add_values(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    frame_uniforms_add(
+        uniforms,
+        timeline_value(&site->source->density.glsl.scale, FRAME_VALUE_FLOAT, value_range_not_negative, "density.scale"),
+        "medium_%zu_scale", site->medium);
+}
+
+static const char *const *modules(const struct density_site *site)
+{
+    static const char *const names[] = {"density/own.glsl", NULL};
+
+    (void)site;
+    return names;
+}
+
+static const char *name_of(const struct scene_glsl *glsl)
+{
+    const char *slash = glsl->file ? strrchr(glsl->file, '/') : NULL;
+
+    if (!glsl->file) return "density.source";
+    return slash ? slash + 1 : glsl->file;
+}
+
+// A macro may stand for the function: then the compiler decides.
+static bool check_density(const struct glsl_names *names, const char *file, struct error *error)
+{
+    const struct glsl_name *other = NULL;
+
+    for (size_t i = 0; i < names->count; ++i) {
+        const struct glsl_name *name = &names->names[i];
+
+        if (name->is_macro) return true;
+        if (strcmp(name->text, "density") != 0) continue;
+        if (name->signature && name->has_body && strcmp(name->signature, wanted) == 0) return true;
+        if (!other || name->has_body) other = name;
+    }
+    if (!other)
+        error_set(error, "%s: expected a function \"float density(vec3 p, float t)\"", file);
+    else if (other->signature && !other->has_body)
+        error_set(error, "%s:%d: density: expected the function's body", file, other->line);
+    else
+        error_set(error, "%s:%d: density: expected \"float density(vec3 p, float t)\", got \"%s\"", file, other->line,
+                  other->signature ? other->signature : other->text);
+    return false;
+}
+
+static char *write_lines(const struct glsl_names *names, const char *prefix)
+{
+    char *lines = NULL;
+    size_t length;
+    FILE *out = open_memstream(&lines, &length);
+
+    if (!out) abort();
+    if (prefix)
+        glsl_names_write_private(names, prefix, out);
+    else
+        glsl_names_write_hide(names, out);
+    fclose(out);
+    return lines;
+}
+
+static bool load_text(const struct density_site *site, struct density_text *text, struct error *error)
+{
+    static const char *const taken[] = {"Spectrum", NULL}; // macros of our modules
+    const struct scene_glsl *glsl = &site->source->density.glsl;
+    const char *file = name_of(glsl);
+    struct glsl_names names;
+    char *prefix;
+
+    if (!glsl_names_read(&names, file, glsl->source, taken, error)) return false;
+    if (!check_density(&names, file, error)) {
+        glsl_names_finish(&names);
+        return false;
+    }
+    prefix = xasprintf("medium_%zu_own", site->medium);
+    *text = (struct density_text){
+        .name = file, .text = glsl->source, .before = write_lines(&names, prefix), .after = write_lines(&names, NULL)};
+    free(prefix);
+    glsl_names_finish(&names);
+    return true;
+}
+
+static void write(FILE *out, const struct density_site *site)
+{
+    size_t i = site->medium;
+
+    fprintf(out, "DensityOwn medium_%zu_settings()\n{\n    return DensityOwn(medium_%zu_scale, %.9e);\n}\n", i, i,
+            site->source->density.glsl.lipschitz);
+    fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    return medium_%zu_own_density(p, time_s);\n}\n", i, i);
+    fprintf(out, "float medium_%zu_density(float field)\n{\n", i);
+    fprintf(out, "    return density_own_at(medium_%zu_settings(), field);\n}\n", i);
+    fprintf(out, "float medium_%zu_distance(float field)\n{\n", i);
+    fprintf(out, "    return density_own_distance(medium_%zu_settings(), field);\n}\n", i);
+}
+
+const struct density_kind density_kind_glsl = {
+    .name = "glsl",
+    .field_type = "float",
+    .takes_time = true,
+    .is_zero = is_zero,
+    .add_values = add_values,
+    .modules = modules,
+    .load_text = load_text,
+    .write = write,
+};
