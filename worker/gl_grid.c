@@ -52,16 +52,22 @@ static bool check_size(const struct gl_grid_params *params, struct error *error)
     return true;
 }
 
-static void make_texture(struct gl_grid *grid, const int size[3])
+static bool make_texture(struct gl_grid *grid, const char *path, const int size[3], struct error *error)
 {
     const struct gl_functions *gl = grid->gl;
 
     gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &grid->voxels);
     gl->TextureStorage3D(grid->voxels, 1, texel_of(grid->type).internal, size[0], size[1], size[2]);
+    if (gl->GetError() == GL_OUT_OF_MEMORY) {
+        error_set(error, "%s: GL here has no room for %d x %d x %d voxels in one texture (%.2f GiB)", path, size[0],
+                  size[1], size[2], (double)grid->size_bytes / (1 << 30));
+        return false;
+    }
     gl->TextureParameteri(grid->voxels, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl->TextureParameteri(grid->voxels, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl->TextureParameteri(grid->voxels, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     gl->TextureParameteri(grid->voxels, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    return true;
 }
 
 // Adds 32768 modulo 65536, which keeps the order: GL's signed formats give the two smallest numbers the same value.
@@ -114,9 +120,8 @@ bool gl_grid_init(struct gl_grid *grid, const struct gl_grid_params *params, str
         error_set(error, "%s: out of memory", params->path);
         goto out;
     }
-    if (!grid_bricks_init(&grid->bricks, size, error)) goto out;
-    make_texture(grid, size);
-    ok = stream_slabs(grid, params, slab, slab_slices, error);
+    ok = grid_bricks_init(&grid->bricks, size, error) && make_texture(grid, params->path, size, error) &&
+         stream_slabs(grid, params, slab, slab_slices, error);
 out:
     free(slab);
     if (!ok) gl_grid_finish(grid);

@@ -58,9 +58,8 @@ static void drop(struct kept_grid *kept)
     *kept = (struct kept_grid){0};
 }
 
-void gl_grids_destroy(struct gl_grids *grids)
+void gl_grids_clear(struct gl_grids *grids)
 {
-    if (!grids) return;
     for (size_t i = 0; i < GRID_LIMIT; ++i)
         drop(&grids->grids[i]);
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
@@ -68,6 +67,15 @@ void gl_grids_destroy(struct gl_grids *grids)
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         gl_bricks_finish(&grids->bricks[i].bricks);
     if (grids->blackbody) grids->gl->DeleteTextures(1, &grids->blackbody);
+    memset(grids->distances, 0, sizeof grids->distances);
+    memset(grids->bricks, 0, sizeof grids->bricks);
+    grids->blackbody = 0;
+}
+
+void gl_grids_destroy(struct gl_grids *grids)
+{
+    if (!grids) return;
+    gl_grids_clear(grids);
     free(grids);
 }
 

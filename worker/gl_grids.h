@@ -12,6 +12,7 @@ struct scene_inputs;
 
 struct gl_grids *gl_grids_create(const struct gl_functions *gl); // which outlives the grids
 void gl_grids_destroy(struct gl_grids *grids);                   // accepts NULL
+void gl_grids_clear(struct gl_grids *grids);                     // keeps nothing: what GL holds is in doubt
 
 // Reads what is not here yet, then binds medium I's voxels to texture unit 4 I and the distances of its bricks to 4 I + 1;
 // of a sparse grid its atlas to 4 I, its index to 4 I + 1, the atlas of what glows to 4 I + 2 and the black body's table to 4 I + 3.

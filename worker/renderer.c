@@ -287,7 +287,11 @@ static bool bind_grids(struct renderer *renderer, const struct scene_inputs *inp
 {
     struct reading reading = {.on_progress = on_progress, .user = user};
 
-    if (gl_grids_bind(renderer->grids, inputs, on_slab, &reading, error)) return check_gl(renderer, result, error);
+    if (gl_grids_bind(renderer->grids, inputs, on_slab, &reading, error)) {
+        if (check_gl(renderer, result, error)) return true;
+        gl_grids_clear(renderer->grids);
+        return false;
+    }
     result->fault = reading.is_stopped ? RENDERER_FAULT_STOPPED : RENDERER_FAULT_FRAME;
     (void)gl_debug_check(&renderer->debug, NULL);
     return false;
