@@ -248,9 +248,10 @@ static bool read_scaling(struct volume_layout *layout, const struct nifti_header
     layout->slope = 1.0;
     layout->intercept = 0.0;
     if (header->scl_slope == 0.0 || isnan(header->scl_slope)) return true;
-    if (!isfinite(header->scl_slope) || !isfinite(header->scl_inter)) {
-        error_set(error, "scl_slope, scl_inter: expected finite numbers, got %g, %g", header->scl_slope,
-                  header->scl_inter);
+    // Values are single precision from here on.
+    if (!(fabs(header->scl_slope) < 1e30) || !(fabs(header->scl_slope) > 1e-30) || !(fabs(header->scl_inter) < 1e30)) {
+        error_set(error, "scl_slope, scl_inter: expected numbers from 1e-30 to 1e30 in size, got %g, %g",
+                  header->scl_slope, header->scl_inter);
         return false;
     }
     layout->slope = header->scl_slope;

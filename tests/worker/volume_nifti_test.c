@@ -252,7 +252,7 @@ static void bad_fields_are_named(void **state)
         {"xyzt_units", 0, 4, "xyzt_units: expected a length"},
         {"vox_offset", 0, 16, "vox_offset: expected a whole number of at least"},
         {"vox_offset", 0, 1e9, "bytes to skip, got "},
-        {"scl_slope", 0, INFINITY, "scl_slope, scl_inter: expected finite numbers, got inf"},
+        {"scl_slope", 0, INFINITY, "scl_slope, scl_inter: expected numbers from 1e-30 to 1e30 in size, got inf, 0"},
         {"sform_code", 0, 1, "srow: expected a voxel's side along i"},
     };
 
