@@ -54,7 +54,8 @@ static void read_hash(const struct job *job, struct file_hashes *hashes, char ha
     struct scene_inputs inputs;
     struct error error = {{0}};
 
-    if (!scene_inputs_open(&inputs, job, 0, hashes, NULL, &error)) fail_msg("%s", error.message);
+    if (!scene_inputs_open(&inputs, job, 0, &(struct scene_files){.hashes = hashes}, NULL, &error))
+        fail_msg("%s", error.message);
     memcpy(hash, inputs.picture_hash, HASH_TEXT_SIZE);
     scene_inputs_finish(&inputs);
 }
@@ -109,7 +110,7 @@ static void changed_file_is_noticed(void **state)
     struct error error = {{0}};
     struct scene_inputs inputs;
 
-    assert_true(scene_inputs_open(&inputs, &job, 0, hashes, NULL, NULL));
+    assert_true(scene_inputs_open(&inputs, &job, 0, &(struct scene_files){.hashes = hashes}, NULL, NULL));
     assert_true(scene_input_check(&inputs.media[0], NULL));
     assert_int_equal(unlink(file), 0);
     assert_false(scene_input_check(&inputs.media[0], NULL));
