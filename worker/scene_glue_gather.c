@@ -70,7 +70,7 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
     else
         fputs("        PlacementTransmittance way = PlacementTransmittance(spectrum_min(sigma_t) * seen, seen);\n",
               out);
-    fputs("        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < PLACED_COUNT; ++i) {\n", out);
+    fputs("        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < count; ++i) {\n", out);
     fprintf(out, "            Placed placed = placement_%s_at(way, placed_share(i));\n",
             is_by_angle ? "angle" : "transmittance");
     fprintf(out,
@@ -87,10 +87,21 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
 
 static void write_all_placed(FILE *out, const struct scene *scene, const struct scene_program *program)
 {
+    const struct scene_features *features = &program->features;
+    const char *separator = "";
+
+    // Between media, and in what only absorbs, there is nothing to look for.
+    fputs("    int count = ", out);
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!features->media[i].scatters) continue;
+        fprintf(out, "%sdensity_%zu", separator, i);
+        separator = " + ";
+    }
+    fputs(" > 0.0 ? PLACED_COUNT : 0;\n", out);
     // Of what is farther than this optical depth, 2e-9 is left.
     fputs("    float seen = min(length, 20.0 / max(spectrum_min(sigma_t), 1e-30));\n", out);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (program->features.light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], program, i);
+        if (features->light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], program, i);
 }
 
 static void write_sigma_t(FILE *out, const struct scene_program *program)
