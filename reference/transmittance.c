@@ -34,8 +34,9 @@ static double column_of_cell(const struct stretch *stretch, struct cell cell)
     return sum * length;
 }
 
-// Halves the cell, whose column is `whole`, until what is left of the error is within the tolerance. Where the field is
-// smooth a halving divides the error by 2^4 at least; how much it did is seen by `change_before`, of the cell it is half of.
+// Halves the cell, whose column is `whole`, until two halvings in a row change little and what the second leaves of the
+// error is within the tolerance: one alone may agree by accident. Where the field is smooth a halving divides the error by
+// 2^4 at least; how much it did is seen by `change_before`, of the cell it is half of; negative: there was none.
 static double refine(const struct stretch *stretch, struct cell cell, double whole, double change_before,
                      double tolerance, int halvings_left)
 {
@@ -44,9 +45,9 @@ static double refine(const struct stretch *stretch, struct cell cell, double who
     double left_column = column_of_cell(stretch, left), right_column = column_of_cell(stretch, right);
     double change = fabs(left_column + right_column - whole);
     double quotient = fmin(fmax(change_before / change, 1.0), 16.0);
+    bool agreed_before = change_before >= 0.0 && change_before <= 16.0 * tolerance;
 
-    // Not "change > tolerance": a NaN ends here.
-    if (!(change > tolerance * quotient) || halvings_left == 0) return left_column + right_column;
+    if (halvings_left == 0 || (agreed_before && change <= tolerance * quotient)) return left_column + right_column;
     return refine(stretch, left, left_column, change, tolerance, halvings_left - 1) +
            refine(stretch, right, right_column, change, tolerance, halvings_left - 1);
 }
@@ -69,8 +70,8 @@ double transmittance_density_column(const struct density *density, const struct 
             stretch.ray = span->image;
         }
         cell = (struct cell){span->begin, span->end};
-        column +=
-            refine(&stretch, cell, column_of_cell(&stretch, cell), 0.0, tolerance / (double)spans.count, HALVING_LIMIT);
+        column += refine(&stretch, cell, column_of_cell(&stretch, cell), -1.0, tolerance / (double)spans.count,
+                         HALVING_LIMIT);
     }
     span_list_finish(&spans);
     return column;

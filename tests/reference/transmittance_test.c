@@ -4,6 +4,7 @@
 #include "reference/still.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/homogeneous.h"
+#include "tests/support/random.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -124,6 +125,55 @@ static void column_meets_its_tolerance_at_an_odd_exponent(void **state)
     }
 }
 
+// Midpoint sums of a hundred thousand points.
+static double summed_column(const struct density *density, const struct ray *ray, double far)
+{
+    const int count = 100000;
+    double sum = 0.0;
+
+    for (int i = 0; i < count; i++)
+        sum += density->at(density->field, ray_at(ray, (i + 0.5) * far / count));
+    return sum * far / count;
+}
+
+static void assert_noise_columns(enum scene_noise_mode mode, double tolerance)
+{
+    struct random random = {71};
+    struct density_noise noise;
+    struct density_bounded bounded = {.bounds = {.kind = SCENE_BOUNDS_SPHERE, .radius = 1.0, .falloff = 0.3}};
+    struct density density;
+
+    density_noise_init(&noise, &(struct density_noise_params){.octaves = 4,
+                                                              .mode = mode,
+                                                              .frequency = 3.0,
+                                                              .lacunarity = 2.0,
+                                                              .hurst = 1.0,
+                                                              .axis = {0.0, 1.0, 0.0},
+                                                              .scale = 4.0});
+    bounded.inner = density_noise_field(&noise);
+    density = density_bounded(&bounded);
+    for (int i = 0; i < 40; i++) {
+        struct vec3 start, way, light = {2.0, 2.0, 2.0};
+        struct ray ray;
+        double far;
+
+        start.x = random_between(&random, -1.0, 1.0);
+        start.y = random_between(&random, -1.0, 1.0);
+        start.z = random_between(&random, -1.0, 1.0);
+        way = vec3_subtract(light, start);
+        far = vec3_length(way);
+        ray = (struct ray){start, vec3_normalize(way)};
+        assert_near(transmittance_density_column(&density, &ray, 0.0, far, tolerance),
+                    summed_column(&density, &ray, far), tolerance);
+    }
+}
+
+// The nodes of few cells agree by accident more often than one would think.
+static void smooth_noise_meets_its_tolerance(void **state)
+{
+    assert_noise_columns(SCENE_NOISE_REMAP, 1e-6);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -134,6 +184,7 @@ int main(void)
         cmocka_unit_test(media_and_both_coefficients_attenuate),
         cmocka_unit_test(fractal_without_offset_is_a_cone),
         cmocka_unit_test(column_meets_its_tolerance_at_an_odd_exponent),
+        cmocka_unit_test(smooth_noise_meets_its_tolerance),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
