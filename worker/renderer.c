@@ -292,7 +292,10 @@ static bool bind_grids(struct renderer *renderer, const struct scene_inputs *inp
         gl_grids_clear(renderer->grids);
         return false;
     }
-    result->fault = reading.is_stopped ? RENDERER_FAULT_STOPPED : RENDERER_FAULT_FRAME;
+    if (reading.is_stopped)
+        result->fault = RENDERER_FAULT_STOPPED;
+    else
+        result->fault = scene_inputs_are_lasting(inputs) ? RENDERER_FAULT_JOB : RENDERER_FAULT_FRAME;
     (void)gl_debug_check(&renderer->debug, NULL);
     return false;
 }

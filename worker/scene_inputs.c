@@ -254,6 +254,13 @@ static bool is_lasting_fault(const struct scene_input *input)
     return !file_version_find(input->path, &version, NULL) || file_version_is_settled(&version);
 }
 
+bool scene_inputs_are_lasting(const struct scene_inputs *inputs)
+{
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+        if (inputs->media[i].source && !is_lasting_fault(&inputs->media[i])) return false;
+    return true;
+}
+
 static bool open_medium(struct scene_inputs *inputs, const struct job *job, size_t medium, int32_t frame,
                         const struct scene_files *files, bool *is_lasting, struct error *error)
 {

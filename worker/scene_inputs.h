@@ -52,6 +52,8 @@ struct scene_inputs {
 // `is_lasting` (may be NULL) says whether every frame and attempt will meet the same. `job` outlives `inputs`.
 bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame,
                        const struct scene_files *files, bool *is_lasting, struct error *error);
+// True when a file whose voxels cannot be read fails every frame and attempt: none is a sequence or just being written.
+bool scene_inputs_are_lasting(const struct scene_inputs *inputs);
 void scene_inputs_finish(struct scene_inputs *inputs); // accepts an empty one
 // Has what frame `frame` reads and can be read ahead read in the background.
 void scene_inputs_expect(const struct job *job, int32_t frame, const struct scene_files *files);

@@ -58,9 +58,17 @@ refuse 1 empty.nii 'ends after 0 bytes'
 refuse 1 long.nii '60 bytes, got 61 bytes'
 head -c 120 good.nii.gz >cut.nii.gz
 refuse 1 cut.nii.gz 'its gzip data end before they are complete'
-# More frames than a worker is given at once: each fails by itself, and the command ends.
+# More frames than a worker is given at once, a file each: each fails by itself, and the command ends.
 last=5
-refuse 1 cut.nii.gz 'frame 5 failed: '
+for frame in 0 1 2 3 4 5; do cp cut.nii.gz "cut.$frame.nii.gz"; done
+job cut.#.nii.gz
+expect 1 timeout 100 march render job.json
+[ "$(grep -c 'frame [0-5] failed: .*/cut.[0-5].nii.gz: its gzip data end' err)" -eq 6 ] || fail "each frame's own file"
+rm -rf pictures
+# One file for all that nobody is writing any more stays cut: the other frames are not tried.
+sleep 2.5
+refuse 1 cut.nii.gz 'frame 0 failed: '
+! grep -q 'frame 1 failed' err || fail "a cut file fails the job at once"
 last=1
 { head -c 137 good.nii.gz && printf 'wrong' && tail -c 3 good.nii.gz; } >damaged.nii.gz
 refuse 1 damaged.nii.gz 'damaged'
