@@ -34,7 +34,7 @@ static struct job load(void **state, const char *const sets[], size_t set_count)
 {
     const char *path = temp_folder_path(state, "job.json");
     struct error error = {0};
-    struct job job;
+    struct job job = {0};
     char *document = job_document_load(path, sets, set_count, &error);
 
     if (!document || !job_document_check(path, document, "/", &job, &error)) fail_msg("%s", error.message);
