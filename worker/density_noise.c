@@ -1,3 +1,4 @@
+#include "core/job.h"
 #include "worker/density_kind.h"
 #include "worker/timeline_value.h"
 
@@ -177,13 +178,28 @@ static const char *const *modules(const struct density_site *site)
     return names[noise->mode][!timeline_value_is_zero(&noise->bias)];
 }
 
-// Octaves are written out one by one: as a loop they cost a fifth more, and turns of the marches around them.
-static void write_field(FILE *out, const struct scene_density *density, size_t i)
+// The finest octaves that a job may ask for go beyond floats, where a difference is no number.
+static bool may_overflow(const struct density_site *site)
 {
+    const double farthest = 1e9; // m from the centre, and lattice cells of offset
+    const struct scene_noise *noise = &site->source->density.noise;
+    struct timeline_span span = job_time_span(site->job);
+    double least[3], frequency[3], lacunarity[3];
+
+    timeline_find_bounds(&noise->frequency, span, least, frequency);
+    timeline_find_bounds(&noise->lacunarity, span, least, lacunarity);
+    return farthest * (frequency[0] + 1) * pow(lacunarity[0], noise->octaves - 1) > 1e37;
+}
+
+// Octaves are written out one by one: as a loop they cost a fifth more, and turns of the marches around them.
+static void write_field(FILE *out, const struct density_site *site)
+{
+    const struct scene_density *density = &site->source->density;
     const struct scene_noise *noise = &density->noise;
     const char *octave =
         noise->mode == SCENE_NOISE_ABSOLUTE ? "density_noise_absolute(density_noise(q))" : "density_noise(q)";
-    bool has_gain = !timeline_value_is_zero(&noise->hurst);
+    bool has_gain = !timeline_value_is_zero(&noise->hurst), is_clamped = may_overflow(site);
+    size_t i = site->medium;
 
     fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    vec3 q = medium_%zu_%s * p", i, i,
             is_turned(noise) ? "turn" : "frequency");
@@ -191,6 +207,7 @@ static void write_field(FILE *out, const struct scene_density *density, size_t i
     fprintf(out, ";\n    float sum = %s;\n", octave);
     for (int k = 1; k < noise->octaves; ++k) {
         fprintf(out, "    q *= medium_%zu_lacunarity;\n", i);
+        if (is_clamped) fputs("    q = clamp(q, -1e30, 1e30);\n", out);
         if (has_gain)
             fprintf(out, k == 1 ? "    float gain = medium_%zu_gain;\n" : "    gain *= medium_%zu_gain;\n", i);
         fprintf(out, "    sum += %s%s;\n", has_gain ? "gain * " : "", octave);
@@ -208,7 +225,7 @@ static void write(FILE *out, const struct density_site *site)
     const char *shape = shapes[density->noise.mode];
     size_t i = site->medium;
 
-    write_field(out, density, i);
+    write_field(out, site);
     fprintf(out, "float medium_%zu_density(float field)\n{\n    return medium_%zu_scale * ", i, i);
     if (has_bias)
         fprintf(out, "density_noise_bias(%s, medium_%zu_exponent);\n}\n", shape, i);

@@ -152,6 +152,24 @@ static void error_falls_with_the_square_of_the_step(void **state)
     free(truth);
 }
 
+// Where floats have no fractions an octave is 0, and coordinates beyond floats must not make it anything else.
+static void octaves_too_fine_for_floats_are_zero(void **state)
+{
+    struct image one, all;
+    struct job job;
+
+    parse(&job, 0.1, "\"frequency\": 1e9, \"octaves\": 16, \"lacunarity\": 100, " BALL,
+          "\"sigma_s\": 1, \"sigma_a\": 1", "\"lights\": [ " SUN " ]");
+    render_frame_zero(&job, &all);
+    job.scene.media[0].density.noise.octaves = 1;
+    render_frame_zero(&job, &one);
+    assert_true(all.transmittance[4 * (HEIGHT_PX / 2 * WIDTH_PX + WIDTH_PX / 2)] < 0.9f);
+    assert_memory_equal(all.rgba, one.rgba, sizeof *one.rgba * 4 * PIXELS);
+    job_finish(&job);
+    image_finish(&all);
+    image_finish(&one);
+}
+
 static char *fragment_of(const char *noise)
 {
     struct scene_program program;
@@ -168,8 +186,8 @@ static char *fragment_of(const char *noise)
 
 static void neutral_numbers_add_no_code(void **state)
 {
-    static const char *const WORDS[] = {"_turn",  "shift",      "lacunarity", "gain",    "exponent",     "_bias",
-                                        "_clip(", "_absolute(", "mat3",       "falloff", "FrameUniforms"};
+    static const char *const WORDS[] = {"_turn",  "shift",      "lacunarity", "gain",    "exponent",      "_bias",
+                                        "_clip(", "_absolute(", "mat3",       "falloff", "FrameUniforms", "clamp(q"};
     char *text = fragment_of("\"frequency\": 2, \"octaves\": 1, \"bias\": 0, \"offset\": [0, 0, 0],"
                              " \"rotate\": { \"axis\": [1, 0, 0], \"angle\": 0 }");
 
@@ -201,6 +219,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(equal_octaves_before_a_background),
         cmocka_unit_test(endless_noise_around_a_light),
         cmocka_unit_test(error_falls_with_the_square_of_the_step),
+        cmocka_unit_test(octaves_too_fine_for_floats_are_zero),
         cmocka_unit_test(neutral_numbers_add_no_code),
         cmocka_unit_test(octaves_are_written_out),
     };
