@@ -161,7 +161,7 @@ static void even_media_without_light_are_not_marched(void **state)
     assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     assert_has(&program, "integrator_stretches(");
     assert_has(&program, "#define Spectrum float");
-    assert_lacks(&program, "vec3 value");
+    assert_lacks(&program, "#define Spectrum vec3");
     assert_lacks(&program, "march_was_cut");
     assert_lacks(&program, "MARCH_LIMIT");
     assert_lacks(&program, "span_has(spans");
