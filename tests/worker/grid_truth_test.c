@@ -2,10 +2,13 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"
-#include "tests/support/random.h"
+#include "tests/support/assert_near.h"
+#include "tests/support/load_grid.h"
+#include "tests/support/render_frame.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/true_light.h"
 #include "tests/support/volume_maker.h"
+#include "worker/image.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -97,7 +100,7 @@ struct picture {
 static void parse(struct job *job, const struct picture *picture)
 {
     struct error error = {{0}};
-    char text[4096];
+    char text[8192];
 
     snprintf(text, sizeof text,
              "{ \"version\": 1, \"name\": \"grid\", \"frames\": \"0\", \"fps\": 24, \"time_offset\": 0.5,"
@@ -249,6 +252,68 @@ static void riemann_sums_know_the_box_too(void **state)
                       0.01);
 }
 
+static void two_grids_overlap(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+    char density[1024];
+
+    write_lobes(path, SIZE, SKEWED_AXES);
+    // The second one is a member of the list of media that the first one's end is written into.
+    snprintf(density, sizeof density,
+             SMOOTH_TRANSFER
+             " } }, { \"density\": { \"kind\": \"grid\", \"file\": \"%s\", \"spacing\": [0.05, 0.03, 0.02],"
+             " \"center\": [0.1, -0.1, 0.05], \"scale\": 15",
+             path);
+    assert_true_light(&(struct picture){path, density, ", \"sigma_a\": 1, \"emission\": [0.2, 0.9, 0.5]", OUTSIDE,
+                                        .quality = MIDPOINT("\"step_voxels\": 0.25")},
+                      1e-3);
+}
+
+// Where the bounds end within a segment it ends there too; the falloff is a cubic.
+static void bounds_fall_off_inside_a_grid(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+
+    write_lobes(path, SIZE, SKEWED_AXES);
+    assert_true_light(
+        &(struct picture){path,
+                          "\"scale\": 20, \"bounds\": { \"kind\": \"sphere\", \"center\": [-0.1, 0.05, 0.1],"
+                          " \"radius\": 0.3, \"falloff\": 0.15 }",
+                          ", \"sigma_a\": [1, 2, 3], \"emission\": [0.2, 0.9, 0.5]", OUTSIDE,
+                          .quality = MIDPOINT("\"step_voxels\": 0.25")},
+        1e-3);
+}
+
+// Depth is where half the light is gone: found within a step of where it is, unless rounding decides that it is nowhere.
+static void depth_of_a_coloured_scan(void **state)
+{
+    const char *path = temp_folder_path(state, "lobes.nrrd");
+    struct still *still = calloc(1, sizeof *still);
+    struct still_inputs inputs;
+    struct image image;
+    struct job job = {0};
+    int found = 0;
+
+    write_lobes(path, SIZE, PLAIN_AXES);
+    parse(&job,
+          &(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")});
+    render_frame_zero(&job, &image);
+    load_grid_inputs(&inputs, &job, 0);
+    still_init_with_inputs(still, &job, job_frame_time(&job, 0), &inputs);
+    for (int i = 0; i < WIDTH_PX * HEIGHT_PX; i++) {
+        double wanted = reference_measure_depth(still, i % WIDTH_PX, i / WIDTH_PX);
+
+        if (wanted == 0 && image.depth[i] == 0) continue;
+        assert_near((double)image.depth[i], wanted, 0.01);
+        found++;
+    }
+    assert_true(found > 10);
+    load_grid_finish(&inputs);
+    image_finish(&image);
+    job_finish(&job);
+    free(still);
+}
+
 int main(int argc, char *argv[])
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, temp_folder_create, temp_folder_destroy)
@@ -260,6 +325,9 @@ int main(int argc, char *argv[])
         TEST(steep_transfer_function),
         TEST(moved_and_respaced),
         TEST(lit_scan),
+        TEST(two_grids_overlap),
+        TEST(bounds_fall_off_inside_a_grid),
+        TEST(depth_of_a_coloured_scan),
         TEST(grids_of_one_and_two_voxels),
         TEST(opacity_does_not_depend_on_the_step),
         TEST(riemann_sums_know_the_box_too),
