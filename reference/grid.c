@@ -1,5 +1,6 @@
 #include "reference/grid.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stddef.h>
 
@@ -142,6 +143,7 @@ static void interpolate(const double a[static 4], const double b[static 4], int 
 {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
 
+    assert(degree < 3);
     for (int n = 0; n <= degree; n++) {
         sum[n] += a[n] + (b[n] - a[n]) * share;
         sum[n + 1] += (b[n] - a[n]) * slope;

@@ -35,7 +35,8 @@ static double planck_by_kelvin(double wavelength_nm, double inverse_kelvin)
 static void integrate(double inverse_kelvin, double xyz[static 3])
 {
     xyz[0] = xyz[1] = xyz[2] = 0;
-    for (double at = first_nm; at <= last_nm; at += step_nm) {
+    for (int step = 0; first_nm + step * step_nm <= last_nm; ++step) {
+        double at = first_nm + step * step_nm;
         double weight = at == first_nm || at == last_nm ? 0.5 : 1;
         double radiance = weight * planck_by_kelvin(at, inverse_kelvin);
 

@@ -111,7 +111,7 @@ static void find_means(const struct gl_target *target, struct image *image)
 
     divide(image->rgba, 4 * count, target->pass_count);
     if (image->transmittance) divide(image->transmittance, 4 * count, target->pass_count);
-    for (size_t i = 0; image->depth && i < count; ++i)
+    for (size_t i = 0; image->depth && sums && i < count; ++i)
         image->depth[i] = sums[2 * i + 1] > 0 ? sums[2 * i] / sums[2 * i + 1] : 0;
 }
 

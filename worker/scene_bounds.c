@@ -3,7 +3,6 @@
 #include "core/scene.h"
 #include "worker/timeline_value.h"
 
-
 static const struct {
     const char *module, *name, *type, *size;
 } kinds[] = {

@@ -35,8 +35,10 @@ static bool is_single(const struct scene_program *program, choose_medium *choose
     return next(program, choose, first + 1) >= program->features.medium_count;
 }
 
-#define FOR_EACH(i, program, choose)                                                                                   \
-    for (size_t i = next(program, choose, 0); i < (program)->features.medium_count; i = next(program, choose, i + 1))
+// Runs with `i` as the index of each medium that is chosen.
+#define FOR_EACH_MEDIUM(program, choose)                                                                               \
+    for (size_t i = next((program), (choose), 0); i < (program)->features.medium_count;                                \
+         i = next((program), (choose), i + 1))
 
 // Whether places outside the medium's span are asked about. A single one is marched through from end to end of its span,
 // but for Riemann sums, whose samples lie where they lie.
@@ -83,8 +85,7 @@ static void write_list(FILE *out, const struct scene_program *program, const cha
 {
     const char *separator = "";
 
-    FOR_EACH(i, program, is_seen)
-    {
+    FOR_EACH_MEDIUM (program, is_seen) {
         fprintf(out, "%s%s%zu%s", separator, before, i, after);
         separator = ", ";
     }
@@ -95,8 +96,7 @@ static void write_interval(FILE *out, const struct scene_program *program, choos
     size_t open = 0;
 
     fprintf(out, "vec2 %s(MediaSpans spans)\n{\n    return ", name);
-    FOR_EACH(i, program, choose)
-    {
+    FOR_EACH_MEDIUM (program, choose) {
         bool is_last = next(program, choose, i + 1) >= program->features.medium_count;
 
         fprintf(out, is_last ? "spans.medium_%zu" : "span_join(spans.medium_%zu, ", i);
@@ -111,8 +111,8 @@ static void write_next_edge(FILE *out, const struct scene_program *program, choo
 {
     fprintf(out, "float %s(MediaSpans spans, float at, float end)\n{\n", name);
     if (!is_single(program, choose)) {
-        FOR_EACH(i, program, choose)
-        fprintf(out, "    end = span_next_edge(spans.medium_%zu, at, end);\n", i);
+        FOR_EACH_MEDIUM (program, choose)
+            fprintf(out, "    end = span_next_edge(spans.medium_%zu, at, end);\n", i);
     }
     fputs("    return end;\n}\n", out);
 }
@@ -120,8 +120,8 @@ static void write_next_edge(FILE *out, const struct scene_program *program, choo
 static void write_spans(FILE *out, const struct scene_program *program)
 {
     fputs("struct MediaSpans {", out);
-    FOR_EACH(i, program, is_seen)
-    fprintf(out, " vec2 medium_%zu;", i);
+    FOR_EACH_MEDIUM (program, is_seen)
+        fprintf(out, " vec2 medium_%zu;", i);
     fputs(" };\nMediaSpans media_spans(vec3 origin, vec3 direction)\n{\n    return MediaSpans(", out);
     write_list(out, program, "medium_", "_span(origin, direction)");
     fputs(");\n}\nMediaSpans media_spans_from(MediaSpans spans, float start)\n{\n    return MediaSpans(", out);
@@ -191,16 +191,15 @@ static void write_field_part(FILE *out, const struct job *job, const struct scen
 static void write_field(FILE *out, const struct job *job, const struct scene_program *program)
 {
     fputs("struct MediaField {", out);
-    FOR_EACH(i, program, is_seen)
-    {
+    FOR_EACH_MEDIUM (program, is_seen) {
         fprintf(out, " %s medium_%zu;", density_kind_of(&job->scene.media[i].density)->field_type, i);
         if (has_share(job, program, i)) fprintf(out, " float medium_%zu_share;", i);
     }
     fputs(" float distance; };\nMediaField media_field(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n"
           "    MediaField field;\n",
           out);
-    FOR_EACH(i, program, is_seen)
-    write_field_part(out, job, program, i);
+    FOR_EACH_MEDIUM (program, is_seen)
+        write_field_part(out, job, program, i);
     fputs("    return field;\n}\n", out);
 }
 
@@ -214,8 +213,7 @@ static void write_column_sum(FILE *out, const struct scene_program *program, con
 {
     const char *separator = "";
 
-    FOR_EACH(i, program, medium_features_have_column)
-    {
+    FOR_EACH_MEDIUM (program, medium_features_have_column) {
         fprintf(out, "%s%smedium_%zu_sigma_t%s * column.medium_%zu", separator, before, i, after, i);
         separator = " + ";
     }
@@ -248,8 +246,8 @@ static void write_column_march(FILE *out, const struct job *job, const struct sc
     fputs("float media_column_add(inout MediaColumn column, MediaSpans spans, vec3 p, vec3 direction, float at, "
           "float length)\n{\n    float empty;\n",
           out);
-    FOR_EACH(i, program, marches_to_lights)
-    write_column_part(out, job, program, i);
+    FOR_EACH_MEDIUM (program, marches_to_lights)
+        write_column_part(out, job, program, i);
     fputs("    return empty;\n}\nfloat media_column_depth(MediaColumn column)\n{\n    return ", out);
     write_column_sum(out, program, "spectrum_min(", ")");
     fputs(";\n}\n", out);
@@ -260,11 +258,10 @@ static void write_column(FILE *out, const struct job *job, const struct scene_pr
     const char *separator = "";
 
     fputs("// Density integrated along a way, a number a medium.\nstruct MediaColumn {", out);
-    FOR_EACH(i, program, medium_features_have_column)
-    fprintf(out, " float medium_%zu;", i);
+    FOR_EACH_MEDIUM (program, medium_features_have_column)
+        fprintf(out, " float medium_%zu;", i);
     fputs(" };\nMediaColumn media_column_begin(MediaSpans spans, float distance)\n{\n    return MediaColumn(", out);
-    FOR_EACH(i, program, medium_features_have_column)
-    {
+    FOR_EACH_MEDIUM (program, medium_features_have_column) {
         fputs(separator, out);
         separator = ", ";
         if (program->features.media[i].is_even)
@@ -280,8 +277,8 @@ static void write_column(FILE *out, const struct job *job, const struct scene_pr
 
 void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program)
 {
-    FOR_EACH(i, program, is_seen)
-    write_medium(out, job, program, i);
+    FOR_EACH_MEDIUM (program, is_seen)
+        write_medium(out, job, program, i);
     write_spans(out, program);
     write_field(out, job, program);
     if (!program->features.has_lights) return;
