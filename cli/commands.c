@@ -41,7 +41,7 @@ static const struct command commands[] = {
     {"workers", "", 0, 0, DAEMON, "Lists the workers and what they run on.", "march workers", command_workers},
     {"validate", "FILE...", 1, ANY, EVERY | BIT(SET), "Checks job files.", "march validate jobs/*.json",
      command_validate},
-    {"render", "JOB", 1, 1, RENDERER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS),
+    {"render", "JOB", 1, 1, RENDERER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS) | BIT(PROGRESS_LIMIT),
      "Renders a job here, without a daemon, into the current folder or to --out.",
      "march render jobs/cloud.json --frames 0-239x60 --out /tmp/cloud.####.exr", command_render},
     {"explain", "JOB", 1, 1, WORKER | BIT(SHADER_DIR) | BIT(SET) | BIT(SHADER),

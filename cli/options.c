@@ -44,6 +44,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_DEVICE] = {"device", KIND_TEXT, FIELD(device), "DEVICE", 0, 0, "EGL device by UUID or index"},
     [OPTION_ENCODE_THREADS] = {"encode-threads", KIND_INTEGER, FIELD(encode_threads), "N", 1, 64,
                                "threads that compress a frame"},
+    [OPTION_PROGRESS_LIMIT] = {"progress-limit", KIND_INTEGER, FIELD(progress_limit_s), "SECONDS", 1, 86400,
+                               "end a worker that makes no progress for so long (default 120)"},
     [OPTION_WORKER_PROGRAM] = {"worker-program", KIND_TEXT, FIELD(worker_program), "PATH", 0, 0,
                                "march-worker (default: $MARCH_WORKER, else beside march)"},
     [OPTION_SHADER] = {"shader", KIND_FLAG, FIELD(shader), NULL, 0, 0, "print the shader alone"},
@@ -188,7 +190,8 @@ bool options_parse(struct options *options, uint64_t accepted, const char *const
 {
     bool has_ended = false;
 
-    *options = (struct options){.priority = -1, .frame = -1, .encode_threads = -1, .columns = -1, .tile_width_px = -1};
+    *options = (struct options){
+        .priority = -1, .frame = -1, .encode_threads = -1, .progress_limit_s = -1, .columns = -1, .tile_width_px = -1};
     options->exposure = options->fps = NAN;
     options->sets = xcalloc(count + 1, sizeof *options->sets);
     options->operands = xcalloc(count + 1, sizeof *options->operands);

@@ -26,6 +26,7 @@ enum option {
     OPTION_BACKEND,
     OPTION_DEVICE,
     OPTION_ENCODE_THREADS,
+    OPTION_PROGRESS_LIMIT,
     OPTION_WORKER_PROGRAM,
     OPTION_SHADER,
     OPTION_SHADER_DIR,
@@ -42,7 +43,7 @@ enum option {
 struct options {
     bool help, json, wait, watch, dry_run, paused, shader;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir;
-    int64_t priority, frame, encode_threads, columns, tile_width_px;
+    int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px;
     double exposure, fps;
     const char **sets; // owned array; each PATH=VALUE
     size_t set_count;

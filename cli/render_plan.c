@@ -26,6 +26,12 @@ void render_plan_start(struct render_plan *plan, int32_t frame)
         if (plan->in_hand[i].frame == frame) plan->in_hand[i].is_started = true;
 }
 
+void render_plan_render(struct render_plan *plan, int32_t frame)
+{
+    for (size_t i = 0; i < plan->in_hand_count; i++)
+        if (plan->in_hand[i].frame == frame) plan->in_hand[i].is_rendered = true;
+}
+
 bool render_plan_end(struct render_plan *plan, int32_t frame, int attempt)
 {
     for (size_t i = 0; i < plan->in_hand_count; i++) {
@@ -36,7 +42,8 @@ bool render_plan_end(struct render_plan *plan, int32_t frame, int attempt)
     return false;
 }
 
-size_t render_plan_lose(struct render_plan *plan, struct render_ticket given_up[static RENDER_PLAN_AHEAD])
+size_t render_plan_lose(struct render_plan *plan, bool is_endless,
+                        struct render_ticket given_up[static RENDER_PLAN_AHEAD])
 {
     struct render_ticket waiting[RENDER_PLAN_AHEAD];
     size_t given_up_count = 0, waiting_count = 0;
@@ -44,12 +51,12 @@ size_t render_plan_lose(struct render_plan *plan, struct render_ticket given_up[
     for (size_t i = 0; i < plan->in_hand_count; i++) {
         struct render_ticket ticket = plan->in_hand[i];
 
-        if (ticket.is_started && ticket.attempt == RENDER_PLAN_ATTEMPTS) {
+        if (ticket.is_started && (ticket.attempt == RENDER_PLAN_ATTEMPTS || (is_endless && !ticket.is_rendered))) {
             given_up[given_up_count++] = ticket;
             continue;
         }
         if (ticket.is_started) ticket.attempt++;
-        ticket.is_started = false;
+        ticket.is_started = ticket.is_rendered = false;
         waiting[waiting_count++] = ticket;
     }
     // While something lost waits, at most one frame is in hand: both together fit.

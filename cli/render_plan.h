@@ -16,6 +16,7 @@ struct render_ticket {
     int32_t frame;
     int attempt; // from 1
     bool is_started;
+    bool is_rendered; // its picture exists and is being encoded
 };
 
 // Set `frames` and leave the rest zero.
@@ -31,9 +32,11 @@ struct render_plan {
 // The next frame for the worker; false when it has enough or none is left.
 bool render_plan_take(struct render_plan *plan, struct render_ticket *ticket);
 void render_plan_start(struct render_plan *plan, int32_t frame);
+void render_plan_render(struct render_plan *plan, int32_t frame);
 // False when that attempt is not in hand: a message nobody waits for.
 bool render_plan_end(struct render_plan *plan, int32_t frame, int attempt);
-// The worker is gone. What it had started counts as tried; frames tried too often are written to `given_up`, the rest waits.
-// Returns how many are given up.
-size_t render_plan_lose(struct render_plan *plan, struct render_ticket given_up[static RENDER_PLAN_AHEAD]);
+// The worker is gone. What it had started counts as tried; frames tried too often are written to `given_up`, and so is the
+// one it rendered where that `is_endless`; the rest waits. Returns how many are given up.
+size_t render_plan_lose(struct render_plan *plan, bool is_endless,
+                        struct render_ticket given_up[static RENDER_PLAN_AHEAD]);
 bool render_plan_is_done(const struct render_plan *plan);

@@ -3,6 +3,7 @@
 #include "cli/connection.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
+#include "cli/progress.h"
 #include "cli/render_plan.h"
 #include "cli/worker_child.h"
 #include "core/alloc.h"
@@ -19,7 +20,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { TICK_MS = 200, JOB_ID = 0 };
+enum { TICK_MS = 200, JOB_ID = 0, PROGRESS_LIMIT_S = 120 };
 
 enum step { STEP_ON, STEP_STOP, STEP_WORKER_LOST };
 
@@ -31,7 +32,10 @@ struct session {
     int64_t epoch;
     int64_t failed;
     bool is_ready;
-    struct error fault; // what the worker itself said of its end
+    double progress;    // as the worker counts it
+    int64_t moved_ms;   // when it last moved on
+    bool is_stuck;      // it did not for too long
+    struct error fault; // what the worker itself said of its end, or what was held against it
 };
 
 static void report(struct session *session, struct render_result *result)
@@ -116,7 +120,7 @@ static void assign(struct session *session)
 
 static bool start_worker(struct session *session, struct error *error)
 {
-    session->is_ready = false;
+    session->is_ready = session->is_stuck = false;
     session->fault.message[0] = 0;
     if (!worker_child_start(&session->child, session->params->options, session->params->interrupt, error)) return false;
     send_job(session);
@@ -221,7 +225,10 @@ static enum step on_frame(struct session *session, const struct message *message
         render_plan_start(&session->plan, ticket.frame);
         return STEP_ON;
     }
-    if (strcmp(event, "rendered") == 0) return STEP_ON;
+    if (strcmp(event, "rendered") == 0) {
+        render_plan_render(&session->plan, ticket.frame);
+        return STEP_ON;
+    }
     // A worker that lost its context goes after this; the frame is tried again by the next one.
     if (strcmp(event, "failed") == 0 && strcmp(text_of(&message->body, "fault"), "worker") == 0) {
         error_set(&session->fault, "%s", text_of(&message->body, "error"));
@@ -240,9 +247,38 @@ static enum step on_frame(struct session *session, const struct message *message
     return step;
 }
 
+// Beats go on while a frame does not.
+static void note_progress(struct session *session, const struct message *message)
+{
+    struct json_node node = json_node_child(&message->body, "progress");
+    double progress = session->progress;
+
+    if (strcmp(message->method, "worker.beat") == 0 && json_read_number(&node, 0, HUGE_VAL, &progress, NULL) &&
+        progress == session->progress)
+        return;
+    session->progress = progress;
+    session->moved_ms = progress_now_ms();
+}
+
+// True when a worker with frames in hand stands still: it is to be ended.
+static bool is_stuck(struct session *session)
+{
+    const struct options *options = session->params->options;
+    const char *code = scene_find_code(&session->params->job->scene);
+    int64_t limit_s = options->progress_limit_s > 0 ? options->progress_limit_s : PROGRESS_LIMIT_S;
+
+    if (!session->is_ready || session->plan.in_hand_count == 0) return false;
+    if (progress_now_ms() - session->moved_ms <= 1000 * limit_s) return false;
+    error_set(&session->fault, "no progress for %lld s%s%s%s", (long long)limit_s, code ? ": does density in " : "",
+              code ? code : "", code ? " end?" : "");
+    session->is_stuck = true;
+    return true;
+}
+
 static enum step on_message(struct session *session, const struct message *message, struct error *error)
 {
     if (message->kind != MESSAGE_NOTIFICATION) return STEP_ON;
+    note_progress(session, message);
     if (strcmp(message->method, "worker.failed") == 0) {
         error_set(error, "march-worker: %s", text_of(&message->body, "error"));
         return STEP_STOP;
@@ -262,13 +298,15 @@ static bool replace_worker(struct session *session, struct error *error)
 {
     struct render_ticket given_up[RENDER_PLAN_AHEAD];
     size_t count;
-    bool was_ready = session->is_ready;
+    bool was_ready = session->is_ready, is_endless;
 
-    worker_child_explain_end(&session->child, error);
+    if (!session->is_stuck) worker_child_explain_end(&session->child, error);
     if (session->fault.message[0]) *error = session->fault;
     worker_child_stop(&session->child, true);
     remove_parts(session);
-    count = render_plan_lose(&session->plan, given_up);
+    // What one's own code did not end would not the next time, either.
+    is_endless = session->is_stuck && scene_find_code(&session->params->job->scene);
+    count = render_plan_lose(&session->plan, is_endless, given_up);
     for (size_t i = 0; i < count; i++)
         report_failed(session, given_up[i].frame, error->message);
     if (!was_ready) return false;
@@ -294,6 +332,7 @@ static enum exit_status run_frames(struct session *session, struct error *error)
             step = on_message(session, &message, error);
             message_finish(&message);
         }
+        if (step == STEP_ON && is_stuck(session)) step = STEP_WORKER_LOST;
         if (step == STEP_STOP) return EXIT_STATUS_FAILED;
         if (step == STEP_WORKER_LOST && !replace_worker(session, error)) return EXIT_STATUS_FAILED;
         session->params->on_tick(session->params->user);

@@ -3,6 +3,7 @@
 #include "core/input_path.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static void visit_bounds(struct scene_bounds *bounds, scene_visitor *visit, void *user)
 {
@@ -152,4 +153,19 @@ bool scene_density_is_even(const struct scene_density *density)
     if (density->kind != SCENE_DENSITY_HOMOGENEOUS || !timeline_is_constant(falloff)) return false;
     timeline_evaluate(falloff, 0.0, value);
     return value[0] == 0.0;
+}
+
+const char *scene_glsl_name(const struct scene_glsl *glsl)
+{
+    const char *slash = glsl->file ? strrchr(glsl->file, '/') : NULL;
+
+    if (!glsl->file) return "density.source";
+    return slash ? slash + 1 : glsl->file;
+}
+
+const char *scene_find_code(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->medium_count; i++)
+        if (scene->media[i].density.kind == SCENE_DENSITY_GLSL) return scene_glsl_name(&scene->media[i].density.glsl);
+    return NULL;
 }

@@ -199,6 +199,11 @@ bool scene_grid_is_vdb(const struct scene_grid *grid);
 // True when it is the same everywhere inside its bounds at any one time: homogeneous without falloff.
 bool scene_density_is_even(const struct scene_density *density);
 
+// What messages call the user's text: its file's name, without folders.
+const char *scene_glsl_name(const struct scene_glsl *glsl);
+// The name of the first text by the user that a density follows; NULL: there is none.
+const char *scene_find_code(const struct scene *scene);
+
 // Called for each number or vector that may move, always in the same order; `name` is short and not unique.
 typedef void scene_visitor(const char *name, struct timeline *timeline, void *user);
 void scene_visit_timelines(struct scene *scene, scene_visitor *visit, void *user);

@@ -91,6 +91,13 @@ static void pause_job(struct farm *farm, const struct attempt_end *end)
     farm_store_job(farm, end->record);
 }
 
+static bool is_hopeless(const struct queue_job *queued)
+{
+    return queue_job_is_live(queued) &&
+           retry_gives_up_job(queued->counts[FRAME_FAILED],
+                              queued->counts[FRAME_SUCCEEDED] + queued->counts[FRAME_SKIPPED]);
+}
+
 // The ticket owns its frame.
 static void end_attempt(struct farm *farm, const struct attempt_end *end)
 {
@@ -102,6 +109,7 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     case RETRY_FRAME:
     case RETRY_FAIL_FRAME:
         queue_fail(farm->queue, &end->ticket, action == RETRY_FAIL_FRAME, NULL);
+        if (end->fault == RETRY_FAULT_ENDLESS && is_hopeless(end->record->queued)) fail_job(farm, end);
         break;
     case RETRY_FREE:
         queue_return(farm->queue, &end->ticket);
@@ -123,7 +131,7 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     if (end->is_started) {
         log_info("job %lld frame %d attempt %d: %s", (long long)end->ticket.job, end->ticket.frame, end->ticket.attempt,
                  end->error);
-        store_attempt(farm, end, end->fault == RETRY_FAULT_LOST ? "lost" : "failed");
+        store_attempt(farm, end, end->fault >= RETRY_FAULT_LOST ? "lost" : "failed");
         events_tell_frame(farm->events, &end->ticket, state, end->error);
     }
     farm_want_feed(farm);
@@ -239,19 +247,26 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
     farm_note_change(farm, record);
 }
 
+// Of what a worker held that was killed for a frame that did not end, only that frame is to blame.
+static bool is_suspect(const struct worker_process *worker, const struct hand_frame *frame)
+{
+    return worker->suspect && frame->is_started && !frame->is_rendered;
+}
+
 void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, const char *reason)
 {
     char *log = worker_process_format_log(worker, reason);
+    char *suspicion = worker->suspect ? xasprintf("%s: does density in %s end?", reason, worker->suspect) : NULL;
 
     while (worker->hand.count > 0) {
         struct hand_frame frame = worker->hand.frames[0];
         struct job_record *record = job_table_find(&farm->jobs, frame.ticket.job);
         struct attempt_end end = {.record = record,
                                   .ticket = frame.ticket,
-                                  .fault = RETRY_FAULT_LOST,
+                                  .fault = is_suspect(worker, &frame) ? RETRY_FAULT_ENDLESS : RETRY_FAULT_LOST,
                                   .is_started = frame.is_started,
                                   .worker = worker->id,
-                                  .error = reason,
+                                  .error = is_suspect(worker, &frame) ? suspicion : reason,
                                   .log = log};
 
         leave_hand(record, worker, &worker->hand.frames[0]);
@@ -260,6 +275,7 @@ void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, cons
         if (queue_owns(farm->queue, &frame.ticket)) end_attempt(farm, &end);
         farm_note_change(farm, record);
     }
+    free(suspicion);
     free(log);
 }
 

@@ -26,6 +26,7 @@ struct job_submit {
     struct store_job row;      // owned, until it moves into the commit
     struct frame_range frames; // owned
     struct output_path path;   // owned
+    char *code;                // owned; as in the job's record
     bool folder_ok;
     struct error error;
     struct job_submit *next; // on the farm's list of submits
@@ -46,6 +47,7 @@ static void submit_destroy(struct job_submit *submit)
     store_op_finish(&op);
     frame_range_finish(&submit->frames);
     output_path_finish(&submit->path);
+    free(submit->code);
     free(submit);
 }
 
@@ -110,6 +112,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
                                      .is_paused = paused,
                                      .submitted_ms = farm_clock_ms(),
                                      .root = xstrdup(request->farm->options->output_root)};
+    submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
     submit->frames = job->frames;
     submit->path = job->output.path;
     job->frames = (struct frame_range){0};
@@ -190,10 +193,12 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->root = row->root;
     record->submitted_ms = row->submitted_ms;
     record->path = submit->path;
+    record->code = submit->code;
     record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
     record->told_state = JOB_STATE_COUNT;
     if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);
     row->name = row->owner = row->root = NULL;
+    submit->code = NULL;
     submit->path = (struct output_path){0};
     return record;
 }

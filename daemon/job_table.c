@@ -12,6 +12,7 @@ static void record_destroy(struct job_record *record)
     free(record->owner);
     free(record->root);
     free(record->reason);
+    free(record->code);
     output_path_finish(&record->path);
     free(record);
 }

@@ -20,6 +20,7 @@ struct job_record {
     struct output_path path;                       // owned
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; why it is paused or failed; NULL: none
+    char *code;                                    // owned; the name of a text by the user that it runs; NULL: none
     struct estimate estimate;
     int in_hand;                             // frames that workers hold or that are being published
     bool is_retry_waiting;                   // it lives again once it is swept

@@ -23,6 +23,7 @@ const char options_help[] =
     "  --worker-program PATH   the worker (march-worker beside marchd)\n"
     "  --shader-dir DIR        shaders read from there instead of the worker's own\n"
     "  --max-attempts N        attempts a frame has before it is failed (3)\n"
+    "  --progress-limit SECONDS  a worker that makes no progress for so long is killed (120)\n"
     "  --stop-timeout SECONDS  what running frames get to finish when the daemon stops (30)\n"
     "  --log-level LEVEL       debug, info, warning or error (info)\n"
     "  --help, --version\n"
@@ -39,6 +40,7 @@ enum option_code {
     OPTION_WORKER_PROGRAM,
     OPTION_SHADER_DIR,
     OPTION_MAX_ATTEMPTS,
+    OPTION_PROGRESS_LIMIT,
     OPTION_STOP_TIMEOUT,
     OPTION_LOG_LEVEL,
     OPTION_HELP,
@@ -55,6 +57,7 @@ static const struct option long_options[] = {
     {"worker-program", required_argument, NULL, OPTION_WORKER_PROGRAM},
     {"shader-dir", required_argument, NULL, OPTION_SHADER_DIR},
     {"max-attempts", required_argument, NULL, OPTION_MAX_ATTEMPTS},
+    {"progress-limit", required_argument, NULL, OPTION_PROGRESS_LIMIT},
     {"stop-timeout", required_argument, NULL, OPTION_STOP_TIMEOUT},
     {"log-level", required_argument, NULL, OPTION_LOG_LEVEL},
     {"help", no_argument, NULL, OPTION_HELP},
@@ -82,16 +85,16 @@ static bool parse_count(const char *name, const char *text, long max, int *count
     return true;
 }
 
-static bool parse_seconds(const char *text, int64_t *ms, struct error *error)
+static bool parse_seconds(const char *name, const char *text, double min, int64_t *ms, struct error *error)
 {
     char *end = NULL;
     double seconds = strtod(text, &end);
 
-    if (end != text && !*end && seconds >= 0 && seconds <= 86400) {
+    if (end != text && !*end && seconds >= min && seconds <= 86400) {
         *ms = (int64_t)(seconds * 1000);
         return true;
     }
-    error_set(error, "--stop-timeout: expected seconds from 0 to 86400, got \"%s\"", text);
+    error_set(error, "--%s: expected seconds from %g to 86400, got \"%s\"", name, min, text);
     return false;
 }
 
@@ -163,7 +166,9 @@ static bool set_option(struct options *options, int code, const char *text,
     case OPTION_MAX_ATTEMPTS:
         return parse_count("max-attempts", text, 100, &options->max_attempts, error);
     case OPTION_STOP_TIMEOUT:
-        return parse_seconds(text, &options->stop_timeout_ms, error);
+        return parse_seconds("stop-timeout", text, 0, &options->stop_timeout_ms, error);
+    case OPTION_PROGRESS_LIMIT:
+        return parse_seconds("progress-limit", text, 1, &options->progress_limit_ms, error);
     case OPTION_BACKEND:
         return parse_backend(text, &options->backend, error);
     default:
@@ -205,6 +210,7 @@ bool options_parse(struct options *options, int argc, char **argv, const struct 
     *options = (struct options){.thread_count = 1,
                                 .max_attempts = 3,
                                 .stop_timeout_ms = 30000,
+                                .progress_limit_ms = 120000,
                                 .log_level = LOG_INFO,
                                 .backend = xstrdup("auto")};
     optind = 0;

@@ -28,6 +28,7 @@ struct options {
     int thread_count;    // that one worker renders with
     int max_attempts;
     int64_t stop_timeout_ms;
+    int64_t progress_limit_ms; // a worker without progress is killed after it
     enum log_level log_level;
     bool wants_help, wants_version; // then nothing else is filled
 };

@@ -47,6 +47,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->owner_uid = row->owner_uid;
     record->root = xstrdup(row->root);
     record->reason = copy_text(row->reason);
+    record->code = copy_text(scene_find_code(&job.scene));
     record->submitted_ms = row->submitted_ms;
     record->started_ms = row->started_ms;
     record->finished_ms = row->finished_ms;

@@ -9,10 +9,14 @@ enum retry_fault {
     RETRY_FAULT_FRAME,  // this frame did not work
     RETRY_FAULT_WORKER, // the worker lost its context; it exits
     RETRY_FAULT_OUTPUT, // disk full or not writable: every frame would meet it
-    RETRY_FAULT_LOST    // the worker died, or was killed by one of its clocks
+    RETRY_FAULT_LOST,   // the worker died, or was killed by one of its clocks
+    // It was killed by the clock of its progress or of its frame, in a scene with code of the user's own. That would most
+    // likely not end the next time either, and each try holds a worker for minutes: so the frame is failed at once.
+    RETRY_FAULT_ENDLESS
 };
 
-extern const char *const retry_fault_names[]; // "job", "frame", "worker", "output", "lost"; ends in NULL
+// "job", "frame", "worker", "output", "lost", "endless"; ends in NULL
+extern const char *const retry_fault_names[];
 
 enum retry_action {
     RETRY_FRAME,      // queue_fail, not final
@@ -25,6 +29,12 @@ enum retry_action {
 // `is_started`: the worker had begun the frame; what only waited in its hand is not to blame. `tries` counts the
 // attempt that failed (struct queue_frame).
 enum retry_action retry_decide(enum retry_fault fault, bool is_started, int tries, int max_attempts);
+
+enum { RETRY_ENDLESS_LIMIT = 3 };
+
+// Whether a job is failed as a whole, after a frame was failed for RETRY_FAULT_ENDLESS: when so many frames failed and none
+// was ever made, workers are not spent on the others.
+bool retry_gives_up_job(int64_t failed, int64_t done);
 
 // Of a slot whose worker cannot start, or dies before it finishes a frame. The zero value waits for nothing.
 struct retry_backoff {

@@ -56,6 +56,7 @@ static void start_worker(struct worker_pool *pool, int index)
                                    .backend = options->backend,
                                    .shader_folder = options->shader_folder,
                                    .thread_count = options->thread_count,
+                                   .progress_limit_ms = options->progress_limit_ms,
                                    .id = index + 1};
     struct error error = {0};
 
@@ -92,9 +93,10 @@ static void check_liveness(struct worker_pool *pool, struct worker_process *work
     double median_s = record ? estimate_median_s(&record->estimate) : 0;
     size_t known = record ? estimate_count(&record->estimate) : 0;
     char reason[LIVENESS_REASON_SIZE];
+    enum liveness_verdict verdict = liveness_check(&worker->liveness, median_s, known, now_ms, reason);
 
-    if (liveness_check(&worker->liveness, median_s, known, now_ms, reason) == LIVENESS_ALIVE) return;
-    if (worker->end_reason) return;
+    if (verdict == LIVENESS_ALIVE || worker->end_reason) return;
+    if (record && (verdict == LIVENESS_STUCK || verdict == LIVENESS_OVERLONG)) worker->suspect = record->code;
     log_warn("worker %d: killed: %s", worker->id, reason);
     worker_process_kill(worker, reason);
 }
@@ -184,7 +186,8 @@ static void on_gone(void *user, struct worker_process *worker)
     frame_life_lose_hand(pool->farm, worker, reason);
     slot->done += worker->done;
     slot->worker = NULL;
-    if (worker->done == 0) retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
+    // Code that does not end says nothing about the slot.
+    if (worker->done == 0 && !worker->suspect) retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
     worker_slot_set_reason(slot, reason);
     events_tell_worker(pool->farm->events, worker->id - 1);
     worker_process_close(worker);

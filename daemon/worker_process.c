@@ -80,6 +80,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
         worker_process_close(worker);
         return NULL;
     }
+    worker->liveness.limits.progress_ms = params->progress_limit_ms;
     liveness_start(&worker->liveness, (int64_t)uv_now(loop));
     uv_read_start((uv_stream_t *)&worker->channel, on_allocate_channel, on_channel_read);
     uv_read_start((uv_stream_t *)&worker->errors, on_allocate_errors, on_errors_read);

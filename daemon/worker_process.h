@@ -35,6 +35,7 @@ struct worker_handlers {
 struct worker_params {
     const char *program, *backend, *shader_folder; // borrowed during the call; shader_folder may be NULL
     int thread_count;
+    int64_t progress_limit_ms;
     int id; // of its slot
 };
 
@@ -51,6 +52,7 @@ struct worker_process {
     uint64_t answered_ns;           // when it last answered for a frame, or got one with empty hands
     int64_t done;                   // frames it finished or skipped
     int64_t stop_by_ms;             // monotonic; killed after it while stopping
+    const char *suspect;            // borrowed; the user's code whose frame a clock killed it for; NULL: none
     char *end_reason;               // owned; why it was killed or says it cannot work; NULL: not known
     char log[WORKER_LOG_BYTES + 1]; // the end of what it wrote to standard error
     size_t log_length;

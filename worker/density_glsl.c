@@ -30,14 +30,6 @@ static const char *const *modules(const struct density_site *site)
     return names;
 }
 
-static const char *name_of(const struct scene_glsl *glsl)
-{
-    const char *slash = glsl->file ? strrchr(glsl->file, '/') : NULL;
-
-    if (!glsl->file) return "density.source";
-    return slash ? slash + 1 : glsl->file;
-}
-
 // A macro may stand for the function: then the compiler decides.
 static bool check_density(const struct glsl_names *names, const char *file, struct error *error)
 {
@@ -80,7 +72,7 @@ static bool load_text(const struct density_site *site, struct density_text *text
 {
     static const char *const taken[] = {"Spectrum", NULL}; // macros of our modules
     const struct scene_glsl *glsl = &site->source->density.glsl;
-    const char *file = name_of(glsl);
+    const char *file = scene_glsl_name(glsl);
     struct glsl_names names;
     char *prefix;
 

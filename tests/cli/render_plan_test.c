@@ -93,7 +93,7 @@ static void lost_frames_are_tried_again_alone_and_first(void **state)
     assert_taken(plan, 2, 1);
     assert_taken(plan, 3, 1);
     render_plan_start(plan, 1);
-    assert_int_equal(render_plan_lose(plan, given_up), 0);
+    assert_int_equal(render_plan_lose(plan, false, given_up), 0);
     assert_taken(plan, 1, 2); // it had started: that try counts
     assert_enough(plan);
     assert_true(render_plan_end(plan, 1, 2));
@@ -116,12 +116,29 @@ static void frame_that_kills_every_worker_is_given_up_alone(void **state)
         while (render_plan_take(plan, &ticket))
             ;
         render_plan_start(plan, 1);
-        count = render_plan_lose(plan, given_up);
+        count = render_plan_lose(plan, false, given_up);
     }
     assert_int_equal(count, 1);
     assert_int_equal(given_up[0].frame, 1);
     assert_taken(plan, 2, 1);
     assert_true(render_plan_end(plan, 2, 1));
+    assert_taken(plan, 3, 1);
+}
+
+static void an_endless_frame_is_given_up_and_what_was_rendered_before_it_is_not(void **state)
+{
+    struct render_plan *plan = *state;
+    struct render_ticket given_up[RENDER_PLAN_AHEAD];
+
+    for (int frame = 1; frame <= 3; frame++)
+        assert_taken(plan, frame, 1);
+    render_plan_start(plan, 1);
+    render_plan_render(plan, 1);
+    render_plan_start(plan, 2);
+    assert_int_equal(render_plan_lose(plan, true, given_up), 1);
+    assert_int_equal(given_up[0].frame, 2);
+    assert_taken(plan, 1, 2);
+    assert_true(render_plan_end(plan, 1, 2));
     assert_taken(plan, 3, 1);
 }
 
@@ -133,6 +150,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(ends_of_other_attempts_count_for_nothing, set_up, tear_down),
         cmocka_unit_test_setup_teardown(lost_frames_are_tried_again_alone_and_first, set_up, tear_down),
         cmocka_unit_test_setup_teardown(frame_that_kills_every_worker_is_given_up_alone, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(an_endless_frame_is_given_up_and_what_was_rendered_before_it_is_not, set_up,
+                                        tear_down),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -47,6 +47,7 @@ static void root_gets_the_system_folders(void **state)
     assert_int_equal(options.worker_count, 0);
     assert_int_equal(options.thread_count, 1);
     assert_int_equal(options.max_attempts, 3);
+    assert_int_equal(options.progress_limit_ms, 120000);
     options_finish(&options);
 }
 

@@ -26,6 +26,19 @@ static void frames_not_started_are_not_to_blame(void **state)
     assert_int_equal(retry_decide(RETRY_FAULT_WORKER, false, 3, 3), RETRY_FREE);
 }
 
+static void users_code_that_does_not_end_gets_one_try(void **state)
+{
+    assert_int_equal(retry_decide(RETRY_FAULT_ENDLESS, true, 1, 3), RETRY_FAIL_FRAME);
+    assert_int_equal(retry_decide(RETRY_FAULT_ENDLESS, false, 1, 3), RETRY_FREE);
+}
+
+static void a_job_of_endless_frames_alone_is_given_up(void **state)
+{
+    assert_false(retry_gives_up_job(RETRY_ENDLESS_LIMIT - 1, 0));
+    assert_true(retry_gives_up_job(RETRY_ENDLESS_LIMIT, 0));
+    assert_false(retry_gives_up_job(100, 1));
+}
+
 static void job_fault_fails_the_job_at_once(void **state)
 {
     assert_int_equal(retry_decide(RETRY_FAULT_JOB, true, 1, 3), RETRY_FAIL_JOB);
@@ -44,7 +57,8 @@ static void fault_names_follow_the_enumeration(void **state)
     assert_string_equal(retry_fault_names[RETRY_FAULT_WORKER], "worker");
     assert_string_equal(retry_fault_names[RETRY_FAULT_OUTPUT], "output");
     assert_string_equal(retry_fault_names[RETRY_FAULT_LOST], "lost");
-    assert_null(retry_fault_names[RETRY_FAULT_LOST + 1]);
+    assert_string_equal(retry_fault_names[RETRY_FAULT_ENDLESS], "endless");
+    assert_null(retry_fault_names[RETRY_FAULT_ENDLESS + 1]);
 }
 
 static void backoff_doubles_up_to_a_minute(void **state)
@@ -83,6 +97,8 @@ int main(void)
         cmocka_unit_test(frame_is_tried_until_its_attempts_are_used),
         cmocka_unit_test(lost_worker_costs_its_started_frame_an_attempt),
         cmocka_unit_test(frames_not_started_are_not_to_blame),
+        cmocka_unit_test(users_code_that_does_not_end_gets_one_try),
+        cmocka_unit_test(a_job_of_endless_frames_alone_is_given_up),
         cmocka_unit_test(job_fault_fails_the_job_at_once),
         cmocka_unit_test(output_fault_pauses_and_never_uses_up_a_frame),
         cmocka_unit_test(fault_names_follow_the_enumeration),
