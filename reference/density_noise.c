@@ -1,8 +1,9 @@
 #include "reference/density_noise.h"
 
 #include <math.h>
+#include <stdbool.h>
 
-enum { PIECE_LIMIT = 128 };
+enum { PIECE_LIMIT = 128, HALVING_LIMIT = 5, ROOT_HALVINGS = 24 };
 
 // His table.
 static const unsigned char PERMUTATION[256] = {
@@ -121,13 +122,20 @@ static double sum_of_octaves(const struct density_noise *noise, struct vec3 q)
     return sum;
 }
 
-double density_noise(const struct density_noise *noise, struct vec3 position)
+// What the density is a power of, where that is positive.
+static double base(const struct density_noise *noise, struct vec3 position)
 {
     struct vec3 local = vec3_subtract(position, noise->center);
     struct vec3 image = {vec3_dot(noise->row_x, local), vec3_dot(noise->row_y, local), vec3_dot(noise->row_z, local)};
-    double value = sum_of_octaves(noise, vec3_add(vec3_scale(image, noise->frequency), noise->offset));
+    double sum = sum_of_octaves(noise, vec3_add(vec3_scale(image, noise->frequency), noise->offset));
 
-    if (noise->mode == SCENE_NOISE_REMAP) value = 0.5 * (1.0 + value);
+    return noise->mode == SCENE_NOISE_REMAP ? 0.5 * (1.0 + sum) : sum;
+}
+
+double density_noise(const struct density_noise *noise, struct vec3 position)
+{
+    double value = base(noise, position);
+
     if (!(value > 0.0)) return 0.0;
     return noise->scale * (noise->exponent == 1.0 ? value : pow(value, noise->exponent));
 }
@@ -137,10 +145,92 @@ static double at(const void *field, struct vec3 position)
     return density_noise(field, position);
 }
 
+// The base changes by no more than this per metre.
+static double steepness_of(const struct density_noise *noise)
+{
+    // Of one octave, per lattice cell: not proven, the steepest of ten million random places was 3.39.
+    const double of_octave = 4.0;
+    double sum = 0.0, weight = 1.0;
+
+    for (int k = 0; k < noise->octaves; k++) {
+        sum += weight;
+        weight *= noise->gain * noise->lacunarity;
+    }
+    return of_octave * noise->frequency * sum * (noise->mode == SCENE_NOISE_REMAP ? 0.5 : 1.0);
+}
+
+struct search {
+    const struct density_noise *noise;
+    const struct ray *ray;
+    double steepness;
+    double begin; // of the piece that is searched
+    struct span_list *spans;
+};
+
+static bool is_positive(const struct search *search, double distance)
+{
+    return base(search->noise, ray_at(search->ray, distance)) > 0.0;
+}
+
+// Stretches that meet within a piece are one.
+static void append(const struct search *search, double begin, double end)
+{
+    struct span_list *spans = search->spans;
+
+    if (spans->count > 0 && spans->spans[spans->count - 1].end == begin && begin > search->begin) {
+        spans->spans[spans->count - 1].end = end;
+    } else {
+        span_list_append(spans, begin, end, NULL);
+    }
+}
+
+// Appends the positive side of a stretch so short that the base passes 0 at most once.
+static void append_side(const struct search *search, double begin, double end)
+{
+    bool starts_positive = is_positive(search, begin);
+    double low = begin, high = end;
+
+    if (is_positive(search, end) == starts_positive) {
+        if (starts_positive) append(search, begin, end);
+        return;
+    }
+    for (int i = 0; i < ROOT_HALVINGS; i++) {
+        double middle = 0.5 * (low + high);
+
+        if (is_positive(search, middle) == starts_positive) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    if (starts_positive) {
+        append(search, begin, high);
+    } else {
+        append(search, low, end);
+    }
+}
+
+// A bump between two nodes would be missed however fine the accuracy: where a stretch's middle is farther from 0 than the
+// base can change there is none; elsewhere it is looked for in halves.
+static void find_positive(const struct search *search, double begin, double end, int halvings_left)
+{
+    double middle = 0.5 * (begin + end), value = base(search->noise, ray_at(search->ray, middle));
+
+    if (fabs(value) >= search->steepness * 0.5 * (end - begin)) {
+        if (value > 0.0) append(search, begin, end);
+    } else if (halvings_left == 0) {
+        append_side(search, begin, end);
+    } else {
+        find_positive(search, begin, middle, halvings_left - 1);
+        find_positive(search, middle, end, halvings_left - 1);
+    }
+}
+
 // Nothing jumps, but on a stretch of many cells a rule of few nodes could miss them all.
 static void find_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
 {
     const struct density_noise *noise = field;
+    struct search search = {.noise = noise, .ray = ray, .steepness = steepness_of(noise), .spans = spans};
     double half_cell = 0.5 / noise->frequency;
     double pieces = isfinite(far - near) ? fmin(ceil((far - near) / half_cell), PIECE_LIMIT) : 1.0;
 
@@ -149,7 +239,12 @@ static void find_spans(const void *field, const struct ray *ray, double near, do
         double begin = i == 0 ? near : near + (far - near) * (i / pieces);
         double end = i + 1 == (int)pieces ? far : near + (far - near) * ((i + 1) / pieces);
 
-        span_list_append(spans, begin, end, NULL);
+        if (noise->mode == SCENE_NOISE_CLIP) {
+            search.begin = begin;
+            find_positive(&search, begin, end, HALVING_LIMIT);
+        } else {
+            span_list_append(spans, begin, end, NULL);
+        }
     }
 }
 
