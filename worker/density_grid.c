@@ -51,18 +51,18 @@ static void evaluate_size(const void *source, double time, double value[static 9
         value[axis] = input->header.size[axis];
 }
 
-static void evaluate_gain(const void *source, double time, double value[static 9])
+static void evaluate_slope(const void *source, double time, double value[static 9])
 {
     const struct scene_input *input = source;
 
-    value[0] = gl_grid_gain(input->header.type, input->header.slope);
+    value[0] = input->header.slope;
 }
 
-static void evaluate_bias(const void *source, double time, double value[static 9])
+static void evaluate_intercept(const void *source, double time, double value[static 9])
 {
     const struct scene_input *input = source;
 
-    value[0] = gl_grid_bias(input->header.type, input->header.slope, input->header.intercept);
+    value[0] = input->header.intercept;
 }
 
 static void add_values(struct frame_uniforms *uniforms, const struct density_site *site)
@@ -75,8 +75,8 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
     } values[] = {{"to_index", FRAME_VALUE_MAT3, false, evaluate_to_index},
                   {"shift", FRAME_VALUE_VEC3, true, evaluate_shift},
                   {"size", FRAME_VALUE_VEC3, false, evaluate_size},
-                  {"gain", FRAME_VALUE_FLOAT, false, evaluate_gain},
-                  {"bias", FRAME_VALUE_FLOAT, false, evaluate_bias}};
+                  {"slope", FRAME_VALUE_FLOAT, false, evaluate_slope},
+                  {"intercept", FRAME_VALUE_FLOAT, false, evaluate_intercept}};
     const struct scene_input *input = input_of(site);
     const struct scene_grid *grid = input->source;
     bool is_still = !grid->has_center || timeline_is_constant(&grid->center);
@@ -118,15 +118,15 @@ static const char *const *modules(const struct density_site *site)
     return names[grid->is_nearest][grid->point_count > 0];
 }
 
-static void write_grid(FILE *out, bool is_nearest, size_t i)
+static void write_grid(FILE *out, const struct scene_input *input, size_t i)
 {
     fprintf(out,
-            "layout(binding = %zu) uniform sampler2DArray medium_%zu_voxels;\n"
+            "layout(binding = %zu) uniform %ssampler2DArray medium_%zu_voxels;\n"
             "layout(binding = %zu) uniform sampler3D medium_%zu_bricks;\n",
-            4 * i, i, 4 * i + 1, i);
+            4 * i, gl_grid_sampler_prefix(input->header.type), i, 4 * i + 1, i);
     fprintf(out,
             "DensityGrid medium_%zu_grid()\n{\n    return DensityGrid(medium_%zu_to_index, medium_%zu_shift, "
-            "medium_%zu_size, medium_%zu_gain, medium_%zu_bias);\n}\n",
+            "medium_%zu_size, medium_%zu_slope, medium_%zu_intercept);\n}\n",
             i, i, i, i, i, i);
     fprintf(out,
             "vec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n"
@@ -137,7 +137,7 @@ static void write_grid(FILE *out, bool is_nearest, size_t i)
         "float medium_%zu_value(vec3 at)\n{\n    return density_grid_%s(medium_%zu_voxels, medium_%zu_grid(), at);\n}\n"
         "float medium_%zu_skip(vec3 at, vec3 direction)\n{\n"
         "    return density_grid_skip(medium_%zu_bricks, medium_%zu_grid(), at, direction);\n}\n",
-        i, is_nearest ? "nearest" : "linear", i, i, i, i, i);
+        i, input->source->is_nearest ? "nearest" : "linear", i, i, i, i, i);
 }
 
 static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
@@ -175,7 +175,7 @@ static void write(FILE *out, const struct density_site *site)
 {
     const struct scene_grid *grid = &site->source->density.grid;
 
-    write_grid(out, grid->is_nearest, site->medium);
+    write_grid(out, input_of(site), site->medium);
     if (grid->point_count > 0)
         write_transfer(out, grid, site->medium);
     else

@@ -9,32 +9,28 @@
 enum { SLAB_BYTES = 1024 * 1024 };
 
 struct texel {
-    GLenum internal, component;
-    double largest; // the stored number that the texture gives as 1
+    GLenum internal, format, component;
+    const char *sampler_prefix;
 };
 
 static struct texel texel_of(enum volume_type type)
 {
     switch (type) {
     case VOLUME_UINT8:
-        return (struct texel){GL_R8, GL_UNSIGNED_BYTE, UINT8_MAX};
+        return (struct texel){GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, "u"};
     case VOLUME_UINT16:
+        return (struct texel){GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, "u"};
     case VOLUME_INT16:
-        return (struct texel){GL_R16, GL_UNSIGNED_SHORT, UINT16_MAX};
+        return (struct texel){GL_R16I, GL_RED_INTEGER, GL_SHORT, "i"};
     case VOLUME_FLOAT32:
         break;
     }
-    return (struct texel){GL_R32F, GL_FLOAT, 1};
+    return (struct texel){GL_R32F, GL_RED, GL_FLOAT, ""};
 }
 
-double gl_grid_gain(enum volume_type type, double slope)
+const char *gl_grid_sampler_prefix(enum volume_type type)
 {
-    return slope * texel_of(type).largest;
-}
-
-double gl_grid_bias(enum volume_type type, double slope, double intercept)
-{
-    return type == VOLUME_INT16 ? intercept + slope * INT16_MIN : intercept;
+    return texel_of(type).sampler_prefix;
 }
 
 static bool check_size(const struct gl_grid_params *params, struct error *error)
@@ -70,20 +66,12 @@ static bool make_texture(struct gl_grid *grid, const char *path, const int size[
     return true;
 }
 
-// Adds 32768 modulo 65536, which keeps the order: GL's signed formats give the two smallest numbers the same value.
-static void raise_signed(uint16_t *values, size_t count)
-{
-    for (size_t i = 0; i < count; ++i)
-        values[i] ^= 0x8000u;
-}
-
 static bool stream_slabs(struct gl_grid *grid, const struct gl_grid_params *params, void *slab, int slab_slices,
                          struct error *error)
 {
     const struct gl_functions *gl = grid->gl;
     struct volume *volume = params->volume;
     const int *size = volume->size;
-    size_t slice_voxels = (size_t)size[0] * (size_t)size[1];
 
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     for (int first = 0; first < size[2]; first += slab_slices) {
@@ -91,8 +79,7 @@ static bool stream_slabs(struct gl_grid *grid, const struct gl_grid_params *para
 
         if (!volume_read(volume, count, slab, error)) return false;
         grid_bricks_add(&grid->bricks, grid->type, slab, first, count);
-        if (grid->type == VOLUME_INT16) raise_signed(slab, slice_voxels * (size_t)count);
-        gl->TextureSubImage3D(grid->voxels, 0, 0, 0, first, size[0], size[1], count, GL_RED,
+        gl->TextureSubImage3D(grid->voxels, 0, 0, 0, first, size[0], size[1], count, texel_of(grid->type).format,
                               texel_of(grid->type).component, slab);
         if (params->on_progress && !params->on_progress(params->user)) {
             error_set(error, "the frame was stopped");

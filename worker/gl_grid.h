@@ -13,9 +13,9 @@ struct gl_functions;
 // The zero value is empty.
 struct gl_grid {
     const struct gl_functions *gl; // borrowed; outlives us
-    unsigned voxels;               // R8, R16 or R32F; an array of slices, so that GL can gather the four around a point
-    enum volume_type type;         // as stored; VOLUME_INT16 is held as R16, raised by 32768
-    size_t size_bytes;             // of the voxels
+    unsigned voxels; // R8UI, R16UI, R16I or R32F; an array of slices, so that GL can gather the four around a point
+    enum volume_type type; // as stored: 32-bit floats hold all of them, and what is 0 stays 0
+    size_t size_bytes;     // of the voxels
     struct grid_bricks bricks;
 };
 
@@ -37,6 +37,5 @@ void gl_grid_finish(struct gl_grid *grid); // accepts an empty one
 unsigned gl_grid_create_distances(const struct gl_grid *grid, double slope, double intercept,
                                   grid_bricks_is_empty *is_empty, const void *user);
 
-// value = gain * what the texture gives + bias.
-double gl_grid_gain(enum volume_type type, double slope);
-double gl_grid_bias(enum volume_type type, double slope, double intercept);
+// What stands before GLSL's sampler2DArray: "u", "i" or nothing.
+const char *gl_grid_sampler_prefix(enum volume_type type);

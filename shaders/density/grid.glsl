@@ -1,10 +1,10 @@
 // A box of voxels somewhere in space. Voxel (i, j, k) has its centre at the index coordinates (i, j, k); the box ends half a
 // voxel beyond the outer centres.
 struct DensityGrid {
-    mat3 to_index;    // per metre
-    vec3 shift;       // index coordinates of the world's origin
-    vec3 size;        // voxels
-    float gain, bias; // value = gain * what the texture holds + bias
+    mat3 to_index;          // per metre
+    vec3 shift;             // index coordinates of the world's origin
+    vec3 size;              // voxels
+    float slope, intercept; // value = slope * what is stored + intercept
 };
 
 vec3 density_grid_index(DensityGrid grid, vec3 p)

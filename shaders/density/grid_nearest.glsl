@@ -1,6 +1,21 @@
 // A grid's value at index coordinates: that of the voxel whose cell they are in.
+ivec3 density_grid_voxel(DensityGrid grid, vec3 at)
+{
+    return ivec3(clamp(floor(at + 0.5), vec3(0.0), grid.size - 1.0));
+}
+
+// One for each way in which voxels are stored.
 float density_grid_nearest(sampler2DArray voxels, DensityGrid grid, vec3 at)
 {
-    vec3 voxel = clamp(floor(at + 0.5), vec3(0.0), grid.size - 1.0);
-    return grid.gain * texelFetch(voxels, ivec3(voxel), 0).r + grid.bias;
+    return grid.slope * texelFetch(voxels, density_grid_voxel(grid, at), 0).r + grid.intercept;
+}
+
+float density_grid_nearest(usampler2DArray voxels, DensityGrid grid, vec3 at)
+{
+    return grid.slope * float(texelFetch(voxels, density_grid_voxel(grid, at), 0).r) + grid.intercept;
+}
+
+float density_grid_nearest(isampler2DArray voxels, DensityGrid grid, vec3 at)
+{
+    return grid.slope * float(texelFetch(voxels, density_grid_voxel(grid, at), 0).r) + grid.intercept;
 }

@@ -26,9 +26,9 @@ enum { COUNT = 400, VOXEL_LIMIT = 40 * 40 * 40 };
 static const char *const MODULES[] = {"density/grid.glsl", "density/grid_linear.glsl", "density/grid_nearest.glsl",
                                       "density/grid_bricks.glsl", NULL};
 
-// Inputs: the matrix' columns and the shift, size, gain and bias, then a position and a direction a probe.
+// Inputs: the matrix' columns and the shift, size, slope and intercept, then a position and a direction a probe.
 static const char BODY[] =
-    "layout(binding = 0) uniform sampler2DArray voxels;\n"
+    "layout(binding = 0) uniform %ssampler2DArray voxels;\n"
     "layout(binding = 1) uniform sampler3D bricks;\n"
     "vec4 probe(int i)\n{\n"
     "    DensityGrid grid = DensityGrid(mat3(inputs[0].xyz, inputs[1].xyz, inputs[2].xyz), inputs[3].xyz,\n"
@@ -202,8 +202,7 @@ static void put_probes(struct random *random, double grain)
         put((size_t)column, (struct vec3){m[column], m[4 + column], m[8 + column]});
     put(3, (struct vec3){m[3], m[7], m[11]});
     put(4, (struct vec3){stage.size[0], stage.size[1], stage.size[2]});
-    put(5, (struct vec3){gl_grid_gain(stage.type, stage.slope), gl_grid_bias(stage.type, stage.slope, stage.intercept),
-                         stage.asks_span});
+    put(5, (struct vec3){stage.slope, stage.intercept, stage.asks_span});
     for (size_t i = 0; i < COUNT; i++) {
         double index[3], direction[3], length = 0;
 
@@ -220,8 +219,11 @@ static void put_probes(struct random *random, double grain)
 
 static void probe(void)
 {
+    char body[sizeof BODY + 8];
+
+    snprintf(body, sizeof body, BODY, gl_grid_sampler_prefix(stage.type));
     shader_probe_run(&(struct shader_probe_params){.modules = MODULES,
-                                                   .body = BODY,
+                                                   .body = body,
                                                    .inputs = (const float(*)[4])stage.inputs,
                                                    .input_count = 6 + 2 * COUNT,
                                                    .count = COUNT,
@@ -323,6 +325,30 @@ static void eight_bits_are_interpolated_as_floats(void **state)
     }
 }
 
+// Where all voxels around are the one whose value is 0, so is the value: no haze of density about what a scan shows.
+static void nothing_is_exactly_nothing(void **state)
+{
+    struct random random = {22};
+
+    for (enum volume_type type = VOLUME_UINT8; type <= VOLUME_FLOAT32; type++) {
+        int64_t stored = type == VOLUME_UINT8 ? 200 : 1024;
+        float number = (float)stored;
+        unsigned char voxels[27 * 4];
+
+        set_up(state, (int[]){3, 3, 3}, type, 0.5, -0.5 * (double)stored, SKEWED);
+        for (size_t i = 0; i < 27; i++) {
+            const void *bytes = type == VOLUME_FLOAT32 ? (const void *)&number : &stored;
+
+            memcpy(voxels + i * volume_type_size(type), bytes, volume_type_size(type));
+        }
+        volume_maker_write(stage.path, voxels, 27 * volume_type_size(type));
+        put_probes(&random, 1e6);
+        probe();
+        for (size_t i = 0; i < COUNT; i++)
+            assert_true(stage.outputs[i][0] == 0 && stage.outputs[i][1] == 0);
+    }
+}
+
 static void spans_end_half_a_voxel_beyond_the_outer_centres(void **state)
 {
     struct random random = {20};
@@ -388,6 +414,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test_setup_teardown(oblique_flat_mirrored_voxels_are_the_twins, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(eight_bits_are_interpolated_as_floats, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(nothing_is_exactly_nothing, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(spans_end_half_a_voxel_beyond_the_outer_centres, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(skipped_stretches_are_empty_and_long, temp_folder_create, temp_folder_destroy),
