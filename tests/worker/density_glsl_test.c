@@ -262,7 +262,7 @@ static void the_text_is_a_module_of_its_own(void **state)
     job_finish(&job);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_example_is_its_twin),
@@ -274,5 +274,6 @@ int main(void)
         cmocka_unit_test(the_text_is_a_module_of_its_own),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -196,7 +196,7 @@ static void the_shader_finds_the_same_points(void **state)
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(strata_are_as_square_as_may_be),
@@ -208,5 +208,6 @@ int main(void)
         cmocka_unit_test(the_shader_finds_the_same_points),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,6 +6,7 @@
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
 #include "tests/support/keep_libraries.h"
+#include "tests/support/shader_dir.h"
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/pixel_samples.h"
@@ -36,7 +37,7 @@ static struct stage open_stage(void)
 
     if (!stage.context) fail_msg("%s", error.message);
     keep_libraries();
-    stage.renderer = renderer_create(stage.context, NULL);
+    stage.renderer = renderer_create(stage.context, test_shader_dir());
     return stage;
 }
 
@@ -218,23 +219,19 @@ static void one_sample_sees_the_middle_of_the_shutter(void **state)
 }
 
 // The mean light along the rays that the job's samples take, by the reference.
-static void measure_mean(const struct job *job, int32_t frame, int x, int y, double radiance[3], double *alpha)
+static struct reference_pixel measure_mean(const struct job *job, int32_t frame, int x, int y)
 {
-    radiance[0] = radiance[1] = radiance[2] = *alpha = 0;
-    for (int k = 0; k < job->quality.samples; ++k) {
-        struct pixel_point point = pixel_samples_point(job, frame, x, y, k);
-        struct integrate_result gathered;
-        struct still still;
-        struct ray ray;
+    struct reference_sample samples[8];
+    size_t count = (size_t)job->quality.samples;
 
-        still_init(&still, job, pixel_samples_time(job, frame, k));
-        ray = camera_pinhole_ray(&still.camera, (double)point.x_px, (double)point.y_px);
-        gathered = integrate_ray(&still, &ray, still.camera.clip_near, still.camera.clip_far, NULL);
-        for (int c = 0; c < 3; ++c) {
-            radiance[c] += gathered.radiance[c] / job->quality.samples;
-            *alpha += (1 - gathered.transmittance[c]) / 3 / job->quality.samples;
-        }
+    assert_true(count <= sizeof samples / sizeof *samples);
+    for (size_t k = 0; k < count; ++k) {
+        struct pixel_point point = pixel_samples_point(job, frame, x, y, (int)k);
+
+        samples[k] = (struct reference_sample){(double)point.x_px - x, (double)point.y_px - y,
+                                               pixel_samples_time(job, frame, (int)k)};
     }
+    return reference_measure_samples(job, NULL, x, y, samples, count, NULL);
 }
 
 static void assert_is_mean_of_reference(const struct job *job)
@@ -247,7 +244,10 @@ static void assert_is_mean_of_reference(const struct job *job)
 
     assert_true(job->width_px == WIDTH_PX && job->height_px == HEIGHT_PX);
     for (int i = 0; i < PIXELS; ++i) {
-        measure_mean(job, 3, i % WIDTH_PX, i / WIDTH_PX, &wanted[4 * i], &wanted[4 * i + 3]);
+        struct reference_pixel pixel = measure_mean(job, 3, i % WIDTH_PX, i / WIDTH_PX);
+
+        memcpy(&wanted[4 * i], pixel.radiance, sizeof pixel.radiance);
+        wanted[4 * i + 3] = pixel.alpha;
         memcpy(&values[4 * i], &image.rgba[4 * i], sizeof(float[4]));
     }
     error = reference_image_error(values, wanted, 4 * PIXELS);
@@ -388,7 +388,7 @@ static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
     job_finish(&job);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_frame_is_the_same_in_any_order_and_after_a_restart),
@@ -404,5 +404,6 @@ int main(void)
         cmocka_unit_test(a_march_that_is_cut_in_one_pass_is_an_error),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

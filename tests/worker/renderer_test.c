@@ -427,11 +427,13 @@ static void places_in_every_drivers_log_become_module_names(void **state)
 {
     static const char *const names[] = {"generated", "region/sphere.glsl"};
     char *text = gl_program_translate_log(
-        "0:10012(5): error: a\n1(10007) : error C0: b\nERROR: 0:3: c\n9:90001: d\nno place\n", names, 2);
+        "0:10012(5): error: a\n1(10007) : error C0: b\nERROR: 0:3: c\n9:90001: d\nno place\n"
+        "0:10001(2): error: `medium_0_own_noise' undeclared, `medium_12_own_x_f', medium_0_owner\n",
+        names, 2);
 
     assert_string_equal(
         text, "region/sphere.glsl:12: error: a\nregion/sphere.glsl:7 : error C0: b\ngenerated:3: c\n9:90001: d\n"
-              "no place\n");
+              "no place\nregion/sphere.glsl:1: error: `noise' undeclared, `_f', medium_0_owner\n");
     free(text);
 }
 
