@@ -31,7 +31,7 @@ const struct brick_volume *brick_store_take(struct brick_store *store, const str
                                             struct error *error);
 void brick_store_release(struct brick_store *store, const struct brick_volume *volume); // accepts NULL
 
-// Has the file read in the background, unless it is at hand or something else is being read. What fails is said by the take.
+// Has the file read in the background, unless it is at hand or too many wait already. What fails is said by the take.
 void brick_store_expect(struct brick_store *store, const struct brick_source *source);
 
 // Reads the file here, for whoever has no store. NULL on failure; released with a NULL store.

@@ -11,8 +11,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
-
 static const char program[] = "nanovdb_convert";
 
 static char *make_temporary(struct error *error)
