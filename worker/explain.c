@@ -106,11 +106,15 @@ static void list_medium(const struct listing *listing, size_t i)
 {
     const struct scene_features *features = &listing->program->features;
     bool is_seen = features->media[i].is_seen;
+    const struct scene_density *density = &listing->job->scene.media[i].density;
     char name[64];
 
     snprintf(name, sizeof name, "medium %zu", i);
-    say(listing, is_seen, name, is_seen ? "%s density" : "its %s density is 0, or it does nothing",
-        density_kind_of(&listing->job->scene.media[i].density)->name);
+    if (is_seen && density->kind == SCENE_DENSITY_GLSL)
+        say(listing, true, name, "%s density of %s", density_kind_of(density)->name, scene_glsl_name(&density->glsl));
+    else
+        say(listing, is_seen, name, is_seen ? "%s density" : "its %s density is 0, or it does nothing",
+            density_kind_of(density)->name);
     if (!is_seen) return;
     list_region(listing, i);
     list_coefficients(listing, i);

@@ -203,6 +203,20 @@ static void samples_and_shutter_are_explained(void **state)
     job_finish(&job);
 }
 
+static void the_users_own_text_is_named(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    example_job_load(&job, "custom");
+    explain(&explanation, &job);
+    assert_string_equal(find_why(&explanation, "modelled", "medium 0"), "glsl density of custom.glsl");
+    assert_true(names_module(&explanation, "custom.glsl"));
+    assert_true(names_module(&explanation, "density/own.glsl"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
 static void a_missing_camera_view_is_an_error(void **state)
 {
     struct error error = {{0}};
@@ -226,6 +240,7 @@ int main(void)
         cmocka_unit_test(a_light_that_nothing_scatters_is_not_modelled),
         cmocka_unit_test(the_shader_is_shown_with_its_modules_and_hash),
         cmocka_unit_test(samples_and_shutter_are_explained),
+        cmocka_unit_test(the_users_own_text_is_named),
         cmocka_unit_test(a_missing_camera_view_is_an_error),
     };
 
