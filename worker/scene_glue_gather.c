@@ -46,9 +46,32 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_pr
     fputs(";\n", out);
 }
 
-static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program, size_t light)
+static size_t count_lights(const struct job *job, const struct scene_features *features)
 {
-    fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", light);
+    size_t count = 0;
+
+    for (size_t i = 0; i < job->scene.light_count; ++i)
+        count += features->light_is_seen[i];
+    return count;
+}
+
+// Several lights take turns, so that the march to them is compiled once: drivers copy functions to where they are called.
+static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    size_t count = count_lights(job, features), turn = 0;
+
+    if (count > 1)
+        fprintf(out, "    for (int turn = 0; turn < %zu; ++turn) {\n        LightSample light;\n", count);
+    else
+        fputs("    {\n", out);
+    for (size_t i = 0; i < job->scene.light_count; ++i) {
+        if (!features->light_is_seen[i]) continue;
+        if (count > 1)
+            fprintf(out, "        if (turn == %zu) light = light_%zu(point);\n", turn++, i);
+        else
+            fprintf(out, "        LightSample light = light_%zu(point);\n", i);
+    }
     write_scattered(out, "        ", program);
     fputs("        MediaColumn column = ", out);
     write_shadow(out, job, program);
@@ -155,8 +178,7 @@ static void write_sources(FILE *out, const struct job *job, const struct scene_p
     fputs("    Spectrum source = spectrum(0.0);\n", out);
     for (size_t i = 0; i < scene->medium_count; ++i)
         write_source(out, &features->media[i], i);
-    for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i] && !features->places_points) write_scattering(out, job, program, i);
+    if (features->has_lights && !features->places_points) write_scattering(out, job, program);
 }
 
 void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
