@@ -1,5 +1,5 @@
-// What the programs of jobs cost: program_bench JOB... Compile and link, then two tiny frames of each on a new renderer:
-// the first also reads files and lets the driver make machine code, the second does neither.
+// What the programs of jobs cost in CPU time: program_bench JOB... Compile and link, then tiny frames of each on a new
+// renderer: the first also lets the driver make machine code, the others should not.
 #include "cli/job_document.h"
 #include "core/error.h"
 #include "core/job.h"
@@ -11,18 +11,19 @@
 #include "worker/scene_inputs.h"
 #include "worker/scene_program.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-enum { WIDTH = 16, HEIGHT = 9 };
+enum { WIDTH = 16, HEIGHT = 9, FRAMES = 12 };
 
 static double now_ms(void)
 {
     struct timespec now;
 
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
@@ -75,7 +76,7 @@ static bool measure(struct gl_context *context, const char *path)
     char *document = job_document_load(path, NULL, 0, &error);
     struct job job = {0};
     struct renderer *renderer = NULL;
-    double link_ms = 0.0, first_ms = 0.0, second_ms = 0.0;
+    double link_ms = 0.0, first_ms = 0.0, slowest_ms = 0.0;
     size_t text_bytes = 0;
     bool ok = document && job_document_check(path, document, "/", &job, &error);
 
@@ -83,10 +84,16 @@ static bool measure(struct gl_context *context, const char *path)
     job.height_px = HEIGHT;
     if (ok) renderer = renderer_create(context, NULL);
     ok = ok && time_link(context, &job, &link_ms, &text_bytes, &error) &&
-         time_frame(renderer, &job, 0, &first_ms, &error) && time_frame(renderer, &job, 1, &second_ms, &error);
+         time_frame(renderer, &job, 0, &first_ms, &error);
+    for (int i = 1; ok && i < FRAMES; i++) {
+        double ms;
+
+        ok = time_frame(renderer, &job, i, &ms, &error);
+        slowest_ms = fmax(slowest_ms, ms);
+    }
     if (ok)
         printf("%-12s %9.1f %12.0f %12.0f %12.0f\n", job.name, (double)text_bytes / 1024.0, link_ms, first_ms,
-               second_ms);
+               slowest_ms);
     else
         printf("%s: %s\n", path, error.message);
     if (renderer) renderer_destroy(renderer);
@@ -102,7 +109,7 @@ int main(int argc, char *argv[])
     int failures = context == NULL;
 
     if (!context) printf("%s\n", error.message);
-    printf("%-12s %9s %12s %12s %12s\n", "job", "text KiB", "link ms", "first ms", "second ms");
+    printf("%-12s %9s %12s %12s %12s\n", "job", "text KiB", "link ms", "first ms", "slowest next");
     for (int i = 1; context && i < argc; i++)
         failures += !measure(context, argv[i]);
     if (context) gl_context_destroy(context);

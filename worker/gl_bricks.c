@@ -11,6 +11,15 @@ static void set_nearest(const struct gl_functions *gl, unsigned texture)
     gl->TextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
+// A side of at least `count` texels that is no power of two: software GL compiles a program anew for textures whose sides are,
+// and in a sequence some would be.
+static GLsizei side_of(int count)
+{
+    while ((count & (count - 1)) == 0)
+        ++count;
+    return count;
+}
+
 static bool check_size(const struct gl_functions *gl, const struct brick_atlas *atlas, struct error *error)
 {
     GLint side_limit = 0, layer_limit = 0;
@@ -33,7 +42,7 @@ bool gl_bricks_init(struct gl_bricks *bricks, const struct gl_functions *gl, con
     if (!check_size(gl, atlas, error)) return false;
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gl->CreateTextures(GL_TEXTURE_3D, 1, &bricks->index);
-    gl->TextureStorage3D(bricks->index, 1, GL_RGBA16UI, count[0], count[1], count[2]);
+    gl->TextureStorage3D(bricks->index, 1, GL_RGBA16UI, side_of(count[0]), side_of(count[1]), side_of(count[2]));
     gl->TextureSubImage3D(bricks->index, 0, 0, 0, 0, count[0], count[1], count[2], GL_RGBA_INTEGER, GL_UNSIGNED_SHORT,
                           atlas->index);
     set_nearest(gl, bricks->index);
