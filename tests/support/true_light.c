@@ -2,8 +2,8 @@
 
 #include "core/alloc.h"
 #include "core/job.h"
-#include "tests/support/render_frame.h"
 #include "tests/support/load_grid.h"
+#include "tests/support/render_frame.h"
 #include "worker/image.h"
 
 #include <setjmp.h>
