@@ -2,7 +2,6 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
-#include "worker/grid_bricks.h"
 #include "worker/sparse_grid.h"
 
 #include <math.h>
@@ -72,14 +71,16 @@ static struct grid_bound bound_of(const float values[SLOT_VOXELS])
     return bound;
 }
 
-static bool is_empty(double min, double max, const void *user)
+static bool is_not_above_zero(double min, double max, const void *user)
 {
     return max <= 0;
 }
 
 // Fills in how far each brick is from density.
-static bool find_reach(struct brick_atlas *atlas, const struct sparse_grid *density, struct error *error)
+static bool find_reach(struct brick_atlas *atlas, const struct brick_atlas_params *params, struct error *error)
 {
+    const struct sparse_grid *density = params->density;
+    grid_bricks_is_empty *is_empty = params->is_empty ? params->is_empty : is_not_above_zero;
     size_t total = sparse_grid_brick_total(density);
     struct grid_bricks bricks = {.bounds = malloc(total * sizeof *bricks.bounds)};
     unsigned char *distances = malloc(total);
@@ -100,7 +101,7 @@ static bool find_reach(struct brick_atlas *atlas, const struct sparse_grid *dens
         copy_brick(density, brick, values);
         bricks.bounds[n] = bound_of(values);
     }
-    grid_bricks_find_distances(&bricks, 1, 0, is_empty, NULL, distances);
+    grid_bricks_find_distances(&bricks, 1, 0, is_empty, params->user, distances);
     for (size_t n = 0; n < total; ++n)
         atlas->index[n][3] = distances[n];
 out:
@@ -142,10 +143,9 @@ static void paste(const struct brick_atlas *atlas, float *texels, const uint16_t
                    values + SIDE * (j + SIDE * k), SIDE * sizeof *values);
 }
 
-static bool fill_slots(struct brick_atlas *atlas, const struct sparse_grid *density, const struct sparse_grid *glow,
-                       struct error *error)
+static bool fill_slots(struct brick_atlas *atlas, const struct brick_atlas_params *params, struct error *error)
 {
-    const struct sparse_grid *grids[BRICK_ATLAS_GRIDS] = {density, glow};
+    const struct sparse_grid *density = params->density, *grids[BRICK_ATLAS_GRIDS] = {density, params->glow};
     size_t texels = (size_t)atlas->texels[0] * (size_t)atlas->texels[1] * (size_t)atlas->texels[2];
     size_t total = sparse_grid_brick_total(density), used = 1;
 
@@ -193,13 +193,13 @@ static bool check_places(const struct sparse_grid *density, const struct sparse_
     return true;
 }
 
-struct brick_atlas *brick_atlas_create(const struct sparse_grid *density, const struct sparse_grid *glow,
-                                       struct error *error)
+struct brick_atlas *brick_atlas_create(const struct brick_atlas_params *params, struct error *error)
 {
+    const struct sparse_grid *density = params->density;
     struct brick_atlas *atlas;
     size_t total = sparse_grid_brick_total(density), count = 1;
 
-    if (glow && !check_places(density, glow, error)) return NULL;
+    if (params->glow && !check_places(density, params->glow, error)) return NULL;
     atlas = xcalloc(1, sizeof *atlas);
     memcpy(atlas->brick_min, density->brick_min, sizeof atlas->brick_min);
     memcpy(atlas->brick_count, density->brick_count, sizeof atlas->brick_count);
@@ -212,10 +212,10 @@ struct brick_atlas *brick_atlas_create(const struct sparse_grid *density, const 
         error_set(error, "out of memory for %zu bricks", total);
         goto failed;
     }
-    if (!find_reach(atlas, density, error)) goto failed;
+    if (!find_reach(atlas, params, error)) goto failed;
     for (size_t n = 0; n < total; ++n)
         count += atlas->index[n][3] == 0;
-    if (!lay_out_slots(atlas, count, error) || !fill_slots(atlas, density, glow, error)) goto failed;
+    if (!lay_out_slots(atlas, count, error) || !fill_slots(atlas, params, error)) goto failed;
     return atlas;
 failed:
     brick_atlas_destroy(atlas);

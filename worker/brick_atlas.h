@@ -1,6 +1,8 @@
 // Sparse grids as textures hold them: bricks with what interpolation reaches beyond them, and where each brick is.
 #pragma once
 
+#include "worker/grid_bricks.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -26,7 +28,13 @@ struct brick_atlas {
     size_t size_bytes; // of values and index
 };
 
-// `glow` may be NULL; its voxels must lie where those of `density` do. NULL on failure; the caller destroys the atlas.
-struct brick_atlas *brick_atlas_create(const struct sparse_grid *density, const struct sparse_grid *glow,
-                                       struct error *error);
+struct brick_atlas_params {
+    const struct sparse_grid *density;
+    const struct sparse_grid *glow; // NULL: none; its voxels must lie where those of `density` do
+    grid_bricks_is_empty *is_empty; // of a range of the density grid's values; NULL: where none is above 0
+    const void *user;               // passed to it
+};
+
+// NULL on failure; the caller destroys the atlas.
+struct brick_atlas *brick_atlas_create(const struct brick_atlas_params *params, struct error *error);
 void brick_atlas_destroy(struct brick_atlas *atlas); // NULL is accepted

@@ -5,6 +5,7 @@
 #include "core/log.h"
 #include "worker/brick_atlas.h"
 #include "worker/sparse_grid.h"
+#include "worker/transfer_function.h"
 #include "worker/vdb_convert.h"
 #include "worker/volume_nanovdb.h"
 
@@ -38,6 +39,8 @@ struct entry {
 
 struct waiting {
     char *path, *density_name, *glow_name; // owned
+    struct scene_transfer_point *points;   // owned
+    size_t point_count;
 };
 
 struct brick_store {
@@ -56,6 +59,13 @@ static bool is_openvdb(const char *path)
     size_t length = strlen(path);
 
     return length > 4 && strcasecmp(path + length - 4, ".vdb") == 0;
+}
+
+static bool is_empty(double min, double max, const void *user)
+{
+    const struct brick_source *source = user;
+
+    return transfer_function_is_empty(source->points, source->point_count, min, max);
 }
 
 static bool read_all(int fd, char *bytes, size_t size_bytes, struct error *error)
@@ -106,7 +116,10 @@ static struct brick_atlas *decode(const struct nanovdb_bytes *file, const struct
 
     if (!density) return NULL;
     if (source->glow_name) glow = volume_nanovdb_decode(file, source->glow_name, error);
-    if (glow || !source->glow_name) atlas = brick_atlas_create(density, glow, error);
+    if (glow || !source->glow_name)
+        atlas = brick_atlas_create(
+            &(struct brick_atlas_params){.density = density, .glow = glow, .is_empty = is_empty, .user = source},
+            error);
     sparse_grid_destroy(density);
     sparse_grid_destroy(glow);
     return atlas;
@@ -182,8 +195,11 @@ const struct brick_volume *brick_volume_load(const struct brick_source *source, 
 
 static char *key_of(const struct brick_source *source)
 {
-    return xasprintf("%s\n%s\n%s", source->path, source->density_name ? source->density_name : "",
-                     source->glow_name ? source->glow_name : "");
+    char points[HASH_TEXT_SIZE];
+
+    hash_bytes(source->points, source->point_count * sizeof *source->points, points);
+    return xasprintf("%s\n%s\n%s\n%s", source->path, source->density_name ? source->density_name : "",
+                     source->glow_name ? source->glow_name : "", points);
 }
 
 static struct entry **find(struct brick_store *store, const char *key)
@@ -309,6 +325,7 @@ static void finish_waiting(struct waiting *waiting)
     free(waiting->path);
     free(waiting->density_name);
     free(waiting->glow_name);
+    free(waiting->points);
     *waiting = (struct waiting){0};
 }
 
@@ -335,7 +352,8 @@ static void *read_ahead(void *user)
             pthread_cond_wait(&store->changed, &store->lock);
         if (store->is_ending) break;
         waiting = take_waiting(store);
-        source = (struct brick_source){waiting.path, waiting.density_name, waiting.glow_name};
+        source = (struct brick_source){waiting.path, waiting.density_name, waiting.glow_name, waiting.points,
+                                       waiting.point_count};
         {
             char *key = key_of(&source);
 
@@ -355,6 +373,13 @@ static void *read_ahead(void *user)
     return NULL;
 }
 
+static struct scene_transfer_point *copy_points(const struct brick_source *source)
+{
+    size_t size_bytes = source->point_count * sizeof *source->points;
+
+    return size_bytes > 0 ? memcpy(xmalloc(size_bytes), source->points, size_bytes) : NULL;
+}
+
 void brick_store_expect(struct brick_store *store, const struct brick_source *source)
 {
     pthread_mutex_lock(&store->lock);
@@ -363,7 +388,9 @@ void brick_store_expect(struct brick_store *store, const struct brick_source *so
         store->waiting[store->waiting_count++] =
             (struct waiting){.path = xstrdup(source->path),
                              .density_name = source->density_name ? xstrdup(source->density_name) : NULL,
-                             .glow_name = source->glow_name ? xstrdup(source->glow_name) : NULL};
+                             .glow_name = source->glow_name ? xstrdup(source->glow_name) : NULL,
+                             .points = copy_points(source),
+                             .point_count = source->point_count};
         pthread_cond_broadcast(&store->changed);
     }
     pthread_mutex_unlock(&store->lock);

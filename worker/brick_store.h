@@ -9,11 +9,15 @@
 struct brick_atlas;
 struct brick_store;
 struct error;
+struct scene_transfer_point;
 
 struct brick_source {
     const char *path;         // .nvdb or .vdb
     const char *density_name; // NULL: the first grid of floats
     const char *glow_name;    // NULL: none
+    // Of a transfer function, which decides where the density is empty; none: where no value is above 0.
+    const struct scene_transfer_point *points;
+    size_t point_count;
 };
 
 // Shared; nothing changes it.

@@ -5,12 +5,22 @@
 #include "worker/scene_inputs.h"
 #include "worker/sparse_grid.h"
 #include "worker/timeline_value.h"
+#include "worker/transfer_function.h"
 
 #include <assert.h>
+#include <math.h>
 
 static bool is_zero(const struct scene_density *density)
 {
-    return timeline_value_is_zero(&density->grid.scale);
+    const struct scene_grid *grid = &density->grid;
+
+    if (grid->point_count == 0) return timeline_value_is_zero(&grid->scale);
+    return transfer_function_max_opacity(grid->points, grid->point_count, -INFINITY, INFINITY) <= 0;
+}
+
+static bool has_color(const struct scene_density *density)
+{
+    return density->grid.point_count > 0;
 }
 
 static const struct scene_input *input_of(const struct density_site *site)
@@ -78,9 +88,16 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
                                                 .max = value_range_any.max,
                                                 .meaning = "density.file"},
                            "medium_%zu_%s", site->medium, values[i].name);
-    frame_uniforms_add(
-        uniforms, timeline_value(&input->source->scale, FRAME_VALUE_FLOAT, value_range_not_negative, "density.scale"),
-        "medium_%zu_scale", site->medium);
+    if (input->source->point_count > 0)
+        frame_uniforms_add(uniforms,
+                           timeline_value(&input->source->unit_distance, FRAME_VALUE_FLOAT, value_range_positive,
+                                          "density.unit_distance"),
+                           "medium_%zu_unit_distance", site->medium);
+    else
+        frame_uniforms_add(
+            uniforms,
+            timeline_value(&input->source->scale, FRAME_VALUE_FLOAT, value_range_not_negative, "density.scale"),
+            "medium_%zu_scale", site->medium);
     if (!blackbody->grid_name) return;
     frame_uniforms_add(uniforms,
                        timeline_value(&blackbody->kelvin, FRAME_VALUE_FLOAT, value_range_any, "blackbody.kelvin"),
@@ -93,13 +110,19 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
 
 static const char *const *modules(const struct density_site *site)
 {
-    static const char *const names[2][2][4] = {
+    enum { NOTHING, GLOW, TRANSFER }; // never both
+    static const char *const names[2][3][4] = {
         {{"density/bricks.glsl", "density/bricks_linear.glsl", NULL},
-         {"density/bricks.glsl", "density/bricks_linear.glsl", "emission/blackbody.glsl", NULL}},
+         {"density/bricks.glsl", "density/bricks_linear.glsl", "emission/blackbody.glsl", NULL},
+         {"density/bricks.glsl", "density/bricks_linear.glsl", "transfer/piecewise.glsl", NULL}},
         {{"density/bricks.glsl", "density/bricks_nearest.glsl", NULL},
-         {"density/bricks.glsl", "density/bricks_nearest.glsl", "emission/blackbody.glsl", NULL}}};
+         {"density/bricks.glsl", "density/bricks_nearest.glsl", "emission/blackbody.glsl", NULL},
+         {"density/bricks.glsl", "density/bricks_nearest.glsl", "transfer/piecewise.glsl", NULL}}};
+    const struct scene_grid *grid = &site->source->density.grid;
 
-    return names[site->source->density.grid.is_nearest][site->source->blackbody.grid_name != NULL];
+    return names[grid->is_nearest][grid->point_count > 0               ? TRANSFER
+                                   : site->source->blackbody.grid_name ? GLOW
+                                                                       : NOTHING];
 }
 
 static void write_glow(FILE *out, const char *filter, size_t i)
@@ -118,9 +141,23 @@ static void write_glow(FILE *out, const char *filter, size_t i)
             i, i, i, i, filter, i, i, i);
 }
 
+static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
+{
+    char prefix[32];
+
+    snprintf(prefix, sizeof prefix, "medium_%zu", i);
+    transfer_function_write(out, prefix, grid->points, grid->point_count);
+    fprintf(out,
+            "float medium_%zu_density(vec3 field)\n{\n"
+            "    return transfer_extinction(field.x, medium_%zu_unit_distance);\n}\n"
+            "vec3 medium_%zu_color(vec3 field)\n{\n    return medium_%zu_rgb(field.z);\n}\n",
+            i, i, i, i);
+}
+
 static void write(FILE *out, const struct density_site *site)
 {
     const char *filter = site->source->density.grid.is_nearest ? "nearest" : "linear";
+    bool is_transfer = site->source->density.grid.point_count > 0;
     size_t i = site->medium;
 
     fprintf(out,
@@ -133,28 +170,34 @@ static void write(FILE *out, const struct density_site *site)
             "vec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n"
             "    return density_bricks_span(medium_%zu_bricks(), origin, direction);\n}\n",
             i, i);
+    if (is_transfer) write_transfer(out, &site->source->density.grid, i);
     fprintf(out,
-            "// The value, and how far ahead there is no density.\n"
-            "vec2 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
+            "// %s, how far ahead there is none, and the value.\n"
+            "vec3 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
             "    DensityBricks grid = medium_%zu_bricks();\n"
             "    vec3 at = density_bricks_at(grid, p);\n"
             "    uvec4 brick = density_bricks_find(medium_%zu_index, at);\n"
-            "    if (brick.w > 0u) return vec2(0.0, density_bricks_skip(grid, brick, at, direction));\n"
-            "    return vec2(density_bricks_%s(medium_%zu_atlas, brick, at), 0.0);\n}\n",
-            i, i, i, filter, i);
-    fprintf(out,
-            "float medium_%zu_density(vec2 field)\n{\n    return medium_%zu_scale * max(field.x, 0.0);\n}\n"
-            "float medium_%zu_distance(vec2 field)\n{\n    return field.x > 0.0 ? -1.0 : field.y;\n}\n",
-            i, i, i);
+            "    if (brick.w > 0u) return vec3(0.0, density_bricks_skip(grid, brick, at, direction), 0.0);\n"
+            "    float value = density_bricks_%s(medium_%zu_atlas, brick, at);\n",
+            is_transfer ? "Opacity" : "What is above 0", i, i, i, filter, i);
+    if (is_transfer)
+        fprintf(out, "    return vec3(medium_%zu_opacity(value), 0.0, value);\n}\n", i);
+    else
+        fprintf(out,
+                "    return vec3(max(value, 0.0), 0.0, value);\n}\n"
+                "float medium_%zu_density(vec3 field)\n{\n    return medium_%zu_scale * field.x;\n}\n",
+                i, i);
+    fprintf(out, "float medium_%zu_distance(vec3 field)\n{\n    return field.x > 0.0 ? -1.0 : field.y;\n}\n", i);
     if (site->source->blackbody.grid_name) write_glow(out, filter, i);
 }
 
 const struct density_kind density_kind_bricks = {
     .name = "grid",
-    .field_type = "vec2",
+    .field_type = "vec3",
     .has_support = true,
     .takes_direction = true,
     .is_zero = is_zero,
+    .has_color = has_color,
     .add_values = add_values,
     .modules = modules,
     .write = write,

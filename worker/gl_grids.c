@@ -143,8 +143,7 @@ static bool is_empty(double min, double max, const void *user)
 {
     const struct scene_grid *grid = user;
 
-    if (grid->point_count == 0) return max <= 0;
-    return transfer_function_max_opacity(grid->points, grid->point_count, min, max) <= 0;
+    return transfer_function_is_empty(grid->points, grid->point_count, min, max);
 }
 
 static void hash_distances(const struct scene_input *input, char hash[static HASH_TEXT_SIZE])

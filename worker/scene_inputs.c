@@ -36,7 +36,9 @@ static void add_file(struct scene_input *input, const char *path)
 
 static struct brick_source brick_source_of(const struct scene_medium *medium, const char *path)
 {
-    return (struct brick_source){path, medium->density.grid.grid_name, medium->blackbody.grid_name};
+    const struct scene_grid *grid = &medium->density.grid;
+
+    return (struct brick_source){path, grid->grid_name, medium->blackbody.grid_name, grid->points, grid->point_count};
 }
 
 static void describe_bricks(struct scene_input *input)
@@ -61,11 +63,6 @@ static bool read_bricks(struct scene_input *input, const struct scene_medium *me
 {
     struct brick_source source = brick_source_of(medium, input->path);
 
-    if (medium->density.grid.point_count > 0) {
-        error_set(error, "%s: a transfer function is for grids of other files: those of NanoVDB are densities",
-                  input->path);
-        return false;
-    }
     input->bricks = store ? brick_store_take(store, &source, error) : brick_volume_load(&source, error);
     if (!input->bricks) return false;
     describe_bricks(input);
@@ -97,9 +94,12 @@ static bool describe(struct scene_input *input, const struct scene_medium *mediu
 static void hash_bricks(struct scene_input *input, const struct scene_medium *medium)
 {
     const char *density_name = medium->density.grid.grid_name, *glow_name = medium->blackbody.grid_name;
-    char *text = xasprintf("%s bricks %s\n%s", input->bricks->hash, density_name ? density_name : "",
-                           glow_name ? glow_name : "");
+    const struct scene_grid *grid = &medium->density.grid;
+    char points[HASH_TEXT_SIZE], *text;
 
+    hash_bytes(grid->points, grid->point_count * sizeof *grid->points, points);
+    text = xasprintf("%s bricks %s\n%s\n%s", input->bricks->hash, density_name ? density_name : "",
+                     glow_name ? glow_name : "", points);
     hash_bytes(text, strlen(text), input->hash);
     free(text);
 }

@@ -66,6 +66,11 @@ static void write_function(FILE *out, const struct scene_transfer_point *points,
     fputs("    return seen;\n}\n", out);
 }
 
+bool transfer_function_is_empty(const struct scene_transfer_point *points, size_t count, double min, double max)
+{
+    return (count == 0 ? max : transfer_function_max_opacity(points, count, min, max)) <= 0;
+}
+
 void transfer_function_write(FILE *out, const char *prefix, const struct scene_transfer_point *points, size_t count)
 {
     fprintf(out, "float %s_opacity", prefix);

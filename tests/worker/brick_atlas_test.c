@@ -52,7 +52,8 @@ static struct sparse_grid *make_grid(const struct nanovdb_params *params)
 static struct brick_atlas *make_atlas(const struct sparse_grid *density, const struct sparse_grid *glow)
 {
     struct error error = {{0}};
-    struct brick_atlas *atlas = brick_atlas_create(density, glow, &error);
+    struct brick_atlas *atlas =
+        brick_atlas_create(&(struct brick_atlas_params){.density = density, .glow = glow}, &error);
 
     if (!atlas) fail_msg("%s", error.message);
     return atlas;
@@ -112,7 +113,7 @@ static void what_glows_is_there_where_density_is(void **state)
     {
         struct error error = {{0}};
 
-        assert_null(brick_atlas_create(density, glow, &error));
+        assert_null(brick_atlas_create(&(struct brick_atlas_params){.density = density, .glow = glow}, &error));
         assert_string_equal(error.message, "the two grids' voxels lie in different places; expected one map for both");
     }
     sparse_grid_destroy(glow);

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/scene.h"
 #include "tests/support/nanovdb_maker.h"
 #include "tests/support/temp_folder.h"
 #include "worker/brick_atlas.h"
@@ -156,6 +157,31 @@ static void what_is_wrong_names_the_file(void **state)
     brick_store_destroy(store);
 }
 
+// The same file, where what is 1 has no opacity, and where what is 0 has some.
+static void bricks_follow_the_transfer_function(void **state)
+{
+    static const struct scene_transfer_point hollow[] = {{0.5, {0, 0, 0, 0.5}}, {1, {0, 0, 0, 0}}},
+                                             solid[] = {{0, {0, 0, 0, 0}}, {1, {0, 0, 0, 0.5}}};
+    struct brick_store *store = brick_store_create();
+    const char *path = temp_folder_path(state, "a.nvdb");
+    struct error error = {{0}};
+    const struct brick_volume *plain, *filled, *solid_too;
+
+    write_grid(path, 64);
+    plain = take(store, path);
+    solid_too =
+        brick_store_take(store, &(struct brick_source){.path = path, .points = solid, .point_count = 2}, &error);
+    filled = brick_store_take(store, &(struct brick_source){.path = path, .points = hollow, .point_count = 2}, &error);
+    assert_true(plain && filled && solid_too);
+    assert_int_equal(solid_too->atlas->size_bytes, plain->atlas->size_bytes);
+    assert_int_equal(filled->atlas->index[0][3], 0);
+    assert_true(filled->atlas->size_bytes >= plain->atlas->size_bytes);
+    brick_store_release(store, plain);
+    brick_store_release(store, filled);
+    brick_store_release(store, solid_too);
+    brick_store_destroy(store);
+}
+
 // Stands for nanovdb_convert: packs what it is given as it is.
 static void write_converter(void **state, const char *body)
 {
@@ -206,6 +232,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_file_that_was_missing_ahead_may_be_there_later, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(what_is_wrong_names_the_file, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(bricks_follow_the_transfer_function, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(openvdb_files_go_through_the_converter, temp_folder_create,
                                         temp_folder_destroy),
     };

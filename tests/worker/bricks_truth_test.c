@@ -70,7 +70,7 @@ static const char *write_lobes(void **state)
 }
 
 struct picture {
-    const char *file, *density, *medium; // members beside the file, and beside the density
+    const char *file, *density, *medium; // members beside the file, and beside the density; with a comma before
     const char *camera, *lights, *steps;
 };
 
@@ -84,7 +84,7 @@ static void assert_true_light(const struct picture *picture, enum gl_backend bac
     snprintf(text, sizeof text,
              "{ \"version\": 1, \"name\": \"bricks\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [%d, %d],"
              " \"camera\": { %s }, \"lights\": [ %s ], \"scene\": { \"media\": [ { \"density\": { \"kind\": \"grid\","
-             " \"file\": \"%s\" %s }, %s } ] }, \"quality\": { \"method\": \"midpoint\", %s },"
+             " \"file\": \"%s\" %s } %s } ] }, \"quality\": { \"method\": \"midpoint\", %s },"
              " \"output\": { \"path\": \"b.####.exr\", \"aovs\": [\"Z\", \"transmittance\"] } }",
              WIDTH_PX, HEIGHT_PX, picture->camera, picture->lights, picture->file, picture->density, picture->medium,
              picture->steps);
@@ -100,8 +100,8 @@ static void assert_true_light(const struct picture *picture, enum gl_backend bac
 #define LIGHTS                                                                                                         \
     "{\"kind\": \"sun\", \"direction\": [-1, 0.4, -0.6], \"intensity\": [2, 1.5, 1]},"                                 \
     "{\"kind\": \"point\", \"position\": [0.3, -0.8, 0.5], \"intensity\": [0.5, 1, 2]}"
-#define SCATTERS "\"sigma_s\": [9, 8, 7], \"sigma_a\": [2, 3, 4], \"phase\": [{\"g\": 0.5}]"
-#define GLOWS "\"sigma_a\": [3, 4, 5], \"blackbody\": {\"grid\": \"temperature\", \"kelvin\": 1400, \"intensity\": 9}"
+#define SCATTERS ", \"sigma_s\": [9, 8, 7], \"sigma_a\": [2, 3, 4], \"phase\": [{\"g\": 0.5}]"
+#define GLOWS ", \"sigma_a\": [3, 4, 5], \"blackbody\": {\"grid\": \"temperature\", \"kelvin\": 1400, \"intensity\": 9}"
 
 // Steps of a quarter voxel over cells whose interpolation has kinks at their faces: second order, some 1e-4.
 static void lit_from_outside_and_inside_the_box(void **state)
@@ -123,6 +123,23 @@ static void a_black_body_glows_by_its_temperature(void **state)
     assert_true_light(&picture, GL_BACKEND_EGL, 8e-4);
 }
 
+// What is opaque lies between values that are not, some of it where nothing is active: whole bricks of 0 count, too.
+static void a_transfer_function_colours_values(void **state)
+{
+    struct picture picture = {write_lobes(state),
+                              ", \"transfer_function\": [[-0.1, 0, 0.2, 1, 0], [0, 0, 0.2, 1, 0.02], [0.1, 0, 1, 0, 0],"
+                              " [0.4, 1, 0.2, 0.1, 0.3], [0.8, 1, 0.9, 0.3, 0]], \"unit_distance\": 0.08",
+                              "",
+                              OUTSIDE,
+                              "",
+                              STEPS("0.25")};
+
+    assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
+    picture.density = ", \"transfer_function\": [[0.1, 0, 1, 0, 0], [0.4, 1, 0.2, 0.1, 0.3], [0.8, 1, 0.9, 0.3, 0]],"
+                      " \"unit_distance\": 0.08";
+    assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
+}
+
 // Between voxels of different value there is a step, in the middle of a segment or not: first order.
 static void nearest_voxels(void **state)
 {
@@ -139,7 +156,7 @@ static void a_simulated_fire_is_its_integral(void **state)
     struct picture picture = {
         PROJECT_ROOT "/jobs/smoke/smoke.0005.nvdb",
         ", \"grid\": \"density\"",
-        "\"sigma_s\": 10, \"sigma_a\": 1.6,"
+        ", \"sigma_s\": 10, \"sigma_a\": 1.6,"
         "\"blackbody\": {\"grid\": \"temperature\", \"kelvin\": 560, \"intensity\": 16}",
         "\"position\": [4.1, -4.5, 1.0], \"target\": [1.03, 0.95, 1.0], \"up\": [0, 0, 1], \"fov\": 18",
         "{\"kind\": \"sun\", \"direction\": [-0.5, 0.6, -0.7], \"intensity\": [1.8, 2.0, 2.4]}",
@@ -153,6 +170,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(lit_from_outside_and_inside_the_box, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_black_body_glows_by_its_temperature, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_transfer_function_colours_values, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(nearest_voxels, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(a_simulated_fire_is_its_integral),
     };

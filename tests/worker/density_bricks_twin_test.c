@@ -113,7 +113,7 @@ static void open_stage(const double map[12])
     stage.sparse = volume_nanovdb_decode(&(struct nanovdb_bytes){made.bytes, made.size_bytes}, NULL, &error);
     free(made.bytes);
     if (!stage.sparse) fail_msg("%s", error.message);
-    stage.atlas = brick_atlas_create(stage.sparse, NULL, &error);
+    stage.atlas = brick_atlas_create(&(struct brick_atlas_params){.density = stage.sparse}, &error);
     if (!stage.atlas) fail_msg("%s", error.message);
     copy_values();
     affine_invert(map, inverse, shift);
