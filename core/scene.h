@@ -112,8 +112,8 @@ struct scene_grid {
     double spacing[3]; // m; 0: as the file says
     bool is_nearest;   // else trilinear
     bool has_center;
-    struct timeline center;              // m: moves the grid's middle there; without: as the file says
-    struct timeline scale;               // >= 0, density per value
+    struct timeline center; // m: moves the grid's middle there, of a NanoVDB file its origin; without: as the file says
+    struct timeline scale;  // >= 0, density per value
     struct scene_transfer_point *points; // owned; ascending values; none: no transfer function
     size_t point_count;                  // [2, SCENE_TRANSFER_LIMIT] or 0
     struct timeline unit_distance;       // m, > 0

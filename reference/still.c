@@ -120,6 +120,14 @@ static void move_middle(double index_to_world[static 12], const int size[static 
     }
 }
 
+// Moves what the file has at the world's origin: a box of active voxels has no middle that stays from file to file.
+static void move_origin(double index_to_world[static 12], struct vec3 center)
+{
+    index_to_world[3] += center.x;
+    index_to_world[7] += center.y;
+    index_to_world[11] += center.z;
+}
+
 static struct grid_params stop_placement(const struct scene_grid *source, const struct still_grid *input, double time)
 {
     struct grid_params params = {.values = input->values,
@@ -128,7 +136,10 @@ static struct grid_params stop_placement(const struct scene_grid *source, const 
                                  .is_padded = input->is_padded};
 
     memcpy(params.index_to_world, input->index_to_world, sizeof params.index_to_world);
-    if (source->has_center) move_middle(params.index_to_world, params.size, vector_at(&source->center, time));
+    if (source->has_center && input->is_padded)
+        move_origin(params.index_to_world, vector_at(&source->center, time));
+    else if (source->has_center)
+        move_middle(params.index_to_world, params.size, vector_at(&source->center, time));
     return params;
 }
 

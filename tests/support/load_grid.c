@@ -10,6 +10,7 @@
 #include "worker/volume.h"
 #include "worker/volume_nanovdb.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -85,7 +86,20 @@ static void unpack(struct still_grid *grid, const struct sparse_grid *sparse)
     }
 }
 
-static void load_nanovdb(struct still_grid *grid, const char *path, const char *name)
+// Voxels of other sides in the same directions, from the same origin.
+static void stretch(struct sparse_grid *sparse, const double spacing[3])
+{
+    double *m = sparse->index_to_world;
+
+    for (int a = 0; a < 3; a++) {
+        double length = sqrt(m[a] * m[a] + m[4 + a] * m[4 + a] + m[8 + a] * m[8 + a]);
+
+        for (int row = 0; spacing[a] > 0 && row < 3; row++)
+            m[4 * row + a] *= spacing[a] / length;
+    }
+}
+
+static void load_nanovdb(struct still_grid *grid, const struct scene_grid *source, const char *path, const char *name)
 {
     enum { LIMIT = 1 << 30 };
     struct error error = {{0}};
@@ -97,6 +111,7 @@ static void load_nanovdb(struct still_grid *grid, const char *path, const char *
     file.bytes = text;
     sparse = volume_nanovdb_decode(&file, name, &error);
     if (!sparse) fail_msg("%s: %s", path, error.message);
+    stretch(sparse, source->spacing);
     unpack(grid, sparse);
     sparse_grid_destroy(sparse);
     free(text);
@@ -112,9 +127,9 @@ void load_grid_inputs(struct still_inputs *inputs, const struct job *job, int32_
         if (medium->density.kind != SCENE_DENSITY_GRID) continue;
         path = input_path_format(medium->density.grid.file, frame);
         if (input_path_has_ending(path, ".nvdb")) {
-            load_nanovdb(&inputs->grids[m], path, medium->density.grid.grid_name);
+            load_nanovdb(&inputs->grids[m], &medium->density.grid, path, medium->density.grid.grid_name);
             if (medium->blackbody.grid_name) {
-                load_nanovdb(&inputs->temperatures[m], path, medium->blackbody.grid_name);
+                load_nanovdb(&inputs->temperatures[m], &medium->density.grid, path, medium->blackbody.grid_name);
             }
         } else {
             load_volume(&inputs->grids[m], &medium->density.grid, path);

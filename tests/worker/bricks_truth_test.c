@@ -123,6 +123,18 @@ static void a_black_body_glows_by_its_temperature(void **state)
     assert_true_light(&picture, GL_BACKEND_EGL, 8e-4);
 }
 
+static void voxels_of_other_sides_at_another_place(void **state)
+{
+    struct picture picture = {write_lobes(state),
+                              ", \"spacing\": [0.04, 0.025, 0.03], \"center\": [0.2, -0.1, 0.3]",
+                              SCATTERS ", \"blackbody\": {\"grid\": \"temperature\", \"kelvin\": 1400}",
+                              OUTSIDE,
+                              LIGHTS,
+                              STEPS("0.25")};
+
+    assert_true_light(&picture, GL_BACKEND_OSMESA, 8e-4);
+}
+
 // What is opaque lies between values that are not, some of it where nothing is active: whole bricks of 0 count, too.
 static void a_transfer_function_colours_values(void **state)
 {
@@ -170,6 +182,8 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(lit_from_outside_and_inside_the_box, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_black_body_glows_by_its_temperature, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(voxels_of_other_sides_at_another_place, temp_folder_create,
+                                        temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_transfer_function_colours_values, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(nearest_voxels, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(a_simulated_fire_is_its_integral),
