@@ -7,6 +7,7 @@
 #include "worker/sparse_grid.h"
 #include "worker/transfer_function.h"
 #include "worker/vdb_convert.h"
+#include "worker/volume_memory.h"
 #include "worker/volume_nanovdb.h"
 
 #include <errno.h>
@@ -82,19 +83,24 @@ static bool read_all(int fd, char *bytes, size_t size_bytes, struct error *error
     return true;
 }
 
-// `bytes` are the caller's; empty on failure.
-static bool read_file(const char *path, struct nanovdb_bytes *file, struct error *error)
+// Closes `fd`, which may be -1 after an error. `bytes` are the caller's; empty on failure.
+static bool read_file(int fd, struct nanovdb_bytes *file, struct error *error)
 {
     struct stat status;
     char *bytes = NULL;
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
     bool ok = false;
 
     *file = (struct nanovdb_bytes){0};
-    if (fd < 0 || fstat(fd, &status) < 0) {
+    if (fd < 0) return false;
+    if (fstat(fd, &status) < 0) {
         error_set_errno(error, errno, "cannot open");
         goto out;
     }
+    if (!S_ISREG(status.st_mode)) {
+        error_set(error, "expected a file, got %s", S_ISDIR(status.st_mode) ? "a folder" : "a pipe or a device");
+        goto out;
+    }
+    if (!volume_memory_check(status.st_size, volume_memory_limit(), error)) goto out;
     bytes = malloc(status.st_size > 0 ? (size_t)status.st_size : 1);
     if (!bytes) {
         error_set(error, "out of memory for its %" PRId64 " bytes", (int64_t)status.st_size);
@@ -103,9 +109,18 @@ static bool read_file(const char *path, struct nanovdb_bytes *file, struct error
     ok = read_all(fd, bytes, (size_t)status.st_size, error);
     if (ok) *file = (struct nanovdb_bytes){bytes, (size_t)status.st_size};
 out:
-    if (fd >= 0) close(fd);
+    close(fd);
     if (!ok) free(bytes);
     return ok;
+}
+
+static int open_file(const char *path, struct error *error)
+{
+    // Without O_NONBLOCK opening a FIFO would wait for its writer.
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+
+    if (fd < 0) error_set_errno(error, errno, "cannot open");
+    return fd;
 }
 
 static struct brick_atlas *decode(const struct nanovdb_bytes *file, const struct brick_source *source,
@@ -129,12 +144,9 @@ static struct brick_atlas *decode_openvdb(const struct brick_source *source, str
 {
     struct brick_atlas *atlas = NULL;
     struct nanovdb_bytes file;
-    char *path;
 
-    if (!vdb_convert(source->path, &path, error)) return NULL;
-    if (read_file(path, &file, error)) atlas = decode(&file, source, error);
-    (void)unlink(path);
-    free(path);
+    if (!read_file(vdb_convert(source->path, VDB_CONVERT_LIMIT_MS, error), &file, error)) return NULL;
+    atlas = decode(&file, source, error);
     free((void *)file.bytes);
     return atlas;
 }
@@ -147,7 +159,7 @@ static bool read_entry(struct entry *entry, const struct brick_source *source, s
     bool ok = false;
 
     if (!file_version_find(source->path, &entry->volume.version, error)) return false;
-    if (!read_file(source->path, &file, error)) return false;
+    if (!read_file(open_file(source->path, error), &file, error)) return false;
     hash_bytes(file.bytes, file.size_bytes, entry->volume.hash);
     entry->atlas = is_openvdb(source->path) ? decode_openvdb(source, error) : decode(&file, source, error);
     if (entry->atlas && file_version_find(source->path, &after, error)) {

@@ -1,6 +1,7 @@
 #include "worker/nanovdb_file.h"
 
 #include "core/error.h"
+#include "worker/volume_memory.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -203,6 +204,7 @@ static void *inflate_grid(const struct nanovdb_bytes *file, const struct grid_pl
         error_set(error, "zip: %" PRIu64 " bytes cannot unpack to %" PRIu64, packed_bytes, place->grid_bytes);
         return NULL;
     }
+    if (!volume_memory_check((int64_t)place->grid_bytes, volume_memory_limit(), error)) return NULL;
     grid = malloc(place->grid_bytes ? place->grid_bytes : 1);
     if (!grid) {
         error_set(error, "out of memory for %" PRIu64 " bytes", place->grid_bytes);

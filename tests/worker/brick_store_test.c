@@ -6,6 +6,7 @@
 #include "tests/support/nanovdb_maker.h"
 #include "tests/support/temp_folder.h"
 #include "worker/brick_atlas.h"
+#include "worker/volume_memory.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,6 +16,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -182,6 +184,29 @@ static void bricks_follow_the_transfer_function(void **state)
     brick_store_destroy(store);
 }
 
+// Opening a pipe would wait for who writes; reading one that is larger than memory would end the process.
+static void what_cannot_be_a_grid_is_not_waited_for(void **state)
+{
+    struct brick_store *store = brick_store_create();
+    const char *pipe = temp_folder_path(state, "pipe.nvdb"), *huge = temp_folder_path(state, "huge.nvdb");
+    struct brick_source source = {.path = pipe};
+    struct error error = {{0}};
+
+    assert_int_equal(mkfifo(pipe, 0600), 0);
+    brick_store_expect(store, &source);
+    alarm(60);
+    assert_null(brick_store_take(store, &source, &error));
+    alarm(0);
+    assert_non_null(strstr(error.message, "pipe.nvdb: expected a file, got a pipe or a device"));
+    source.path = huge;
+    assert_true(file_write_atomic(huge, "", 0, &error));
+    assert_int_equal(truncate(huge, volume_memory_limit() + 1), 0);
+    assert_null(brick_store_take(store, &source, &error));
+    assert_non_null(strstr(error.message, "huge.nvdb: needs "));
+    assert_non_null(strstr(error.message, " GiB are available"));
+    brick_store_destroy(store);
+}
+
 // Stands for nanovdb_convert: packs what it is given as it is.
 static void write_converter(void **state, const char *body)
 {
@@ -233,6 +258,8 @@ int main(void)
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(what_is_wrong_names_the_file, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(bricks_follow_the_transfer_function, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(what_cannot_be_a_grid_is_not_waited_for, temp_folder_create,
+                                        temp_folder_destroy),
         cmocka_unit_test_setup_teardown(openvdb_files_go_through_the_converter, temp_folder_create,
                                         temp_folder_destroy),
     };
