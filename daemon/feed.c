@@ -11,6 +11,7 @@
 #include "daemon/store_reader.h"
 #include "daemon/worker_pool.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -96,6 +97,30 @@ static void assign(struct farm *farm, struct worker_process *worker, const struc
     farm_note_change(farm, record);
 }
 
+// Splits what the worker has to render into frames of the job and the time that the others take.
+static void add_load(struct farm *farm, const struct hand *hand, int64_t job, struct dispatch_load *load)
+{
+    int64_t stranger = 0;
+    double median_s = 0;
+
+    for (size_t i = 0; i < hand->count; i++) {
+        const struct hand_frame *frame = &hand->frames[i];
+
+        if (frame->is_rendered) continue;
+        if (frame->ticket.job == job) {
+            load->in_hand++;
+            continue;
+        }
+        if (frame->ticket.job != stranger) {
+            struct job_record *record = job_table_find(&farm->jobs, frame->ticket.job);
+
+            stranger = frame->ticket.job;
+            median_s = record ? estimate_median_s(&record->estimate) : 0;
+        }
+        load->strangers_s += median_s > 0 ? median_s : HUGE_VAL;
+    }
+}
+
 // Returns false when the worker has enough, or there is nothing to give.
 static bool feed_worker(struct farm *farm, struct worker_process *worker, int workers)
 {
@@ -107,10 +132,9 @@ static bool feed_worker(struct farm *farm, struct worker_process *worker, int wo
 
     if (!next) return false;
     record = job_table_find(&farm->jobs, next->id);
-    load = (struct dispatch_load){.frame_s = estimate_median_s(&record->estimate),
-                                  .left = next->counts[FRAME_QUEUED],
-                                  .workers = workers,
-                                  .in_hand = worker->hand.count - worker->hand.rendered_count};
+    load = (struct dispatch_load){
+        .frame_s = estimate_median_s(&record->estimate), .left = next->counts[FRAME_QUEUED], .workers = workers};
+    add_load(farm, &worker->hand, next->id, &load);
     count = dispatch_count(&load);
     if (count == 0) return false;
     if (count > DISPATCH_CHUNK_LIMIT) count = DISPATCH_CHUNK_LIMIT;

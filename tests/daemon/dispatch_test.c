@@ -1,5 +1,6 @@
 #include "daemon/dispatch.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -76,6 +77,30 @@ static void idle_worker_always_gets_a_frame(void **state)
             assert_true(count_for(frame_s, 1, workers, 0) == 1);
 }
 
+static size_t count_behind(double strangers_s, double frame_s)
+{
+    return dispatch_count(
+        &(struct dispatch_load){.frame_s = frame_s, .left = 1000000, .workers = 2, .strangers_s = strangers_s});
+}
+
+static void frame_of_another_job_counts_by_its_length(void **state)
+{
+    const double frame_s = 1e-6;
+
+    assert_int_equal(count_behind(10 * frame_s, frame_s), DISPATCH_CHUNK_LIMIT - 10);
+    assert_int_equal(count_behind(0.5 * DISPATCH_CHUNK_LIMIT * frame_s * 1.01, frame_s), 0);
+    assert_int_equal(count_behind(60, frame_s), 0);
+    assert_int_equal(count_behind(frame_s, 60), 0);
+}
+
+static void no_frame_waits_behind_another_job_s_of_unknown_length(void **state)
+{
+    assert_int_equal(count_behind(HUGE_VAL, 1e-6), 0);
+    assert_int_equal(count_behind(HUGE_VAL, 10), 0);
+    assert_int_equal(count_behind(HUGE_VAL, 0), 0);
+    assert_int_equal(count_behind(1e-6, 0), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -88,6 +113,8 @@ int main(void)
         cmocka_unit_test(end_of_a_job_is_shared),
         cmocka_unit_test(no_worker_gets_more_than_is_left),
         cmocka_unit_test(idle_worker_always_gets_a_frame),
+        cmocka_unit_test(frame_of_another_job_counts_by_its_length),
+        cmocka_unit_test(no_frame_waits_behind_another_job_s_of_unknown_length),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

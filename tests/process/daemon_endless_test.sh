@@ -45,6 +45,14 @@ again=$(submit "$(job 20-31)")
 wait_state "$again" succeeded
 wait_until 20 "two workers are ready" eval '[ "$(ask worker.list | jq "[.result.workers[] | select(.state == \"idle\")] | length")" = 2 ]'
 
+# No frame of another job waits behind one of which nobody knows how long it takes.
+alone=$(submit "$(endless alone 0 -1)")
+wait_until 10 "it is begun" eval '[ "$(field "$alone" .state)" = running ]'
+other=$(submit "$(job 40-51)")
+wait_state "$other" succeeded
+expect "the endless one, after the other job" "$(field "$alone" .state)" running
+wait_state "$alone" failed
+
 # When no frame ends, the job is given up after a few.
 all=$(submit "$(endless all 0-99 -1)")
 wait_state "$all" failed
