@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "worker/sparse_grid.h"
+#include "worker/volume_memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,42 +32,78 @@ static void find_place(const int count[3], size_t brick, int place[3])
     place[2] = (int)(brick / (size_t)count[0] / (size_t)count[1]);
 }
 
-// The voxels of a brick and those around it that interpolation reaches, i fastest: bit `axis` of `part` says that a part's
-// voxels are the next brick's.
-static void copy_part(const struct sparse_grid *grid, const int brick[3], int part, float values[SLOT_VOXELS])
+// What a brick takes of itself or of a brick beside it.
+struct part {
+    int source[3];          // the brick
+    int first[3], count[3]; // voxels: where they go, and how many of the source's first
+};
+
+// The voxels of a brick and those around it that interpolation reaches are eight parts: bit `axis` of `number` says that the
+// next brick is meant.
+static struct part part_of(const int brick[3], int number)
 {
-    int source[3], first[3], count[3];
-    const float *leaf;
-    float value;
+    struct part part;
 
     for (int axis = 0; axis < 3; ++axis) {
-        bool is_next = part >> axis & 1;
+        bool is_next = number >> axis & 1;
 
-        source[axis] = brick[axis] + is_next;
-        first[axis] = is_next ? SPARSE_BRICK_SIDE : 0;
-        count[axis] = is_next ? 1 : SPARSE_BRICK_SIDE;
+        part.source[axis] = brick[axis] + is_next;
+        part.first[axis] = is_next ? SPARSE_BRICK_SIDE : 0;
+        part.count[axis] = is_next ? 1 : SPARSE_BRICK_SIDE;
     }
-    leaf = sparse_grid_brick(grid, source, &value);
-    for (int k = 0; k < count[2]; ++k)
-        for (int j = 0; j < count[1]; ++j)
-            for (int i = 0; i < count[0]; ++i)
-                values[first[0] + i + SIDE * (first[1] + j + SIDE * (first[2] + k))] =
+    return part;
+}
+
+static void copy_part(const struct sparse_grid *grid, const struct part *part, float values[SLOT_VOXELS])
+{
+    float value;
+    const float *leaf = sparse_grid_brick(grid, part->source, &value);
+
+    for (int k = 0; k < part->count[2]; ++k)
+        for (int j = 0; j < part->count[1]; ++j)
+            for (int i = 0; i < part->count[0]; ++i)
+                values[part->first[0] + i + SIDE * (part->first[1] + j + SIDE * (part->first[2] + k))] =
                     leaf ? leaf[i + SPARSE_BRICK_SIDE * (j + SPARSE_BRICK_SIDE * k)] : value;
 }
 
 static void copy_brick(const struct sparse_grid *grid, const int brick[3], float values[SLOT_VOXELS])
 {
-    for (int part = 0; part < 8; ++part)
-        copy_part(grid, brick, part, values);
+    for (int number = 0; number < 8; ++number) {
+        struct part part = part_of(brick, number);
+
+        copy_part(grid, &part, values);
+    }
 }
 
-static struct grid_bound bound_of(const float values[SLOT_VOXELS])
+static void widen(struct grid_bound *bound, float value)
 {
-    struct grid_bound bound = {values[0], values[0]};
+    bound->min = fminf(bound->min, value);
+    bound->max = fmaxf(bound->max, value);
+}
 
-    for (int i = 1; i < SLOT_VOXELS; ++i) {
-        bound.min = fminf(bound.min, values[i]);
-        bound.max = fmaxf(bound.max, values[i]);
+static void widen_by_part(struct grid_bound *bound, const struct sparse_grid *grid, const struct part *part)
+{
+    float value;
+    const float *leaf = sparse_grid_brick(grid, part->source, &value);
+
+    if (!leaf) {
+        widen(bound, value);
+        return;
+    }
+    for (int k = 0; k < part->count[2]; ++k)
+        for (int j = 0; j < part->count[1]; ++j)
+            for (int i = 0; i < part->count[0]; ++i)
+                widen(bound, leaf[i + SPARSE_BRICK_SIDE * (j + SPARSE_BRICK_SIDE * k)]);
+}
+
+static struct grid_bound bound_of(const struct sparse_grid *grid, const int brick[3])
+{
+    struct grid_bound bound = {INFINITY, -INFINITY};
+
+    for (int number = 0; number < 8; ++number) {
+        struct part part = part_of(brick, number);
+
+        widen_by_part(&bound, grid, &part);
     }
     return bound;
 }
@@ -92,14 +129,12 @@ static bool find_reach(struct brick_atlas *atlas, const struct brick_atlas_param
     }
     memcpy(bricks.count, density->brick_count, sizeof bricks.count);
     for (size_t n = 0; n < total; ++n) {
-        float values[SLOT_VOXELS];
         int brick[3];
 
         find_place(density->brick_count, n, brick);
         for (int axis = 0; axis < 3; ++axis)
             brick[axis] += density->brick_min[axis];
-        copy_brick(density, brick, values);
-        bricks.bounds[n] = bound_of(values);
+        bricks.bounds[n] = bound_of(density, brick);
     }
     grid_bricks_find_distances(&bricks, 1, 0, is_empty, params->user, distances);
     for (size_t n = 0; n < total; ++n)
@@ -141,6 +176,15 @@ static void paste(const struct brick_atlas *atlas, float *texels, const uint16_t
             memcpy(texels + SIDE * (size_t)slot[0] + width * (SIDE * (size_t)slot[1] + j) +
                        layer * (SIDE * (size_t)slot[2] + k),
                    values + SIDE * (j + SIDE * k), SIDE * sizeof *values);
+}
+
+// The values are held twice, here and as textures, which may be the machine's own memory.
+static bool check_memory(const struct brick_atlas *atlas, const struct brick_atlas_params *params, struct error *error)
+{
+    int64_t texels = (int64_t)atlas->texels[0] * atlas->texels[1] * atlas->texels[2];
+    int64_t limit = params->memory_bytes > 0 ? params->memory_bytes : volume_memory_limit();
+
+    return volume_memory_check(2 * texels * (int64_t)sizeof(float) * (params->glow ? 2 : 1), limit, error);
 }
 
 static bool fill_slots(struct brick_atlas *atlas, const struct brick_atlas_params *params, struct error *error)
@@ -215,7 +259,8 @@ struct brick_atlas *brick_atlas_create(const struct brick_atlas_params *params, 
     if (!find_reach(atlas, params, error)) goto failed;
     for (size_t n = 0; n < total; ++n)
         count += atlas->index[n][3] == 0;
-    if (!lay_out_slots(atlas, count, error) || !fill_slots(atlas, params, error)) goto failed;
+    if (!lay_out_slots(atlas, count, error) || !check_memory(atlas, params, error) || !fill_slots(atlas, params, error))
+        goto failed;
     return atlas;
 failed:
     brick_atlas_destroy(atlas);

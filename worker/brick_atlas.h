@@ -33,6 +33,7 @@ struct brick_atlas_params {
     const struct sparse_grid *glow; // NULL: none; its voxels must lie where those of `density` do
     grid_bricks_is_empty *is_empty; // of a range of the density grid's values; NULL: where none is above 0
     const void *user;               // passed to it
+    int64_t memory_bytes;           // that values and their textures may take; 0: what this process may hope for
 };
 
 // NULL on failure; the caller destroys the atlas.

@@ -50,6 +50,11 @@ bool gl_bricks_init(struct gl_bricks *bricks, const struct gl_functions *gl, con
         if (!atlas->values[i]) continue;
         gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &bricks->values[i]);
         gl->TextureStorage3D(bricks->values[i], 1, GL_R32F, texels[0], texels[1], texels[2]);
+        if (gl->GetError() == GL_OUT_OF_MEMORY) {
+            error_set(error, "GL has no memory for %d x %d x %d texels", texels[0], texels[1], texels[2]);
+            gl_bricks_finish(bricks);
+            return false;
+        }
         gl->TextureSubImage3D(bricks->values[i], 0, 0, 0, 0, texels[0], texels[1], texels[2], GL_RED, GL_FLOAT,
                               atlas->values[i]);
         set_nearest(gl, bricks->values[i]);

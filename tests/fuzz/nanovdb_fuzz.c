@@ -1,5 +1,6 @@
 #include "core/error.h"
 #include "tests/support/nanovdb_maker.h"
+#include "worker/brick_atlas.h"
 #include "worker/sparse_grid.h"
 #include "worker/volume_nanovdb.h"
 
@@ -53,6 +54,13 @@ static void decode(const void *bytes, size_t size)
         if (!(grid->leaves[i] - grid->leaves[i] == 0.0F)) abort();
     (void)sparse_grid_at(grid, grid->voxel_min);
     (void)sparse_grid_at(grid, (int[]){grid->voxel_max[0] + 1, grid->voxel_max[1] + 1, grid->voxel_max[2] + 1});
+    if (sparse_grid_brick_total(grid) < 65536) {
+        struct brick_atlas *atlas = brick_atlas_create(
+            &(struct brick_atlas_params){.density = grid, .glow = grid, .memory_bytes = 1 << 28}, &error);
+
+        if (!atlas && !error.message[0]) abort();
+        brick_atlas_destroy(atlas);
+    }
     sparse_grid_destroy(grid);
 }
 

@@ -165,6 +165,16 @@ static void bricks_without_density_take_no_room(void **state)
     sparse_grid_destroy(density);
 }
 
+static void bricks_that_do_not_fit_into_memory_are_refused(void **state)
+{
+    struct sparse_grid *density = make_grid(&scattered);
+    struct error error = {{0}};
+
+    assert_null(brick_atlas_create(&(struct brick_atlas_params){.density = density, .memory_bytes = 10000}, &error));
+    assert_non_null(strstr(error.message, "are available"));
+    sparse_grid_destroy(density);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -172,6 +182,7 @@ int main(void)
         cmocka_unit_test(what_glows_is_there_where_density_is),
         cmocka_unit_test(no_density_lies_within_reach),
         cmocka_unit_test(bricks_without_density_take_no_room),
+        cmocka_unit_test(bricks_that_do_not_fit_into_memory_are_refused),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
