@@ -30,6 +30,16 @@ static char *find_folder(const char *job_path, struct error *error)
     return absolute;
 }
 
+// Some editors begin a UTF-8 text with a byte order mark; what it becomes part of has it nowhere.
+static void skip_byte_order_mark(char *text, size_t *length)
+{
+    static const char mark[] = "\xef\xbb\xbf";
+
+    if (strncmp(text, mark, strlen(mark)) != 0) return;
+    *length -= strlen(mark);
+    memmove(text, text + strlen(mark), *length + 1);
+}
+
 static char *read_glsl(const char *path, struct error *error)
 {
     size_t length, size;
@@ -40,6 +50,7 @@ static char *read_glsl(const char *path, struct error *error)
         error_set(error, "expected text, got a NUL byte at offset %zu", strlen(text));
         goto fail;
     }
+    skip_byte_order_mark(text, &length);
     for (size_t i = 0; i < length; i += size) {
         size = utf8_character_length(text + i, length - i);
         if (size > 0) continue;

@@ -23,7 +23,15 @@ static const char *find_directive(const char *line)
     return NULL;
 }
 
-static bool check_source(const struct json_node *node, const char *source, struct error *error)
+static bool fail_directive(const struct json_node *node, const struct scene_glsl *glsl, int line, const char *directive,
+                           struct error *error)
+{
+    if (!glsl->file) return json_fail(node, error, "line %d: #%s is not for densities", line, directive);
+    return json_fail(node, error, "%s:%d: #%s is not for densities", scene_glsl_name(glsl), line, directive);
+}
+
+static bool check_source(const struct json_node *node, const struct scene_glsl *glsl, const char *source,
+                         struct error *error)
 {
     size_t size = strlen(source);
     int number = 1;
@@ -33,7 +41,7 @@ static bool check_source(const struct json_node *node, const char *source, struc
     for (const char *line = source; line; number++) {
         const char *directive = find_directive(line), *end = strchr(line, '\n');
 
-        if (directive) return json_fail(node, error, "line %d: #%s is not for densities", number, directive);
+        if (directive) return fail_directive(node, glsl, number, directive, error);
         if (number > SCENE_GLSL_LINE_LIMIT)
             return json_fail(node, error, "expected at most %d lines", SCENE_GLSL_LINE_LIMIT);
         line = end ? end + 1 : NULL;
@@ -48,7 +56,8 @@ static bool read_source(const struct scene_reader *reader, struct scene_glsl *gl
 
     if (json_node_is_absent(&node))
         return glsl->file || json_fail(reader->object, reader->error, "expected file or source, got none of them");
-    if (!json_read_string(&node, &source, reader->error) || !check_source(&node, source, reader->error)) return false;
+    if (!json_read_string(&node, &source, reader->error) || !check_source(&node, glsl, source, reader->error))
+        return false;
     glsl->source = xstrdup(source);
     return true;
 }

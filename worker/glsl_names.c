@@ -80,6 +80,18 @@ static bool check_word(struct reader *reader, const struct glsl_token *token)
     return true;
 }
 
+// Compilers take such a character, often one that nobody sees, for the text's end.
+static bool check_mark(struct reader *reader, const struct glsl_token *token)
+{
+    unsigned char first = (unsigned char)*token->text;
+    unsigned long code = first & (first < 0xe0 ? 0x1f : first < 0xf0 ? 0x0f : 0x07);
+
+    if (first < 0x80) return true;
+    for (const char *next = token->text + 1; ((unsigned char)*next & 0xc0) == 0x80; ++next)
+        code = code << 6 | ((unsigned char)*next & 0x3f);
+    return fail(reader, token->line, "expected ASCII outside of comments, got the character U+%04lX", code);
+}
+
 static bool begin_condition(struct reader *reader, int line)
 {
     if (reader->condition_count == CONDITION_DEPTH_LIMIT)
@@ -127,6 +139,7 @@ static bool read_directive(struct reader *reader)
     for (bool is_first = true; token.kind != GLSL_TOKEN_LINE_END; is_first = false) {
         token = glsl_scanner_next(&reader->scanner);
         if (token.kind == GLSL_TOKEN_BROKEN) return fail(reader, token.line, "a comment has no end");
+        if (token.kind == GLSL_TOKEN_MARK && !check_mark(reader, &token)) return false;
         if (token.kind != GLSL_TOKEN_WORD) continue;
         if (!check_word(reader, &token)) return false;
         if (is_define && is_first) add_name(reader, &token)->is_macro = true;
@@ -243,6 +256,7 @@ static bool read_token(struct reader *reader, const struct glsl_token *token)
 {
     if (token->kind == GLSL_TOKEN_HASH) return read_directive(reader);
     if (token->kind == GLSL_TOKEN_WORD && !check_word(reader, token)) return false;
+    if (token->kind == GLSL_TOKEN_MARK && !check_mark(reader, token)) return false;
     if (reader->signature) read_parameter(reader, token);
     if (token->kind == GLSL_TOKEN_WORD) return reader->depth > 0 || read_outer_word(reader, token);
     if (token->kind != GLSL_TOKEN_MARK) return true;

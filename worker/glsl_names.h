@@ -23,7 +23,7 @@ struct glsl_names {
 
 // Reads the names and refuses what would reach beyond the text itself: directives that steer the compiler, interfaces
 // (uniform, in, out, layout, buffer), built-in variables, `discard`, and names of `taken` (ends in NULL), which the program
-// needs. Braces, comments and #if must be closed. Errors begin with "FILE:LINE: ". What else is wrong the compiler will say.
+// needs. Braces, comments and #if must be closed, and all but comments be ASCII. Errors begin with "FILE:LINE: ". What else is wrong the compiler will say.
 bool glsl_names_read(struct glsl_names *names, const char *file, const char *text, const char *const *taken,
                      struct error *error);
 void glsl_names_finish(struct glsl_names *names); // accepts an empty one

@@ -116,6 +116,22 @@ static void glsl_becomes_part_of_the_job(void **state)
     free(text);
 }
 
+static void glsl_may_begin_with_a_byte_order_mark(void **state)
+{
+    char *text = one_medium("{\"kind\":\"glsl\",\"file\":\"a.glsl\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}");
+    struct job job;
+
+    write_file(state, "a.glsl",
+               "\xef\xbb\xbf"
+               "float",
+               8);
+    write_job(state, text);
+    job = load(state, NULL, 0);
+    assert_string_equal(job.scene.media[0].density.glsl.source, "float");
+    job_finish(&job);
+    free(text);
+}
+
 // What is in the job counts, whether or not there is such a file.
 static void a_source_that_is_there_stays(void **state)
 {
@@ -142,7 +158,7 @@ static void glsl_that_is_no_text_is_refused(void **state)
     write_file(state, "a.glsl", "abc\xe9 d", 6);
     assert_refused(state, "scene.media[0].density.file: %s/a.glsl: expected UTF-8 text, got the byte 0xe9 at offset 3");
     write_file(state, "a.glsl", "\n#version 450\n", 14);
-    assert_refused(state, "scene.media[0].density.source: line 2: #version is not for densities");
+    assert_refused(state, "scene.media[0].density.source: a.glsl:2: #version is not for densities");
     memset(large, ' ', SCENE_GLSL_SIZE_LIMIT + 1);
     write_file(state, "a.glsl", large, SCENE_GLSL_SIZE_LIMIT + 1);
     assert_refused(state, "scene.media[0].density.file: %s/a.glsl: 65537 bytes are more than the 65536 allowed");
@@ -213,6 +229,7 @@ int main(void)
         WITH_FOLDER(paths_are_relative_to_the_job_file),
         WITH_FOLDER(absolute_paths_stay),
         WITH_FOLDER(glsl_becomes_part_of_the_job),
+        WITH_FOLDER(glsl_may_begin_with_a_byte_order_mark),
         WITH_FOLDER(a_source_that_is_there_stays),
         WITH_FOLDER(glsl_that_is_no_text_is_refused),
         WITH_FOLDER(a_missing_file_is_named),

@@ -66,12 +66,13 @@ static void wrong_densities_are_refused_by_place(void **state)
 
 static void directives_that_reach_out_are_refused_by_line(void **state)
 {
-    assert_edit_refused(PLACE ".source", "\"#version 450\\n\"", PLACE ".source: line 1: #version is not for densities");
+    assert_edit_refused(PLACE ".source", "\"#version 450\\n\"",
+                        PLACE ".source: custom.glsl:1: #version is not for densities");
     assert_edit_refused(PLACE ".source", "\"\\n\\n \\t# extension all : enable\"",
-                        PLACE ".source: line 3: #extension is not for densities");
+                        PLACE ".source: custom.glsl:3: #extension is not for densities");
     assert_edit_refused(PLACE ".source", "\"//\\r\\n#include \\\"a\\\"\"",
-                        PLACE ".source: line 2: #include is not for densities");
-    assert_edit_refused(PLACE ".source", "\"#line 7\"", PLACE ".source: line 1: #line is not for densities");
+                        PLACE ".source: custom.glsl:2: #include is not for densities");
+    assert_edit_refused(PLACE ".source", "\"#line 7\"", PLACE ".source: custom.glsl:1: #line is not for densities");
 }
 
 static void other_directives_are_the_users_own(void **state)

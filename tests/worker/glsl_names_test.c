@@ -122,6 +122,23 @@ static void what_is_not_closed_is_refused_where_it_opens(void **state)
     assert_refused("#else", "a.glsl:1: #else without #if");
 }
 
+static void only_comments_hold_more_than_ascii(void **state)
+{
+    assert_names("// gr\xc3\xb6\xc3\x9f"
+                 "er \xcf\x80\n/* \xc2\xa0 */ float a;",
+                 "a:2");
+    assert_refused("float a;\nfloat\xc2\xa0"
+                   "b;",
+                   "a.glsl:2: expected ASCII outside of comments, got the character U+00A0");
+    assert_refused("\xef\xbb\xbf"
+                   "float a;",
+                   "a.glsl:1: expected ASCII outside of comments, got the character U+FEFF");
+    assert_refused("float f() { return \xf0\x9f\x98\x80; }",
+                   "a.glsl:1: expected ASCII outside of comments, got the character U+1F600");
+    assert_refused("#define A \xcf\x80", "a.glsl:1: expected ASCII outside of comments, got the character U+03C0");
+    assert_refused("\xcf", "a.glsl:1: expected ASCII");
+}
+
 static char *format(const struct glsl_names *names, bool is_hide)
 {
     char *text = NULL;
@@ -176,6 +193,7 @@ int main(void)
         cmocka_unit_test(branches_of_a_condition_are_all_read),
         cmocka_unit_test(what_reaches_beyond_the_text_is_refused_with_its_line),
         cmocka_unit_test(what_is_not_closed_is_refused_where_it_opens),
+        cmocka_unit_test(only_comments_hold_more_than_ascii),
         cmocka_unit_test(names_become_private_and_are_hidden_again),
         cmocka_unit_test(a_text_of_endless_names_is_refused),
     };
