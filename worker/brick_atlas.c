@@ -189,12 +189,12 @@ static bool check_memory(const struct brick_atlas *atlas, const struct brick_atl
 
 static bool fill_slots(struct brick_atlas *atlas, const struct brick_atlas_params *params, struct error *error)
 {
+    int grid_count = params->glow ? 2 : 1;
     const struct sparse_grid *density = params->density, *grids[BRICK_ATLAS_GRIDS] = {density, params->glow};
     size_t texels = (size_t)atlas->texels[0] * (size_t)atlas->texels[1] * (size_t)atlas->texels[2];
     size_t total = sparse_grid_brick_total(density), used = 1;
 
-    for (int i = 0; i < BRICK_ATLAS_GRIDS; ++i) {
-        if (!grids[i]) continue;
+    for (int i = 0; i < grid_count; ++i) {
         atlas->values[i] = calloc(texels, sizeof(float));
         atlas->size_bytes += texels * sizeof(float);
         if (!atlas->values[i]) {
@@ -212,10 +212,9 @@ static bool fill_slots(struct brick_atlas *atlas, const struct brick_atlas_param
             brick[axis] += density->brick_min[axis];
             atlas->index[n][axis] = (uint16_t)slot[axis];
         }
-        for (int i = 0; i < BRICK_ATLAS_GRIDS; ++i) {
+        for (int i = 0; i < grid_count; ++i) {
             float values[SLOT_VOXELS];
 
-            if (!grids[i]) continue;
             copy_brick(grids[i], brick, values);
             paste(atlas, atlas->values[i], atlas->index[n], values);
         }
