@@ -160,6 +160,19 @@ static void samples_lie_where_they_say_in_the_pixel(void **state)
     job_finish(&job);
 }
 
+// Half of the light is left after ln 2 / 0.02 m, wherever the fog may end.
+static void depth_is_found_in_fog_without_end(void **state)
+{
+    struct still still;
+    struct job job;
+
+    parse(&job, "{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_a\": 0.02}", "\"lights\": []");
+    job.scene.camera.clip_far = INFINITY;
+    still_init(&still, &job, 0.0);
+    assert_near(reference_measure_depth(&still, SIDE_PX / 2, SIDE_PX / 2), log(2.0) / 0.02, 1e-9);
+    job_finish(&job);
+}
+
 static double ramp_of(const void *context, struct vec3 position, double time)
 {
     return *(const double *)context * position.z + time;
@@ -200,6 +213,7 @@ int main(void)
         cmocka_unit_test(furnace_hides_every_kind),
         cmocka_unit_test(samples_are_averaged_each_at_its_own_moment),
         cmocka_unit_test(samples_lie_where_they_say_in_the_pixel),
+        cmocka_unit_test(depth_is_found_in_fog_without_end),
         cmocka_unit_test(functions_stand_for_densities_in_glsl),
     };
 

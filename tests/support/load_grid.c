@@ -110,7 +110,10 @@ static void load_nanovdb(struct still_grid *grid, const struct scene_grid *sourc
     if (!file_read_text(path, LIMIT, &text, &file.size_bytes, &error)) fail_msg("%s: %s", path, error.message);
     file.bytes = text;
     sparse = volume_nanovdb_decode(&file, name, &error);
-    if (!sparse) fail_msg("%s: %s", path, error.message);
+    if (!sparse) {
+        fail_msg("%s: %s", path, error.message);
+        return;
+    }
     stretch(sparse, source->spacing);
     unpack(grid, sparse);
     sparse_grid_destroy(sparse);
