@@ -14,7 +14,7 @@ static char *format_file(const struct job *job, int64_t index)
     const char *folder = job->output.path.folder;
 
     output_path_format_name(&job->output.path, frame_range_at(&job->frames, index), name);
-    return *folder ? xasprintf("%s/%s", folder, name) : xstrdup(name);
+    return xasprintf("%s%s%s%s", job->output.path_is_absolute ? "/" : "", folder, *folder ? "/" : "", name);
 }
 
 static const char *plural(size_t count)
@@ -22,15 +22,38 @@ static const char *plural(size_t count)
     return count == 1 ? "" : "s";
 }
 
+static const char *density_name(const struct scene_density *density)
+{
+    static const char *const names[] = {[SCENE_DENSITY_FOLD_FRACTAL] = "fold_fractal",
+                                        [SCENE_DENSITY_HOMOGENEOUS] = "homogeneous",
+                                        [SCENE_DENSITY_NOISE] = "noise",
+                                        [SCENE_DENSITY_GRID] = "grid",
+                                        [SCENE_DENSITY_GLSL] = "glsl"};
+
+    return names[density->kind];
+}
+
 static void print_media(const struct scene *scene)
 {
     printf("%-10s %zu medi%s", "scene", scene->medium_count, scene->medium_count == 1 ? "um" : "a");
     for (size_t i = 0; i < scene->medium_count; i++)
-        printf("%s%zu phase lobe%s", i == 0 ? " (" : ", ", scene->media[i].lobe_count,
-               plural(scene->media[i].lobe_count));
+        printf("%s%s", i == 0 ? " (" : ", ", density_name(&scene->media[i].density));
     printf("%s, %zu light%s%s%s\n", scene->medium_count > 0 ? ")" : "", scene->light_count, plural(scene->light_count),
            scene->has_background ? ", a background" : "",
            scene_is_constant(scene) ? "; nothing moves: rendered once" : "");
+}
+
+// The files that one medium reads each.
+static void print_inputs(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_density *density = &scene->media[i].density;
+        const char *file = density->kind == SCENE_DENSITY_GRID   ? density->grid.file
+                           : density->kind == SCENE_DENSITY_GLSL ? density->glsl.file
+                                                                 : NULL;
+
+        if (file) printf("%-10s %s (medium %zu)\n", "reads", file, i);
+    }
 }
 
 static void print_step(const char *name, double metres, double voxels)
@@ -60,6 +83,7 @@ void job_summary_print(const struct job *job)
     printf("%-10s %" PRId64 ": %s\n", "frames", count, range);
     printf("%-10s %d x %d\n", "resolution", job->width_px, job->height_px);
     print_media(&job->scene);
+    print_inputs(&job->scene);
     print_quality(&job->quality);
     printf("%-10s %s, %s%s%s\n", "channels", job->output.pixel == JOB_PIXEL_HALF ? "half RGBA" : "float RGBA",
            job_compression_name(job->output.compression), job->output.has_depth ? ", Z" : "",

@@ -59,6 +59,7 @@ enum job_existing {
 
 struct job_output {
     struct output_path path;
+    bool path_is_absolute; // as the job has it
     enum job_pixel pixel;
     enum job_compression compression;
     bool has_depth;         // aov "Z"

@@ -140,6 +140,7 @@ static bool read_path(struct job_output *output, const struct json_node *node, c
     const char *pattern;
 
     if (!json_read_string(node, &pattern, error)) return false;
+    output->path_is_absolute = *pattern == '/';
     if (output_root) pattern = output_path_below(pattern, output_root, &cause);
     if (pattern && output_path_parse(&output->path, pattern, &cause)) return true;
     return json_fail(node, error, "%s", cause.message);

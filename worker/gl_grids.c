@@ -214,6 +214,20 @@ static bool bind_bricks(struct gl_grids *grids, const struct scene_input *input,
     return true;
 }
 
+static bool bind_medium(struct gl_grids *grids, const struct scene_input *input, size_t medium,
+                        gl_grid_progress *on_progress, void *user, struct error *error)
+{
+    struct kept_grid *kept;
+
+    if (input->bricks) return bind_bricks(grids, input, medium, error);
+    kept = find(grids, input->hash);
+    if (!kept) kept = read_grid(grids, input, on_progress, user, error);
+    if (!kept) return false;
+    kept->used = grids->frame_count;
+    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium), kept->grid.voxels);
+    return bind_distances(grids, input, &kept->grid, medium, error);
+}
+
 bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
                    struct error *error)
 {
@@ -224,20 +238,10 @@ bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl
         if (kept) kept->used = grids->frame_count;
     }
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
-        const struct scene_input *input = &inputs->media[i];
-        struct kept_grid *kept;
-
-        if (!input->source) continue;
-        if (input->bricks) {
-            if (!bind_bricks(grids, input, i, error)) return false;
-            continue;
-        }
-        kept = find(grids, input->hash);
-        if (!kept) kept = read_grid(grids, input, on_progress, user, error);
-        if (!kept) return false;
-        kept->used = grids->frame_count;
-        grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * i), kept->grid.voxels);
-        if (!bind_distances(grids, input, &kept->grid, i, error)) return false;
+        if (!inputs->media[i].source) continue;
+        if (bind_medium(grids, &inputs->media[i], i, on_progress, user, error)) continue;
+        error_prefix(error, "scene.media[%zu].density.file", i);
+        return false;
     }
     return true;
 }

@@ -251,17 +251,20 @@ static void note_shown(struct renderer *renderer, const struct scene_program *sc
 }
 
 // Shaders mark a pixel whose march the driver cut with an alpha that no picture has.
-static bool check_marches(const struct renderer *renderer, const struct image *image, struct error *error)
+static bool check_marches(const struct renderer *renderer, const struct job *job, const struct image *image,
+                          struct error *error)
 {
+    const char *code = scene_find_code(&job->scene);
     size_t count = (size_t)image->width_px * (size_t)image->height_px;
 
     for (size_t i = 0; i < count; ++i)
         if (image->rgba[4 * i + 3] < -0.5f) {
-            error_set(error,
-                      "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected longer steps, "
-                      "or a GPU",
-                      i % (size_t)image->width_px, i / (size_t)image->width_px,
-                      gl_context_facts(renderer->context)->renderer);
+            error_set(
+                error,
+                "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected longer steps%s%s, "
+                "or a GPU",
+                i % (size_t)image->width_px, i / (size_t)image->width_px, gl_context_facts(renderer->context)->renderer,
+                code ? ", short loops in " : "", code ? code : "");
             return false;
         }
     return true;
@@ -389,7 +392,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (!check_gl(renderer, result, error)) goto out;
     result->seconds = now_s() - start;
     result->shader_hash = renderer->shown_hash;
-    ok = check_marches(renderer, image, error);
+    ok = check_marches(renderer, job, image, error);
     if (!ok) result->fault = RENDERER_FAULT_JOB;
 out:
     free(passes.blocks);

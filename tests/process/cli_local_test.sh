@@ -64,6 +64,9 @@ expect 0 "scan.json: ok" march validate "a#b/scan.json" --set 'scene.media[0].de
 expect 2 "$scratch/a#b/scan.1.nii: No such file" march validate "a#b/scan.json" --set 'scene.media[0].density.file=scan.#.nii'
 
 expect 0 "cloud/cloud.0000.exr to cloud/cloud.0230.exr" march submit --dry-run "$cloud" --set frames=0-239x10
+expect 0 "files      /srv/a/b.0000.exr" march submit --dry-run "$cloud" --set 'output.path="/srv/a/b.####.exr"'
+expect 0 "1 medium (grid), 0 lights" march submit --dry-run "a#b/scan.json"
+expect 0 "reads      $scratch/a#b/scan.##.nii (medium 0)" march submit --dry-run "a#b/scan.json"
 expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10
 expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=101
 expect 2 "--priority: expected an integer in [0, 100]" march submit --dry-run "$cloud" --priority 101

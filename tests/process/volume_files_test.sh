@@ -30,7 +30,7 @@ refuse() {
     shift 3
     job "$file" "$@"
     expect "$wanted" timeout 100 march render job.json
-    grep -F "$file" err | grep -qF "$words" || fail "$file: expected \"$words\""
+    grep -F "$file" err | grep -F 'scene.media[0].density.file: ' | grep -qF "$words" || fail "$file: expected its place and \"$words\""
     [ -z "$(ls pictures 2>/dev/null)" ] || fail "$file: left behind: $(ls pictures)"
     rm -rf pictures
 }
