@@ -10,7 +10,7 @@ static void write_phase(FILE *out, const struct scene_medium *medium, const stru
 {
     const char *separator = "";
 
-    fprintf(out, "float medium_%zu_phase(float cos_theta)\n{\n    return ", i);
+    fprintf(out, "float medium_%zu_phase(vec3 incoming, vec3 outgoing)\n{\n    return ", i);
     if (medium->lobe_count == 0) fputs("phase_isotropic()", out);
     for (size_t k = 0; k < medium->lobe_count; ++k) {
         if (features->lobes[k] == LOBE_UNSEEN) continue;
@@ -19,9 +19,10 @@ static void write_phase(FILE *out, const struct scene_medium *medium, const stru
         if (features->lobes[k] == LOBE_ISOTROPIC)
             fputs("phase_isotropic()", out);
         else if (features->lobes[k] == LOBE_RAYLEIGH)
-            fputs("phase_rayleigh(cos_theta)", out);
+            fputs("phase_rayleigh(dot(incoming, outgoing))", out);
         else
-            fprintf(out, "phase_henyey_greenstein(PhaseHenyeyGreenstein(medium_%zu_lobe_%zu_g), cos_theta)", i, k);
+            fprintf(out, "phase_henyey_greenstein(PhaseHenyeyGreenstein(medium_%zu_lobe_%zu_g), incoming, outgoing)", i,
+                    k);
     }
     fputs(";\n}\n", out);
 }

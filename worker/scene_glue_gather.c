@@ -36,11 +36,13 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_pr
     const struct scene_features *features = &program->features;
     const char *separator = "";
 
-    fprintf(out, "%s// Both directions of travel are reversed here, which leaves their cosine as it is.\n", indent);
-    fprintf(out, "%sfloat cos_theta = dot(light.direction, direction);\n%sSpectrum scattered = ", indent, indent);
+    fprintf(out, "%s// Both directions of travel are reversed here, which leaves the angle between them as it is.\n",
+            indent);
+    fprintf(out, "%sSpectrum scattered = ", indent);
     for (size_t i = 0; i < features->medium_count; ++i) {
         if (!features->media[i].scatters) continue;
-        fprintf(out, "%smedium_%zu_sigma_s * (density_%zu * medium_%zu_phase(cos_theta))", separator, i, i, i);
+        fprintf(out, "%smedium_%zu_sigma_s * (density_%zu * medium_%zu_phase(light.direction, direction))", separator,
+                i, i, i);
         separator = " + ";
     }
     fputs(";\n", out);

@@ -220,7 +220,7 @@ static void rayleigh_is_there_when_a_lobe_is(void **state)
 
     assemble(&program, &job, BALL_JOB_SIGMA_S_1 ", \"phase\": [{\"kind\": \"rayleigh\"}]",
              BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    assert_has(&program, "phase_rayleigh(cos_theta)");
+    assert_has(&program, "phase_rayleigh(dot(incoming, outgoing))");
     assert_lacks(&program, "henyey_greenstein");
     release(&program, &job);
 }
