@@ -158,7 +158,10 @@ static bool read_entry(struct entry *entry, const struct brick_source *source, s
     struct nanovdb_bytes file;
     bool ok = false;
 
-    if (!file_version_find(source->path, &entry->volume.version, error)) return false;
+    if (!file_version_find(source->path, &entry->volume.version, NULL)) {
+        error_set_errno(error, errno, "cannot open");
+        return false;
+    }
     if (!read_file(open_file(source->path, error), &file, error)) return false;
     hash_bytes(file.bytes, file.size_bytes, entry->volume.hash);
     entry->atlas = is_openvdb(source->path) ? decode_openvdb(source, error) : decode(&file, source, error);

@@ -8,6 +8,7 @@
 #include "worker/worker.h"
 
 #include <errno.h>
+#include <malloc.h>
 #include <poll.h>
 #include <pthread.h>
 #include <signal.h>
@@ -24,6 +25,14 @@ enum {
     // How long an abandoned worker waits for a tile or an encoding to end before it leaves them where they are.
     ABANDON_MS = 2000
 };
+
+// Voxels and pictures that are freed go back to the system: left to itself malloc soon puts them on heaps, where a sequence
+// of scans leaves holes that nothing fits into.
+static void keep_memory_whole(void)
+{
+    mallopt(M_MMAP_THRESHOLD, 4 * 1024 * 1024);
+    mallopt(M_TRIM_THRESHOLD, 8 * 1024 * 1024);
+}
 
 static int64_t now_ms(void)
 {
@@ -144,6 +153,7 @@ int main(int argc, char *argv[])
         return 2;
     }
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    keep_memory_whole();
     signal_fd = open_signals();
     if (signal_fd < 0 || !worker_init(&worker, &options)) return 1;
     // Threads that do not end, or were not all started, are left to the end of the process.
