@@ -68,11 +68,22 @@ static char *write_lines(const struct glsl_names *names, const char *prefix)
     return lines;
 }
 
+// What the user calls the text of a medium in messages.
+static const char *text_name(const struct density_site *site)
+{
+#define PLACE(medium) "scene.media[" #medium "].density.source"
+    static const char *const places[SCENE_MEDIUM_LIMIT] = {PLACE(0), PLACE(1), PLACE(2), PLACE(3),
+                                                           PLACE(4), PLACE(5), PLACE(6), PLACE(7)};
+#undef PLACE
+
+    return site->source->density.glsl.file ? scene_glsl_name(&site->source->density.glsl) : places[site->medium];
+}
+
 static bool load_text(const struct density_site *site, struct density_text *text, struct error *error)
 {
     static const char *const taken[] = {"Spectrum", NULL}; // macros of our modules
     const struct scene_glsl *glsl = &site->source->density.glsl;
-    const char *file = scene_glsl_name(glsl);
+    const char *file = text_name(site);
     struct glsl_names names;
     char *prefix;
 

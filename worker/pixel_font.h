@@ -1,4 +1,4 @@
-// Numbers drawn into a picture: digits, '.', '-', 's' and space, five pixels by seven.
+// Names and numbers drawn into a picture: digits, letters as capitals, '.', '-', '_' and space, five pixels by seven.
 #pragma once
 
 #include <stddef.h>
@@ -8,4 +8,5 @@ enum { PIXEL_FONT_WIDTH = 5, PIXEL_FONT_HEIGHT = 7 };
 // Draws `text` white on a black box with its upper left corner at (x, y), `scale` times as large; what lies outside the
 // picture, and characters the font lacks, are left out. `rgb`: 3 bytes a pixel.
 void pixel_font_draw(unsigned char *rgb, int width_px, int height_px, int x, int y, int scale, const char *text);
-int pixel_font_height(int scale); // of the box
+int pixel_font_height(int scale);              // of the box
+int pixel_font_count(int width_px, int scale); // how many characters' box is no wider than that

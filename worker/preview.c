@@ -199,9 +199,13 @@ static void draw_tile(struct sheet *sheet, size_t index, float gain)
         for (int i = 0; i < sheet->tile_width * 3; i++)
             row[i] = encode_srgb(*tile++, gain);
     }
-    if (params->labels && params->labels[index])
+    if (params->labels && params->labels[index]) {
+        char *label = xasprintf("%.*s", pixel_font_count(sheet->tile_width, scale), params->labels[index]);
+
         pixel_font_draw(sheet->rgb, sheet->width, sheet->height, left,
-                        top + sheet->tile_height - pixel_font_height(scale), scale, params->labels[index]);
+                        top + sheet->tile_height - pixel_font_height(scale), scale, label);
+        free(label);
+    }
 }
 
 bool preview_write_sheet(const struct preview_params *params, struct preview_result *result, struct error *error)

@@ -263,6 +263,23 @@ static void the_text_is_a_module_of_its_own(void **state)
     job_finish(&job);
 }
 
+static void a_text_without_a_file_is_told_by_its_place(void **state)
+{
+    struct error error = {{0}};
+    struct scene_program program;
+    struct job job;
+
+    parse(&job, OWN("0, 0, 0", "\"sigma_s\": 2, \"sigma_a\": 1") "," OWN("0, 0, 0", "\"sigma_s\": 2, \"sigma_a\": 1"));
+    set_text(&job, 0, "float density(vec3 p, float t) { return 1.0; }");
+    set_text(&job, 1, "\nfloat density(vec3 p) { return 1.0; }");
+    free(job.scene.media[1].density.glsl.file);
+    job.scene.media[1].density.glsl.file = NULL;
+    assert_false(scene_program_init(&program, &job, NULL, NULL, &error));
+    if (!strstr(error.message, "scene.media[1].density.source:2: ")) fail_msg("%s", error.message);
+    scene_program_finish(&program);
+    job_finish(&job);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -273,6 +290,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(mistakes_are_told_with_file_and_line),
         cmocka_unit_test(a_loop_without_end_is_not_taken_for_a_picture),
         cmocka_unit_test(the_text_is_a_module_of_its_own),
+        cmocka_unit_test(a_text_without_a_file_is_told_by_its_place),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations

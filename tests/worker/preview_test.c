@@ -6,6 +6,7 @@
 #include "worker/image_exr.h"
 #include "worker/pixel_font.h"
 
+#include <ctype.h>
 #include <fcntl.h>
 #include <math.h>
 #include <png.h>
@@ -242,6 +243,31 @@ static void label_is_cut_at_the_edge(void **state)
     assert_int_equal(rgb[(3 * 4 + 3) * 3], 0);
 }
 
+static void names_of_files_can_be_told_apart(void **state)
+{
+    static const char characters[] = "0123456789.-_abcdefghijklmnopqrstuvwxyz";
+    enum { WIDTH = PIXEL_FONT_WIDTH + 2, HEIGHT = PIXEL_FONT_HEIGHT + 2, COUNT = sizeof characters - 1 };
+    unsigned char rgb[COUNT][WIDTH * HEIGHT * 3] = {0}, capital[WIDTH * HEIGHT * 3];
+
+    for (int i = 0; i < COUNT; i++) {
+        const char lower[] = {characters[i], 0}, upper[] = {(char)toupper(characters[i]), 0};
+
+        pixel_font_draw(rgb[i], WIDTH, HEIGHT, 0, 0, 1, lower);
+        assert_non_null(memchr(rgb[i], 255, sizeof rgb[i]));
+        for (int j = 0; j < i; j++)
+            assert_memory_not_equal(rgb[i], rgb[j], sizeof rgb[i]);
+        pixel_font_draw(capital, WIDTH, HEIGHT, 0, 0, 1, upper);
+        assert_memory_equal(capital, rgb[i], sizeof capital);
+    }
+}
+
+static void box_of_a_label_fits_its_tile(void **state)
+{
+    assert_int_equal(pixel_font_count(2 * (3 * (PIXEL_FONT_WIDTH + 1) + 1), 2), 3);
+    assert_int_equal(pixel_font_count(2 * (3 * (PIXEL_FONT_WIDTH + 1) + 1) - 1, 2), 2);
+    assert_int_equal(pixel_font_count(0, 2), 0);
+}
+
 static void sheet_is_laid_out_near_three_to_two(void **state)
 {
     struct folder folder;
@@ -349,6 +375,8 @@ int main(void)
         cmocka_unit_test(smaller_tile_holds_the_mean_of_linear_light),
         cmocka_unit_test(label_stands_in_the_lower_left_corner),
         cmocka_unit_test(label_is_cut_at_the_edge),
+        cmocka_unit_test(names_of_files_can_be_told_apart),
+        cmocka_unit_test(box_of_a_label_fits_its_tile),
         cmocka_unit_test(sheet_is_laid_out_near_three_to_two),
         cmocka_unit_test(file_that_does_not_fit_or_cannot_be_read_is_named),
         cmocka_unit_test(film_has_a_whole_picture_for_each_file),
