@@ -3,7 +3,7 @@
 # frames, not other jobs, and not the workers.
 . "$(dirname "$0")/farm.sh"
 
-limit_s=4
+limit_s=6
 cat >"$scratch/endless.glsl" <<'GLSL'
 #define SIN_16(x) sin(sin(sin(sin(sin(sin(sin(sin(sin(sin(sin(sin(sin(sin(sin(sin(x))))))))))))))))
 
@@ -48,7 +48,7 @@ wait_until 20 "two workers are ready" eval '[ "$(ask worker.list | jq "[.result.
 # No frame of another job waits behind one of which nobody knows how long it takes.
 alone=$(submit "$(endless alone 0 -1)")
 wait_until 10 "it is begun" eval '[ "$(field "$alone" .state)" = running ]'
-other=$(submit "$(job 40-51)")
+other=$(submit "$(job 40-41)")
 wait_state "$other" succeeded
 expect "the endless one, after the other job" "$(field "$alone" .state)" running
 wait_state "$alone" failed

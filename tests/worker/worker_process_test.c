@@ -106,7 +106,7 @@ static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
     assert_true(fd >= 0);
     format_document(document, sizeof document, 33, 20, 0.02, "verify");
     assert_true(job_parse(&job, document, strlen(document), child.root, NULL));
-    if (!gate_check(&(struct gate_params){.fd = fd, .job = &job, .frame = 12}, &file, &error))
+    if (!gate_check(&(struct gate_params){.fd = fd, .job = &job, .picture_hash = job.hash, .frame = 12}, &file, &error))
         fail_msg("%s", error.message);
     assert_int_equal(strtoull(worker_child_text_of(&message, "inode"), NULL, 10), file.inode);
     assert_int_equal(worker_child_integer_of(&message, "size_bytes"), file.size_bytes);
