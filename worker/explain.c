@@ -15,6 +15,7 @@ struct listing {
     struct json_writer *writer;
     const struct job *job;
     const struct scene_program *program;
+    const struct scene_inputs *inputs; // of the first frame
     bool of_modelled;
 };
 
@@ -59,6 +60,21 @@ static void list_region(const struct listing *listing, size_t i)
     say_of_medium(listing, i, features->is_even, "closed form",
                   features->is_even ? "density is the same throughout: columns are lengths, and need no steps"
                                     : "density varies from place to place");
+}
+
+// A camera that misses the box sees nothing, and only the file says where that is.
+static void list_voxels(const struct listing *listing, size_t i)
+{
+    const struct scene_input *input = &listing->inputs->media[i];
+    const int *size = input->header.size;
+    double low[3], high[3];
+    char why[200];
+
+    if (!input->source) return;
+    scene_input_box(input, job_frame_time(listing->job, frame_range_at(&listing->job->frames, 0)), low, high);
+    snprintf(why, sizeof why, "%d x %d x %d, from (%g, %g, %g) to (%g, %g, %g) m", size[0], size[1], size[2], low[0],
+             low[1], low[2], high[0], high[1], high[2]);
+    say_of_medium(listing, i, true, "voxels", why);
 }
 
 static void list_phase(const struct listing *listing, size_t i)
@@ -116,6 +132,7 @@ static void list_medium(const struct listing *listing, size_t i)
         say(listing, is_seen, name, is_seen ? "%s density" : "its %s density is 0, or it does nothing",
             density_kind_of(density)->name);
     if (!is_seen) return;
+    list_voxels(listing, i);
     list_region(listing, i);
     list_coefficients(listing, i);
     if (features->media[i].scatters && features->has_lights) list_phase(listing, i);
@@ -258,7 +275,7 @@ bool explain_write(const struct job *job, const char *shader_dir, struct json_wr
 {
     struct scene_program program = {0};
     struct scene_inputs inputs = {0};
-    struct listing listing = {.writer = writer, .job = job, .program = &program};
+    struct listing listing = {.writer = writer, .job = job, .program = &program, .inputs = &inputs};
 
     if (!scene_inputs_open(&inputs, job, frame_range_at(&job->frames, 0), NULL, NULL, error)) return false;
     if (!scene_program_init(&program, job, &inputs, shader_dir, error)) {

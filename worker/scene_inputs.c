@@ -159,6 +159,29 @@ void scene_input_place(const struct scene_input *input, double time, double inde
     }
 }
 
+void scene_input_box(const struct scene_input *input, double time, double low[static 3], double high[static 3])
+{
+    double matrix[12], middle[3], half[3];
+
+    scene_input_place(input, time, matrix);
+    for (int axis = 0; axis < 3; ++axis) {
+        const int *first = input->bricks ? input->bricks->atlas->voxel_min : NULL;
+        double begin = first ? first[axis] - 1.0 : -0.5;
+        double end = first ? input->bricks->atlas->voxel_max[axis] + 1.0 : input->header.size[axis] - 0.5;
+
+        middle[axis] = 0.5 * (begin + end);
+        half[axis] = 0.5 * (end - begin);
+    }
+    for (int row = 0; row < 3; ++row) {
+        const double *from = &matrix[4 * row];
+        double reach = fabs(from[0]) * half[0] + fabs(from[1]) * half[1] + fabs(from[2]) * half[2];
+        double at = from[0] * middle[0] + from[1] * middle[1] + from[2] * middle[2] + from[3];
+
+        low[row] = at - reach;
+        high[row] = at + reach;
+    }
+}
+
 static double edge_of(const struct volume *header, int axis)
 {
     const double *matrix = header->index_to_world;

@@ -64,3 +64,5 @@ bool scene_input_check(const struct scene_input *input, struct error *error);
 bool scene_input_open_volume(const struct scene_input *input, struct volume **volume, struct error *error);
 // Metres of voxel (i, j, k)'s centre at a time, row-major 3x4, with the grid's middle where the job wants it.
 void scene_input_place(const struct scene_input *input, double time, double index_to_world[static 12]);
+// The smallest box along the world's axes, in metres, outside of which the grid has nothing at that time.
+void scene_input_box(const struct scene_input *input, double time, double low[static 3], double high[static 3]);

@@ -37,6 +37,10 @@ expect 0 march render jobs/grid.json
 expect 0 march explain jobs/grid.json
 grep -q 'density/grid_linear.glsl' out || fail "the modules of a grid"
 grep -q 'transfer/' out && fail "no transfer function, no look-up"
+grep -E '^ *medium 0: voxels ' out | grep -qF ' 8 x 8 x 8, from (-0.5, -0.5, -0.5) to (0.5, 0.5, 0.5) m' || fail "where the voxels are"
+expect 0 march explain jobs/grid.json --set scene.media[0].density.spacing=[1,2,0.5] --set scene.media[0].density.center=[1,0,0]
+grep -qF 'from (-3, -8, -2) to (5, 8, 2) m' out || fail "where the voxels are with a spacing and a center"
+expect 0 march explain jobs/grid.json
 grep -q 'step 0.0625 m' out || fail "a step in voxels is told in metres"
 expect 0 march explain jobs/grid.json --set scene.media[0].density.interpolation=nearest
 grep -q 'density/grid_linear.glsl' out && fail "nearest needs no interpolation"
