@@ -126,7 +126,8 @@ void report_frame_failed(struct connection *connection, const struct assignment_
     static const char *const names[] = {"job", "frame", "worker", "output"};
     struct json_writer writer = {0};
 
-    log_error("job %" PRId64 " frame %d attempt %d (%s): %s", frame->job->id, frame->frame, frame->attempt,
+    // Whoever gave the frame tells of it, in the user's words.
+    log_debug("job %" PRId64 " frame %d attempt %d (%s): %s", frame->job->id, frame->frame, frame->attempt,
               names[fault], reason);
     begin_frame(&writer, "frame.failed", frame->job->id, frame->frame, frame->attempt);
     json_write_string_member(&writer, "fault", names[fault]);

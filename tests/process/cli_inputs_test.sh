@@ -50,6 +50,7 @@ expect 0 march validate jobs/grid.json
 head -c 511 /dev/zero >jobs/v_8x8x8xuint8.raw
 expect 1 march render jobs/grid.json
 grep -q 'scene.media\[0\].density.file: .*v_8x8x8xuint8.raw: ' err || fail "a short file is told with its place"
+grep -q ' attempt ' err && fail "a failure is told in the worker's words too"
 rm jobs/v_8x8x8xuint8.raw
 expect 2 march render jobs/grid.json
 grep -q 'scene.media\[0\].density.file: .*v_8x8x8xuint8.raw: ' err || fail "a missing file is told with its place"
