@@ -89,7 +89,7 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
     fputs("    {\n", out);
     if (is_by_angle)
         fprintf(out,
-                "        PlacementAngle way = placement_angle(light_%zu_position - point, direction, seen, "
+                "        PlacementAngle way = placement_angle(light_%zu_position - start, direction, seen, "
                 "spectrum_min(sigma_t));\n",
                 i);
     else
@@ -99,7 +99,7 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
     fprintf(out, "            Placed placed = placement_%s_at(way, placed_share(i));\n",
             is_by_angle ? "angle" : "transmittance");
     fprintf(out,
-            "            vec3 place = point + placed.at * direction;\n"
+            "            vec3 place = start + placed.at * direction;\n"
             "            LightSample light = light_%zu(place);\n",
             i);
     write_scattered(out, "            ", program);
@@ -107,7 +107,24 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
           "            Spectrum left = media_transmittance(column) * exp(-sigma_t * placed.at);\n"
           "            sum += scattered * left * (placed_weight(i) * placed.weight);\n        }\n",
           out);
-    fprintf(out, "        gathered.radiance += gathered.transmittance * light_%zu_intensity * sum;\n    }\n", i);
+    fprintf(out, "        gathered.radiance += passed * light_%zu_intensity * sum;\n    }\n", i);
+}
+
+// What the points of all lights are placed in: the whole stretch, or each piece of it.
+static void begin_placed(FILE *out, const struct scene_features *features)
+{
+    // Of what is farther than this optical depth, 2e-9 is left.
+    fputs("    float seen = min(length, 20.0 / max(spectrum_min(sigma_t), 1e-30));\n", out);
+    if (!features->extinction_is_rgb) {
+        fputs("    vec3 start = point;\n    Spectrum passed = gathered.transmittance;\n", out);
+        return;
+    }
+    fputs("    vec3 ends = placement_cut(sigma_t, seen);\n    float begin = 0.0;\n"
+          "    for (int piece = 0; piece < 3; begin = ends[piece], ++piece) {\n"
+          "        seen = ends[piece] - begin;\n        if (count == 0 || seen <= 0.0) continue;\n"
+          "        vec3 start = point + begin * direction;\n"
+          "        Spectrum passed = gathered.transmittance * exp(-sigma_t * begin);\n",
+          out);
 }
 
 static void write_all_placed(FILE *out, const struct scene *scene, const struct scene_program *program)
@@ -123,10 +140,10 @@ static void write_all_placed(FILE *out, const struct scene *scene, const struct 
         separator = " + ";
     }
     fputs(" > 0.0 ? PLACED_COUNT : 0;\n", out);
-    // Of what is farther than this optical depth, 2e-9 is left.
-    fputs("    float seen = min(length, 20.0 / max(spectrum_min(sigma_t), 1e-30));\n", out);
+    begin_placed(out, features);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], program, i);
+    if (features->extinction_is_rgb) fputs("    }\n", out);
 }
 
 static void write_sigma_t(FILE *out, const struct scene_program *program)

@@ -129,6 +129,7 @@ static void add_placement(struct assembly *assembly)
     const struct scene *scene = &assembly->job->scene;
 
     add_module(assembly, "placement/share.glsl");
+    if (assembly->program->features.extinction_is_rgb) add_module(assembly, "placement/cut.glsl");
     for (size_t i = 0; i < scene->light_count; ++i)
         if (assembly->program->features.light_is_seen[i])
             add_module(assembly, scene_light_is_inverse_square(&scene->lights[i]) ? "placement/angle.glsl"

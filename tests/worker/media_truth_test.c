@@ -2,7 +2,10 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"
+#include "tests/support/assert_near.h"
+#include "tests/support/render_frame.h"
 #include "tests/support/true_light.h"
+#include "worker/image.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -86,6 +89,15 @@ static void an_even_medium_around_a_fractal(void **state)
     assert_true_light(CAMERA_OUTSIDE, SUN, FRACTAL ", " EVEN(SPHERE, COLORS), MIDPOINT, 1.5e-3);
 }
 
+// A sum of first order, along the ray and to the light: 5e-2. What of the even medium lies behind the light is no part of it.
+static void sums_of_even_media_end_at_the_light(void **state)
+{
+    assert_true_light(
+        CAMERA_OUTSIDE,
+        "{ \"kind\": \"point\", \"falloff\": \"none\", \"intensity\": 2, \"position\": [-0.2, 0.1, 0.05] }",
+        FRACTAL ", " EVEN(SPHERE, COLORS), "\"method\": \"riemann\", \"step\": 0.01, \"light_steps\": 32", 7e-2);
+}
+
 static void even_media_without_light_are_exact(void **state)
 {
     static const char *const qualities[] = {MIDPOINT, EQUIANGULAR};
@@ -101,6 +113,30 @@ static void even_media_without_light_are_exact(void **state)
                           EVEN("", "\"sigma_a\": [3, 2, 1], \"emission\": 1") ", " EVEN(SPHERE, "\"sigma_a\": 1"),
                           qualities[i], exact_tolerance);
     }
+}
+
+// Colours fade at different lengths: the mean is a sum of exponentials, whose half has no closed form.
+static void depth_is_where_half_of_all_colours_is_left(void **state)
+{
+    struct still still;
+    struct image image;
+    struct job job;
+    int seen = 0;
+
+    parse(&job, CAMERA_OUTSIDE, "", EVEN(SPHERE, "\"sigma_a\": [0.3, 1, 6]") ", " EVEN(BOX, "\"sigma_a\": [2, 0.5, 0]"),
+          MIDPOINT);
+    render_frame_zero(&job, &image);
+    still_init(&still, &job, job_frame_time(&job, 0));
+    for (int i = 0; i < job.width_px * job.height_px; ++i) {
+        double wanted = reference_measure_depth(&still, i % job.width_px, i / job.width_px);
+
+        // Some 1.5 m from the camera; a step is 0.01 m.
+        assert_near(image.depth[i], wanted, 1e-5);
+        seen += wanted > 0;
+    }
+    assert_true(seen > 20);
+    image_finish(&image);
+    job_finish(&job);
 }
 
 static void a_falloff_softens_a_region(void **state)
@@ -162,6 +198,20 @@ static void thin_and_thick_media_under_every_light(void **state)
     }
 }
 
+// One colour is gone after a thousandth of another's way: without points of its own it is half as bright as it should be.
+// What is left is steep shadows at the ball's rim, seen from where the thickest colour is lit.
+static void colours_of_very_different_thickness(void **state)
+{
+    static const char *const media[] = {EVEN(SPHERE, "\"sigma_s\": [100, 10, 1]"),
+                                        EVEN(SPHERE, "\"sigma_s\": [1, 1000, 30]"),
+                                        EVEN(SPHERE, "\"sigma_s\": [0, 0, 400], \"sigma_a\": [0, 0.1, 0]")};
+
+    for (size_t i = 0; i < sizeof media / sizeof *media; ++i) {
+        assert_true(radiance_error(POINT_OUTSIDE, media[i], EQUIANGULAR) <= 5e-3);
+        assert_true(radiance_error(SUN, media[i], EQUIANGULAR) <= 5e-3);
+    }
+}
+
 static void twice_the_points_are_ten_times_closer(void **state)
 {
     static const char *const counts[] = {"4", "8", "16"}; // 32 are closer than reference/ is
@@ -201,10 +251,13 @@ int main(int argc, char *argv[])
         cmocka_unit_test(even_media_are_marched_with_shadows_in_closed_form),
         cmocka_unit_test(media_of_every_region_overlap),
         cmocka_unit_test(an_even_medium_around_a_fractal),
+        cmocka_unit_test(sums_of_even_media_end_at_the_light),
         cmocka_unit_test(even_media_without_light_are_exact),
+        cmocka_unit_test(depth_is_where_half_of_all_colours_is_left),
         cmocka_unit_test(a_falloff_softens_a_region),
         cmocka_unit_test(points_placed_for_each_light),
         cmocka_unit_test(thin_and_thick_media_under_every_light),
+        cmocka_unit_test(colours_of_very_different_thickness),
         cmocka_unit_test(twice_the_points_are_ten_times_closer),
         cmocka_unit_test(sharp_phases_need_more_points),
     };
