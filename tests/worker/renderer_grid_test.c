@@ -41,19 +41,27 @@ static void write_even(const char *path, unsigned char value)
     volume_maker_write(path, voxels, sizeof voxels);
 }
 
-static struct stage open_stage(const char *path)
+// `medium`: members beside the density, of which `density` has members beside the file.
+static void take_job(struct stage *stage, const char *density, const char *medium)
 {
-    struct stage stage = {.path = path};
     char text[2048];
 
     snprintf(text, sizeof text,
              "{ \"version\": 1, \"name\": \"grid\", \"frames\": \"0-9\", \"fps\": 24, \"resolution\": [8, 8],"
              " \"camera\": { \"position\": [0, 0, 3], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov\": 20 },"
-             " \"scene\": { \"media\": [ { \"density\": { \"kind\": \"grid\", \"file\": \"%s\", \"scale\": 0.1 },"
-             " \"sigma_a\": 0.1 } ] }, \"quality\": { \"method\": \"midpoint\", \"step_voxels\": 0.5 },"
+             " \"scene\": { \"media\": [ { \"density\": { \"kind\": \"grid\", \"file\": \"%s\", %s } %s } ] }, "
+             "\"quality\": { \"method\": \"midpoint\", \"step_voxels\": 0.5 },"
              " \"output\": { \"path\": \"grid.####.exr\" } }",
-             path);
-    if (!job_parse(&stage.job, text, strlen(text), NULL, &stage.error)) fail_msg("%s", stage.error.message);
+             stage->path, density, medium);
+    job_finish(&stage->job);
+    if (!job_parse(&stage->job, text, strlen(text), NULL, &stage->error)) fail_msg("%s", stage->error.message);
+}
+
+static struct stage open_stage(const char *path)
+{
+    struct stage stage = {.path = path};
+
+    take_job(&stage, "\"scale\": 0.1", ", \"sigma_a\": 0.1");
     stage.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &stage.error);
     if (!stage.context) fail_msg("%s", stage.error.message);
     keep_libraries();
@@ -131,6 +139,24 @@ static void changed_file_is_read_again(void **state)
     assert_string_equal(hash, stage.result.picture_hash);
     assert_false(stage.result.is_copy);
     assert_true(thick > thin + 0.1f);
+    close_stage(&stage);
+}
+
+// The file stays, but not where it is empty.
+static void each_transfer_function_finds_its_own_empty_space(void **state)
+{
+    const char *path = temp_folder_path(state, "v_8x8x8xuint8.raw");
+    struct stage stage;
+
+    write_even(path, 50);
+    stage = open_stage(path);
+    take_job(&stage, "\"transfer_function\": [[100, 1, 1, 1, 0], [200, 1, 1, 1, 0.5]], \"unit_distance\": 0.1", "");
+    assert_true(alpha(&stage, 0) == 0);
+    take_job(&stage, "\"transfer_function\": [[0, 1, 1, 1, 0], [100, 1, 1, 1, 0.5]], \"unit_distance\": 0.1", "");
+    assert_true(alpha(&stage, 0) > 0.5f);
+    assert_int_equal(stage.slabs, 0);
+    take_job(&stage, "\"transfer_function\": [[100, 1, 1, 1, 0], [200, 1, 1, 1, 0.5]], \"unit_distance\": 0.1", "");
+    assert_true(alpha(&stage, 0) == 0);
     close_stage(&stage);
 }
 
@@ -225,6 +251,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(file_that_stays_is_read_once),
         TEST(changed_file_is_read_again),
+        TEST(each_transfer_function_finds_its_own_empty_space),
         TEST(file_changed_while_it_is_read_fails_the_frame),
         TEST(each_frame_of_a_sequence_has_its_file),
         TEST(missing_file_is_the_jobs_fault),
