@@ -115,6 +115,14 @@ static void glow_before_a_background(void **state)
                           "\"sigma_s\": 0, \"sigma_a\": [3, 6, 9], \"emission\": [2, 1, 0.5]") " ] }");
 }
 
+// Nothing else in the scene has a colour, and yet it is followed as three numbers.
+static void grey_before_a_coloured_background(void **state)
+{
+    assert_true_light("\"lights\": [ { \"kind\": \"sun\", \"intensity\": 3, \"direction\": [0.3, -1, 0.9] } ],"
+                      " \"background\": [0.3, 0.2, 0.9],"
+                      " \"scene\": { \"media\": [ " FRACTAL("\"sigma_s\": 3, \"sigma_a\": 2") " ] }");
+}
+
 static void glow_that_absorbs_nothing(void **state)
 {
     assert_true_light(
@@ -129,6 +137,7 @@ int main(void)
         cmocka_unit_test(media_that_overlap),
         cmocka_unit_test(light_inside_a_medium),
         cmocka_unit_test(glow_before_a_background),
+        cmocka_unit_test(grey_before_a_coloured_background),
         cmocka_unit_test(glow_that_absorbs_nothing),
     };
 
