@@ -109,7 +109,8 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     case RETRY_FRAME:
     case RETRY_FAIL_FRAME:
         queue_fail(farm->queue, &end->ticket, action == RETRY_FAIL_FRAME, NULL);
-        if (end->fault == RETRY_FAULT_ENDLESS && is_hopeless(end->record->queued)) fail_job(farm, end);
+        if (action == RETRY_FAIL_FRAME && end->fault >= RETRY_FAULT_LOST && is_hopeless(end->record->queued))
+            fail_job(farm, end);
         break;
     case RETRY_FREE:
         queue_return(farm->queue, &end->ticket);

@@ -32,8 +32,8 @@ enum retry_action retry_decide(enum retry_fault fault, bool is_started, int trie
 
 enum { RETRY_ENDLESS_LIMIT = 3 };
 
-// Whether a job is failed as a whole, after a frame was failed for RETRY_FAULT_ENDLESS: when so many frames failed and none
-// was ever made, workers are not spent on the others.
+// Whether a job is failed as a whole, after a frame was failed for RETRY_FAULT_LOST or RETRY_FAULT_ENDLESS: when so many
+// frames failed and none was ever made, workers are not spent on the others.
 bool retry_gives_up_job(int64_t failed, int64_t done);
 
 // Of a slot whose worker cannot start, or dies before it finishes a frame. The zero value waits for nothing.

@@ -41,6 +41,14 @@ expect "logged" "$(ask job.log "{\"id\":$id,\"frame\":5}" | jq '.result.attempts
     fail "the log lacks what the worker wrote: $(ask job.log "{\"id\":$id}")"
 stop_daemon
 
+# When no frame at all can be made, the job is given up: its frames do not take the workers down one by one.
+start_daemon --worker-program "$(stub crash)" --max-attempts 1
+id=$(submit "$(job 1-200 '.output.path = "hopeless/h.####.exr"')")
+wait_state "$id" failed 60
+[[ $(field "$id" .reason) == *"exit status"* || $(field "$id" .reason) == *signal* ]] || fail "the reason: $(field "$id" .reason)"
+[ "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')" -le 5 ] || fail "too many frames were tried"
+stop_daemon
+
 # A daemon killed in mid-job, three times: the job goes on where it was.
 worker=$(stub write:20)
 start_daemon --worker-program "$worker"
