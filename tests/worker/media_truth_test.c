@@ -98,6 +98,17 @@ static void sums_of_even_media_end_at_the_light(void **state)
         FRACTAL ", " EVEN(SPHERE, COLORS), "\"method\": \"riemann\", \"step\": 0.01, \"light_steps\": 32", 7e-2);
 }
 
+// Their samples lie where they lie, in front of a region and behind it, too. Of first order: 1 %.
+static void sums_of_one_medium_end_with_its_region(void **state)
+{
+    static const char *const quality = "\"method\": \"riemann\", \"step\": 0.005, \"light_steps\": 64";
+
+    assert_true_light(CAMERA_OUTSIDE, POINT_OUTSIDE, EVEN(BOX, COLORS), quality, 3e-2);
+    assert_true_light(CAMERA_OUTSIDE, POINT_OUTSIDE,
+                      "{ \"density\": { \"kind\": \"noise\", \"frequency\": 2, \"scale\": 3" SPHERE " }, " COLORS " }",
+                      quality, 3e-2);
+}
+
 static void even_media_without_light_are_exact(void **state)
 {
     static const char *const qualities[] = {MIDPOINT, EQUIANGULAR};
@@ -252,6 +263,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(media_of_every_region_overlap),
         cmocka_unit_test(an_even_medium_around_a_fractal),
         cmocka_unit_test(sums_of_even_media_end_at_the_light),
+        cmocka_unit_test(sums_of_one_medium_end_with_its_region),
         cmocka_unit_test(even_media_without_light_are_exact),
         cmocka_unit_test(depth_is_where_half_of_all_colours_is_left),
         cmocka_unit_test(a_falloff_softens_a_region),
