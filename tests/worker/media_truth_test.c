@@ -126,28 +126,40 @@ static void even_media_without_light_are_exact(void **state)
     }
 }
 
-// Colours fade at different lengths: the mean is a sum of exponentials, whose half has no closed form.
-static void depth_is_where_half_of_all_colours_is_left(void **state)
+static void assert_true_depth(const char *lights, const char *media, const char *quality)
 {
     struct still still;
     struct image image;
     struct job job;
     int seen = 0;
 
-    parse(&job, CAMERA_OUTSIDE, "", EVEN(SPHERE, "\"sigma_a\": [0.3, 1, 6]") ", " EVEN(BOX, "\"sigma_a\": [2, 0.5, 0]"),
-          MIDPOINT);
+    parse(&job, CAMERA_OUTSIDE, lights, media, quality);
     render_frame_zero(&job, &image);
     still_init(&still, &job, job_frame_time(&job, 0));
     for (int i = 0; i < job.width_px * job.height_px; ++i) {
         double wanted = reference_measure_depth(&still, i % job.width_px, i / job.width_px);
 
-        // Some 1.5 m from the camera; a step is 0.01 m.
-        assert_near(image.depth[i], wanted, 1e-5);
+        // Some 2 m from the camera, the sum of up to 100 steps.
+        assert_near(image.depth[i], wanted, 2e-5);
         seen += wanted > 0;
     }
     assert_true(seen > 20);
     image_finish(&image);
     job_finish(&job);
+}
+
+// Colours fade at different lengths: the mean is a sum of exponentials, whose half has no closed form.
+static void depth_is_where_half_of_all_colours_is_left(void **state)
+{
+    assert_true_depth("", EVEN(SPHERE, "\"sigma_a\": [0.3, 1, 6]") ", " EVEN(BOX, "\"sigma_a\": [2, 0.5, 0]"),
+                      MIDPOINT);
+}
+
+// A ray that goes on for others has more than half again, and loses it a second time.
+static void depth_is_where_half_is_lost_first(void **state)
+{
+    assert_true_depth(POINT_OUTSIDE, EVEN(SPHERE, "\"sigma_s\": 2, \"sigma_a\": 4"),
+                      MIDPOINT ", \"roulette\": { \"below\": 0.45, \"survive\": 0.5 }");
 }
 
 static void a_falloff_softens_a_region(void **state)
@@ -239,6 +251,13 @@ static void twice_the_points_are_ten_times_closer(void **state)
     }
 }
 
+// Beyond 64 they are several rules, one behind the other.
+static void many_points_cover_the_whole_way(void **state)
+{
+    assert_true(radiance_error(POINT_OUTSIDE, EVEN(SPHERE, COLORS), "\"method\": \"equiangular\", \"points\": 150") <
+                1e-4);
+}
+
 static void sharp_phases_need_more_points(void **state)
 {
     static const struct {
@@ -266,11 +285,13 @@ int main(int argc, char *argv[])
         cmocka_unit_test(sums_of_one_medium_end_with_its_region),
         cmocka_unit_test(even_media_without_light_are_exact),
         cmocka_unit_test(depth_is_where_half_of_all_colours_is_left),
+        cmocka_unit_test(depth_is_where_half_is_lost_first),
         cmocka_unit_test(a_falloff_softens_a_region),
         cmocka_unit_test(points_placed_for_each_light),
         cmocka_unit_test(thin_and_thick_media_under_every_light),
         cmocka_unit_test(colours_of_very_different_thickness),
         cmocka_unit_test(twice_the_points_are_ten_times_closer),
+        cmocka_unit_test(many_points_cover_the_whole_way),
         cmocka_unit_test(sharp_phases_need_more_points),
     };
 
