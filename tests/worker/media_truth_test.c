@@ -83,6 +83,17 @@ static void media_of_every_region_overlap(void **state)
                       MIDPOINT, march_tolerance);
 }
 
+#define SMOKE(X)                                                                                                       \
+    "{ \"density\": { \"kind\": \"noise\", \"frequency\": 2, \"scale\": 4, \"bounds\": { \"kind\": \"sphere\", "       \
+    "\"center\": [" X ", 0, 0], \"radius\": 0.2, \"falloff\": 0.1 } }, " COLORS " }"
+
+// The way to the sun leads from one through empty space into the other, which is not stepped over.
+static void a_ball_in_another_ones_shadow(void **state)
+{
+    assert_true_light(CAMERA_OUTSIDE, "{ \"kind\": \"sun\", \"intensity\": 1, \"direction\": [1, 0, 0] }",
+                      SMOKE("-0.5") ", " SMOKE("0.5"), MIDPOINT, 1e-3);
+}
+
 static void an_even_medium_around_a_fractal(void **state)
 {
     // No empty space to step over leads to the fractal's faces, where its density has a kink.
@@ -280,6 +291,7 @@ int main(int argc, char *argv[])
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(even_media_are_marched_with_shadows_in_closed_form),
         cmocka_unit_test(media_of_every_region_overlap),
+        cmocka_unit_test(a_ball_in_another_ones_shadow),
         cmocka_unit_test(an_even_medium_around_a_fractal),
         cmocka_unit_test(sums_of_even_media_end_at_the_light),
         cmocka_unit_test(sums_of_one_medium_end_with_its_region),
