@@ -127,6 +127,24 @@ static void the_same_frame_is_the_same_picture(void **state)
     image_finish(&second);
 }
 
+// No ray through the ball comes down to a millionth of a millionth.
+static void rays_above_the_limit_are_left_alone(void **state)
+{
+    struct image with, without;
+    struct job job;
+
+    parse(&job, "", 1);
+    render_frame_zero(&job, &without);
+    job_finish(&job);
+    parse(&job, ", \"roulette\": {\"below\": 1e-12, \"survive\": 0.5}", 1);
+    render_frame_zero(&job, &with);
+    for (size_t i = 0; i < CHANNELS * (size_t)job.width_px * (size_t)job.height_px; i++)
+        assert_true(fabsf(with.rgba[i] - without.rgba[i]) <= 1e-6f * fmaxf(1.0f, without.rgba[i]));
+    job_finish(&job);
+    image_finish(&with);
+    image_finish(&without);
+}
+
 // 200,000 steps through the ball, of which the driver runs 60,000; after as many there is still 1e-13 left.
 static bool renders_endless_march(const char *roulette, struct error *error)
 {
@@ -185,6 +203,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(mean_holds_for_small_odds_from_the_start_on),
         cmocka_unit_test(transmittance_stays_within_one),
         cmocka_unit_test(the_same_frame_is_the_same_picture),
+        cmocka_unit_test(rays_above_the_limit_are_left_alone),
         cmocka_unit_test(rays_end_earlier),
         cmocka_unit_test(no_roulette_no_code),
     };
