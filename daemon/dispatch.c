@@ -30,7 +30,7 @@ size_t dispatch_count(const struct dispatch_load *load)
     if ((int64_t)chunk > share) chunk = (size_t)share;
     in_hand = (double)load->in_hand;
     if (load->strangers_s > 0) in_hand += load->frame_s > 0 ? ceil(load->strangers_s / load->frame_s) : 1;
-    if (in_hand > (double)(chunk / 2)) return 0;
+    if (2 * in_hand > (double)chunk) return 0;
     chunk -= (size_t)in_hand;
     return (int64_t)chunk < load->left ? chunk : (size_t)load->left;
 }
