@@ -1,40 +1,17 @@
 #include "worker/affine.h"
 #include "worker/brick_atlas.h"
 #include "worker/brick_store.h"
-#include "worker/density_kind.h"
+#include "worker/grid_look.h"
 #include "worker/scene_inputs.h"
 #include "worker/sparse_grid.h"
 #include "worker/timeline_value.h"
-#include "worker/transfer_function.h"
 
 #include <assert.h>
-#include <math.h>
-
-static bool is_zero(const struct scene_density *density)
-{
-    const struct scene_grid *grid = &density->grid;
-
-    if (grid->point_count == 0) return timeline_value_is_zero(&grid->scale);
-    return transfer_function_max_opacity(grid->points, grid->point_count, -INFINITY, INFINITY) <= 0;
-}
-
-static bool has_color(const struct scene_density *density)
-{
-    return density->grid.point_count > 0;
-}
 
 static const struct scene_input *input_of(const struct density_site *site)
 {
     assert(site->inputs && site->inputs->media[site->medium].bricks);
     return &site->inputs->media[site->medium];
-}
-
-static void evaluate_to_lattice(const void *source, double time, double value[static 9])
-{
-    double matrix[12], shift[3];
-
-    scene_input_place(source, time, matrix);
-    affine_invert(matrix, value, shift);
 }
 
 static void evaluate_shift(const void *source, double time, double value[static 9])
@@ -70,13 +47,13 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
         const char *name;
         enum frame_value_type type;
         frame_value_evaluate *evaluate;
-    } values[] = {{"to_lattice", FRAME_VALUE_MAT3, evaluate_to_lattice},
+    } values[] = {{"to_lattice", FRAME_VALUE_MAT3, grid_look_evaluate_to_voxels},
                   {"shift", FRAME_VALUE_VEC3, evaluate_shift},
                   {"low", FRAME_VALUE_VEC3, evaluate_low},
                   {"high", FRAME_VALUE_VEC3, evaluate_high}};
     const struct scene_input *input = input_of(site);
     const struct scene_blackbody *blackbody = &site->source->blackbody;
-    bool is_still = !input->source->has_center || timeline_is_constant(&input->source->center);
+    bool is_still = grid_look_is_still(input->source);
 
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
         frame_uniforms_add(uniforms,
@@ -88,16 +65,7 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
                                                 .max = value_range_any.max,
                                                 .meaning = "density.file"},
                            "medium_%zu_%s", site->medium, values[i].name);
-    if (input->source->point_count > 0)
-        frame_uniforms_add(uniforms,
-                           timeline_value(&input->source->unit_distance, FRAME_VALUE_FLOAT, value_range_positive,
-                                          "density.unit_distance"),
-                           "medium_%zu_unit_distance", site->medium);
-    else
-        frame_uniforms_add(
-            uniforms,
-            timeline_value(&input->source->scale, FRAME_VALUE_FLOAT, value_range_not_negative, "density.scale"),
-            "medium_%zu_scale", site->medium);
+    grid_look_add_values(uniforms, site);
     if (!blackbody->grid_name) return;
     frame_uniforms_add(uniforms,
                        timeline_value(&blackbody->kelvin, FRAME_VALUE_FLOAT, value_range_any, "blackbody.kelvin"),
@@ -141,19 +109,6 @@ static void write_glow(FILE *out, const char *filter, size_t i)
             i, i, i, i, filter, i, i, i);
 }
 
-static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
-{
-    char prefix[32];
-
-    snprintf(prefix, sizeof prefix, "medium_%zu", i);
-    transfer_function_write(out, prefix, grid->points, grid->point_count);
-    fprintf(out,
-            "float medium_%zu_density(vec3 field)\n{\n"
-            "    return transfer_extinction(field.x, medium_%zu_unit_distance);\n}\n"
-            "vec3 medium_%zu_color(vec3 field)\n{\n    return medium_%zu_rgb(field.z);\n}\n",
-            i, i, i, i);
-}
-
 static void write(FILE *out, const struct density_site *site)
 {
     const char *filter = site->source->density.grid.is_nearest ? "nearest" : "linear";
@@ -170,7 +125,7 @@ static void write(FILE *out, const struct density_site *site)
             "vec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n"
             "    return density_bricks_span(medium_%zu_bricks(), origin, direction);\n}\n",
             i, i);
-    if (is_transfer) write_transfer(out, &site->source->density.grid, i);
+    if (is_transfer) grid_look_write_transfer(out, &site->source->density.grid, i);
     fprintf(out,
             "// %s, how far ahead there is none, and the value.\n"
             "vec3 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
@@ -196,8 +151,8 @@ const struct density_kind density_kind_bricks = {
     .field_type = "vec3",
     .has_support = true,
     .takes_direction = true,
-    .is_zero = is_zero,
-    .has_color = has_color,
+    .is_zero = grid_look_is_zero,
+    .has_color = grid_look_has_color,
     .add_values = add_values,
     .modules = modules,
     .write = write,

@@ -1,38 +1,15 @@
 #include "worker/affine.h"
-#include "worker/density_kind.h"
 #include "worker/gl_grid.h"
+#include "worker/grid_look.h"
 #include "worker/scene_inputs.h"
 #include "worker/timeline_value.h"
-#include "worker/transfer_function.h"
 
 #include <assert.h>
-#include <math.h>
-
-static bool is_zero(const struct scene_density *density)
-{
-    const struct scene_grid *grid = &density->grid;
-
-    if (grid->point_count == 0) return timeline_value_is_zero(&grid->scale);
-    return transfer_function_max_opacity(grid->points, grid->point_count, -INFINITY, INFINITY) <= 0;
-}
-
-static bool has_color(const struct scene_density *density)
-{
-    return density->grid.point_count > 0;
-}
 
 static const struct scene_input *input_of(const struct density_site *site)
 {
     assert(site->inputs && site->inputs->media[site->medium].source);
     return &site->inputs->media[site->medium];
-}
-
-static void evaluate_to_index(const void *source, double time, double value[static 9])
-{
-    double matrix[12], shift[3];
-
-    scene_input_place(source, time, matrix);
-    affine_invert(matrix, value, shift);
 }
 
 static void evaluate_shift(const void *source, double time, double value[static 9])
@@ -72,14 +49,13 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
         enum frame_value_type type;
         bool is_placed; // it moves with the grid's middle
         frame_value_evaluate *evaluate;
-    } values[] = {{"to_index", FRAME_VALUE_MAT3, false, evaluate_to_index},
+    } values[] = {{"to_index", FRAME_VALUE_MAT3, false, grid_look_evaluate_to_voxels},
                   {"shift", FRAME_VALUE_VEC3, true, evaluate_shift},
                   {"size", FRAME_VALUE_VEC3, false, evaluate_size},
                   {"slope", FRAME_VALUE_FLOAT, false, evaluate_slope},
                   {"intercept", FRAME_VALUE_FLOAT, false, evaluate_intercept}};
     const struct scene_input *input = input_of(site);
-    const struct scene_grid *grid = input->source;
-    bool is_still = !grid->has_center || timeline_is_constant(&grid->center);
+    bool is_still = grid_look_is_still(input->source);
     size_t medium = site->medium;
 
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
@@ -93,15 +69,7 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
                                  .max = value_range_any.max,
                                  .meaning = "density.file"},
             "medium_%zu_%s", medium, values[i].name);
-    if (grid->point_count > 0)
-        frame_uniforms_add(
-            uniforms,
-            timeline_value(&grid->unit_distance, FRAME_VALUE_FLOAT, value_range_positive, "density.unit_distance"),
-            "medium_%zu_unit_distance", medium);
-    else
-        frame_uniforms_add(uniforms,
-                           timeline_value(&grid->scale, FRAME_VALUE_FLOAT, value_range_not_negative, "density.scale"),
-                           "medium_%zu_scale", medium);
+    grid_look_add_values(uniforms, site);
 }
 
 static const char *const *modules(const struct density_site *site)
@@ -142,21 +110,13 @@ static void write_grid(FILE *out, const struct scene_input *input, size_t i)
 
 static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
 {
-    char prefix[32];
-
-    snprintf(prefix, sizeof prefix, "medium_%zu", i);
-    transfer_function_write(out, prefix, grid->points, grid->point_count);
+    grid_look_write_transfer(out, grid, i);
     fprintf(out,
             "// Opacity, how far ahead the grid is empty, and the value.\n"
             "vec3 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
             "    vec3 at = density_grid_index(medium_%zu_grid(), p);\n    float value = medium_%zu_value(at);\n"
             "    return vec3(medium_%zu_opacity(value), medium_%zu_skip(at, direction), value);\n}\n",
             i, i, i, i, i);
-    fprintf(out,
-            "float medium_%zu_density(vec3 field)\n{\n"
-            "    return transfer_extinction(field.x, medium_%zu_unit_distance);\n}\n"
-            "vec3 medium_%zu_color(vec3 field)\n{\n    return medium_%zu_rgb(field.z);\n}\n",
-            i, i, i, i);
 }
 
 static void write_scale(FILE *out, size_t i)
@@ -191,8 +151,8 @@ const struct density_kind density_kind_grid = {
     .field_type = "vec3",
     .has_support = true,
     .takes_direction = true,
-    .is_zero = is_zero,
-    .has_color = has_color,
+    .is_zero = grid_look_is_zero,
+    .has_color = grid_look_has_color,
     .add_values = add_values,
     .modules = modules,
     .write = write,
