@@ -18,8 +18,9 @@ wait_until 5 "leftovers are gone" eval '[ -z "$(find "$scratch/disk" -name "*.pa
 expect "files" "$(find "$scratch/disk" -name '*.exr' | wc -l)" 40
 
 # A folder that went read-only.
-id=$(submit "$(job 41-60)")
+id=$(submit "$(job 41-60)" true)
 mount -o remount,ro "$scratch/disk"
+ask job.resume "{\"id\":$id}" >/dev/null
 wait_state "$id" paused 30
 [[ $(field "$id" .reason) == "paused: output: "*"ead-only"* ]] || fail "reason: $(field "$id" .reason)"
 expect_error "$(ask job.submit "{\"document\":$(job 1 '.output.path = "new/n.####.exr"')}")" -32602 "output.path"
