@@ -23,6 +23,7 @@ struct attempt_end {
     struct queue_ticket ticket;
     enum retry_fault fault;
     bool is_started;
+    bool is_lost; // the worker went with it
     bool has_row; // a publish intent is in the store
     int worker;
     const char *error;
@@ -132,7 +133,7 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     if (end->is_started) {
         log_info("job %lld frame %d attempt %d: %s", (long long)end->ticket.job, end->ticket.frame, end->ticket.attempt,
                  end->error);
-        store_attempt(farm, end, end->fault >= RETRY_FAULT_LOST ? "lost" : "failed");
+        store_attempt(farm, end, end->is_lost ? "lost" : "failed");
         events_tell_frame(farm->events, &end->ticket, state, end->error);
     }
     farm_want_feed(farm);
@@ -266,6 +267,7 @@ void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, cons
                                   .ticket = frame.ticket,
                                   .fault = is_suspect(worker, &frame) ? RETRY_FAULT_ENDLESS : RETRY_FAULT_LOST,
                                   .is_started = frame.is_started,
+                                  .is_lost = true,
                                   .worker = worker->id,
                                   .error = is_suspect(worker, &frame) ? suspicion : reason,
                                   .log = log};

@@ -10,8 +10,9 @@ enum retry_fault {
     RETRY_FAULT_WORKER, // the worker lost its context; it exits
     RETRY_FAULT_OUTPUT, // disk full or not writable: every frame would meet it
     RETRY_FAULT_LOST,   // the worker died, or was killed by one of its clocks
-    // It was killed by the clock of its progress or of its frame, in a scene with code of the user's own. That would most
-    // likely not end the next time either, and each try holds a worker for minutes: so the frame is failed at once.
+    // The frame does not end: its march takes more turns than GL runs, or it was killed by the clock of its progress or of
+    // its frame in a scene with code of the user's own. It would most likely not end the next time either, and each try
+    // holds a worker: so the frame is failed at once.
     RETRY_FAULT_ENDLESS
 };
 

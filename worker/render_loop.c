@@ -83,6 +83,8 @@ static enum report_fault fault_of(enum renderer_fault fault)
     switch (fault) {
     case RENDERER_FAULT_JOB:
         return REPORT_FAULT_JOB;
+    case RENDERER_FAULT_ENDLESS:
+        return REPORT_FAULT_ENDLESS;
     case RENDERER_FAULT_CONTEXT:
         return REPORT_FAULT_WORKER;
     default:

@@ -393,7 +393,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     result->seconds = now_s() - start;
     result->shader_hash = renderer->shown_hash;
     ok = check_marches(renderer, job, image, error);
-    if (!ok) result->fault = RENDERER_FAULT_JOB;
+    if (!ok) result->fault = RENDERER_FAULT_ENDLESS;
 out:
     free(passes.blocks);
     scene_program_finish(&scene);

@@ -24,7 +24,8 @@ enum report_fault {
     REPORT_FAULT_JOB,    // no frame of it can work
     REPORT_FAULT_FRAME,  // this one does not
     REPORT_FAULT_WORKER, // the context is lost: another worker may do
-    REPORT_FAULT_OUTPUT  // the disk is full or may not be written
+    REPORT_FAULT_OUTPUT, // the disk is full or may not be written
+    REPORT_FAULT_ENDLESS // this one does not, nor would it another time
 };
 
 // Logs the reason too: the log is what a user reads of an attempt.

@@ -381,7 +381,7 @@ static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
     job.quality.step = 2e-5;
     image = make_image(&job);
     assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
-    assert_int_equal(result.fault, RENDERER_FAULT_JOB);
+    assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);
     assert_non_null(strstr(error.message, "quality: pixel"));
     image_finish(&image);
     close_stage(stage);
