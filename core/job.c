@@ -43,6 +43,8 @@ const char *job_method_name(enum job_method method)
         return "midpoint";
     case JOB_METHOD_EQUIANGULAR:
         return "equiangular";
+    case JOB_METHOD_JITTERED:
+        return "jittered";
     }
     return "";
 }

@@ -19,13 +19,16 @@ enum {
     // Software GL ends a loop after 65535 turns, so the shaders' loops are bounded a little below.
     JOB_MARCH_STEPS_LIMIT = 60 * 1000, // along one camera or shadow ray
     JOB_POINT_LIMIT = 1000,            // equiangular points
-    JOB_SAMPLE_LIMIT = 1024            // a pixel
+    JOB_SAMPLE_LIMIT = 1024,           // a pixel
+    JOB_DEPTH_LIMIT = 32,
+    JOB_DEPTH_DEFAULT = 8
 };
 
 enum job_method {
-    JOB_METHOD_RIEMANN,    // right ends, plain sums: the seeds' own
-    JOB_METHOD_MIDPOINT,   // exact exponential a segment, empty space skipped, ends exactly
-    JOB_METHOD_EQUIANGULAR // homogeneous media: closed-form transmittance, points placed for a point light's 1 / r^2
+    JOB_METHOD_RIEMANN,     // right ends, plain sums: the seeds' own
+    JOB_METHOD_MIDPOINT,    // exact exponential a segment, empty space skipped, ends exactly
+    JOB_METHOD_EQUIANGULAR, // homogeneous media: closed-form transmittance, points placed for a point light's 1 / r^2
+    JOB_METHOD_JITTERED     // midpoint, but for where in its segment each sample lies: anywhere, by lot
 };
 
 struct job_quality {
@@ -39,6 +42,11 @@ struct job_quality {
     // Below `roulette_below` a ray goes on with probability `roulette_survive`, its light divided by that (midpoint).
     double roulette_below, roulette_survive; // 0: no roulette
     int samples;                             // per pixel, >= 1: points in the pixel and moments of the shutter
+    // Of scenes with objects. A ray that would be the next is cut, and counted, when it has been reflected or refracted
+    // `max_depth` times before or its throughput (of its strongest colour) is below `min_throughput`.
+    int max_depth;         // [1, JOB_DEPTH_LIMIT]
+    double min_throughput; // [0, 1)
+    double max_cut;        // [0, 1]: a frame fails of whose light cut rays may have taken a larger share
 };
 
 enum job_pixel { JOB_PIXEL_HALF, JOB_PIXEL_FLOAT };

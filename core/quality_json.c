@@ -95,7 +95,7 @@ static bool read_equiangular(const struct json_node *object, struct job_quality 
 
 static bool read_method(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const methods[] = {"riemann", "midpoint", "equiangular", NULL};
+    static const char *const methods[] = {"riemann", "midpoint", "equiangular", "jittered", NULL};
     struct json_node method = json_node_child(object, "method");
     int choice;
 
@@ -105,6 +105,7 @@ static bool read_method(const struct json_node *object, struct job_quality *qual
     case JOB_METHOD_RIEMANN:
         return read_riemann(object, quality, error);
     case JOB_METHOD_MIDPOINT:
+    case JOB_METHOD_JITTERED:
         return read_midpoint(object, quality, error);
     case JOB_METHOD_EQUIANGULAR:
         return read_equiangular(object, quality, error);

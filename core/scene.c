@@ -2,6 +2,7 @@
 
 #include "core/input_path.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -70,6 +71,27 @@ static void visit_medium(struct scene_medium *medium, scene_visitor *visit, void
     }
 }
 
+static void visit_object(struct scene_object *object, scene_visitor *visit, void *user)
+{
+    struct scene_material *material = &object->material;
+
+    visit("albedo", &material->albedo, user);
+    visit("specular", &material->specular, user);
+    visit("reflectance", &material->reflectance, user);
+    visit("ior", &material->ior, user);
+    visit("f0", &material->f0, user);
+    visit("f90", &material->f90, user);
+    visit("roughness", &material->roughness, user);
+}
+
+static void visit_shape(struct scene_shape *shape, scene_visitor *visit, void *user)
+{
+    visit("center", &shape->center, user);
+    visit("radius", &shape->radius, user);
+    visit("size", &shape->size, user);
+    visit("normal", &shape->normal, user);
+}
+
 void scene_visit_timelines(struct scene *scene, scene_visitor *visit, void *user)
 {
     visit("position", &scene->camera.position, user);
@@ -83,6 +105,10 @@ void scene_visit_timelines(struct scene *scene, scene_visitor *visit, void *user
     }
     for (size_t i = 0; i < scene->medium_count; i++)
         visit_medium(&scene->media[i], visit, user);
+    for (size_t i = 0; i < scene->shape_count; i++)
+        visit_shape(&scene->shapes[i], visit, user);
+    for (size_t i = 0; i < scene->object_count; i++)
+        visit_object(&scene->objects[i], visit, user);
     visit("background", &scene->background, user);
 }
 
@@ -112,6 +138,8 @@ void scene_finish(struct scene *scene)
     scene_visit_timelines(scene, finish_timeline, NULL);
     for (size_t i = 0; i < scene->medium_count; i++)
         finish_medium(&scene->media[i]);
+    for (size_t i = 0; i < scene->object_count; i++)
+        free(scene->objects[i].material.texture.file);
     *scene = (struct scene){0};
 }
 
@@ -161,6 +189,16 @@ const char *scene_glsl_name(const struct scene_glsl *glsl)
 
     if (!glsl->file) return "density.source";
     return slash ? slash + 1 : glsl->file;
+}
+
+void scene_format_medium_place(const struct scene *scene, size_t medium, char *place, size_t size)
+{
+    size_t owner = scene->media[medium].owner;
+
+    if (owner > 0)
+        snprintf(place, size, "scene.objects[%zu].material.interior", owner - 1);
+    else
+        snprintf(place, size, "scene.media[%zu]", medium);
 }
 
 const char *scene_find_code(const struct scene *scene)

@@ -267,6 +267,7 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
     case JOB_METHOD_RIEMANN:
         return check_riemann(&check);
     case JOB_METHOD_MIDPOINT:
+    case JOB_METHOD_JITTERED:
         return check_midpoint(&check);
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
