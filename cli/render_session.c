@@ -191,7 +191,7 @@ static void on_skipped(struct session *session, const struct render_ticket *tick
 static enum step on_failed(struct session *session, const struct render_ticket *ticket, const struct json_node *body,
                            struct error *error)
 {
-    static const char *const faults[] = {"job", "frame", "worker", "output", "endless", NULL};
+    static const char *const faults[] = {"job", "frame", "worker", "output", "endless", "cut", NULL};
     struct json_node fault = json_node_child(body, "fault"), text = json_node_child(body, "error");
     const char *why = "failed without saying why";
     int choice = 1;

@@ -5,7 +5,7 @@
 
 enum { BACKOFF_FIRST_MS = 1000, BACKOFF_LIMIT_MS = 60 * 1000 };
 
-const char *const retry_fault_names[] = {"job", "frame", "worker", "output", "lost", "endless", NULL};
+const char *const retry_fault_names[] = {"job", "frame", "worker", "output", "lost", "endless", "cut", NULL};
 
 enum retry_action retry_decide(enum retry_fault fault, bool is_started, int tries, int max_attempts)
 {
@@ -19,6 +19,7 @@ enum retry_action retry_decide(enum retry_fault fault, bool is_started, int trie
         if (!is_started) return RETRY_FREE;
         break;
     case RETRY_FAULT_ENDLESS:
+    case RETRY_FAULT_CUT:
         return is_started ? RETRY_FAIL_FRAME : RETRY_FREE;
     case RETRY_FAULT_FRAME:
         break;
@@ -28,7 +29,7 @@ enum retry_action retry_decide(enum retry_fault fault, bool is_started, int trie
 
 bool retry_gives_up_job(int64_t failed, int64_t done)
 {
-    return failed >= RETRY_ENDLESS_LIMIT && done == 0;
+    return failed >= RETRY_HOPELESS_LIMIT && done == 0;
 }
 
 void retry_backoff_fail(struct retry_backoff *backoff, int64_t now_ms)

@@ -13,10 +13,11 @@ enum retry_fault {
     // The frame does not end: its march takes more turns than GL runs, or it was killed by the clock of its progress or of
     // its frame in a scene with code of the user's own. It would most likely not end the next time either, and each try
     // holds a worker: so the frame is failed at once.
-    RETRY_FAULT_ENDLESS
+    RETRY_FAULT_ENDLESS,
+    RETRY_FAULT_CUT // cut rays may have taken too much of its light; the next try would cut the same
 };
 
-// "job", "frame", "worker", "output", "lost", "endless"; ends in NULL
+// "job", "frame", "worker", "output", "lost", "endless", "cut"; ends in NULL
 extern const char *const retry_fault_names[];
 
 enum retry_action {
@@ -31,10 +32,10 @@ enum retry_action {
 // attempt that failed (struct queue_frame).
 enum retry_action retry_decide(enum retry_fault fault, bool is_started, int tries, int max_attempts);
 
-enum { RETRY_ENDLESS_LIMIT = 3 };
+enum { RETRY_HOPELESS_LIMIT = 3 };
 
-// Whether a job is failed as a whole, after a frame was failed for RETRY_FAULT_LOST or RETRY_FAULT_ENDLESS: when so many
-// frames failed and none was ever made, workers are not spent on the others.
+// Whether a job is failed as a whole, after a frame was failed for RETRY_FAULT_LOST or a fault after it: when so many frames
+// failed and none was ever made, workers are not spent on the others.
 bool retry_gives_up_job(int64_t failed, int64_t done);
 
 // Of a slot whose worker cannot start, or dies before it finishes a frame. The zero value waits for nothing.

@@ -41,6 +41,11 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .renderer = worker->renderer,
         .shader_hash = picture->shader_hash,
         .render_seconds = picture->render_s,
+        .rays = {.is_known = picture->ray_counts.is_known,
+                 .rays_per_pixel = picture->ray_counts.rays,
+                 .cut_rays = picture->ray_counts.cut_rays,
+                 .cut_share = picture->ray_counts.cut_share,
+                 .cut_tolerance = job->quality.max_cut},
         .captured = (int64_t)time(NULL),
     };
 
@@ -82,11 +87,21 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
     return ok;
 }
 
+// What is not worth encoding: a value that no file holds, or too much light that may be missing.
+static bool check_picture(const struct picture *picture, enum report_fault *fault, struct error *error)
+{
+    const struct job *job = &picture->frame->job->job;
+
+    *fault = REPORT_FAULT_FRAME;
+    if (!image_is_finite(&picture->image, job->output.pixel == JOB_PIXEL_HALF, error)) return false;
+    *fault = REPORT_FAULT_CUT;
+    return ray_counts_check(&picture->ray_counts, &job->quality, error);
+}
+
 static void encode(struct worker *worker, struct picture *picture)
 {
     struct assignment_frame *frame = picture->frame;
-    bool is_half = frame->job->job.output.pixel == JOB_PIXEL_HALF;
-    enum report_fault fault = REPORT_FAULT_FRAME;
+    enum report_fault fault;
     struct published_file file;
     struct error error = {0};
     double start_s = now_s();
@@ -95,7 +110,7 @@ static void encode(struct worker *worker, struct picture *picture)
         worker_drop_frame(worker, frame);
         return;
     }
-    if (!image_is_finite(&picture->image, is_half, &error) || !write_part(worker, picture, &file, &fault, &error)) {
+    if (!check_picture(picture, &fault, &error) || !write_part(worker, picture, &file, &fault, &error)) {
         report_frame_failed(&worker->connection, frame, fault, error.message);
         worker_end_frame(worker, frame);
         return;

@@ -5,6 +5,7 @@
 #include "core/job.h"
 #include "worker/image.h"
 #include "worker/image_exr.h"
+#include "worker/scene_features.h"
 
 #include <errno.h>
 #include <string.h>
@@ -19,6 +20,23 @@ static bool check_channel(const char *name, bool found, bool expected, struct er
 {
     if (found == expected) return true;
     error_set(error, "channels: expected %s%s", expected ? "" : "no ", name);
+    return false;
+}
+
+// NaN, of a damaged file, is not within the limit.
+static bool check_rays(const struct image_exr_facts *facts, const struct job *job, struct error *error)
+{
+    if (!scene_features_of(job).has_paths) return true;
+    if (facts->rays.is_known && facts->rays.cut_share >= 0.0 && facts->rays.cut_share <= job->quality.max_cut)
+        return true;
+    if (facts->rays.is_known)
+        error_set(error,
+                  "marchd:cutShare: expected at most %g (max_cut), got %g: a larger max_depth or a smaller "
+                  "min_throughput cuts fewer rays",
+                  job->quality.max_cut, facts->rays.cut_share);
+    else
+        error_set(error, "marchd:cutShare: expected what rays cut by max_depth and min_throughput may have cost, got "
+                         "nothing");
     return false;
 }
 
@@ -44,7 +62,7 @@ static bool check_facts(const struct image_exr_facts *facts, const struct gate_p
         error_set(error, "pixel: expected %s, got %s", pixel_name(job->output.pixel), pixel_name(facts->pixel));
         return false;
     }
-    return check_channel("A", facts->has_alpha, true, error) &&
+    return check_rays(facts, job, error) && check_channel("A", facts->has_alpha, true, error) &&
            check_channel("Z", facts->has_depth, job->output.has_depth, error) &&
            check_channel("transmittance", facts->has_transmittance, job->output.has_transmittance, error);
 }

@@ -1,10 +1,14 @@
 #include "worker/gl_target.h"
 
+#include "core/alloc.h"
 #include "core/error.h"
 #include "worker/gl_functions.h"
 #include "worker/image.h"
+#include "worker/ray_counts.h"
 
 #include <stdlib.h>
+
+enum { TEXTURE_COUNT = 4, STRIP_ROWS = 16 };
 
 static void attach(struct gl_target *target, int index, GLenum format)
 {
@@ -15,10 +19,38 @@ static void attach(struct gl_target *target, int index, GLenum format)
     gl->NamedFramebufferTexture(target->framebuffer, GL_COLOR_ATTACHMENT0 + (GLenum)index, target->textures[index], 0);
 }
 
-bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct image *image, int pass_count,
+static bool make_depth_sums(struct gl_target *target, struct error *error)
+{
+    size_t count = (size_t)target->width_px * (size_t)target->height_px;
+
+    if (!target->has_depth || target->pass_count == 1) return true;
+    target->depth_sums = malloc(count * 2 * sizeof *target->depth_sums);
+    if (!target->depth_sums)
+        error_set(error, "no memory for the depths of %d x %d pixels", target->width_px, target->height_px);
+    return target->depth_sums != NULL;
+}
+
+static void make_framebuffer(struct gl_target *target)
+{
+    const GLenum formats[TEXTURE_COUNT] = {GL_RGBA32F, target->has_transmittance ? GL_RGBA32F : GL_NONE,
+                                           !target->has_depth   ? GL_NONE
+                                           : target->depth_sums ? GL_RG32F
+                                                                : GL_R32F,
+                                           target->has_paths ? GL_RGBA32F : GL_NONE};
+    GLenum buffers[TEXTURE_COUNT];
+
+    target->gl->CreateFramebuffers(1, &target->framebuffer);
+    for (int i = 0; i < TEXTURE_COUNT; ++i) {
+        buffers[i] = formats[i] ? GL_COLOR_ATTACHMENT0 + (GLenum)i : GL_NONE;
+        if (formats[i]) attach(target, i, formats[i]);
+    }
+    target->gl->NamedFramebufferDrawBuffers(target->framebuffer, TEXTURE_COUNT, buffers);
+}
+
+bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct gl_target_params *params,
                     struct error *error)
 {
-    GLenum buffers[3] = {GL_COLOR_ATTACHMENT0, GL_NONE, GL_NONE};
+    const struct image *image = params->image;
     GLint side_limit_px = 0;
     GLenum status;
 
@@ -31,24 +63,12 @@ bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, con
     *target = (struct gl_target){.gl = gl,
                                  .width_px = image->width_px,
                                  .height_px = image->height_px,
-                                 .pass_count = pass_count,
+                                 .pass_count = params->pass_count,
                                  .has_transmittance = image->transmittance != NULL,
-                                 .has_depth = image->depth != NULL};
-    if (target->has_depth && pass_count > 1) {
-        target->depth_sums =
-            malloc((size_t)image->width_px * (size_t)image->height_px * 2 * sizeof *target->depth_sums);
-        if (!target->depth_sums) {
-            error_set(error, "no memory for the depths of %d x %d pixels", image->width_px, image->height_px);
-            return false;
-        }
-    }
-    gl->CreateFramebuffers(1, &target->framebuffer);
-    attach(target, 0, GL_RGBA32F);
-    if (target->has_transmittance) attach(target, 1, GL_RGBA32F);
-    if (target->has_depth) attach(target, 2, target->depth_sums ? GL_RG32F : GL_R32F);
-    if (target->has_transmittance) buffers[1] = GL_COLOR_ATTACHMENT1;
-    if (target->has_depth) buffers[2] = GL_COLOR_ATTACHMENT2;
-    gl->NamedFramebufferDrawBuffers(target->framebuffer, 3, buffers);
+                                 .has_depth = image->depth != NULL,
+                                 .has_paths = params->has_paths};
+    if (!make_depth_sums(target, error)) return false;
+    make_framebuffer(target);
     status = gl->CheckNamedFramebufferStatus(target->framebuffer, GL_FRAMEBUFFER);
     if (status == GL_FRAMEBUFFER_COMPLETE) return true;
     error_set(error, "GL cannot render into %d x %d float textures (status 0x%04x)", target->width_px,
@@ -61,17 +81,19 @@ void gl_target_finish(struct gl_target *target)
 {
     if (target->gl) {
         target->gl->DeleteFramebuffers(1, &target->framebuffer);
-        target->gl->DeleteTextures(3, target->textures);
+        target->gl->DeleteTextures(TEXTURE_COUNT, target->textures);
     }
     free(target->depth_sums);
     *target = (struct gl_target){0};
 }
 
-bool gl_target_fits(const struct gl_target *target, const struct image *image, int pass_count)
+bool gl_target_fits(const struct gl_target *target, const struct gl_target_params *params)
 {
-    return target->gl && target->pass_count == pass_count && target->width_px == image->width_px &&
-           target->height_px == image->height_px && target->has_transmittance == (image->transmittance != NULL) &&
-           target->has_depth == (image->depth != NULL);
+    const struct image *image = params->image;
+
+    return target->gl && target->pass_count == params->pass_count && target->has_paths == params->has_paths &&
+           target->width_px == image->width_px && target->height_px == image->height_px &&
+           target->has_transmittance == (image->transmittance != NULL) && target->has_depth == (image->depth != NULL);
 }
 
 void gl_target_begin(const struct gl_target *target)
@@ -88,7 +110,7 @@ void gl_target_begin(const struct gl_target *target)
     }
     gl->Enable(GL_BLEND);
     gl->BlendFunc(GL_ONE, GL_ONE);
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < TEXTURE_COUNT; ++i)
         if (target->textures[i]) gl->ClearNamedFramebufferfv(target->framebuffer, GL_COLOR, i, black);
 }
 
@@ -96,6 +118,25 @@ static void read_texture(const struct gl_target *target, int index, GLenum forma
 {
     target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT0 + (GLenum)index);
     target->gl->ReadPixels(0, 0, target->width_px, target->height_px, format, GL_FLOAT, pixels);
+}
+
+// A few rows at a time: nobody keeps them, and all would take as much again as the picture.
+static void count_rays(const struct gl_target *target, struct ray_counts *counts)
+{
+    size_t row_floats = 4 * (size_t)target->width_px;
+    float *strip = xmalloc(STRIP_ROWS * row_floats * sizeof *strip);
+
+    *counts = (struct ray_counts){.is_known = true};
+    target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT3);
+    for (int y = 0; y < target->height_px; y += STRIP_ROWS) {
+        int rows = target->height_px - y < STRIP_ROWS ? target->height_px - y : STRIP_ROWS;
+
+        target->gl->ReadPixels(0, y, target->width_px, rows, GL_RGBA, GL_FLOAT, strip);
+        for (int i = 0; i < rows; ++i)
+            ray_counts_add_row(counts, strip + (size_t)i * row_floats, target->width_px, y + i);
+    }
+    ray_counts_find_means(counts, (int64_t)target->width_px * target->height_px, target->pass_count);
+    free(strip);
 }
 
 static void divide(float *values, size_t count, int divisor)
@@ -115,7 +156,7 @@ static void find_means(const struct gl_target *target, struct image *image)
         image->depth[i] = sums[2 * i + 1] > 0 ? sums[2 * i] / sums[2 * i + 1] : 0;
 }
 
-void gl_target_read(const struct gl_target *target, struct image *image)
+void gl_target_read(const struct gl_target *target, struct image *image, struct ray_counts *counts)
 {
     target->gl->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);
     target->gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
@@ -126,4 +167,5 @@ void gl_target_read(const struct gl_target *target, struct image *image)
     else if (image->depth)
         read_texture(target, 2, GL_RED, image->depth);
     if (target->pass_count > 1) find_means(target, image);
+    if (target->has_paths) count_rays(target, counts);
 }

@@ -6,26 +6,35 @@
 struct error;
 struct gl_functions;
 struct image;
+struct ray_counts;
+
+struct gl_target_params {
+    const struct image *image; // borrowed for the call: the size, and which pictures there are
+    int pass_count;
+    bool has_paths; // rays are reflected or refracted, and counted
+};
 
 // The zero value is empty.
 struct gl_target {
     const struct gl_functions *gl; // borrowed; outlives us
     int width_px, height_px;
-    bool has_transmittance, has_depth;
+    bool has_transmittance, has_depth, has_paths;
     int pass_count;
     unsigned framebuffer;
-    unsigned textures[3]; // RGBA32F, transmittance RGBA32F, depth R32F or, of several passes, RG32F; 0 where absent
-    float *depth_sums;    // owned; 2 a pixel: the sum of the depths and their count; NULL where there is one pass
+    // RGBA32F, transmittance RGBA32F, depth R32F or, of several passes, RG32F, paths RGBA32F; 0 where absent. Those of four
+    // floats take 1 GiB each of the largest picture.
+    unsigned textures[4];
+    float *depth_sums; // owned; 2 a pixel: the sum of the depths and their count; NULL where there is one pass
 };
 
-// The fragment outputs that match: 0 RGBA, 1 transmittance, 2 depth and whether there is one (1 or 0). Several passes are
-// added up.
-bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct image *image, int pass_count,
+// The fragment outputs that match: 0 RGBA, 1 transmittance, 2 depth and whether there is one (1 or 0), 3 what became of
+// the pixel's rays, as ray_counts_add_row reads it. Several passes are added up.
+bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct gl_target_params *params,
                     struct error *error);
 void gl_target_finish(struct gl_target *target); // accepts an empty one
-bool gl_target_fits(const struct gl_target *target, const struct image *image, int pass_count);
+bool gl_target_fits(const struct gl_target *target, const struct gl_target_params *params);
 // Makes it what is drawn to, all of it, and empties it where passes are added up.
 void gl_target_begin(const struct gl_target *target);
 // Copies the mean of the passes into `image`, which fits; waits until they are rendered. A pixel's depth is the mean of
-// those passes that found one.
-void gl_target_read(const struct gl_target *target, struct image *image);
+// those passes that found one. `counts` is left as it is where there are no paths, and gets no share.
+void gl_target_read(const struct gl_target *target, struct image *image, struct ray_counts *counts);

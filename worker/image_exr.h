@@ -9,6 +9,14 @@
 struct error;
 struct image;
 
+// Of a scene whose rays are reflected or refracted; see struct ray_counts.
+struct image_exr_rays {
+    bool is_known;
+    double rays_per_pixel, cut_rays; // a pixel and sample
+    double cut_share;                // of the light
+    double cut_tolerance;            // the largest share that the job allowed
+};
+
 // What the header says beside the pixels. Strings are borrowed for the call.
 struct image_exr_header {
     enum job_pixel pixel;
@@ -26,6 +34,7 @@ struct image_exr_header {
     const char *backend, *renderer;
     const char *shader_hash;
     double render_seconds;
+    struct image_exr_rays rays;
     int64_t captured; // unix seconds
 };
 
@@ -44,6 +53,7 @@ struct image_exr_facts {
     int64_t job_id;
     int32_t frame;
     double render_seconds;
+    struct image_exr_rays rays; // is_known: the file has a share
 };
 
 // Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image` may

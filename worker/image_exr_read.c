@@ -151,6 +151,16 @@ static bool read_compression(struct reader *reader, enum job_compression *compre
     }
 }
 
+// An absent one leaves `number` as it is.
+static bool read_double(exr_context_t context, const char *name, double *number)
+{
+    const exr_attribute_t *found;
+
+    if (exr_get_attribute_by_name(context, 0, name, &found) || found->type != EXR_ATTR_DOUBLE) return false;
+    *number = found->d;
+    return true;
+}
+
 // Absent ones leave the zero value.
 static void read_own_attributes(struct reader *reader, struct image_exr_facts *facts)
 {
@@ -163,8 +173,11 @@ static void read_own_attributes(struct reader *reader, struct image_exr_facts *f
         facts->job_id = strtoll(found->string->str, NULL, 10);
     if (!exr_get_attribute_by_name(context, 0, "marchd:frame", &found) && found->type == EXR_ATTR_INT)
         facts->frame = found->i;
-    if (!exr_get_attribute_by_name(context, 0, "marchd:renderSeconds", &found) && found->type == EXR_ATTR_DOUBLE)
-        facts->render_seconds = found->d;
+    read_double(context, "marchd:renderSeconds", &facts->render_seconds);
+    facts->rays.is_known = read_double(context, "marchd:cutShare", &facts->rays.cut_share);
+    read_double(context, "marchd:raysPerPixel", &facts->rays.rays_per_pixel);
+    read_double(context, "marchd:cutRays", &facts->rays.cut_rays);
+    read_double(context, "marchd:cutTolerance", &facts->rays.cut_tolerance);
 }
 
 static bool read_header(struct reader *reader, struct image_exr_facts *facts, struct error *error)

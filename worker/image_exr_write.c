@@ -132,6 +132,18 @@ static exr_result_t set_standard_attributes(exr_context_t context, const struct 
     return result;
 }
 
+static exr_result_t set_rays(exr_context_t context, const struct image_exr_rays *rays)
+{
+    exr_result_t result = EXR_ERR_SUCCESS;
+
+    if (!rays->is_known) return result;
+    result = exr_attr_set_double(context, 0, "marchd:raysPerPixel", rays->rays_per_pixel);
+    if (!result) result = exr_attr_set_double(context, 0, "marchd:cutRays", rays->cut_rays);
+    if (!result) result = exr_attr_set_double(context, 0, "marchd:cutShare", rays->cut_share);
+    if (!result) result = exr_attr_set_double(context, 0, "marchd:cutTolerance", rays->cut_tolerance);
+    return result;
+}
+
 static exr_result_t set_own_attributes(exr_context_t context, const struct image_exr_header *header)
 {
     char job[32];
@@ -177,6 +189,7 @@ static exr_result_t write_header(struct writer *writer, const struct image_exr_h
                                  EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     if (!result) result = set_standard_attributes(context, header);
     if (!result) result = set_own_attributes(context, header);
+    if (!result) result = set_rays(context, &header->rays);
     if (!result) result = exr_write_header(context);
     if (!result) result = exr_get_scanlines_per_chunk(context, part, &writer->lines_per_chunk);
     if (!result) result = exr_get_chunk_count(context, part, &writer->chunk_count);

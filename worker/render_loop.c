@@ -139,6 +139,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
         snprintf(picture->shader_hash, sizeof picture->shader_hash, "%s", result.shader_hash ? result.shader_hash : "");
         memcpy(picture->hash, result.picture_hash, sizeof picture->hash);
         picture->step = result.step;
+        picture->ray_counts = result.ray_counts;
         hand_over(loop, picture);
         return;
     }

@@ -229,11 +229,11 @@ static bool plan_passes(struct passes *passes, const struct scene_program *scene
 }
 
 static bool is_shown(const struct renderer *renderer, const struct scene_program *scene, const struct passes *passes,
-                     const struct image *image)
+                     const struct gl_target_params *target)
 {
     const struct passes *shown = &renderer->shown;
 
-    return renderer->target_is_whole && gl_target_fits(&renderer->target, image, passes->count) &&
+    return renderer->target_is_whole && gl_target_fits(&renderer->target, target) &&
            strcmp(renderer->shown_files, scene->inputs->files_hash) == 0 &&
            strcmp(renderer->shown_hash, scene->hash) == 0 && shown->block_bytes == passes->block_bytes &&
            memcmp(shown->blocks, passes->blocks, (size_t)passes->count * passes->block_bytes) == 0;
@@ -304,7 +304,7 @@ static bool bind_grids(struct renderer *renderer, const struct scene_inputs *inp
 }
 
 static bool render_scene(struct renderer *renderer, const struct scene_program *scene, struct passes *passes,
-                         struct image *image, renderer_progress *on_progress, void *user,
+                         const struct gl_target_params *target, renderer_progress *on_progress, void *user,
                          struct renderer_result *result, struct error *error)
 {
     struct kept_program *program = find_or_link_program(renderer, scene, error);
@@ -315,9 +315,9 @@ static bool render_scene(struct renderer *renderer, const struct scene_program *
         return false;
     }
     renderer->target_is_whole = false;
-    if (!gl_target_fits(&renderer->target, image, passes->count)) {
+    if (!gl_target_fits(&renderer->target, target)) {
         gl_target_finish(&renderer->target);
-        if (!gl_target_init(&renderer->target, &renderer->gl, image, passes->count, error)) {
+        if (!gl_target_init(&renderer->target, &renderer->gl, target, error)) {
             result->fault = RENDERER_FAULT_JOB;
             (void)gl_debug_check(&renderer->debug, NULL);
             return false;
@@ -361,6 +361,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     struct scene_program scene = {0};
     struct passes passes = {0};
     struct scene_inputs inputs = {0};
+    struct gl_target_params target = {.image = image};
     struct camera_view view;
     double start;
     bool ok = false;
@@ -382,13 +383,16 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (!plan_passes(&passes, &scene, job, frame, error)) goto out;
     result->fault = RENDERER_FAULT_NONE;
     start = now_s();
-    result->is_copy = is_shown(renderer, &scene, &passes, image);
+    target.pass_count = passes.count;
+    target.has_paths = scene.features.has_paths;
+    result->is_copy = is_shown(renderer, &scene, &passes, &target);
     if (result->is_copy) {
         if (on_progress) (void)on_progress(user, 1);
-    } else if (!render_scene(renderer, &scene, &passes, image, on_progress, user, result, error)) {
+    } else if (!render_scene(renderer, &scene, &passes, &target, on_progress, user, result, error)) {
         goto out;
     }
-    gl_target_read(&renderer->target, image);
+    gl_target_read(&renderer->target, image, &result->ray_counts);
+    ray_counts_find_share(&result->ray_counts, image);
     if (!check_gl(renderer, result, error)) goto out;
     result->seconds = now_s() - start;
     result->shader_hash = renderer->shown_hash;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/job.h"
+#include "worker/ray_counts.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -41,6 +42,7 @@ struct renderer_result {
     const char *shader_hash;                      // borrowed from the renderer until the next call
     char picture_hash[HASH_TEXT_SIZE];            // of what was rendered, as renderer_hash_picture makes it
     double step;                                  // m, along camera rays
+    struct ray_counts ray_counts;                 // of a copy too
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };
 

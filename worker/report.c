@@ -123,7 +123,7 @@ void report_dropped(struct connection *connection, const struct assignment_dropp
 void report_frame_failed(struct connection *connection, const struct assignment_frame *frame, enum report_fault fault,
                          const char *reason)
 {
-    static const char *const names[] = {"job", "frame", "worker", "output", "endless"};
+    static const char *const names[] = {"job", "frame", "worker", "output", "endless", "cut"};
     struct json_writer writer = {0};
 
     // Whoever gave the frame tells of it, in the user's words.

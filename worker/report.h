@@ -21,11 +21,12 @@ void report_skipped(struct connection *connection, const struct assignment_frame
 void report_dropped(struct connection *connection, const struct assignment_dropped *dropped);
 
 enum report_fault {
-    REPORT_FAULT_JOB,    // no frame of it can work
-    REPORT_FAULT_FRAME,  // this one does not
-    REPORT_FAULT_WORKER, // the context is lost: another worker may do
-    REPORT_FAULT_OUTPUT, // the disk is full or may not be written
-    REPORT_FAULT_ENDLESS // this one does not, nor would it another time
+    REPORT_FAULT_JOB,     // no frame of it can work
+    REPORT_FAULT_FRAME,   // this one does not
+    REPORT_FAULT_WORKER,  // the context is lost: another worker may do
+    REPORT_FAULT_OUTPUT,  // the disk is full or may not be written
+    REPORT_FAULT_ENDLESS, // this one does not, nor would it another time
+    REPORT_FAULT_CUT      // likewise: more of its light may be missing than the job allows
 };
 
 // Logs the reason too: the log is what a user reads of an attempt.

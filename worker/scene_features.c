@@ -69,6 +69,19 @@ bool scene_light_is_inverse_square(const struct scene_light *light)
     return light->kind == SCENE_LIGHT_POINT && light->falloff == SCENE_FALLOFF_INVERSE_SQUARE;
 }
 
+static bool material_has_paths(const struct scene_material *material)
+{
+    switch (material->kind) {
+    case SCENE_MATERIAL_DIFFUSE:
+        return !timeline_value_is_zero(&material->specular);
+    case SCENE_MATERIAL_MIRROR:
+        return !timeline_value_is_zero(&material->reflectance);
+    case SCENE_MATERIAL_DIELECTRIC:
+        return true;
+    }
+    return false;
+}
+
 struct scene_features scene_features_of(const struct job *job)
 {
     const struct scene *scene = &job->scene;
@@ -88,6 +101,8 @@ struct scene_features scene_features_of(const struct job *job)
         features.has_lights |= features.light_is_seen[i];
         features.is_rgb |= features.light_is_seen[i] && !timeline_value_is_grey(&scene->lights[i].intensity);
     }
+    for (size_t i = 0; i < scene->object_count; ++i)
+        features.has_paths |= material_has_paths(&scene->objects[i].material);
     features.marches_to_lights &= features.has_lights;
     features.places_points = features.has_lights && job->quality.method == JOB_METHOD_EQUIANGULAR;
     // A Riemann sum is defined by its samples.

@@ -37,6 +37,7 @@ struct scene_features {
     bool is_rgb;            // something seen has a colour
     bool extinction_is_rgb; // media take more of one colour than of another
     bool has_depth, has_transmittance, has_background;
+    bool has_paths;    // some rays are reflected or refracted: followed, counted and perhaps cut
     bool has_samples;  // each pixel has several
     bool has_roulette; // rays with little left end by lot
     bool is_random;    // something is drawn by lot

@@ -4,6 +4,7 @@
 #include "worker/assignment.h"
 #include "worker/connection.h"
 #include "worker/image.h"
+#include "worker/ray_counts.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -20,6 +21,7 @@ struct picture {
     double world_to_camera[16], world_to_ndc[16];
     double render_s;
     double step; // m
+    struct ray_counts ray_counts;
     char shader_hash[64];
     char hash[HASH_TEXT_SIZE]; // of the job and of what the frame's files hold
 };

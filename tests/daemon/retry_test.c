@@ -30,12 +30,13 @@ static void users_code_that_does_not_end_gets_one_try(void **state)
 {
     assert_int_equal(retry_decide(RETRY_FAULT_ENDLESS, true, 1, 3), RETRY_FAIL_FRAME);
     assert_int_equal(retry_decide(RETRY_FAULT_ENDLESS, false, 1, 3), RETRY_FREE);
+    assert_int_equal(retry_decide(RETRY_FAULT_CUT, true, 1, 3), RETRY_FAIL_FRAME);
 }
 
 static void a_job_of_endless_frames_alone_is_given_up(void **state)
 {
-    assert_false(retry_gives_up_job(RETRY_ENDLESS_LIMIT - 1, 0));
-    assert_true(retry_gives_up_job(RETRY_ENDLESS_LIMIT, 0));
+    assert_false(retry_gives_up_job(RETRY_HOPELESS_LIMIT - 1, 0));
+    assert_true(retry_gives_up_job(RETRY_HOPELESS_LIMIT, 0));
     assert_false(retry_gives_up_job(100, 1));
 }
 
@@ -58,7 +59,8 @@ static void fault_names_follow_the_enumeration(void **state)
     assert_string_equal(retry_fault_names[RETRY_FAULT_OUTPUT], "output");
     assert_string_equal(retry_fault_names[RETRY_FAULT_LOST], "lost");
     assert_string_equal(retry_fault_names[RETRY_FAULT_ENDLESS], "endless");
-    assert_null(retry_fault_names[RETRY_FAULT_ENDLESS + 1]);
+    assert_string_equal(retry_fault_names[RETRY_FAULT_CUT], "cut");
+    assert_null(retry_fault_names[RETRY_FAULT_CUT + 1]);
 }
 
 static void backoff_doubles_up_to_a_minute(void **state)

@@ -62,13 +62,14 @@ static void draw(const struct gl_functions *gl, unsigned program, const struct s
     gl->CreateBuffers(1, &buffer);
     gl->NamedBufferData(buffer, sizeof block, block, GL_STREAM_DRAW);
     gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, buffer);
-    if (!gl_target_init(&target, gl, image, 1, &error)) fail_msg("%s", error.message);
+    if (!gl_target_init(&target, gl, &(struct gl_target_params){.image = image, .pass_count = 1}, &error))
+        fail_msg("%s", error.message);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer);
     gl->Viewport(0, 0, image->width_px, image->height_px);
     gl->BindVertexArray(vertex_array);
     gl->UseProgram(program);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
-    gl_target_read(&target, image);
+    gl_target_read(&target, image, NULL);
     assert_int_equal(gl->GetError(), GL_NO_ERROR);
     gl_target_finish(&target);
     gl->DeleteBuffers(1, &buffer);

@@ -24,12 +24,13 @@ static struct job make_job(void)
 }
 
 // Frame 7 of make_job, `spoilt` at channel G of pixel (3, 2).
-static int make_file(float spoilt)
+static int make_file_with_rays(float spoilt, struct image_exr_rays rays)
 {
     struct image_exr_header header = {.compression = JOB_COMPRESSION_ZIP,
                                       .fps_numerator = 24,
                                       .fps_denominator = 1,
                                       .job_hash = "0123456789abcdef0123456789abcdef",
+                                      .rays = rays,
                                       .frame = 7};
     struct image image;
     int fd = memfd_create("frame", MFD_CLOEXEC);
@@ -44,6 +45,11 @@ static int make_file(float spoilt)
     assert_true(image_exr_write(fd, &image, &header, 1, NULL));
     image_finish(&image);
     return fd;
+}
+
+static int make_file(float spoilt)
+{
+    return make_file_with_rays(spoilt, (struct image_exr_rays){0});
 }
 
 static void assert_refused(int fd, const struct job *job, int32_t frame, const char *reason)
@@ -118,6 +124,35 @@ static void frame_of_another_shape_is_refused(void **state)
     assert_refused(make_file(0), &job, 7, "expected transmittance");
 }
 
+static void frame_with_too_much_cut_is_refused(void **state)
+{
+    struct job job = make_job();
+
+    job.quality.max_cut = 0.125;
+    job.scene.object_count = 1;
+    job.scene.objects[0].material.kind = SCENE_MATERIAL_DIELECTRIC;
+    assert_refused(make_file_with_rays(0, (struct image_exr_rays){.is_known = true, .cut_share = 0.25}), &job, 7,
+                   "marchd:cutShare: expected at most 0.125 (max_cut), got 0.25: a larger max_depth or a smaller "
+                   "min_throughput cuts fewer rays");
+    assert_refused(make_file_with_rays(0, (struct image_exr_rays){.is_known = true, .cut_share = NAN}), &job, 7,
+                   "marchd:cutShare: expected at most 0.125 (max_cut)");
+    assert_refused(make_file(0), &job, 7, "marchd:cutShare: expected what rays cut by max_depth and min_throughput");
+}
+
+static void frame_with_little_cut_passes(void **state)
+{
+    const struct image_exr_rays rays = {.is_known = true, .cut_share = 0.125};
+    struct job job = make_job();
+    int fd = make_file_with_rays(0, rays);
+
+    job.quality.max_cut = 0.125;
+    job.scene.object_count = 1;
+    job.scene.objects[0].material.kind = SCENE_MATERIAL_DIELECTRIC;
+    assert_true(
+        gate_check(&(struct gate_params){.fd = fd, .job = &job, .picture_hash = job.hash, .frame = 7}, NULL, NULL));
+    close(fd);
+}
+
 static void cut_or_foreign_file_is_refused(void **state)
 {
     struct job job = make_job();
@@ -138,6 +173,7 @@ int main(void)
         cmocka_unit_test(whole_frame_passes_and_is_described), cmocka_unit_test(values_that_are_not_finite_are_refused),
         cmocka_unit_test(frame_of_another_number_is_refused),  cmocka_unit_test(frame_of_another_job_is_refused),
         cmocka_unit_test(frame_of_another_shape_is_refused),   cmocka_unit_test(cut_or_foreign_file_is_refused),
+        cmocka_unit_test(frame_with_too_much_cut_is_refused),  cmocka_unit_test(frame_with_little_cut_passes),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

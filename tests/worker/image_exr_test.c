@@ -71,6 +71,8 @@ static struct image_exr_header make_header(enum job_pixel pixel, enum job_compre
         .renderer = "llvmpipe",
         .shader_hash = "fedcba9876543210fedcba9876543210",
         .render_seconds = 1.25,
+        .rays =
+            {.is_known = true, .rays_per_pixel = 5.5, .cut_rays = 0.75, .cut_share = 1.0 / 3.0, .cut_tolerance = 0.01},
         .captured = 1000000000,
     };
 
@@ -209,6 +211,29 @@ static void facts_are_read_back_without_the_pixels(void **state)
     assert_int_equal(facts.frame, 42);
     assert_true(facts.render_seconds == 1.25);
     assert_true(facts.has_alpha && facts.has_depth && !facts.has_transmittance);
+    assert_true(facts.rays.is_known && facts.rays.rays_per_pixel == 5.5 && facts.rays.cut_rays == 0.75);
+    assert_true(facts.rays.cut_share == 1.0 / 3.0 && facts.rays.cut_tolerance == 0.01);
+    image_finish(&image);
+    close(fd);
+}
+
+static void a_scene_without_paths_says_nothing_of_rays(void **state)
+{
+    struct image image = make_image(5, 4, false, false, 1);
+    struct image_exr_header header = make_header(JOB_PIXEL_HALF, JOB_COMPRESSION_ZIP);
+    struct image_exr_facts facts = {.rays = {.is_known = true}};
+    size_t size;
+    char *bytes;
+    int fd;
+
+    header.rays.is_known = false;
+    fd = write_image(&image, &header, 1);
+    assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
+    assert_false(facts.rays.is_known);
+    bytes = read_bytes(fd, &size);
+    assert_null(memmem(bytes, size, "marchd:cut", strlen("marchd:cut")));
+    assert_null(memmem(bytes, size, "marchd:rays", strlen("marchd:rays")));
+    free(bytes);
     image_finish(&image);
     close(fd);
 }
@@ -430,6 +455,7 @@ int main(void)
         cmocka_unit_test(chunk_that_does_not_shrink_comes_back_to_the_bit),
         cmocka_unit_test(thread_count_does_not_change_the_bytes),
         cmocka_unit_test(facts_are_read_back_without_the_pixels),
+        cmocka_unit_test(a_scene_without_paths_says_nothing_of_rays),
         cmocka_unit_test(standard_attributes_have_their_types_and_values),
         cmocka_unit_test(another_library_reads_the_header),
         cmocka_unit_test(file_cut_anywhere_is_refused_with_a_reason),
