@@ -21,13 +21,15 @@ static void write_gathered(FILE *out, const struct job *job, const struct scene_
 
 static void write_shadow(FILE *out, const struct job *job, const struct scene_program *program)
 {
-    if (!program->features.marches_to_lights)
-        fputs("transmittance_closed(", out);
-    else if (job->quality.method == JOB_METHOD_RIEMANN)
+    if (!program->features.marches_to_lights) {
+        fputs("transmittance_closed(media_spans(point, light.direction), light.distance)", out);
+        return;
+    }
+    if (job->quality.method == JOB_METHOD_RIEMANN)
         fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d), ", job->quality.light_steps);
     else
         fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", program->light_step);
-    fputs("point, light.direction, light.distance)", out);
+    fputs("media_spans(point, light.direction), point, light.direction, light.distance)", out);
 }
 
 // The scattering coefficient times the phase function, summed over media.
@@ -103,7 +105,8 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
             "            LightSample light = light_%zu(place);\n",
             i);
     write_scattered(out, "            ", program);
-    fputs("            MediaColumn column = transmittance_closed(place, light.direction, light.distance);\n"
+    fputs("            MediaColumn column = transmittance_closed(media_spans(place, light.direction), "
+          "light.distance);\n"
           "            Spectrum left = media_transmittance(column) * exp(-sigma_t * placed.at);\n"
           "            sum += scattered * left * (placed_weight(i) * placed.weight);\n        }\n",
           out);

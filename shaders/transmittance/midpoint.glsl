@@ -2,10 +2,10 @@
 // of even density are in it from the start.
 struct TransmittanceMidpoint { float step; };
 
-MediaColumn transmittance_midpoint(TransmittanceMidpoint method, vec3 point, vec3 direction, float distance)
+MediaColumn transmittance_midpoint(TransmittanceMidpoint method, MediaSpans spans, vec3 point, vec3 direction,
+                                   float distance)
 {
     const float BLACK = 20.0; // optical depth: 2e-9 of the light is left
-    MediaSpans spans = media_spans(point, direction);
     vec2 interval = media_column_interval(spans);
     float end = min(distance, interval.y);
     MediaColumn column = media_column_begin(spans, distance);

@@ -3,9 +3,9 @@
 struct TransmittanceRiemann { int steps; };
 
 // A sample whose distance bound covers the next ones is followed by the first one outside of it: those between are zero.
-MediaColumn transmittance_riemann(TransmittanceRiemann method, vec3 point, vec3 direction, float distance)
+MediaColumn transmittance_riemann(TransmittanceRiemann method, MediaSpans spans, vec3 point, vec3 direction,
+                                  float distance)
 {
-    MediaSpans spans = media_spans(point, direction);
     float way = distance < FAR_AWAY ? distance : max(media_column_interval(spans).y, 0.0);
     float step = way / float(method.steps);
     MediaColumn column = media_column_begin(spans, distance);
