@@ -1,0 +1,5 @@
+// A boundary that reflects nothing but what cannot get through.
+float fresnel_none(float cos_in, float eta)
+{
+    return snell_cos(cos_in, eta) < 0.0 ? 1.0 : 0.0;
+}
