@@ -3,8 +3,6 @@
 #include "core/scene.h"
 #include "core/scene_reader.h"
 
-static const struct timeline_limits BOX_SIZE = {.components = 3, .min = 0.0, .max = 1e9, .excludes_min = true};
-
 static bool read_sphere(const struct scene_reader *reader, struct scene_bounds *bounds)
 {
     static const char *const keys[] = {"kind", "center", "radius", "falloff", NULL};
@@ -18,7 +16,7 @@ static bool read_box(const struct scene_reader *reader, struct scene_bounds *bou
     static const char *const keys[] = {"kind", "center", "size", "falloff", NULL};
 
     return json_check_keys(reader->object, keys, reader->error) &&
-           scene_reader_read(reader, "size", &BOX_SIZE, &bounds->size);
+           scene_reader_read(reader, "size", &SCENE_SIDES, &bounds->size);
 }
 
 static bool read_slab(const struct scene_reader *reader, struct scene_bounds *bounds)

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "core/json_read.h"
+#include "core/scene_nodes.h"
 #include "core/step_check.h"
 
 #include <math.h>
@@ -92,14 +93,16 @@ static bool check_density(const struct moment *moment, const struct json_node *m
 
 static bool check_media(const struct moment *moment)
 {
-    struct json_node scene = json_node_child(moment->document, "scene"), media = json_node_child(&scene, "media");
+    const struct scene *scene = &moment->job->scene;
 
-    for (size_t i = 0; i < moment->job->scene.medium_count; i++) {
-        const struct scene_medium *medium = &moment->job->scene.media[i];
-        struct json_node node = json_node_element(&media, i), phase = json_node_child(&node, "phase");
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_medium *medium = &scene->media[i];
+        struct scene_nodes nodes;
+        const struct json_node *node = scene_nodes_find_medium(&nodes, moment->document, scene, i);
+        struct json_node phase = json_node_child(node, "phase");
         double sum = 0.0, weight[3];
 
-        if (!check_density(moment, &node, &medium->density)) return false;
+        if (!check_density(moment, node, &medium->density)) return false;
         for (size_t k = 0; k < medium->lobe_count; k++) {
             timeline_evaluate(&medium->lobes[k].weight, moment->time, weight);
             sum += weight[0];
@@ -108,6 +111,22 @@ static bool check_media(const struct moment *moment)
             return json_fail(&phase, moment->error, "expected weights that sum to 1, got a sum of %.10g%s", sum,
                              moment->where);
     }
+    return true;
+}
+
+static bool check_objects(const struct moment *moment)
+{
+    const struct scene *scene = &moment->job->scene;
+
+    for (size_t i = 0; i < scene->object_count; i++)
+        for (size_t k = 0; k < scene->objects[i].shape_count; k++) {
+            const struct scene_shape *shape = &scene->shapes[scene->objects[i].first_shape + k];
+            struct scene_nodes nodes;
+            const struct json_node *node = scene_nodes_find_shape(&nodes, moment->document, scene, i, k);
+
+            if (shape->kind == SCENE_SHAPE_PLANE && !check_direction(moment, node, "normal", &shape->normal))
+                return false;
+        }
     return true;
 }
 
@@ -123,14 +142,29 @@ static bool check_moments(const struct job *job, const struct json_node *documen
         struct moment moment = {job, document, job_frame_time(job, frame), "", error};
 
         if (moves) snprintf(moment.where, sizeof moment.where, " at frame %d", frame);
-        if (!check_camera(&moment) || !check_lights(&moment) || !check_media(&moment)) return false;
+        if (!check_camera(&moment) || !check_lights(&moment) || !check_media(&moment) || !check_objects(&moment))
+            return false;
+    }
+    return true;
+}
+
+// What says how far rays are followed from surface to surface needs surfaces.
+static bool check_paths(const struct job *job, const struct json_node *document, struct error *error)
+{
+    static const char *const keys[] = {"max_depth", "min_throughput", "max_cut"};
+    struct json_node quality = json_node_child(document, "quality");
+
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0] && job->scene.object_count == 0; i++) {
+        struct json_node node = json_node_child(&quality, keys[i]);
+
+        if (!json_node_is_absent(&node)) return json_fail(&node, error, "only for scenes with objects");
     }
     return true;
 }
 
 bool job_check(const struct job *job, const struct json_node *document, struct error *error)
 {
-    return check_moments(job, document, error) && step_check(job, document, error);
+    return check_paths(job, document, error) && check_moments(job, document, error) && step_check(job, document, error);
 }
 
 static bool check_input(const struct scene_density *density, const struct json_node *node, struct error *error)
@@ -143,16 +177,30 @@ static bool check_input(const struct scene_density *density, const struct json_n
     return json_fail_expected(&source, error, "the text of the file");
 }
 
+static bool check_texture(const struct scene_texture *texture, const struct json_node *material, struct error *error)
+{
+    struct json_node node = json_node_child(material, "texture"), file = json_node_child(&node, "file");
+
+    return !texture->file || *texture->file == '/' || json_fail_expected(&file, error, "an absolute path");
+}
+
 bool job_check_inputs(const struct job *job, const struct json_node *document, struct error *error)
 {
-    struct json_node scene = json_node_child(document, "scene"), media = json_node_child(&scene, "media");
+    const struct scene *scene = &job->scene;
+    struct scene_nodes nodes;
 
-    for (size_t i = 0; i < job->scene.medium_count; i++) {
-        const struct scene_density *density = &job->scene.media[i].density;
-        struct json_node medium = json_node_element(&media, i), node = json_node_child(&medium, "density");
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_density *density = &scene->media[i].density;
+        const struct json_node *medium = scene_nodes_find_medium(&nodes, document, scene, i);
+        struct json_node node = json_node_child(medium, "density");
         bool has_files = density->kind == SCENE_DENSITY_GRID || density->kind == SCENE_DENSITY_GLSL;
 
         if (has_files && !check_input(density, &node, error)) return false;
+    }
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const struct json_node *material = scene_nodes_find_material(&nodes, document, i);
+
+        if (!check_texture(&scene->objects[i].material.texture, material, error)) return false;
     }
     return true;
 }

@@ -3,17 +3,14 @@
 #include <string.h>
 
 const struct job_later job_later_table[] = {
-    {JOB_LATER_SCENE, .key = "objects"},
-    {JOB_LATER_QUALITY, .key = "tolerance"},
-    {JOB_LATER_QUALITY, .key = "method", .text = "jittered"},
-    {JOB_LATER_QUALITY, .key = "method", .text = "adaptive"},
-    {JOB_LATER_QUALITY, .key = "method", .text = "gauss"},
-    {JOB_LATER_QUALITY, .key = "method", .text = "cached"},
-    {JOB_LATER_QUALITY, .key = "method", .text = "preintegrated"},
-    {JOB_LATER_QUALITY, .key = "method", .text = "tracking"},
-    {JOB_LATER_QUALITY, .key = "method", .text = "auto"},
-    {JOB_LATER_QUALITY, .key = "max_depth"},
-    {JOB_LATER_QUALITY, .key = "min_throughput"},
+    {.key = "tolerance"},
+    {.key = "method", .text = "jittered"},
+    {.key = "method", .text = "adaptive"},
+    {.key = "method", .text = "gauss"},
+    {.key = "method", .text = "cached"},
+    {.key = "method", .text = "preintegrated"},
+    {.key = "method", .text = "tracking"},
+    {.key = "method", .text = "auto"},
     {0},
 };
 
@@ -26,12 +23,12 @@ static bool check_text(const struct job_later *later, const struct json_node *no
     return json_fail(node, error, "\"%s\" is not there yet", text);
 }
 
-bool job_later_check(const struct json_node *object, enum job_later_place place, struct error *error)
+bool job_later_check(const struct json_node *quality, struct error *error)
 {
     for (const struct job_later *later = job_later_table; later->key; later++) {
-        struct json_node node = json_node_child(object, later->key);
+        struct json_node node = json_node_child(quality, later->key);
 
-        if (later->place != place || json_node_is_absent(&node)) continue;
+        if (json_node_is_absent(&node)) continue;
         if (later->text && !check_text(later, &node, error)) return false;
         if (!later->text) return json_fail(&node, error, "%s is not there yet", later->key);
     }

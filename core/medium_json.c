@@ -8,7 +8,6 @@
 static const struct timeline_limits COEFFICIENT = {.min = 0.0, .max = 1e9};
 // Beyond it, 1 - |g| has too few digits in a shader's float.
 static const struct timeline_limits COSINE = {.components = 1, .min = -0.99999, .max = 0.99999};
-static const struct timeline_limits SHARE = {.components = 1, .min = 0.0, .max = 1.0};
 
 static bool read_lobe(const struct scene_reader *reader, struct scene_phase_lobe *lobe)
 {
@@ -24,7 +23,7 @@ static bool read_lobe(const struct scene_reader *reader, struct scene_phase_lobe
     lobe->kind = (enum scene_lobe_kind)choice;
     lobe->g = (struct timeline){.component_count = 1};
     return (lobe->kind == SCENE_LOBE_RAYLEIGH || scene_reader_read(reader, "g", &COSINE, &lobe->g)) &&
-           scene_reader_read_or(reader, "weight", &SHARE, 1.0, &lobe->weight);
+           scene_reader_read_or(reader, "weight", &SCENE_SHARE, 1.0, &lobe->weight);
 }
 
 static bool read_phase(const struct scene_reader *medium_reader, struct scene_medium *medium)
@@ -64,14 +63,18 @@ static bool check_light(const struct scene_reader *reader)
                      "expected sigma_s, sigma_a, emission or blackbody, got none of them");
 }
 
-bool medium_from_json(struct scene_medium *medium, const struct scene_reader *reader)
+static bool check_keys(const struct scene_reader *reader)
 {
     static const char *const keys[] = {"density", "sigma_s", "sigma_a", "emission", "blackbody", "phase", NULL};
+
+    return json_check_object(reader->object, reader->error) && json_check_keys(reader->object, keys, reader->error);
+}
+
+// All but the density, which is read already.
+static bool read_coefficients(struct scene_medium *medium, const struct scene_reader *reader)
+{
     const struct scene_density *density = &medium->density;
 
-    if (!json_check_object(reader->object, reader->error) || !json_check_keys(reader->object, keys, reader->error) ||
-        !density_from_json(&medium->density, reader))
-        return false;
     if (density->kind == SCENE_DENSITY_GRID && density->grid.point_count > 0 ? !check_transfer(reader)
                                                                              : !check_light(reader))
         return false;
@@ -80,4 +83,17 @@ bool medium_from_json(struct scene_medium *medium, const struct scene_reader *re
            scene_reader_read_or(reader, "sigma_a", &COEFFICIENT, 0.0, &medium->sigma_a) &&
            scene_reader_read_or(reader, "emission", &SCENE_RADIANCE, 0.0, &medium->emission) &&
            blackbody_from_json(&medium->blackbody, reader, density) && read_phase(reader, medium);
+}
+
+bool medium_from_json(struct scene_medium *medium, const struct scene_reader *reader)
+{
+    return check_keys(reader) && density_from_json(&medium->density, reader) && read_coefficients(medium, reader);
+}
+
+bool medium_interior_from_json(struct scene_medium *medium, const struct scene_reader *reader)
+{
+    if (scene_reader_has_key(reader, "density")) return medium_from_json(medium, reader);
+    medium->density.kind = SCENE_DENSITY_HOMOGENEOUS;
+    medium->density.homogeneous.scale = (struct timeline){.component_count = 1, .value = {1.0}};
+    return check_keys(reader) && read_coefficients(medium, reader);
 }

@@ -5,6 +5,7 @@
 #include "core/job_later.h"
 
 static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;               // m
+static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01;         // unless the job says other
 static const double STEP_VOXELS_MIN = 1e-3, STEP_VOXELS_MAX = 1e3; // voxel edges
 
 // In metres or in voxels; the one that is not there stays 0.
@@ -70,8 +71,8 @@ static bool read_riemann(const struct json_node *object, struct job_quality *qua
 static bool read_midpoint(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
     static const char *const keys[] = {
-        "method",   "step",    "step_voxels", "light_step", "light_step_voxels", "min_transmittance",
-        "roulette", "samples", NULL};
+        "method",   "step",    "step_voxels", "light_step",     "light_step_voxels", "min_transmittance",
+        "roulette", "samples", "max_depth",   "min_throughput", "max_cut",           NULL};
     const struct step step = {"step", "step_voxels", &quality->step, &quality->step_voxels};
     const struct step light_step = {"light_step", "light_step_voxels", &quality->light_step,
                                     &quality->light_step_voxels};
@@ -87,7 +88,7 @@ static bool read_midpoint(const struct json_node *object, struct job_quality *qu
 
 static bool read_equiangular(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method", "points", "samples", NULL};
+    static const char *const keys[] = {"method", "points", "samples", "max_depth", "min_throughput", "max_cut", NULL};
 
     return json_check_keys(object, keys, error) &&
            read_count(object, "points", JOB_POINT_LIMIT, &quality->points, error);
@@ -113,13 +114,28 @@ static bool read_method(const struct json_node *object, struct job_quality *qual
     return false;
 }
 
+// Of scenes with objects.
+static bool read_paths(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    struct json_node depth = json_node_child(object, "max_depth");
+    struct json_node min_throughput = json_node_child(object, "min_throughput");
+
+    if (!json_node_is_absent(&depth) && !read_count(object, "max_depth", JOB_DEPTH_LIMIT, &quality->max_depth, error))
+        return false;
+    if (!read_optional_number(object, "min_throughput", 1.0, &quality->min_throughput, error)) return false;
+    if (quality->min_throughput >= 1.0) return json_fail_expected(&min_throughput, error, "a number in [0, 1)");
+    return read_optional_number(object, "max_cut", 1.0, &quality->max_cut, error);
+}
+
 bool quality_from_json(struct job_quality *quality, const struct json_node *document, struct error *error)
 {
     struct json_node object = json_node_child(document, "quality"), samples = json_node_child(&object, "samples");
 
-    *quality = (struct job_quality){.samples = 1};
-    return json_check_object(&object, error) && job_later_check(&object, JOB_LATER_QUALITY, error) &&
+    *quality = (struct job_quality){
+        .samples = 1, .max_depth = JOB_DEPTH_DEFAULT, .min_throughput = MIN_THROUGHPUT, .max_cut = MAX_CUT};
+    return json_check_object(&object, error) && job_later_check(&object, error) &&
            read_method(&object, quality, error) &&
            (json_node_is_absent(&samples) ||
-            read_count(&object, "samples", JOB_SAMPLE_LIMIT, &quality->samples, error));
+            read_count(&object, "samples", JOB_SAMPLE_LIMIT, &quality->samples, error)) &&
+           read_paths(&object, quality, error);
 }

@@ -1,8 +1,8 @@
 #include "core/scene_json.h"
 
 #include "core/error.h"
-#include "core/job_later.h"
 #include "core/medium_json.h"
+#include "core/object_json.h"
 #include "core/scene.h"
 #include "core/scene_reader.h"
 
@@ -96,22 +96,27 @@ static bool read_lights(const struct scene_reader *job, struct scene *scene)
     return true;
 }
 
-static bool read_media(const struct scene_reader *job, struct scene *scene)
+static bool read_media(const struct scene_reader *scene_reader, struct scene *scene)
 {
-    static const char *const keys[] = {"media", "objects", NULL};
-    struct json_node object = json_node_child(job->object, "scene");
-    struct json_node media = json_node_child(&object, "media"), medium = {0};
-    struct scene_reader reader = {&medium, job->span, job->error};
+    struct json_node media = json_node_child(scene_reader->object, "media"), medium = {0};
+    struct scene_reader reader = {&medium, scene_reader->span, scene_reader->error};
 
-    if (json_node_is_absent(&object)) return true;
-    if (!json_check_object(&object, job->error) || !json_check_keys(&object, keys, job->error) ||
-        !job_later_check(&object, JOB_LATER_SCENE, job->error))
-        return false;
     if (json_node_is_absent(&media)) return true;
-    if (!json_check_array(&media, 0, SCENE_MEDIUM_LIMIT, job->error)) return false;
+    if (!json_check_array(&media, 0, SCENE_MEDIUM_LIMIT, reader.error)) return false;
     while (json_node_next(&media, &medium))
         if (!medium_from_json(&scene->media[scene->medium_count++], &reader)) return false;
     return true;
+}
+
+static bool read_contents(const struct scene_reader *job, struct scene *scene)
+{
+    static const char *const keys[] = {"media", "objects", NULL};
+    struct json_node object = json_node_child(job->object, "scene");
+    struct scene_reader reader = {&object, job->span, job->error};
+
+    if (json_node_is_absent(&object)) return true;
+    return json_check_object(&object, job->error) && json_check_keys(&object, keys, job->error) &&
+           read_media(&reader, scene) && objects_from_json(scene, &reader);
 }
 
 // Before all else: a shutter that stays open makes the times longer that every value is checked at.
@@ -134,5 +139,5 @@ bool scene_from_json(struct scene *scene, const struct json_node *job, const str
     scene->has_background = scene_reader_has_key(&reader, "background");
     return read_camera(&reader, &scene->camera) && read_lights(&reader, scene) &&
            scene_reader_read_or(&reader, "background", &SCENE_RADIANCE, 0.0, &scene->background) &&
-           read_media(&reader, scene);
+           read_contents(&reader, scene);
 }

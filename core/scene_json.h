@@ -1,4 +1,4 @@
-// Reads camera, lights, background and media from a job document.
+// Reads camera, lights, background, media and objects from a job document.
 #pragma once
 
 #include "core/json_read.h"
@@ -14,8 +14,8 @@ struct scene_times {
     double frame_s;              // from one frame to the next
 };
 
-// `job` is the document's root object; its keys camera, lights, background and scene are read. Lights and media may be
-// absent. Values are checked between the first frame and the moment when the shutter closes on the last. On failure the
+// `job` is the document's root object; its keys camera, lights, background and scene are read. Lights, media and
+// objects may be absent. Values are checked between the first frame and the moment when the shutter closes on the last. On failure the
 // caller still calls scene_finish.
 bool scene_from_json(struct scene *scene, const struct json_node *job, const struct scene_times *times,
                      struct error *error);

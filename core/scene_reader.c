@@ -10,8 +10,10 @@ const struct timeline_limits SCENE_POSITION = {.components = 3, .min = -1e9, .ma
 const struct timeline_limits SCENE_DIRECTION = {.components = 3, .min = -1e9, .max = 1e9, .is_direction = true};
 const struct timeline_limits SCENE_LENGTH = {.components = 1, .min = 0.0, .max = 1e9};
 const struct timeline_limits SCENE_SIZE = {.components = 1, .min = 0.0, .max = 1e9, .excludes_min = true};
+const struct timeline_limits SCENE_SIDES = {.components = 3, .min = 0.0, .max = 1e9, .excludes_min = true};
 const struct timeline_limits SCENE_ANGLE = {.components = 1, .min = -1e9, .max = 1e9};
 const struct timeline_limits SCENE_SCALE = {.components = 1, .min = 0.0, .max = 1e9};
+const struct timeline_limits SCENE_SHARE = {.components = 1, .min = 0.0, .max = 1.0};
 const struct timeline_limits SCENE_RADIANCE = {.min = 0.0, .max = 1e15};
 
 bool scene_reader_has_key(const struct scene_reader *reader, const char *key)

@@ -19,8 +19,10 @@ extern const struct timeline_limits SCENE_POSITION;  // m
 extern const struct timeline_limits SCENE_DIRECTION; // of any length but 0
 extern const struct timeline_limits SCENE_LENGTH;    // m, >= 0
 extern const struct timeline_limits SCENE_SIZE;      // m, > 0
+extern const struct timeline_limits SCENE_SIDES;     // of a box, m, > 0
 extern const struct timeline_limits SCENE_ANGLE;
 extern const struct timeline_limits SCENE_SCALE;    // >= 0
+extern const struct timeline_limits SCENE_SHARE;    // [0, 1]
 extern const struct timeline_limits SCENE_RADIANCE; // a number or a colour, >= 0
 
 bool scene_reader_has_key(const struct scene_reader *reader, const char *key);

@@ -3,9 +3,10 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "core/json_read.h"
+#include "core/scene_nodes.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <string.h>
 
 // What the checks of a method look at.
 struct check {
@@ -40,6 +41,32 @@ static double bounds_diameter(const struct scene_bounds *bounds, struct timeline
     return INFINITY;
 }
 
+static double shape_diameter(const struct scene_shape *shape, struct timeline_span span)
+{
+    double min[3], size[3];
+
+    switch (shape->kind) {
+    case SCENE_SHAPE_SPHERE:
+        return 2.0 * largest(&shape->radius, span);
+    case SCENE_SHAPE_BOX:
+        timeline_find_bounds(&shape->size, span, min, size);
+        return hypot(hypot(size[0], size[1]), size[2]);
+    case SCENE_SHAPE_PLANE:
+        break;
+    }
+    return INFINITY;
+}
+
+// No straight way inside an object is longer, m: it leaves each of its shapes once.
+static double object_diameter(const struct scene *scene, const struct scene_object *object, struct timeline_span span)
+{
+    double sum = 0.0;
+
+    for (size_t i = 0; i < object->shape_count; i++)
+        sum += shape_diameter(&scene->shapes[object->first_shape + i], span);
+    return sum;
+}
+
 // The longest way through what a density fills, m; of a grid: of its bounds.
 static double density_diameter(const struct scene_density *density, struct timeline_span span)
 {
@@ -49,6 +76,16 @@ static double density_diameter(const struct scene_density *density, struct timel
     if (density->kind != SCENE_DENSITY_FOLD_FRACTAL) return bounds;
     return fmin(bounds, 2.0 * (largest(&fold_fractal->radius, span) +
                                fold_fractal->iterations * sqrt(3.0) * largest(&fold_fractal->offset, span)));
+}
+
+// The longest way through a medium, m.
+static double medium_diameter(const struct check *check, const struct scene_medium *medium)
+{
+    const struct scene *scene = &check->job->scene;
+    double diameter = density_diameter(&medium->density, check->span);
+
+    if (medium->owner == 0) return diameter;
+    return fmin(diameter, object_diameter(scene, &scene->objects[medium->owner - 1], check->span));
 }
 
 // The way of a sun's light through a slab, m.
@@ -80,13 +117,42 @@ static double point_way(const struct check *check, const struct scene_light *lig
     return hypot(hypot(reach[0], reach[1]), reach[2]) + camera->clip_far;
 }
 
-static double light_way(const struct check *check, const struct scene_density *density, const struct scene_light *light)
+// The farthest that a point light may be from a shape, m.
+static double shape_way(const struct check *check, const struct scene_shape *shape, const struct scene_light *light)
 {
-    double diameter = density_diameter(density, check->span);
+    double light_min[3], light_max[3], min[3], max[3], reach[3];
 
-    if (light->kind == SCENE_LIGHT_POINT) return fmin(diameter, point_way(check, light));
-    if (density->bounds.kind == SCENE_BOUNDS_SLAB)
-        return fmin(diameter, slab_way(&density->bounds, light, check->span));
+    timeline_find_bounds(&light->position, check->span, light_min, light_max);
+    timeline_find_bounds(&shape->center, check->span, min, max);
+    for (int i = 0; i < 3; i++)
+        reach[i] = fmax(light_max[i] - min[i], max[i] - light_min[i]);
+    return hypot(hypot(reach[0], reach[1]), reach[2]) + shape_diameter(shape, check->span) / 2.0;
+}
+
+// The farthest that a point light may be from a surface which it lights, m: camera.clip ends media alone.
+static double surface_way(const struct check *check, const struct scene_light *light)
+{
+    const struct scene *scene = &check->job->scene;
+    double longest = 0.0;
+
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const struct scene_object *object = &scene->objects[i];
+
+        if (object->material.kind != SCENE_MATERIAL_DIFFUSE) continue;
+        for (size_t k = 0; k < object->shape_count; k++)
+            longest = fmax(longest, shape_way(check, &scene->shapes[object->first_shape + k], light));
+    }
+    return longest;
+}
+
+static double light_way(const struct check *check, const struct scene_medium *medium, const struct scene_light *light)
+{
+    const struct scene_bounds *bounds = &medium->density.bounds;
+    double diameter = medium_diameter(check, medium);
+
+    if (light->kind == SCENE_LIGHT_POINT)
+        return fmin(diameter, fmax(point_way(check, light), surface_way(check, light)));
+    if (bounds->kind == SCENE_BOUNDS_SLAB) return fmin(diameter, slab_way(bounds, light, check->span));
     return diameter;
 }
 
@@ -100,17 +166,28 @@ static bool check_count(const struct json_node *node, double length, double step
                      JOB_MARCH_STEPS_LIMIT, count, length, along, step);
 }
 
+// Of a medium's density.
 struct density_nodes {
-    struct json_node scene, media, medium, density;
+    struct scene_nodes way;
+    struct json_node density;
 };
 
 static const struct json_node *find_density(const struct check *check, size_t index, struct density_nodes *nodes)
 {
-    nodes->scene = json_node_child(check->document, "scene");
-    nodes->media = json_node_child(&nodes->scene, "media");
-    nodes->medium = json_node_element(&nodes->media, index);
-    nodes->density = json_node_child(&nodes->medium, "density");
+    nodes->density =
+        json_node_child(scene_nodes_find_medium(&nodes->way, check->document, &check->job->scene, index), "density");
     return &nodes->density;
+}
+
+enum { ALONG_SIZE = 64 };
+
+static const char *describe_way(const struct check *check, size_t index, char along[static ALONG_SIZE])
+{
+    static const char through[] = "through ";
+
+    strcpy(along, through);
+    scene_format_medium_place(&check->job->scene, index, along + strlen(through), ALONG_SIZE - strlen(through));
+    return along;
 }
 
 // The longest way of a light through a medium, m; one without end is an error.
@@ -121,7 +198,7 @@ static bool find_light_way(const struct check *check, size_t index, double *long
 
     *longest = 0.0;
     for (size_t i = 0; i < scene->light_count; i++) {
-        double way = light_way(check, &scene->media[index].density, &scene->lights[i]);
+        double way = light_way(check, &scene->media[index], &scene->lights[i]);
 
         if (isinf(way))
             return json_fail(find_density(check, index, &nodes), check->error,
@@ -137,30 +214,28 @@ static bool check_light_march(const struct check *check, size_t index)
 {
     struct json_node node = json_node_child(check->quality, "light_step");
     double longest;
-    char along[48];
+    char along[ALONG_SIZE];
 
     if (!find_light_way(check, index, &longest)) return false;
     if (check->job->quality.light_step == 0.0) return true;
-    snprintf(along, sizeof along, "through scene.media[%zu]", index);
-    return check_count(&node, longest, check->job->quality.light_step, along, check->error);
+    return check_count(&node, longest, check->job->quality.light_step, describe_way(check, index, along), check->error);
 }
 
 static bool check_march(const struct check *check, size_t index)
 {
     const struct scene *scene = &check->job->scene;
     double clip = scene->camera.clip_far - scene->camera.clip_near;
-    double length = fmin(density_diameter(&scene->media[index].density, check->span), clip);
+    double length = fmin(medium_diameter(check, &scene->media[index]), clip);
     struct json_node node = json_node_child(check->quality, "step");
     struct density_nodes nodes;
-    char along[48];
+    char along[ALONG_SIZE];
 
     if (isinf(length))
         return json_fail(find_density(check, index, &nodes), check->error,
                          "expected bounds (a sphere or a box) or a camera.clip that ends: a march through it has no "
                          "end");
     if (check->job->quality.step == 0.0) return true;
-    snprintf(along, sizeof along, "through scene.media[%zu]", index);
-    return check_count(&node, length, check->job->quality.step, along, check->error);
+    return check_count(&node, length, check->job->quality.step, describe_way(check, index, along), check->error);
 }
 
 static bool has_grid(const struct scene *scene)
@@ -211,6 +286,7 @@ static bool check_riemann(const struct check *check)
     struct json_node step = json_node_child(check->quality, "step"), method = json_node_child(check->quality, "method");
     double length = scene->camera.clip_far - scene->camera.clip_near;
 
+    if (scene->object_count > 0) return json_fail(&method, check->error, "riemann is not for scenes with objects");
     if (!isfinite(length))
         return json_fail(&method, check->error,
                          "riemann needs camera.clip: it steps from the near to the far distance");

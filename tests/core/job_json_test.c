@@ -308,10 +308,8 @@ static void a_direction_is_checked_at_the_frames(void **state)
 
 static void what_comes_later_is_refused_by_name(void **state)
 {
-    static const char *const places[] = {"scene", "quality"}; // in the order of enum job_later_place
-
     for (const struct job_later *later = job_later_table; later->key; later++) {
-        char *path = xasprintf("%s.%s", places[later->place], later->key);
+        char *path = xasprintf("quality.%s", later->key);
         char *value = later->text ? xasprintf("\"%s\"", later->text) : xstrdup("{}");
         char *text = json_edit_set(job_text_full, path, value);
         char *expected;

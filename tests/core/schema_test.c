@@ -72,10 +72,8 @@ static void schema_and_code_agree_on_limits_of_counts(void **state)
 
 static void schema_refuses_what_is_not_there_yet(void **state)
 {
-    static const char *const places[] = {"scene", "quality"}; // in the order of enum job_later_place
-
     for (const struct job_later *later = job_later_table; later->key; later++) {
-        char *path = xasprintf("%s.%s", places[later->place], later->key);
+        char *path = xasprintf("quality.%s", later->key);
         char *value = later->text ? xasprintf("\"%s\"", later->text) : xstrdup("2");
         char *text = json_edit_set(job_text_full, path, value);
         struct schema_verdicts verdicts = schema_agreement_judge(text);

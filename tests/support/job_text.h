@@ -13,3 +13,5 @@ extern const char job_text_noise[];
 extern const char job_text_fog[];
 extern const char job_text_grid[];
 extern const char job_text_glsl[];
+// One that uses every key of objects, materials and textures, and has interiors.
+extern const char job_text_objects[];
