@@ -163,7 +163,7 @@ static double draw(const struct gl_functions *gl, const struct gl_target *target
         gl->Finish();
         seconds[i] = now_s() - start;
     }
-    gl_target_read(target, image);
+    gl_target_read(target, image, NULL);
     qsort(seconds, RUNS, sizeof *seconds, compare);
     return seconds[RUNS / 2];
 }
@@ -214,7 +214,7 @@ int main(void)
     unsigned vertex_array = 0;
     bool ok = context && gl_functions_load(&gl, context, &error) &&
               image_init(&image, WIDTH, HEIGHT, false, false, &error) &&
-              gl_target_init(&target, &gl, &image, 1, &error);
+              gl_target_init(&target, &gl, &(struct gl_target_params){.image = &image, .pass_count = 1}, &error);
 
     if (ok) {
         gl.CreateVertexArrays(1, &vertex_array);
