@@ -78,6 +78,7 @@ static void write_result(struct json_writer *writer, const struct render_result 
     if (result->outcome == RENDER_SUCCEEDED) {
         json_write_number_member(writer, "render_s", result->render_s);
         json_write_number_member(writer, "encode_s", result->encode_s);
+        if (result->cut_share >= 0) json_write_number_member(writer, "cut_share", result->cut_share);
     }
     if (result->outcome != RENDER_FAILED) {
         json_write_integer_member(writer, "size_bytes", result->size_bytes);
@@ -85,6 +86,13 @@ static void write_result(struct json_writer *writer, const struct render_result 
     }
     if (result->error) json_write_string_member(writer, "error", result->error);
     json_write_end_object(writer);
+}
+
+static void print_succeeded(const struct render_result *result)
+{
+    printf("%s  rendered %.3f s  encoded %.3f s", result->name, result->render_s, result->encode_s);
+    if (result->cut_share >= 0) printf("  cut %.2g %%", 100 * result->cut_share);
+    putchar('\n');
 }
 
 static void on_result(void *user, const struct render_result *result)
@@ -96,7 +104,7 @@ static void on_result(void *user, const struct render_result *result)
     if (telling->options->json)
         write_result(&telling->frames, result);
     else if (result->outcome == RENDER_SUCCEEDED)
-        printf("%s  rendered %.3f s  encoded %.3f s\n", result->name, result->render_s, result->encode_s);
+        print_succeeded(result);
     else if (result->outcome == RENDER_SKIPPED)
         printf("%s  was there already\n", result->name);
     if (result->outcome == RENDER_FAILED) fprintf(stderr, "frame %d failed: %s\n", result->frame, result->error);

@@ -145,8 +145,10 @@ static bool read_file(const struct json_node *body, struct published_file *file,
     struct json_node inode = json_node_child(body, "inode"), size = json_node_child(body, "size_bytes");
     struct json_node hash = json_node_child(body, "hash");
     struct json_node render_s = json_node_child(body, "render_s"), encode_s = json_node_child(body, "encode_s");
+    struct json_node cut_share = json_node_child(body, "cut_share");
     const char *digits;
 
+    if (!json_read_number(&cut_share, 0, 1, &result->cut_share, NULL)) result->cut_share = -1;
     if (!json_read_string(&inode, &digits, error)) return false;
     if (!json_read_integer(&size, 0, INT64_C(1) << 53, &result->size_bytes, error)) return false;
     if (!json_read_string(&hash, &result->hash, error)) return false;

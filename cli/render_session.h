@@ -23,6 +23,7 @@ struct render_result {
     enum render_outcome outcome;
     const char *name;          // the file's, below the output root; borrowed for the call
     double render_s, encode_s; // succeeded only
+    double cut_share;          // likewise: of its light, that cut rays may have taken; < 0: it has no such
     int64_t size_bytes;        // not of a failed one
     const char *hash;          // borrowed for the call; NULL when failed
     const char *error;         // failed only; borrowed for the call

@@ -120,7 +120,11 @@ static void encode(struct worker *worker, struct picture *picture)
         worker_drop_frame(worker, frame);
         return;
     }
-    report_finished(&worker->connection, frame, &file, picture->render_s, now_s() - start_s);
+    report_finished(&worker->connection, frame,
+                    &(struct report_result){.file = &file,
+                                            .ray_counts = &picture->ray_counts,
+                                            .render_s = picture->render_s,
+                                            .encode_s = now_s() - start_s});
     worker_end_frame(worker, frame);
 }
 

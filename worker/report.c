@@ -7,6 +7,7 @@
 #include "worker/assignment.h"
 #include "worker/connection.h"
 #include "worker/gl_context.h"
+#include "worker/ray_counts.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -86,18 +87,19 @@ void report_rendered(struct connection *connection, const struct assignment_fram
 }
 
 void report_finished(struct connection *connection, const struct assignment_frame *frame,
-                     const struct published_file *file, double render_s, double encode_s)
+                     const struct report_result *result)
 {
     struct json_writer writer = {0};
     char inode[24]; // a number of JSON's may not hold it
 
-    snprintf(inode, sizeof inode, "%" PRIu64, file->inode);
+    snprintf(inode, sizeof inode, "%" PRIu64, result->file->inode);
     begin_frame(&writer, "frame.finished", frame->job->id, frame->frame, frame->attempt);
     json_write_string_member(&writer, "inode", inode);
-    json_write_integer_member(&writer, "size_bytes", (int64_t)file->size_bytes);
-    json_write_string_member(&writer, "hash", file->hash);
-    json_write_number_member(&writer, "render_s", render_s);
-    json_write_number_member(&writer, "encode_s", encode_s);
+    json_write_integer_member(&writer, "size_bytes", (int64_t)result->file->size_bytes);
+    json_write_string_member(&writer, "hash", result->file->hash);
+    json_write_number_member(&writer, "render_s", result->render_s);
+    json_write_number_member(&writer, "encode_s", result->encode_s);
+    if (result->ray_counts->is_known) json_write_number_member(&writer, "cut_share", result->ray_counts->cut_share);
     send_and_finish(connection, &writer);
 }
 

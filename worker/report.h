@@ -8,14 +8,22 @@ struct assignment_dropped;
 struct connection;
 struct gl_context_facts;
 struct published_file;
+struct ray_counts;
 
 void report_ready(struct connection *connection, const struct gl_context_facts *facts); // NULL: without a context
 void report_no_context(struct connection *connection, const char *reason);
 void report_beat(struct connection *connection, uint64_t progress);
 void report_started(struct connection *connection, const struct assignment_frame *frame);
 void report_rendered(struct connection *connection, const struct assignment_frame *frame);
+
+struct report_result {
+    const struct published_file *file; // borrowed for the call, as what follows
+    const struct ray_counts *ray_counts;
+    double render_s, encode_s;
+};
+
 void report_finished(struct connection *connection, const struct assignment_frame *frame,
-                     const struct published_file *file, double render_s, double encode_s);
+                     const struct report_result *result);
 void report_skipped(struct connection *connection, const struct assignment_frame *frame,
                     const struct published_file *file);
 void report_dropped(struct connection *connection, const struct assignment_dropped *dropped);
