@@ -1,0 +1,5 @@
+// The transfer function of sRGB: IEC 61966-2-1, 1999.
+#pragma once
+
+// Linear light of a stored value; both in [0, 1].
+double srgb_decode(double value);
