@@ -73,8 +73,20 @@ static bool set_member(char **document, const char *place, const char *key, cons
     return ok;
 }
 
-static bool resolve_density(char **document, const struct json_node *density, const char *place, const char *folder,
-                            struct error *error)
+// Owned by the caller.
+static char *make_absolute(const char *path, const char *folder)
+{
+    return *path == '/' ? xstrdup(path) : xasprintf("%s/%s", strcmp(folder, "/") == 0 ? "" : folder, path);
+}
+
+// Of the object in the document that is resolved next.
+struct site {
+    char **document;
+    const char *folder; // that relative paths start from
+    const char *place;
+};
+
+static bool resolve_density(const struct site *site, const struct json_node *density, struct error *error)
 {
     struct json_node kind = json_node_child(density, "kind"), file = json_node_child(density, "file");
     struct json_node source = json_node_child(density, "source");
@@ -85,29 +97,64 @@ static bool resolve_density(char **document, const struct json_node *density, co
     if (!json_read_string(&kind, &kind_name, NULL) || !json_read_string(&file, &path, NULL)) return true;
     is_glsl = strcmp(kind_name, "glsl") == 0;
     if ((!is_glsl && strcmp(kind_name, "grid") != 0) || !input_path_check(path, NULL)) return true;
-    absolute = *path == '/' ? xstrdup(path) : xasprintf("%s/%s", strcmp(folder, "/") == 0 ? "" : folder, path);
+    absolute = make_absolute(path, site->folder);
     if (is_glsl && json_node_is_absent(&source)) {
         text = read_glsl(absolute, error);
-        if (!text) error_prefix(error, "%s.file", place);
-        ok = text && set_member(document, place, "source", text, error);
+        if (!text) error_prefix(error, "%s.file", site->place);
+        ok = text && set_member(site->document, site->place, "source", text, error);
     }
-    ok = ok && set_member(document, place, "file", absolute, error);
+    ok = ok && set_member(site->document, site->place, "file", absolute, error);
     free(absolute);
     free(text);
     return ok;
 }
 
-static bool resolve_media(char **document, const struct json_node *root, const char *folder, struct error *error)
+static bool resolve_texture(const struct site *site, const struct json_node *texture, struct error *error)
 {
-    struct json_node scene = json_node_child(root, "scene"), media = json_node_child(&scene, "media"), medium = {0};
+    struct json_node file = json_node_child(texture, "file");
+    const char *path;
+    char *absolute;
+    bool ok;
+
+    if (!json_read_string(&file, &path, NULL) || !input_path_check(path, NULL)) return true;
+    absolute = make_absolute(path, site->folder);
+    ok = set_member(site->document, site->place, "file", absolute, error);
+    free(absolute);
+    return ok;
+}
+
+static bool resolve_media(char **document, const struct json_node *scene, const char *folder, struct error *error)
+{
+    struct json_node media = json_node_child(scene, "media"), medium = {0};
     bool ok = true;
 
     while (ok && json_node_type(&media) == JSON_ARRAY && json_node_next(&media, &medium)) {
         struct json_node density = json_node_child(&medium, "density");
         char *place = xasprintf("scene.media[%zu].density", medium.index);
 
-        ok = resolve_density(document, &density, place, folder, error);
+        ok = resolve_density(&(struct site){document, folder, place}, &density, error);
         free(place);
+    }
+    return ok;
+}
+
+static bool resolve_objects(char **document, const struct json_node *scene, const char *folder, struct error *error)
+{
+    struct json_node objects = json_node_child(scene, "objects"), object = {0};
+    bool ok = true;
+
+    while (ok && json_node_type(&objects) == JSON_ARRAY && json_node_next(&objects, &object)) {
+        struct json_node material = json_node_child(&object, "material");
+        struct json_node texture = json_node_child(&material, "texture");
+        struct json_node interior = json_node_child(&material, "interior");
+        struct json_node density = json_node_child(&interior, "density");
+        char *texture_place = xasprintf("scene.objects[%zu].material.texture", object.index);
+        char *density_place = xasprintf("scene.objects[%zu].material.interior.density", object.index);
+
+        ok = resolve_texture(&(struct site){document, folder, texture_place}, &texture, error) &&
+             resolve_density(&(struct site){document, folder, density_place}, &density, error);
+        free(density_place);
+        free(texture_place);
     }
     return ok;
 }
@@ -116,13 +163,14 @@ bool job_inputs_resolve(char **document, const char *job_path, struct error *err
 {
     char *folder = find_folder(job_path, error);
     struct cJSON *root = NULL;
-    struct json_node node;
+    struct json_node node, scene;
     bool ok = false;
 
     if (!folder) return false;
     if (!json_parse(&root, *document, strlen(*document), error)) goto out;
     node = json_node_root(root);
-    ok = resolve_media(document, &node, folder, error);
+    scene = json_node_child(&node, "scene");
+    ok = resolve_media(document, &scene, folder, error) && resolve_objects(document, &scene, folder, error);
 out:
     json_delete(root);
     free(folder);
@@ -159,11 +207,22 @@ static bool check_grid(const struct job *job, const struct scene_grid *grid, str
 
 bool job_inputs_check(const struct job *job, struct error *error)
 {
-    for (size_t i = 0; i < job->scene.medium_count; i++) {
-        const struct scene_density *density = &job->scene.media[i].density;
+    const struct scene *scene = &job->scene;
+    char place[64];
+
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_density *density = &scene->media[i].density;
 
         if (density->kind != SCENE_DENSITY_GRID || check_grid(job, &density->grid, error)) continue;
-        error_prefix(error, "scene.media[%zu].density.file", i);
+        scene_format_medium_place(scene, i, place, sizeof place);
+        error_prefix(error, "%s.density.file", place);
+        return false;
+    }
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const char *file = scene->objects[i].material.texture.file;
+
+        if (!file || check_file(file, error)) continue;
+        error_prefix(error, "scene.objects[%zu].material.texture.file", i);
         return false;
     }
     return true;

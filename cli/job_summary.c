@@ -38,12 +38,19 @@ static void print_media(const struct scene *scene)
     printf("%-10s %zu medi%s", "scene", scene->medium_count, scene->medium_count == 1 ? "um" : "a");
     for (size_t i = 0; i < scene->medium_count; i++)
         printf("%s%s", i == 0 ? " (" : ", ", density_name(&scene->media[i].density));
-    printf("%s, %zu light%s%s%s\n", scene->medium_count > 0 ? ")" : "", scene->light_count, plural(scene->light_count),
+    printf("%s", scene->medium_count > 0 ? ")" : "");
+    if (scene->object_count > 0) printf(", %zu object%s", scene->object_count, plural(scene->object_count));
+    printf(", %zu light%s%s%s\n", scene->light_count, plural(scene->light_count),
            scene->has_background ? ", a background" : "",
            scene_is_constant(scene) ? "; nothing moves: rendered once" : "");
 }
 
-// The files that one medium reads each.
+static void print_input(const char *file, const char *what, size_t index)
+{
+    if (file) printf("%-10s %s (%s %zu)\n", "reads", file, what, index);
+}
+
+// The files that media and textures read.
 static void print_inputs(const struct scene *scene)
 {
     for (size_t i = 0; i < scene->medium_count; i++) {
@@ -51,9 +58,12 @@ static void print_inputs(const struct scene *scene)
         const char *file = density->kind == SCENE_DENSITY_GRID   ? density->grid.file
                            : density->kind == SCENE_DENSITY_GLSL ? density->glsl.file
                                                                  : NULL;
+        size_t owner = scene->media[i].owner;
 
-        if (file) printf("%-10s %s (medium %zu)\n", "reads", file, i);
+        print_input(file, owner > 0 ? "interior of object" : "medium", owner > 0 ? owner - 1 : i);
     }
+    for (size_t i = 0; i < scene->object_count; i++)
+        print_input(scene->objects[i].material.texture.file, "texture of object", i);
 }
 
 static void print_step(const char *name, double metres, double voxels)
@@ -62,14 +72,17 @@ static void print_step(const char *name, double metres, double voxels)
     if (voxels > 0.0) printf(", %s %g voxels", name, voxels);
 }
 
-static void print_quality(const struct job_quality *quality)
+static void print_quality(const struct job *job)
 {
+    const struct job_quality *quality = &job->quality;
+
     printf("%-10s %s", "quality", job_method_name(quality->method));
     print_step("step", quality->step, quality->step_voxels);
     print_step("light step", quality->light_step, quality->light_step_voxels);
     if (quality->light_steps > 0) printf(", %d light steps", quality->light_steps);
     if (quality->points > 0) printf(", %d points", quality->points);
     if (quality->samples > 1) printf(", %d samples a pixel", quality->samples);
+    if (job->scene.object_count > 0) printf(", rays up to depth %d", quality->max_depth);
     printf("\n");
 }
 
@@ -84,7 +97,7 @@ void job_summary_print(const struct job *job)
     printf("%-10s %d x %d\n", "resolution", job->width_px, job->height_px);
     print_media(&job->scene);
     print_inputs(&job->scene);
-    print_quality(&job->quality);
+    print_quality(job);
     printf("%-10s %s, %s%s%s\n", "channels", job->output.pixel == JOB_PIXEL_HALF ? "half RGBA" : "float RGBA",
            job_compression_name(job->output.compression), job->output.has_depth ? ", Z" : "",
            job->output.has_transmittance ? ", transmittance" : "");
@@ -109,6 +122,7 @@ void job_summary_write_members(const struct job *job, struct json_writer *writer
     json_write_integer(writer, job->height_px);
     json_write_end_array(writer);
     json_write_integer_member(writer, "media", (int64_t)job->scene.medium_count);
+    json_write_integer_member(writer, "objects", (int64_t)job->scene.object_count);
     json_write_integer_member(writer, "lights", (int64_t)job->scene.light_count);
     json_write_bool_member(writer, "moves", !scene_is_constant(&job->scene));
     json_write_string_member(writer, "method", job_method_name(job->quality.method));

@@ -106,6 +106,21 @@ static void put_density(FILE *text, const struct scene_density *density)
     fputc('\n', text);
 }
 
+static void put_object(FILE *text, const struct scene *scene, const struct scene_object *object)
+{
+    const struct scene_material *material = &object->material;
+    const struct scene_texture *texture = &material->texture;
+
+    fprintf(text, "object shapes");
+    for (size_t i = 0; i < object->shape_count; i++)
+        fprintf(text, " %d", (int)scene->shapes[object->first_shape + i].kind);
+    fprintf(text, " material %d fresnel %d f0 %d nearest %d linear %d", (int)material->kind, (int)material->fresnel,
+            material->has_f0, texture->is_nearest, texture->is_linear);
+    put_text(text, "texture", texture->file);
+    put_numbers(text, "size", texture->size, 2);
+    fputc('\n', text);
+}
+
 static void put_scene(FILE *text, const struct scene *scene)
 {
     put_numbers(text, "clip", (double[]){scene->camera.clip_near, scene->camera.clip_far}, 2);
@@ -117,6 +132,7 @@ static void put_scene(FILE *text, const struct scene *scene)
         const struct scene_medium *medium = &scene->media[i];
 
         fprintf(text, "medium emission %d", medium->has_emission);
+        if (medium->owner > 0) fprintf(text, " owner %zu", medium->owner);
         put_text(text, "blackbody", medium->blackbody.grid_name);
         fprintf(text, " lobes");
         for (size_t k = 0; k < medium->lobe_count; k++)
@@ -124,6 +140,8 @@ static void put_scene(FILE *text, const struct scene *scene)
         fputc('\n', text);
         put_density(text, &medium->density);
     }
+    for (size_t i = 0; i < scene->object_count; i++)
+        put_object(text, scene, &scene->objects[i]);
     // With the counts and kinds above it is known which values come here; the visitor only reads.
     scene_visit_timelines((struct scene *)scene, put_visited, text);
 }
@@ -138,6 +156,14 @@ static void put_quality(FILE *text, const struct job_quality *quality)
     put_numbers(text, "roulette", (double[]){quality->roulette_below, quality->roulette_survive}, 2);
 }
 
+// Only where it counts. A picture that was good enough for a larger share of cut light is none for a smaller one.
+static void put_paths(FILE *text, const struct job_quality *quality)
+{
+    fprintf(text, " max_depth %d", quality->max_depth);
+    put_numbers(text, "min_throughput", &quality->min_throughput, 1);
+    put_numbers(text, "max_cut", &quality->max_cut, 1);
+}
+
 void job_hash_picture(const struct job *job, char hash[static HASH_TEXT_SIZE])
 {
     char *bytes = NULL;
@@ -149,6 +175,7 @@ void job_hash_picture(const struct job *job, char hash[static HASH_TEXT_SIZE])
             job->fps_numerator, job->fps_denominator);
     put_numbers(text, "time_offset", &job->time_offset, 1);
     put_quality(text, &job->quality);
+    if (job->scene.object_count > 0) put_paths(text, &job->quality);
     fprintf(text, "\npixel %d depth %d transmittance %d\n", (int)job->output.pixel, job->output.has_depth,
             job->output.has_transmittance);
     put_scene(text, &job->scene);

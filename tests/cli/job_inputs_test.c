@@ -202,6 +202,10 @@ static void what_is_no_job_is_left_for_the_parser(void **state)
         {"scene.media[0].density", "{\"kind\":\"grid\",\"file\":[\"a\"]}"},
         {"scene.media[0].density", "{\"kind\":\"glsl\",\"file\":\"\"}"},
         {"scene.media[0].density", "[1]"},
+        {"scene.objects", "{\"material\":{\"texture\":{\"file\":\"a\"}}}"},
+        {"scene.objects", "[{\"material\":[{\"file\":\"a\"}]}]"},
+        {"scene.objects", "[{\"material\":{\"texture\":{\"file\":[\"a.png\"]}}}]"},
+        {"scene.objects", "[{\"material\":{\"texture\":{\"file\":\"\"}}}]"},
     };
 
     for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
@@ -222,6 +226,89 @@ static void what_is_no_job_is_left_for_the_parser(void **state)
     }
 }
 
+// The job of every key of objects, with files of the folder in place of its own.
+static char *objects_in_folder(void)
+{
+    char *floor = json_edit_set(job_text_objects, "scene.objects[0].material.texture.file", "\"tiles.png\"");
+    char *text =
+        json_edit_set(floor, "scene.objects[5].material.interior.density", "{\"kind\":\"grid\",\"file\":\"head.nii\"}");
+
+    free(floor);
+    return text;
+}
+
+static void files_of_objects_are_relative_to_the_job_file(void **state)
+{
+    char *text = objects_in_folder();
+    struct job job;
+
+    write_file(state, "tiles.png", "x", 1);
+    write_file(state, "globe.png", "x", 1);
+    write_file(state, "wood.exr", "x", 1);
+    write_file(state, "head.nii", "x", 1);
+    write_job(state, text);
+    job = load(state, NULL, 0);
+    assert_string_equal(job.scene.objects[0].material.texture.file, temp_folder_path(state, "tiles.png"));
+    assert_string_equal(job.scene.objects[3].material.texture.file, temp_folder_path(state, "globe.png"));
+    assert_string_equal(job.scene.objects[4].material.texture.file, temp_folder_path(state, "wood.exr"));
+    assert_string_equal(job.scene.media[2].density.grid.file, temp_folder_path(state, "head.nii"));
+    job_finish(&job);
+    free(text);
+}
+
+static void absolute_paths_of_textures_stay(void **state)
+{
+    char *file = xasprintf("scene.objects[0].material.texture.file=\"%s\"", temp_folder_path(state, "moved/a.png"));
+    const char *const sets[] = {file};
+    char *text = objects_in_folder();
+    struct job job;
+
+    assert_int_equal(mkdir(temp_folder_path(state, "moved"), 0700), 0);
+    write_file(state, "moved/a.png", "x", 1);
+    write_file(state, "globe.png", "x", 1);
+    write_file(state, "wood.exr", "x", 1);
+    write_file(state, "head.nii", "x", 1);
+    write_job(state, text);
+    job = load(state, sets, 1);
+    assert_string_equal(job.scene.objects[0].material.texture.file, temp_folder_path(state, "moved/a.png"));
+    job_finish(&job);
+    free(text);
+    free(file);
+}
+
+static void missing_files_of_objects_are_named(void **state)
+{
+    char *text = objects_in_folder();
+
+    write_job(state, text);
+    assert_refused(state, "scene.objects[5].material.interior.density.file: %s/head.nii: No such file or directory");
+    write_file(state, "head.nii", "x", 1);
+    write_file(state, "tiles.png", "x", 1);
+    assert_refused(state, "scene.objects[3].material.texture.file: %s/globe.png: No such file or directory");
+    assert_int_equal(mkdir(temp_folder_path(state, "globe.png"), 0700), 0);
+    assert_refused(state, "scene.objects[3].material.texture.file: %s/globe.png: expected a file, got a folder or a "
+                          "device");
+    free(text);
+}
+
+static void glsl_of_an_interior_becomes_part_of_the_job(void **state)
+{
+    char *text = json_edit_set(job_text_glsl, "scene",
+                               "{\"objects\":[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":{"
+                               "\"kind\":\"dielectric\",\"ior\":1.5,\"interior\":{\"sigma_a\":1,\"density\":{\"kind\":"
+                               "\"glsl\",\"file\":\"a.glsl\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}}}}]}");
+    struct job job;
+
+    write_job(state, text);
+    assert_refused(state, "scene.objects[0].material.interior.density.file: %s/a.glsl: cannot open: No such file or "
+                          "directory");
+    write_file(state, "a.glsl", "float", 5);
+    job = load(state, NULL, 0);
+    assert_string_equal(job.scene.media[0].density.glsl.source, "float");
+    job_finish(&job);
+    free(text);
+}
+
 int main(void)
 {
 #define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, temp_folder_create, temp_folder_destroy)
@@ -235,6 +322,10 @@ int main(void)
         WITH_FOLDER(a_missing_file_is_named),
         WITH_FOLDER(the_first_missing_of_a_sequence_is_named),
         WITH_FOLDER(what_is_no_job_is_left_for_the_parser),
+        WITH_FOLDER(files_of_objects_are_relative_to_the_job_file),
+        WITH_FOLDER(absolute_paths_of_textures_stay),
+        WITH_FOLDER(missing_files_of_objects_are_named),
+        WITH_FOLDER(glsl_of_an_interior_becomes_part_of_the_job),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 #include "core/job_hash.h"
 
+#include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"
@@ -99,6 +100,8 @@ static bool is_left_out(const char *path)
                                         "output.compression",
                                         "output.existing",
                                         "quality.method",
+                                        "scene.objects[0].material.fresnel",
+                                        "scene.objects[1].material.fresnel",
                                         "scene.media[0].phase[0].weight",
                                         "scene.media[0].phase[1].weight"};
 
@@ -110,10 +113,10 @@ static bool is_left_out(const char *path)
 static bool some_value_changes_the_hash(const char *document, const char *path, const struct hash *hash)
 {
     static const char *const values[] = {
-        "0.4",        "1",       "2",         "3",          "7",          "-0.4",      "50",
-        "true",       "false",   "\"hold\"",  "\"linear\"", "\"none\"",   "\"half\"",  "\"transmittance\"",
-        "\"linear\"", "[1,1,1]", "\"remap\"", "\"uint8\"",  "\"little\"", "\"a.raw\"", "\"a.nvdb\"",
-        "1500"};
+        "0.4",        "1",           "2",         "3",           "7",          "-0.4",      "50",
+        "true",       "false",       "\"hold\"",  "\"linear\"",  "\"none\"",   "\"half\"",  "\"transmittance\"",
+        "\"linear\"", "[1,1,1]",     "\"remap\"", "\"uint8\"",   "\"little\"", "\"a.raw\"", "\"a.nvdb\"",
+        "1500",       "\"schlick\"", "\"srgb\"",  "\"nearest\"", "\"a.png\""};
 
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
         char *text = json_edit_set(document, path, values[i]);
@@ -167,6 +170,8 @@ static void every_value_that_a_picture_depends_on_counts(void **state)
     check_places(job_text_grid, "scene", 45);
     check_places(job_text_grid, "quality", 2);
     check_places(job_text_glsl, "scene", 7);
+    check_places(job_text_objects, "scene", 70);
+    check_places(job_text_objects, "quality", 5);
     free(fog);
 }
 
@@ -206,6 +211,61 @@ static void what_changes_along_with_another_counts(void **state)
             if (strcmp(hashes[i].text, hashes[k].text) == 0) fail_msg("edits %zu and %zu hash alike", i, k);
 }
 
+// Frames that are there from before there were objects stay good.
+static void jobs_without_objects_keep_their_hashes(void **state)
+{
+    assert_string_equal(hash_of(job_text_full).text, "62016974e9a40394de25ffb01fe08c43");
+    assert_string_equal(hash_of(job_text_grid).text, "8cf8cc745577b4a885cfdee46f7f8fbe");
+}
+
+static void what_objects_are_counts(void **state)
+{
+    static const char *const edits[][2] = {
+        {"priority", "1"}, // no change
+        {"scene.objects[3].material.texture", NULL},
+        {"scene.objects[3].material.texture.file", "\"globe.exr\""},
+        {"scene.objects[3].material.texture.color_space", "\"linear\""},
+        {"scene.objects[3].material.texture.filter", "\"nearest\""},
+        {"scene.objects[1].material.f0", "0"},
+        {"scene.objects[1].material.interior", NULL},
+        {"scene.objects[2]", "{\"kind\":\"sphere\",\"center\":[2,0,0],\"radius\":1,\"material\":{\"kind\":"
+                             "\"mirror\",\"reflectance\":[1,0.5,0.25],\"roughness\":0.5}}"},
+        {"scene.objects[2]", NULL},
+        {"scene.objects[4].of[2]", NULL},
+    };
+    enum { COUNT = sizeof edits / sizeof edits[0] };
+    struct hash hashes[COUNT];
+    char *text = json_edit_set(job_text_objects, "scene.objects[3].material.albedo", "1");
+
+    for (size_t i = 0; i < COUNT; i++) {
+        char *edited = json_edit_set(text, edits[i][0], edits[i][1]);
+
+        hashes[i] = hash_of(edited);
+        free(edited);
+    }
+    for (size_t i = 0; i < COUNT; i++)
+        for (size_t k = 0; k < i; k++)
+            if (strcmp(hashes[i].text, hashes[k].text) == 0) fail_msg("edits %zu and %zu hash alike", i, k);
+    free(text);
+}
+
+// An interior fills its object, whichever of two alike.
+static void whose_interior_it_is_counts(void **state)
+{
+    static const char sphere[] = "{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":{\"kind\":"
+                                 "\"dielectric\",\"ior\":1.5}}";
+    char *list = xasprintf("[%s,%s]", sphere, sphere);
+    char *plain = json_edit_set(job_text_objects, "scene.objects", list);
+    char *first = json_edit_set(plain, "scene.objects[0].material.interior", "{\"sigma_a\":1}");
+    char *second = json_edit_set(plain, "scene.objects[1].material.interior", "{\"sigma_a\":1}");
+
+    assert_string_not_equal(hash_of(first).text, hash_of(second).text);
+    free(second);
+    free(first);
+    free(plain);
+    free(list);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -214,6 +274,9 @@ int main(void)
         cmocka_unit_test(what_no_picture_depends_on_does_not_count),
         cmocka_unit_test(every_value_that_a_picture_depends_on_counts),
         cmocka_unit_test(what_changes_along_with_another_counts),
+        cmocka_unit_test(jobs_without_objects_keep_their_hashes),
+        cmocka_unit_test(what_objects_are_counts),
+        cmocka_unit_test(whose_interior_it_is_counts),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

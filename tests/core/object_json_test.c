@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/job.h"
+#include "core/job_check.h"
 #include "core/job_json.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
@@ -358,6 +359,36 @@ static void wrong_path_keys_are_refused(void **state)
     assert_edit_refused("quality.max_cut", "1.5", "quality.max_cut: expected a number from 0 to 1, got 1.5");
 }
 
+static void assert_no_inputs(const char *text, const char *expected)
+{
+    struct cJSON *root = NULL;
+    struct job job = parse(text);
+    struct json_node document;
+    struct error error = {0};
+
+    assert_true(json_parse(&root, text, strlen(text), NULL));
+    document = json_node_root(root);
+    assert_int_equal(job_check_inputs(&job, &document, &error), !expected);
+    assert_string_equal(error.message, expected ? expected : "");
+    json_delete(root);
+    job_finish(&job);
+}
+
+static void elsewhere_only_absolute_paths_can_be_read(void **state)
+{
+    char *globe = json_edit_set(job_text_objects, MATERIAL(3) ".texture.file", "\"/globe.png\"");
+    char *wood = json_edit_set(globe, MATERIAL(4) ".texture.file", "\"/wood.exr\"");
+    char *smoke = json_edit_set(wood, MATERIAL(5) ".interior.density", "{\"kind\":\"grid\",\"file\":\"a.nii\"}");
+
+    assert_no_inputs(job_text_objects, MATERIAL(3) ".texture.file: expected an absolute path, got \"globe.png\"");
+    assert_no_inputs(globe, MATERIAL(4) ".texture.file: expected an absolute path, got \"wood.exr\"");
+    assert_no_inputs(smoke, MATERIAL(5) ".interior.density.file: expected an absolute path, got \"a.nii\"");
+    assert_no_inputs(wood, NULL);
+    free(smoke);
+    free(wood);
+    free(globe);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -376,6 +407,7 @@ int main(void)
         cmocka_unit_test(shapes_of_all_objects_are_counted_together),
         cmocka_unit_test(path_keys_are_for_scenes_with_objects),
         cmocka_unit_test(wrong_path_keys_are_refused),
+        cmocka_unit_test(elsewhere_only_absolute_paths_can_be_read),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

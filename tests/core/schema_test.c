@@ -109,7 +109,7 @@ static void each_cross_rule_is_beyond_the_schema(void **state)
         }
         if (strncmp(rule->name, "riemann", 7) == 0) {
             edited = text;
-            text = json_edit_set(edited, "quality", "{\"method\":\"\",\"step\":0.1,\"light_steps\":2}");
+            text = json_edit_set(edited, "quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":2}");
             free(edited);
         }
         edited = json_edit_set(text, rule->example.path, rule->example.value);

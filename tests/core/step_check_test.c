@@ -170,6 +170,113 @@ static void equiangular_points_are_limited_along_a_ray(void **state)
     free(medium);
 }
 
+// job_text_objects without camera.clip, its last object another one.
+static char *last_object(const char *object)
+{
+    char *open = json_edit_set(job_text_objects, "camera.clip", NULL);
+    char *text = json_edit_set(open, "scene.objects[5]", object);
+
+    free(open);
+    return text;
+}
+
+#define GLASS "\"material\":{\"kind\":\"dielectric\",\"ior\":1.5,\"interior\":{\"sigma_s\":1,\"density\":" NOISE "}}"
+#define NOISE "{\"kind\":\"noise\",\"frequency\":2}"
+
+static void assert_steps_through_interior(const char *object, const char *length)
+{
+    char *text = last_object(object), *fine = json_edit_set(text, "quality.light_step", "1e-6"), expected[256];
+    struct job job = parse(text);
+
+    job_finish(&job);
+    snprintf(expected, sizeof expected,
+             "quality.light_step: expected at most 60000 steps along a ray, got %s000000: %s m through "
+             "scene.objects[5].material.interior in steps of 1e-06 m",
+             length, length);
+    assert_refused(fine, expected);
+    free(fine);
+    free(text);
+}
+
+static void an_interior_ends_with_its_object(void **state)
+{
+    char *text = last_object("{\"kind\":\"plane\",\"point\":[0,0,0]," GLASS "}");
+
+    assert_steps_through_interior("{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":3.5," GLASS "}", "7");
+    assert_steps_through_interior("{\"kind\":\"box\",\"center\":[0,0,0],\"size\":[2,3,6]," GLASS "}", "7");
+    assert_steps_through_interior("{\"kind\":\"union\",\"of\":[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1},"
+                                  "{\"kind\":\"box\",\"center\":[9,0,0],\"size\":[2,3,6]}]," GLASS "}",
+                                  "9");
+    assert_refused(text, "scene.objects[5].material.interior.density: expected bounds (a sphere or a box) or a "
+                         "camera.clip that ends: a march through it has no end");
+    free(text);
+}
+
+// Its own bounds may be smaller.
+static void an_interior_ends_with_its_bounds(void **state)
+{
+    char *text = last_object("{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":3.5," GLASS "}");
+    char *bounded = json_edit_set(text, "scene.objects[5].material.interior.density.bounds",
+                                  "{\"kind\":\"sphere\",\"radius\":0.5}");
+    char *fine = json_edit_set(bounded, "quality.light_step", "1e-6");
+
+    assert_refused(fine, "quality.light_step: expected at most 60000 steps along a ray, got 1000000: 1 m through "
+                         "scene.objects[5].material.interior in steps of 1e-06 m");
+    free(fine);
+    free(bounded);
+    free(text);
+}
+
+// A surface is lit wherever it is, however short the way on which media are gathered.
+static void light_marches_to_all_that_it_lights(void **state)
+{
+    static const char slab[] = "[{\"sigma_s\":1,\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"
+                               "\"slab\",\"thickness\":2}}}]";
+    char *foggy = json_edit_set(job_text_objects, "scene.media", slab);
+    char *floor = json_edit_set(foggy, "scene.objects",
+                                "[{\"kind\":\"plane\",\"point\":[0,-1,0],\"material\":{\"kind\":\"diffuse\","
+                                "\"albedo\":1}}]");
+    char *mirror = json_edit_set(floor, "scene.objects[0].material", "{\"kind\":\"mirror\"}");
+    char *far =
+        json_edit_set(floor, "scene.objects[0]",
+                      "{\"kind\":\"sphere\",\"center\":[0,-6002,0],\"radius\":1,\"material\":{\"kind\":\"diffuse\","
+                      "\"albedo\":1}}");
+    struct job job = parse(mirror);
+
+    job_finish(&job);
+    assert_refused(floor,
+                   "scene.media[0].density: expected bounds (a sphere or a box): the light of lights[0] comes all "
+                   "the way through it");
+    assert_refused(far, "quality.light_step: expected at most 60000 steps along a ray, got 60060: 6006 m through "
+                        "scene.media[0] in steps of 0.1 m");
+    free(far);
+    free(mirror);
+    free(floor);
+    free(foggy);
+}
+
+static void riemann_knows_no_objects(void **state)
+{
+    char *text = json_edit_set(job_text_objects, "quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4}");
+
+    assert_refused(text, "quality.method: riemann is not for scenes with objects");
+    free(text);
+}
+
+static void equiangular_takes_even_interiors(void **state)
+{
+    char *noise = json_edit_set(job_text_objects, "quality", "{\"method\":\"equiangular\",\"points\":8}");
+    char *text = json_edit_set(noise, "scene.objects[5].material.interior.density", NULL);
+    struct job job = parse(text);
+
+    job_finish(&job);
+    assert_refused(noise,
+                   "scene.objects[5].material.interior.density.kind: expected \"homogeneous\", which equiangular "
+                   "needs everywhere, got \"noise\"");
+    free(text);
+    free(noise);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -179,6 +286,11 @@ int main(void)
         cmocka_unit_test(even_media_need_no_end),
         cmocka_unit_test(equiangular_is_for_even_media),
         cmocka_unit_test(equiangular_points_are_limited_along_a_ray),
+        cmocka_unit_test(an_interior_ends_with_its_object),
+        cmocka_unit_test(an_interior_ends_with_its_bounds),
+        cmocka_unit_test(light_marches_to_all_that_it_lights),
+        cmocka_unit_test(riemann_knows_no_objects),
+        cmocka_unit_test(equiangular_takes_even_interiors),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

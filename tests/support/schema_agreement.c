@@ -24,6 +24,15 @@
 #define GLSL "{\"kind\":\"glsl\",\"source\":\"# version 450\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}"
 #define FALLOFF "{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1,\"falloff\":0.5}}"
 
+#define FOG "{\"sigma_a\":1,\"density\":{\"kind\":\"homogeneous\"}}"
+#define FOGS FOG "," FOG "," FOG "," FOG "," FOG "," FOG "," FOG
+#define GLASS                                                                                                          \
+    "{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":{\"kind\":\"dielectric\",\"ior\":1.5,"          \
+    "\"interior\":{\"sigma_a\":1}}}"
+#define BALL "{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}"
+#define BALLS BALL "," BALL "," BALL "," BALL "," BALL "," BALL
+#define UNION "{\"kind\":\"union\",\"of\":[" BALLS "," BALLS "," BALLS "],\"material\":{\"kind\":\"mirror\"}}"
+
 const struct cross_rule schema_cross_rules[] = {
     {"a name counts bytes, not characters, and has no U+0080 to U+009F",
      "1 to 128 printable bytes",
@@ -68,6 +77,14 @@ const struct cross_rule schema_cross_rules[] = {
      "which equiangular needs everywhere",
      {"quality", "{\"method\":\"equiangular\",\"points\":1}"}},
     {"equiangular is for the even", "0, which equiangular needs", {"scene", MEDIUM(FALLOFF)}},
+    {"objects are there to be cut at", "only for scenes with objects", {"quality.max_depth", "3"}},
+    {"riemann is for scenes without objects",
+     "riemann is not for scenes with objects",
+     {"scene", "{\"objects\":[" GLASS "]}"}},
+    {"media and interiors in all",
+     "media, interiors among them",
+     {"scene", "{\"media\":[" FOGS "," FOG "],\"objects\":[" GLASS "]}"}},
+    {"shapes in all", "shapes in all", {"scene", "{\"objects\":[" UNION "," UNION "]}"}},
     {"output stays below its root", "expected a path below", {"output.path", "\"/elsewhere/a.#.exr\""}},
     {"no . or .. in a path", "is not allowed in a path", {"output.path", "\"../a.#.exr\""}},
     {"a number in the name alone", "belongs into the file name", {"output.path", "\"%04d/a.#.exr\""}},
@@ -156,6 +173,19 @@ static const char *const for_strings[] = {"\"1-5\"",
                                           "\"a##########.nvdb\"",
                                           "\"a.nii.zip\"",
                                           "\"none\"",
+                                          "\"plane\"",
+                                          "\"union\"",
+                                          "\"diffuse\"",
+                                          "\"mirror\"",
+                                          "\"dielectric\"",
+                                          "\"exact\"",
+                                          "\"schlick\"",
+                                          "\"srgb\"",
+                                          "\"a.png\"",
+                                          "\"/b/a.EXR\"",
+                                          "\"a#.png\"",
+                                          "\"a#/b.png\"",
+                                          "\".png\"",
                                           "\"half\"",
                                           "\"zip\"",
                                           "\"Z\"",
@@ -227,6 +257,19 @@ static const char *const for_others[] = {
     "[[0,0.5],[1,0.25]]",
     "[[0,1],[1,[1,2,3]]]",
     "{\"x\":1}",
+    "0.05",
+    "10",
+    "32",
+    "[1,0.5]",
+    "{\"sigma_a\":1}",
+    "{\"kind\":\"mirror\"}",
+    "{\"kind\":\"diffuse\",\"texture\":{\"file\":\"a.png\"}}",
+    "{\"kind\":\"diffuse\",\"texture\":{\"file\":\"a.png\",\"size\":1}}",
+    "{\"kind\":\"dielectric\",\"ior\":2,\"f0\":0}",
+    "{\"kind\":\"dielectric\",\"ior\":2,\"fresnel\":\"none\",\"f90\":0}",
+    "{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}",
+    "[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]",
+    "{\"kind\":\"plane\",\"point\":[0,0,0],\"material\":{\"kind\":\"mirror\"}}",
     "{\"angle\":1}",
     "{\"below\":1,\"survive\":0.5}",
     "{\"below\":0.5,\"survive\":1}",
