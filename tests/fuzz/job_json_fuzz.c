@@ -24,6 +24,30 @@ static void check_media(const struct job *job)
     }
 }
 
+// Each shape has one object and each interior a dielectric one.
+static void check_objects(const struct job *job)
+{
+    const struct scene *scene = &job->scene;
+    size_t next = 0;
+
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const struct scene_object *object = &scene->objects[i];
+
+        if (object->first_shape != next || object->shape_count == 0) abort();
+        if (!object->is_union && object->shape_count != 1) abort();
+        if (object->material.texture.file && object->material.kind != SCENE_MATERIAL_DIFFUSE) abort();
+        next += object->shape_count;
+    }
+    if (next != scene->shape_count || scene->shape_count > SCENE_SHAPE_LIMIT) abort();
+    if (scene->object_count > 0 && job->quality.method == JOB_METHOD_RIEMANN) abort();
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        size_t owner = scene->media[i].owner;
+
+        if (owner > scene->object_count || (i > 0 && scene->media[i - 1].owner > owner)) abort();
+        if (owner > 0 && scene->objects[owner - 1].material.kind != SCENE_MATERIAL_DIELECTRIC) abort();
+    }
+}
+
 // A job that is taken can be asked for any of its times; one that is refused says why and leaves nothing behind.
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
@@ -32,13 +56,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     double value[3];
 
     if (!job_parse(&job, (const char *)bytes, size, "/srv/out", &error)) {
-        if (!error.message[0] || job.name || job.frames.spans || job.scene.light_count) abort();
+        if (!error.message[0] || job.name || job.frames.spans || job.scene.light_count || job.scene.object_count)
+            abort();
         return 0;
     }
     if (strlen(job.hash) != HASH_TEXT_SIZE - 1 || frame_range_count(&job.frames) < 1) abort();
     timeline_evaluate(&job.scene.camera.position, job_frame_time(&job, frame_range_at(&job.frames, 0)), value);
     if (!(value[0] - value[0] == 0.0)) abort();
     check_media(&job);
+    check_objects(&job);
     job_finish(&job);
     return 0;
 }
