@@ -10,6 +10,7 @@
 #include "worker/gl_grids.h"
 #include "worker/gl_program.h"
 #include "worker/gl_target.h"
+#include "worker/gl_textures.h"
 #include "worker/image.h"
 #include "worker/pixel_samples.h"
 #include "worker/scene_inputs.h"
@@ -48,9 +49,10 @@ struct renderer {
     char *shader_dir;                 // owned; NULL for the embedded modules
     struct gl_functions gl;
     struct gl_debug debug;
-    struct gl_grids *grids;   // owned
-    struct scene_files files; // owned
-    struct error unusable;    // why no frame can be rendered at all; empty when all is well
+    struct gl_grids *grids;       // owned
+    struct gl_textures *textures; // owned
+    struct scene_files files;     // owned
+    struct error unusable;        // why no frame can be rendered at all; empty when all is well
     struct kept_program programs[PROGRAM_LIMIT];
     uint64_t use_count;
     unsigned vertex_array, uniform_buffer;
@@ -58,7 +60,7 @@ struct renderer {
     // What the target shows: a whole frame of this program with these uniforms.
     bool target_is_whole;
     char shown_hash[HASH_TEXT_SIZE];  // of the program
-    char shown_files[HASH_TEXT_SIZE]; // what its media read
+    char shown_files[HASH_TEXT_SIZE]; // what it read
     struct passes shown;
 };
 
@@ -80,6 +82,7 @@ struct renderer *renderer_create(struct gl_context *context, const char *shader_
     if (!gl_functions_load(&renderer->gl, context, &renderer->unusable)) return renderer;
     gl_debug_init(&renderer->debug, &renderer->gl);
     renderer->grids = gl_grids_create(&renderer->gl);
+    renderer->textures = gl_textures_create(&renderer->gl);
     renderer->gl.CreateVertexArrays(1, &renderer->vertex_array);
     renderer->gl.CreateBuffers(1, &renderer->uniform_buffer);
     return renderer;
@@ -90,6 +93,7 @@ void renderer_destroy(struct renderer *renderer)
     if (!renderer) return;
     gl_target_finish(&renderer->target);
     gl_grids_destroy(renderer->grids);
+    gl_textures_destroy(renderer->textures);
     file_hashes_destroy(renderer->files.hashes);
     brick_store_destroy(renderer->files.bricks);
     for (size_t i = 0; i < PROGRAM_LIMIT; ++i)
@@ -284,15 +288,17 @@ static bool on_slab(void *user)
     return !reading->is_stopped;
 }
 
-// Reads the grids that are not in GL yet, and binds all.
-static bool bind_grids(struct renderer *renderer, const struct scene_inputs *inputs, renderer_progress *on_progress,
+// Reads the grids and images that are not in GL yet, and binds all.
+static bool bind_files(struct renderer *renderer, const struct scene_inputs *inputs, renderer_progress *on_progress,
                        void *user, struct renderer_result *result, struct error *error)
 {
     struct reading reading = {.on_progress = on_progress, .user = user};
 
-    if (gl_grids_bind(renderer->grids, inputs, on_slab, &reading, error)) {
+    if (gl_grids_bind(renderer->grids, inputs, on_slab, &reading, error) &&
+        gl_textures_bind(renderer->textures, inputs, error)) {
         if (check_gl(renderer, result, error)) return true;
         gl_grids_clear(renderer->grids);
+        gl_textures_clear(renderer->textures);
         return false;
     }
     if (reading.is_stopped)
@@ -323,7 +329,7 @@ static bool render_scene(struct renderer *renderer, const struct scene_program *
             return false;
         }
     }
-    if (!bind_grids(renderer, scene->inputs, on_progress, user, result, error)) return false;
+    if (!bind_files(renderer, scene->inputs, on_progress, user, result, error)) return false;
     if (!draw_passes(renderer, program, passes, on_progress, user, result, error)) return false;
     note_shown(renderer, scene, passes);
     return true;

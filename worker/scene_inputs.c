@@ -253,34 +253,44 @@ static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, 
 
 static void hash_picture(struct scene_inputs *inputs, const struct job *job)
 {
-    char hashes[SCENE_MEDIUM_LIMIT][HASH_TEXT_SIZE] = {{0}}, both[2][HASH_TEXT_SIZE];
-    bool has_files = false;
+    char media[SCENE_MEDIUM_LIMIT][HASH_TEXT_SIZE] = {{0}}, textures[1 + SCENE_OBJECT_LIMIT][HASH_TEXT_SIZE] = {{0}};
+    char both[2][HASH_TEXT_SIZE];
+    bool has_media = false, has_textures = false;
 
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
-        memcpy(hashes[i], inputs->media[i].hash, sizeof hashes[i]);
-        has_files |= inputs->media[i].source != NULL;
+        memcpy(media[i], inputs->media[i].hash, sizeof media[i]);
+        has_media |= inputs->media[i].source != NULL;
+    }
+    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i) {
+        memcpy(textures[1 + i], inputs->textures[i].hash, sizeof textures[1 + i]);
+        has_textures |= inputs->textures[i].source != NULL;
     }
     memcpy(inputs->picture_hash, job->hash, sizeof inputs->picture_hash);
-    if (!has_files) return;
-    hash_bytes(hashes, sizeof hashes, inputs->files_hash);
+    if (!has_media && !has_textures) return;
+    hash_bytes(media, sizeof media, inputs->files_hash);
+    memcpy(textures[0], inputs->files_hash, sizeof textures[0]);
+    if (has_textures) hash_bytes(textures, sizeof textures, inputs->files_hash);
     memcpy(both[0], job->hash, sizeof both[0]);
     memcpy(both[1], inputs->files_hash, sizeof both[1]);
     hash_bytes(both, sizeof both, inputs->picture_hash);
 }
 
 // A file that is being written may be whole the next time.
-static bool is_lasting_fault(const struct scene_input *input)
+static bool is_lasting_fault(const char *path, bool is_sequence)
 {
     struct file_version version;
 
-    if (input->is_sequence) return false;
-    return !file_version_find(input->path, &version, NULL) || file_version_is_settled(&version);
+    if (is_sequence) return false;
+    return !file_version_find(path, &version, NULL) || file_version_is_settled(&version);
 }
 
 bool scene_inputs_are_lasting(const struct scene_inputs *inputs)
 {
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
-        if (inputs->media[i].source && !is_lasting_fault(&inputs->media[i])) return false;
+        if (inputs->media[i].source && !is_lasting_fault(inputs->media[i].path, inputs->media[i].is_sequence))
+            return false;
+    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
+        if (inputs->textures[i].source && !is_lasting_fault(inputs->textures[i].source->file, false)) return false;
     return true;
 }
 
@@ -295,7 +305,19 @@ static bool open_medium(struct scene_inputs *inputs, const struct job *job, size
         (!files || hash_contents(input, source, files->hashes, error)))
         return true;
     error_prefix(error, "scene.media[%zu].density.file", medium);
-    *is_lasting = is_lasting_fault(input);
+    *is_lasting = is_lasting_fault(input->path, input->is_sequence);
+    return false;
+}
+
+static bool open_texture(struct scene_inputs *inputs, const struct job *job, size_t object,
+                         const struct scene_files *files, bool *is_lasting, struct error *error)
+{
+    const struct scene_texture *texture = &job->scene.objects[object].material.texture;
+
+    if (!texture->file) return true;
+    if (texture_input_open(&inputs->textures[object], texture, files ? files->hashes : NULL, error)) return true;
+    error_prefix(error, "scene.objects[%zu].material.texture.file", object);
+    *is_lasting = is_lasting_fault(texture->file, false);
     return false;
 }
 
@@ -309,6 +331,8 @@ bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32
     *inputs = (struct scene_inputs){.bricks = files ? files->bricks : NULL, .quality = job->quality};
     for (size_t i = 0; i < job->scene.medium_count; ++i)
         if (!open_medium(inputs, job, i, frame, files, is_lasting, error)) goto fail;
+    for (size_t i = 0; i < job->scene.object_count; ++i)
+        if (!open_texture(inputs, job, i, files, is_lasting, error)) goto fail;
     if (!resolve_quality(inputs, job, error)) goto fail;
     if (files) hash_picture(inputs, job);
     return true;

@@ -1,10 +1,11 @@
-// The files that a frame's media read: where their voxels lie, what their contents are, and what follows for the march.
+// The files that a frame reads, for its media and its textures: what they hold, and what follows for the march.
 #pragma once
 
 #include "core/hash.h"
 #include "core/job.h"
 #include "worker/brick_store.h"
 #include "worker/file_hashes.h"
+#include "worker/texture_input.h"
 #include "worker/volume.h"
 
 #include <stdbool.h>
@@ -38,8 +39,9 @@ struct scene_files {
 
 // The zero value is that of a scene without files.
 struct scene_inputs {
-    struct brick_store *bricks;                   // borrowed; outlives us. NULL when only described
-    struct scene_input media[SCENE_MEDIUM_LIMIT]; // by medium
+    struct brick_store *bricks;                        // borrowed; outlives us. NULL when only described
+    struct scene_input media[SCENE_MEDIUM_LIMIT];      // by medium
+    struct texture_input textures[SCENE_OBJECT_LIMIT]; // by object
     // The job's quality with its steps in metres.
     struct job_quality quality;
     // Of all its files; empty when there are none, or when only described.
@@ -52,7 +54,7 @@ struct scene_inputs {
 // `is_lasting` (may be NULL) says whether every frame and attempt will meet the same. `job` outlives `inputs`.
 bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame,
                        const struct scene_files *files, bool *is_lasting, struct error *error);
-// True when a file whose voxels cannot be read fails every frame and attempt: none is a sequence or just being written.
+// True when a file that cannot be read fails every frame and attempt: none is a sequence or just being written.
 bool scene_inputs_are_lasting(const struct scene_inputs *inputs);
 void scene_inputs_finish(struct scene_inputs *inputs); // accepts an empty one
 // Has what frame `frame` reads and can be read ahead read in the background.

@@ -412,7 +412,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(spheres_are_seen_upright_from_outside),
     };
 
-    make_quarters(); // for those that look at no image
+    make_quarters();                               // for those that look at no image
     if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

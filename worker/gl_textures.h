@@ -1,0 +1,18 @@
+// The images of objects' textures, kept in GL from frame to frame, and bound where shaders look for them.
+#pragma once
+
+#include <stdbool.h>
+
+struct error;
+struct gl_functions;
+struct gl_textures;
+struct scene_inputs;
+
+enum { GL_TEXTURES_FIRST_UNIT = 32 }; // those before are the media's
+
+struct gl_textures *gl_textures_create(const struct gl_functions *gl); // which outlives the textures
+void gl_textures_destroy(struct gl_textures *textures);                // accepts NULL
+void gl_textures_clear(struct gl_textures *textures);                  // keeps nothing: what GL holds is in doubt
+
+// Reads what is not here yet, then binds object I's image to texture unit GL_TEXTURES_FIRST_UNIT + I. `inputs` are hashed.
+bool gl_textures_bind(struct gl_textures *textures, const struct scene_inputs *inputs, struct error *error);
