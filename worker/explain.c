@@ -158,6 +158,21 @@ static void list_lights(const struct listing *listing)
                                   : "no light is seen");
 }
 
+static void list_texture(const struct listing *listing, size_t i)
+{
+    const struct texture_input *input = &listing->inputs->textures[i];
+    char name[64], tiles[64] = "";
+    double size[2];
+
+    if (!input->source) return;
+    texture_input_find_tile(input, size);
+    if (size[0] > 0) snprintf(tiles, sizeof tiles, ", in tiles of %g x %g m", size[0], size[1]); // none around spheres
+    snprintf(name, sizeof name, "object %zu: texture", i);
+    say(listing, true, name, "%d x %d pixels, %s, %s%s", input->width_px, input->height_px,
+        input->source->is_linear ? "taken as linear light" : "decoded from sRGB",
+        input->source->is_nearest ? "unfiltered" : "filtered linearly", tiles);
+}
+
 static void list_outputs(const struct listing *listing)
 {
     const struct scene_features *features = &listing->program->features;
@@ -265,6 +280,8 @@ static void write_list(struct listing listing, const char *key, bool of_modelled
     for (size_t i = 0; i < listing.job->scene.medium_count; ++i)
         list_medium(&listing, i);
     list_lights(&listing);
+    for (size_t i = 0; i < listing.job->scene.object_count; ++i)
+        list_texture(&listing, i);
     list_outputs(&listing);
     list_motion(&listing);
     list_method(&listing);

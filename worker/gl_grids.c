@@ -238,9 +238,12 @@ bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl
         if (kept) kept->used = grids->frame_count;
     }
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        char place[64];
+
         if (!inputs->media[i].source) continue;
         if (bind_medium(grids, &inputs->media[i], i, on_progress, user, error)) continue;
-        error_prefix(error, "scene.media[%zu].density.file", i);
+        scene_format_medium_place(inputs->scene, i, place, sizeof place);
+        error_prefix(error, "%s.density.file", place);
         return false;
     }
     return true;

@@ -210,15 +210,14 @@ static double box_diagonal(const struct volume *header)
     return longest;
 }
 
-static bool check_steps(const char *key, size_t medium, double length, double step, struct error *error)
+static bool check_steps(const char *key, const char *place, double length, double step, struct error *error)
 {
     double count = ceil(length / step - 1e-9);
 
     if (count <= JOB_MARCH_STEPS_LIMIT) return true;
     error_set(error,
-              "quality.%s: expected at most %d steps along a ray, got %.10g: %.10g m through scene.media[%zu] in "
-              "steps of %.10g m",
-              key, JOB_MARCH_STEPS_LIMIT, count, length, medium, step);
+              "quality.%s: expected at most %d steps along a ray, got %.10g: %.10g m through %s in steps of %.10g m",
+              key, JOB_MARCH_STEPS_LIMIT, count, length, place, step);
     return false;
 }
 
@@ -236,15 +235,17 @@ static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, 
     if (quality->light_step_voxels > 0) quality->light_step = quality->light_step_voxels * shortest;
     if (quality->method != JOB_METHOD_MIDPOINT) return true;
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        char place[64];
         double diagonal;
 
         if (!inputs->media[i].source) continue;
+        scene_format_medium_place(&job->scene, i, place, sizeof place);
         diagonal = box_diagonal(&inputs->media[i].header);
-        if (!check_steps(quality->step_voxels > 0 ? "step_voxels" : "step", i,
+        if (!check_steps(quality->step_voxels > 0 ? "step_voxels" : "step", place,
                          fmin(diagonal, camera->clip_far - camera->clip_near), quality->step, error))
             return false;
         if (job->scene.light_count > 0 && quality->light_step > 0 &&
-            !check_steps(quality->light_step_voxels > 0 ? "light_step_voxels" : "light_step", i, diagonal,
+            !check_steps(quality->light_step_voxels > 0 ? "light_step_voxels" : "light_step", place, diagonal,
                          quality->light_step, error))
             return false;
     }
@@ -299,12 +300,14 @@ static bool open_medium(struct scene_inputs *inputs, const struct job *job, size
 {
     const struct scene_medium *source = &job->scene.media[medium];
     struct scene_input *input = &inputs->media[medium];
+    char place[64];
 
     if (source->density.kind != SCENE_DENSITY_GRID) return true;
     if (describe(input, source, frame, inputs->bricks, error) &&
         (!files || hash_contents(input, source, files->hashes, error)))
         return true;
-    error_prefix(error, "scene.media[%zu].density.file", medium);
+    scene_format_medium_place(&job->scene, medium, place, sizeof place);
+    error_prefix(error, "%s.density.file", place);
     *is_lasting = is_lasting_fault(input->path, input->is_sequence);
     return false;
 }
@@ -328,7 +331,8 @@ bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32
 
     if (!is_lasting) is_lasting = &ignored;
     *is_lasting = true;
-    *inputs = (struct scene_inputs){.bricks = files ? files->bricks : NULL, .quality = job->quality};
+    *inputs =
+        (struct scene_inputs){.scene = &job->scene, .bricks = files ? files->bricks : NULL, .quality = job->quality};
     for (size_t i = 0; i < job->scene.medium_count; ++i)
         if (!open_medium(inputs, job, i, frame, files, is_lasting, error)) goto fail;
     for (size_t i = 0; i < job->scene.object_count; ++i)

@@ -2,10 +2,13 @@
 
 #include "core/error.h"
 #include "core/hash.h"
+#include "core/job_json.h"
 #include "core/json_read.h"
 #include "core/json_write.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
+#include "tests/support/png_maker.h"
+#include "tests/support/temp_folder.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -217,6 +220,38 @@ static void the_users_own_text_is_named(void **state)
     job_finish(&job);
 }
 
+// A floor with an image in tiles, and a ball that the same goes around.
+static void textures_are_explained(void **state)
+{
+    static const unsigned char rgb[6] = {0};
+    const char *path = temp_folder_path(state, "image.png");
+    struct explanation explanation;
+    struct error error = {{0}};
+    struct job job;
+    char text[2048];
+
+    png_maker_write_rgb(path, 2, 1, rgb);
+    snprintf(
+        text, sizeof text,
+        "{ \"version\": 1, \"name\": \"floor\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [8, 8],"
+        " \"camera\": { \"position\": [0, 0, 3], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov\": 20 },"
+        " \"lights\": [ { \"kind\": \"sun\", \"direction\": [0, -1, 0], \"intensity\": 1 } ],"
+        " \"scene\": { \"objects\": [ { \"kind\": \"plane\", \"point\": [0, -1, 0], \"material\": {"
+        " \"kind\": \"diffuse\", \"texture\": { \"file\": \"%s\", \"size\": 3 } } },"
+        " { \"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, \"material\": { \"kind\": \"diffuse\","
+        " \"texture\": { \"file\": \"%s\", \"filter\": \"nearest\", \"color_space\": \"linear\" } } } ] },"
+        " \"quality\": { \"method\": \"midpoint\", \"step\": 0.1 }, \"output\": { \"path\": \"floor.####.exr\" } }",
+        path, path);
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    explain(&explanation, &job);
+    assert_string_equal(find_why(&explanation, "modelled", "object 0: texture"),
+                        "2 x 1 pixels, decoded from sRGB, filtered linearly, in tiles of 3 x 1.5 m");
+    assert_string_equal(find_why(&explanation, "modelled", "object 1: texture"),
+                        "2 x 1 pixels, taken as linear light, unfiltered");
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
 static void a_missing_camera_view_is_an_error(void **state)
 {
     struct error error = {{0}};
@@ -241,6 +276,7 @@ int main(void)
         cmocka_unit_test(the_shader_is_shown_with_its_modules_and_hash),
         cmocka_unit_test(samples_and_shutter_are_explained),
         cmocka_unit_test(the_users_own_text_is_named),
+        cmocka_unit_test_setup_teardown(textures_are_explained, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(a_missing_camera_view_is_an_error),
     };
 
