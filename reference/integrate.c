@@ -2,6 +2,8 @@
 
 #include "core/alloc.h"
 #include "reference/gauss.h"
+#include "reference/light_walk.h"
+#include "reference/shadow_edges.h"
 #include "reference/transmittance.h"
 
 #include <math.h>
@@ -23,8 +25,9 @@ static const double LITTLE = 4.0;
 struct gatherer {
     const struct still *still;
     const struct ray *ray;
-    double relative;         // accuracy of the radiance
-    double shadow_tolerance; // of optical depths
+    struct still_media media; // of the ray's region
+    double relative;          // accuracy of the radiance
+    double shadow_tolerance;  // of optical depths
     double radiance_tolerance[3], share_tolerance;
     bool hit_limit;
 };
@@ -46,19 +49,19 @@ struct cell_light {
 static void add_light(const struct gatherer *gatherer, const struct light *light, struct vec3 position,
                       const double *density, double source[static 3])
 {
-    const struct still *still = gatherer->still;
     struct light_arrival arrival = light_arrive(light, position);
     struct ray shadow = {position, vec3_scale(arrival.travel, -1.0)};
     // The scattered light travels against the camera's ray.
     double cos_theta = -vec3_dot(arrival.travel, gatherer->ray->direction);
     double share[3];
 
-    transmittance(still->media, still->medium_count, &shadow, 0.0, arrival.distance, gatherer->shadow_tolerance, share);
-    for (size_t m = 0; m < still->medium_count; m++) {
-        double phase = medium_phase(&still->media[m], cos_theta);
+    light_walk(gatherer->still, &shadow, arrival.distance, gatherer->shadow_tolerance, share);
+    for (size_t m = 0; m < gatherer->media.count; m++) {
+        const struct medium *medium = &gatherer->media.list[m];
+        double phase = medium_phase(medium, cos_theta);
 
         for (int c = 0; c < 3; c++) {
-            source[c] += still->media[m].sigma_s[c] * density[m] * phase * share[c] * arrival.irradiance[c];
+            source[c] += medium->sigma_s[c] * density[m] * phase * share[c] * arrival.irradiance[c];
         }
     }
 }
@@ -74,8 +77,8 @@ static void sample(const struct gatherer *gatherer, double distance, bool is_dar
 
     for (int c = 0; c < 3; c++)
         sigma_t[c] = source[c] = 0.0;
-    for (size_t m = 0; m < still->medium_count; m++) {
-        const struct medium *medium = &still->media[m];
+    for (size_t m = 0; m < gatherer->media.count; m++) {
+        const struct medium *medium = &gatherer->media.list[m];
         double own_source[3];
 
         density[m] = medium->density.at(medium->density.field, position);
@@ -196,12 +199,14 @@ static void cut_at_light(struct span_list *spans, const struct ray *ray, struct 
     }
 }
 
-// Ends lie where a medium's density, its glow or a light's distance is not smooth.
-static void find_spans(const struct still *still, const struct ray *ray, double near, double far,
-                       struct span_list *spans)
+// Ends lie where a medium's density, its glow, a light's distance or the shadow of an object is not smooth.
+static void find_spans(const struct gatherer *gatherer, double near, double far, struct span_list *spans)
 {
-    for (size_t m = 0; m < still->medium_count; m++) {
-        const struct medium *medium = &still->media[m];
+    const struct still *still = gatherer->still;
+    const struct ray *ray = gatherer->ray;
+
+    for (size_t m = 0; m < gatherer->media.count; m++) {
+        const struct medium *medium = &gatherer->media.list[m];
         struct span_list own = {0};
 
         medium->density.spans(medium->density.field, ray, near, far, &own);
@@ -211,6 +216,7 @@ static void find_spans(const struct still *still, const struct ray *ray, double 
     }
     for (size_t i = 0; i < still->light_count; i++) {
         if (still->lights[i].kind == SCENE_LIGHT_POINT) cut_at_light(spans, ray, still->lights[i].position);
+        shadow_edges_split(&still->objects, &still->lights[i], ray, spans);
     }
 }
 
@@ -283,19 +289,24 @@ static struct cell_light gather_until_guess_holds(struct gatherer *gatherer, con
     return light;
 }
 
-struct integrate_result integrate_ray(const struct still *still, const struct ray *ray, double near, double far,
-                                      const struct integrate_accuracy *accuracy)
+struct integrate_result integrate_stretch(const struct still *still, const struct integrate_stretch *stretch,
+                                          const struct integrate_accuracy *accuracy)
 {
     double relative = accuracy && accuracy->relative > 0.0 ? accuracy->relative : DEFAULT_RELATIVE;
     double floor = accuracy && accuracy->floor > 0.0 ? accuracy->floor : DEFAULT_FLOOR;
     int limit = accuracy && accuracy->halving_limit > 0 ? accuracy->halving_limit : DEFAULT_HALVING_LIMIT;
     struct integrate_result result = {.transmittance = {1.0, 1.0, 1.0}, .is_converged = true};
-    struct gatherer gatherer = {.still = still, .ray = ray, .relative = relative, .shadow_tolerance = 0.1 * relative};
+    struct gatherer gatherer = {.still = still,
+                                .ray = &stretch->ray,
+                                .media = still_media(still, stretch->region),
+                                .relative = relative,
+                                .shadow_tolerance = 0.1 * relative};
     struct span_list spans = {0};
     struct cell_light light;
+    double far;
 
-    far = transmittance_reach(still->media, still->medium_count, ray, near, far);
-    find_spans(still, ray, near, far, &spans);
+    far = transmittance_reach(gatherer.media.list, gatherer.media.count, &stretch->ray, stretch->near, stretch->far);
+    find_spans(&gatherer, stretch->near, far, &spans);
     if (spans.count == 0) return result;
     light = gather_until_guess_holds(&gatherer, &spans, floor, limit);
     for (int c = 0; c < 3; c++) {
@@ -305,4 +316,10 @@ struct integrate_result integrate_ray(const struct still *still, const struct ra
     result.is_converged = !gatherer.hit_limit;
     span_list_finish(&spans);
     return result;
+}
+
+struct integrate_result integrate_ray(const struct still *still, const struct ray *ray, double near, double far,
+                                      const struct integrate_accuracy *accuracy)
+{
+    return integrate_stretch(still, &(struct integrate_stretch){.ray = *ray, .near = near, .far = far}, accuracy);
 }

@@ -18,6 +18,16 @@ struct integrate_result {
     bool is_converged;       // false when the limit of halvings ended the refinement somewhere
 };
 
+// A straight piece of a ray in one region, whose media it passes.
+struct integrate_stretch {
+    struct ray ray;
+    double near, far; // m along the ray
+    size_t region;
+};
+
 // Each smooth stretch is halved until two halvings in a row agree to its share of the accuracy. `accuracy` may be NULL.
+struct integrate_result integrate_stretch(const struct still *still, const struct integrate_stretch *stretch,
+                                          const struct integrate_accuracy *accuracy);
+// The same through air alone.
 struct integrate_result integrate_ray(const struct still *still, const struct ray *ray, double near, double far,
                                       const struct integrate_accuracy *accuracy);

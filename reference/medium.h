@@ -26,6 +26,7 @@ struct medium {
     struct medium_glow glow;                    // added to the emission
     struct medium_lobe lobes[SCENE_LOBE_LIMIT]; // none: isotropic
     size_t lobe_count;
+    size_t region; // see reference/objects.h; 0: the air
 };
 
 // Per steradian; `cos_theta` between the directions of travel before and after.

@@ -1,5 +1,6 @@
 #include "reference/reference.h"
 
+#include "reference/trace.h"
 #include "reference/transmittance.h"
 
 #include <math.h>
@@ -7,20 +8,21 @@
 // Below it everywhere an image counts as black, and errors are absolute.
 static const double BLACK = 1e-6;
 
-static struct reference_pixel measure(const struct still *still, double x, double y,
+static struct reference_pixel measure(const struct still *still, double x, double y, uint64_t seed,
                                       const struct integrate_accuracy *accuracy)
 {
-    const struct camera_pinhole *camera = &still->camera;
-    struct ray ray = camera_pinhole_ray(camera, x, y);
-    struct integrate_result gathered = integrate_ray(still, &ray, camera->clip_near, camera->clip_far, accuracy);
-    struct reference_pixel pixel = {.is_converged = gathered.is_converged};
+    struct ray ray = camera_pinhole_ray(&still->camera, x, y);
+    struct trace_result traced = trace_ray(still, &ray, seed, accuracy);
+    struct reference_pixel pixel = {.ray_count = traced.ray_count,
+                                    .cut_count = traced.cut_count,
+                                    .cut_throughput = traced.cut_throughput,
+                                    .is_converged = traced.is_converged};
     double sum = 0.0;
 
     for (int c = 0; c < 3; c++) {
-        pixel.transmittance[c] = gathered.transmittance[c];
-        pixel.radiance[c] = gathered.radiance[c];
-        if (still->has_background) pixel.radiance[c] += gathered.transmittance[c] * still->background[c];
-        sum += gathered.transmittance[c];
+        pixel.radiance[c] = traced.radiance[c];
+        pixel.transmittance[c] = traced.transmittance[c];
+        sum += traced.transmittance[c];
     }
     pixel.alpha = still->has_background ? 1.0 : 1.0 - sum / 3.0;
     return pixel;
@@ -29,7 +31,7 @@ static struct reference_pixel measure(const struct still *still, double x, doubl
 struct reference_pixel reference_measure_pixel(const struct still *still, int x, int y,
                                                const struct integrate_accuracy *accuracy)
 {
-    return measure(still, x + 0.5, y + 0.5, accuracy);
+    return measure(still, x + 0.5, y + 0.5, 0, accuracy);
 }
 
 struct reference_pixel reference_measure_samples(const struct job *job, const struct still_inputs *inputs, int x, int y,
@@ -38,39 +40,49 @@ struct reference_pixel reference_measure_samples(const struct job *job, const st
 {
     static const struct still_inputs NOTHING;
     struct reference_pixel mean = {.is_converged = true};
+    double squares[3] = {0.0, 0.0, 0.0}, share = 1.0 / (double)count;
 
     for (size_t i = 0; i < count; i++) {
         struct reference_pixel pixel;
         struct still still;
 
         still_init_with_inputs(&still, job, samples[i].time, inputs ? inputs : &NOTHING);
-        pixel = measure(&still, x + samples[i].x, y + samples[i].y, accuracy);
+        pixel = measure(&still, x + samples[i].x, y + samples[i].y, samples[i].seed, accuracy);
         for (int c = 0; c < 3; c++) {
-            mean.radiance[c] += pixel.radiance[c] / (double)count;
-            mean.transmittance[c] += pixel.transmittance[c] / (double)count;
+            double off = pixel.radiance[c] - mean.radiance[c];
+
+            // The mean and the sum of squares about it. Welford, Technometrics 4, 1962.
+            mean.radiance[c] += off / (double)(i + 1);
+            squares[c] += off * (pixel.radiance[c] - mean.radiance[c]);
+            mean.transmittance[c] += pixel.transmittance[c] * share;
         }
-        mean.alpha += pixel.alpha / (double)count;
+        mean.alpha += pixel.alpha * share;
+        mean.ray_count += pixel.ray_count * share;
+        mean.cut_count += pixel.cut_count * share;
+        mean.cut_throughput += pixel.cut_throughput * share;
         mean.is_converged = mean.is_converged && pixel.is_converged;
     }
+    for (int c = 0; c < 3 && count > 1; c++)
+        mean.radiance_error[c] = sqrt(squares[c] / ((double)count * (double)(count - 1)));
     return mean;
 }
 
-static double mean_transmittance(const struct still *still, const struct ray *ray, double distance)
+static double mean_transmittance(const struct still_media *media, const struct ray *ray, double near, double far)
 {
     double share[3];
 
-    transmittance(still->media, still->medium_count, ray, still->camera.clip_near, distance, 1e-7, share);
+    transmittance(media->list, media->count, ray, near, far, 1e-7, share);
     return (share[0] + share[1] + share[2]) / 3.0;
 }
 
 // An end of the media along the ray, so that halving has a finite start.
-static double last_density(const struct still *still, const struct ray *ray)
+static double last_density(const struct still_media *media, const struct ray *ray, double near, double far)
 {
-    double near = still->camera.clip_near, last = near;
-    double far = transmittance_reach(still->media, still->medium_count, ray, near, still->camera.clip_far);
+    double last = near;
 
-    for (size_t m = 0; m < still->medium_count; m++) {
-        const struct density *density = &still->media[m].density;
+    far = transmittance_reach(media->list, media->count, ray, near, far);
+    for (size_t m = 0; m < media->count; m++) {
+        const struct density *density = &media->list[m].density;
         struct span_list spans = {0};
 
         density->spans(density->field, ray, near, far, &spans);
@@ -85,13 +97,21 @@ double reference_measure_depth(const struct still *still, int x, int y)
     // Doubles have no more digits.
     const int halvings = 60;
     struct ray ray = camera_pinhole_ray(&still->camera, x + 0.5, y + 0.5);
-    double before = still->camera.clip_near, after = last_density(still, &ray);
+    double near = still->camera.clip_near, before = near, after, surface;
+    struct still_media media;
+    struct object_walk walk;
 
-    if (mean_transmittance(still, &ray, after) > 0.5) return 0.0;
+    objects_walk(&still->objects, &ray, INFINITY, &walk);
+    if (objects_is_opaque(&still->objects, walk.pieces[0].region)) return 0.0;
+    surface = walk.pieces[0].end;
+    media = still_media(still, walk.pieces[0].region);
+    after = last_density(&media, &ray, near, fmin(still->camera.clip_far, surface));
+    if (!(near < after) || mean_transmittance(&media, &ray, near, after) > 0.5)
+        return isinf(surface) ? 0.0 : surface * vec3_dot(ray.direction, still->camera.forward);
     for (int i = 0; i < halvings; i++) {
         double middle = 0.5 * (before + after);
 
-        if (mean_transmittance(still, &ray, middle) > 0.5) {
+        if (mean_transmittance(&media, &ray, near, middle) > 0.5) {
             before = middle;
         } else {
             after = middle;

@@ -216,15 +216,18 @@ static void stop_blackbody(struct glow_blackbody *glow, const struct scene_mediu
                               });
 }
 
+// The still's next medium is the scene's medium `index`.
 static void stop_medium(struct still *still, size_t index, const struct scene_medium *source, double time,
                         const struct still_inputs *inputs)
 {
     static const struct density_homogeneous EMPTY;
-    struct medium *medium = &still->media[index];
-    struct density_bounded *bounded = &still->bounded[index];
-    union still_field *field = &still->fields[index];
+    size_t place = still->medium_count++;
+    struct medium *medium = &still->media[place];
+    struct density_bounded *bounded = &still->bounded[place];
+    union still_field *field = &still->fields[place];
 
     stop_colors(medium, source, time);
+    medium->region = source->owner;
     if (!stop_density(&medium->density, field, &source->density, time, &inputs->grids[index],
                       &inputs->functions[index])) {
         medium->density = density_homogeneous(&EMPTY);
@@ -232,8 +235,8 @@ static void stop_medium(struct still *still, size_t index, const struct scene_me
         return;
     }
     if (source->density.kind == SCENE_DENSITY_GRID && inputs->temperatures[index].values) {
-        stop_blackbody(&still->glows[index], source, &inputs->temperatures[index], time);
-        medium->glow = glow_blackbody(&still->glows[index]);
+        stop_blackbody(&still->glows[place], source, &inputs->temperatures[index], time);
+        medium->glow = glow_blackbody(&still->glows[place]);
     }
     if (source->density.kind == SCENE_DENSITY_GRID && field->grid.has_transfer) {
         // The density is the extinction itself.
@@ -259,6 +262,76 @@ static void stop_light(struct light *light, const struct scene_light *source, do
     }
 }
 
+static struct shape stop_shape(const struct scene_shape *source, double time)
+{
+    struct shape shape = {.kind = source->kind, .center = vector_at(&source->center, time)};
+
+    switch (source->kind) {
+    case SCENE_SHAPE_SPHERE:
+        shape.radius = number_at(&source->radius, time);
+        break;
+    case SCENE_SHAPE_BOX:
+        shape.half = vec3_scale(vector_at(&source->size, time), 0.5);
+        break;
+    case SCENE_SHAPE_PLANE:
+        shape.normal = vec3_normalize(vector_at(&source->normal, time));
+        break;
+    }
+    return shape;
+}
+
+static struct material stop_material(const struct scene_material *source, double time,
+                                     const struct still_texture *texture)
+{
+    struct material material = {
+        .kind = source->kind,
+        .specular = number_at(&source->specular, time),
+        .fresnel = {.kind = source->fresnel,
+                    .f0 = number_at(&source->f0, time),
+                    .f90 = number_at(&source->f90, time),
+                    .has_f0 = source->has_f0},
+        .ior = number_at(&source->ior, time),
+        .roughness = number_at(&source->roughness, time),
+        .texture = {.rgb = texture->rgb,
+                    .width = texture->width,
+                    .height = texture->height,
+                    .is_nearest = source->texture.is_nearest,
+                    .size = {source->texture.size[0], source->texture.size[1]}},
+    };
+
+    color_at(&source->albedo, time, material.albedo);
+    color_at(&source->reflectance, time, material.reflectance);
+    return material;
+}
+
+static void stop_objects(struct still *still, const struct scene *scene, double time, const struct still_inputs *inputs)
+{
+    still->objects.count = scene->object_count;
+    for (size_t i = 0; i < scene->shape_count; i++)
+        still->objects.shapes[i] = stop_shape(&scene->shapes[i], time);
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const struct scene_object *source = &scene->objects[i];
+
+        if (source->material.texture.file && !inputs->textures[i].rgb) still->is_complete = false;
+        still->objects.list[i] =
+            (struct object){.first_shape = source->first_shape,
+                            .shape_count = source->shape_count,
+                            .material = stop_material(&source->material, time, &inputs->textures[i])};
+    }
+}
+
+struct still_media still_media(const struct still *still, size_t region)
+{
+    struct still_media media = {.list = still->media};
+
+    for (size_t i = 0; i < still->medium_count; i++) {
+        if (still->media[i].region != region) continue;
+        if (media.count == 0) media.list = &still->media[i];
+        media.count++;
+    }
+    return media;
+}
+
 void still_init(struct still *still, const struct job *job, double time)
 {
     static const struct still_inputs NOTHING;
@@ -271,7 +344,8 @@ void still_init_with_inputs(struct still *still, const struct job *job, double t
     const struct scene *scene = &job->scene;
 
     *still = (struct still){.light_count = scene->light_count,
-                            .medium_count = scene->medium_count,
+                            .max_depth = job->quality.max_depth,
+                            .min_throughput = job->quality.min_throughput,
                             .has_background = scene->has_background,
                             .is_complete = true};
     camera_pinhole_init(&still->camera, &(struct camera_pinhole_params){
@@ -287,7 +361,10 @@ void still_init_with_inputs(struct still *still, const struct job *job, double t
                                         });
     for (size_t i = 0; i < scene->light_count; i++)
         stop_light(&still->lights[i], &scene->lights[i], time);
-    for (size_t i = 0; i < scene->medium_count; i++)
-        stop_medium(still, i, &scene->media[i], time, inputs);
+    for (size_t region = 0; region <= scene->object_count; region++) {
+        for (size_t i = 0; i < scene->medium_count; i++)
+            if (scene->media[i].owner == region) stop_medium(still, i, &scene->media[i], time, inputs);
+    }
+    stop_objects(still, scene, time, inputs);
     if (scene->has_background) color_at(&scene->background, time, still->background);
 }

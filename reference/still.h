@@ -11,6 +11,7 @@
 #include "reference/glow_blackbody.h"
 #include "reference/light.h"
 #include "reference/medium.h"
+#include "reference/objects.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -30,11 +31,18 @@ struct still_function {
     const void *context;     // borrowed; outlives the still
 };
 
-// What a still needs beside the job, by the medium's index.
+// An image as it was read; without values there is none.
+struct still_texture {
+    const float *rgb; // borrowed; outlives the still; linear, 3 a texel, rows from the top
+    int width, height;
+};
+
+// What a still needs beside the job, by the medium's index and the object's.
 struct still_inputs {
     struct still_grid grids[SCENE_MEDIUM_LIMIT];
     struct still_grid temperatures[SCENE_MEDIUM_LIMIT];  // of media that are black bodies
     struct still_function functions[SCENE_MEDIUM_LIMIT]; // twins of densities in GLSL
+    struct still_texture textures[SCENE_OBJECT_LIMIT];
 };
 
 // The field of a medium, by its density's kind.
@@ -51,18 +59,28 @@ struct still {
     struct camera_pinhole camera;
     struct light lights[SCENE_LIGHT_LIMIT];
     size_t light_count;
-    struct medium media[SCENE_MEDIUM_LIMIT];
+    struct medium media[SCENE_MEDIUM_LIMIT]; // those of one region follow one another
     size_t medium_count;
+    struct objects objects;
+    int max_depth;         // a ray's reflections and refractions
+    double min_throughput; // of a ray that is followed
     union still_field fields[SCENE_MEDIUM_LIMIT];
     struct density_bounded bounded[SCENE_MEDIUM_LIMIT]; // of the media that have bounds
     struct glow_blackbody glows[SCENE_MEDIUM_LIMIT];    // of those that glow as black bodies
     double background[3];                               // radiance
     bool has_background;
-    bool is_complete; // false when a density has neither twin nor input: it counts as empty
+    bool is_complete; // false when a density has neither twin nor input, and counts as empty, or a texture none: white
+};
+
+struct still_media {
+    const struct medium *list; // borrowed; outlives us
+    size_t count;
 };
 
 void still_init(struct still *still, const struct job *job, double time); // time in seconds
 // The job must outlive the still where it has transfer functions.
 void still_init_with_inputs(struct still *still, const struct job *job, double time, const struct still_inputs *inputs);
+// The media that fill a region.
+struct still_media still_media(const struct still *still, size_t region);
 // The medium's field; borrowed by the density it makes.
 struct density still_fractal_density(const struct density_fold_fractal *fractal);

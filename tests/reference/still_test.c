@@ -127,7 +127,7 @@ static void furnace_hides_every_kind(void **state)
 
 static void samples_are_averaged_each_at_its_own_moment(void **state)
 {
-    const struct reference_sample samples[] = {{0.5, 0.5, 0.0}, {0.5, 0.5, 1.0}, {0.5, 0.5, 0.4}};
+    const struct reference_sample samples[] = {{0.5, 0.5, 0.0, 0}, {0.5, 0.5, 1.0, 0}, {0.5, 0.5, 0.4, 0}};
     struct reference_pixel pixel;
     struct job job;
     double wanted = (exp(-0.5) + exp(-1.5) + exp(-0.9)) / 3.0;
@@ -147,7 +147,7 @@ static void samples_are_averaged_each_at_its_own_moment(void **state)
 // The box's face lies half a pixel to the right of the middle pixel's left edge: its left half sees nothing.
 static void samples_lie_where_they_say_in_the_pixel(void **state)
 {
-    const struct reference_sample left = {0.25, 0.5, 0.0}, right = {0.75, 0.5, 0.0}, up = {0.75, 0.1, 0.0};
+    const struct reference_sample left = {0.25, 0.5, 0.0, 0}, right = {0.75, 0.5, 0.0, 0}, up = {0.75, 0.1, 0.0, 0};
     struct job job;
 
     parse(&job,

@@ -229,7 +229,7 @@ static struct reference_pixel measure_mean(const struct job *job, int32_t frame,
         struct pixel_point point = pixel_samples_point(job, frame, x, y, (int)k);
 
         samples[k] = (struct reference_sample){(double)point.x_px - x, (double)point.y_px - y,
-                                               pixel_samples_time(job, frame, (int)k)};
+                                               pixel_samples_time(job, frame, (int)k), k};
     }
     return reference_measure_samples(job, NULL, x, y, samples, count, NULL);
 }

@@ -1,0 +1,58 @@
+// Solids, what they are made of, and which of them a ray is in. A region is what one object has for itself, or the air
+// around all of them: where objects overlap, the later one is there alone.
+#pragma once
+
+#include "core/scene.h"
+#include "reference/fresnel.h"
+#include "reference/shape.h"
+#include "reference/texture.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct material {
+    enum scene_material_kind kind;
+    double albedo[3];       // of diffuse; times the texture's where there is one
+    double specular;        // of diffuse: F times this is reflected as by a mirror
+    double reflectance[3];  // of a mirror
+    struct fresnel fresnel; // of dielectric, and of diffuse with a specular share
+    double ior;             // of the same
+    double roughness;
+    struct texture texture; // of diffuse
+};
+
+// The union of its shapes.
+struct object {
+    size_t first_shape, shape_count; // in `shapes`
+    struct material material;
+};
+
+// The zero value is air alone.
+struct objects {
+    struct shape shapes[SCENE_SHAPE_LIMIT];
+    struct object list[SCENE_OBJECT_LIMIT];
+    size_t count;
+};
+
+// Regions are numbered: 0 is air, i + 1 that of object i.
+struct object_piece {
+    double begin, end; // m along the ray
+    size_t region;     // another than the pieces' before and behind
+    // What the ray crosses at `end`: always a boundary of the later of both regions' objects. Not for the last piece.
+    size_t shape;     // whose boundary it is
+    bool is_entering; // it
+};
+
+enum { OBJECT_PIECE_LIMIT = 2 * SCENE_SHAPE_LIMIT + 1 };
+
+struct object_walk {
+    struct object_piece pieces[OBJECT_PIECE_LIMIT];
+    size_t count; // at least 1
+};
+
+// The regions along the ray from 0 to `far`, which may be INFINITY. What is thinner than roundings is left out, so that
+// boundaries that lie in one place are crossed together.
+void objects_walk(const struct objects *objects, const struct ray *ray, double far, struct object_walk *walk);
+// Neither air nor dielectric.
+bool objects_is_opaque(const struct objects *objects, size_t region);
+double objects_ior(const struct objects *objects, size_t region); // of air and dielectrics

@@ -1,0 +1,223 @@
+#include "reference/trace.h"
+
+#include "reference/light_walk.h"
+#include "reference/rough.h"
+
+#include <math.h>
+
+// Of optical depths: below any accuracy that is asked for.
+static const double SHADOW_TOLERANCE = 1e-6;
+
+struct tracer {
+    const struct still *still;
+    const struct integrate_accuracy *accuracy;
+    struct rough_random random;
+    struct trace_result *result;
+};
+
+struct light_ray {
+    struct ray ray;
+    double throughput[3];
+    double length;     // m from the camera to its origin
+    int depth;         // reflections and refractions so far
+    bool is_reflected; // at least once
+};
+
+// Where a ray meets a boundary.
+struct hit {
+    struct vec3 position, normal; // of length 1, towards the ray's origin
+    struct vec3 rough;            // the normal of this hit
+    size_t region_before, region_behind;
+    size_t shape; // whose boundary it is
+};
+
+static void trace(struct tracer *tracer, const struct light_ray *ray);
+
+static double clamp_cosine(double cosine)
+{
+    return fmin(fmax(cosine, 0.0), 1.0);
+}
+
+// Sends a ray on from a hit, or counts it as cut.
+static void send(struct tracer *tracer, const struct light_ray *from, const struct hit *hit, struct vec3 direction,
+                 const double factor[static 3], bool is_reflection)
+{
+    const struct still *still = tracer->still;
+    struct light_ray ray = *from;
+    double strongest = 0.0, sum = 0.0;
+
+    for (int c = 0; c < 3; c++) {
+        ray.throughput[c] *= factor[c];
+        strongest = fmax(strongest, ray.throughput[c]);
+        sum += ray.throughput[c];
+    }
+    if (strongest == 0.0) return;
+    ray.ray = (struct ray){hit->position, vec3_normalize(direction)};
+    ray.depth++;
+    ray.is_reflected = from->is_reflected || is_reflection;
+    if (ray.depth > still->max_depth || strongest < still->min_throughput) {
+        tracer->result->cut_count += 1.0;
+        tracer->result->cut_throughput += sum / 3.0;
+        return;
+    }
+    trace(tracer, &ray);
+}
+
+static void reflect(struct tracer *tracer, const struct light_ray *ray, const struct hit *hit,
+                    const double factor[static 3])
+{
+    struct vec3 direction = fresnel_reflect(ray->ray.direction, hit->rough);
+
+    send(tracer, ray, hit, rough_keep_side(direction, hit->normal, 1.0), factor, true);
+}
+
+static void answer_dielectric(struct tracer *tracer, const struct light_ray *ray, const struct hit *hit)
+{
+    const struct objects *objects = &tracer->still->objects;
+    size_t later = hit->region_before > hit->region_behind ? hit->region_before : hit->region_behind;
+    double before = objects_ior(objects, hit->region_before), behind = objects_ior(objects, hit->region_behind);
+    double cosine = clamp_cosine(-vec3_dot(ray->ray.direction, hit->rough));
+    double share = fresnel_share(&objects->list[later - 1].material.fresnel, cosine, before, behind);
+    const double reflected[3] = {share, share, share}, refracted[3] = {1.0 - share, 1.0 - share, 1.0 - share};
+
+    if (share > 0.0) reflect(tracer, ray, hit, reflected);
+    if (share < 1.0) {
+        struct vec3 direction = fresnel_refract(ray->ray.direction, hit->rough, before / behind);
+
+        send(tracer, ray, hit, rough_keep_side(direction, hit->normal, -1.0), refracted, false);
+    }
+}
+
+static void find_albedo(const struct objects *objects, const struct hit *hit, double albedo[static 3])
+{
+    const struct object *object = &objects->list[hit->region_behind - 1];
+    const struct texture *texture = &object->material.texture;
+    // The boundary may be that of another object, which ended here.
+    bool is_own = hit->shape - object->first_shape < object->shape_count;
+    const struct shape *shape = &objects->shapes[is_own ? hit->shape : object->first_shape];
+    double color[3] = {1.0, 1.0, 1.0};
+
+    if (texture->rgb) texture_look_up(texture, texture_find(texture, shape, hit->position), color);
+    for (int c = 0; c < 3; c++)
+        albedo[c] = object->material.albedo[c] * color[c];
+}
+
+static void add_lights(struct tracer *tracer, const struct light_ray *ray, const struct hit *hit, double rest)
+{
+    const struct still *still = tracer->still;
+    double albedo[3];
+
+    find_albedo(&still->objects, hit, albedo);
+    for (size_t i = 0; i < still->light_count; i++) {
+        struct light_arrival arrival = light_arrive(&still->lights[i], hit->position);
+        struct ray way = {hit->position, vec3_scale(arrival.travel, -1.0)};
+        double cosine = -vec3_dot(arrival.travel, hit->normal), share[3];
+
+        if (!(cosine > 0.0)) continue;
+        light_walk(still, &way, arrival.distance, SHADOW_TOLERANCE, share);
+        for (int c = 0; c < 3; c++)
+            tracer->result->radiance[c] +=
+                ray->throughput[c] * rest * albedo[c] / M_PI * arrival.irradiance[c] * cosine * share[c];
+    }
+}
+
+static void answer_diffuse(struct tracer *tracer, const struct light_ray *ray, const struct hit *hit,
+                           const struct material *material)
+{
+    double share = material->specular;
+
+    if (share > 0.0 && material->fresnel.kind != SCENE_FRESNEL_NONE) {
+        double cosine = clamp_cosine(-vec3_dot(ray->ray.direction, hit->rough));
+
+        share *= fresnel_share(&material->fresnel, cosine, objects_ior(&tracer->still->objects, hit->region_before),
+                               material->ior);
+    }
+    if (share > 0.0) reflect(tracer, ray, hit, (const double[3]){share, share, share});
+    if (share < 1.0) add_lights(tracer, ray, hit, 1.0 - share);
+}
+
+static void answer(struct tracer *tracer, const struct light_ray *ray, struct hit *hit)
+{
+    const struct objects *objects = &tracer->still->objects;
+    bool is_opaque = objects_is_opaque(objects, hit->region_behind);
+    size_t later = hit->region_before > hit->region_behind ? hit->region_before : hit->region_behind;
+    const struct material *material = &objects->list[(is_opaque ? hit->region_behind : later) - 1].material;
+    bool is_matt = material->kind == SCENE_MATERIAL_DIFFUSE && material->specular == 0.0;
+
+    hit->rough = rough_normal(&tracer->random, hit->normal, ray->ray.direction, is_matt ? 0.0 : material->roughness);
+    switch (material->kind) {
+    case SCENE_MATERIAL_DIFFUSE:
+        answer_diffuse(tracer, ray, hit, material);
+        break;
+    case SCENE_MATERIAL_MIRROR:
+        reflect(tracer, ray, hit, material->reflectance);
+        break;
+    case SCENE_MATERIAL_DIELECTRIC:
+        answer_dielectric(tracer, ray, hit);
+        break;
+    }
+}
+
+// The media of the ray's straight piece, between the clips; what they take goes off the throughput.
+static void gather(struct tracer *tracer, struct light_ray *ray, const struct object_piece *piece)
+{
+    const struct camera_pinhole *camera = &tracer->still->camera;
+    struct integrate_stretch stretch = {.ray = ray->ray,
+                                        .near = fmax(camera->clip_near - ray->length, 0.0),
+                                        .far = fmin(camera->clip_far - ray->length, piece->end),
+                                        .region = piece->region};
+    struct integrate_result gathered;
+
+    if (!(stretch.near < stretch.far)) return;
+    gathered = integrate_stretch(tracer->still, &stretch, tracer->accuracy);
+    for (int c = 0; c < 3; c++) {
+        tracer->result->radiance[c] += ray->throughput[c] * gathered.radiance[c];
+        ray->throughput[c] *= gathered.transmittance[c];
+    }
+    tracer->result->is_converged = tracer->result->is_converged && gathered.is_converged;
+}
+
+static void escape(struct tracer *tracer, const struct light_ray *ray)
+{
+    const struct still *still = tracer->still;
+
+    for (int c = 0; c < 3; c++) {
+        if (still->has_background) tracer->result->radiance[c] += ray->throughput[c] * still->background[c];
+        if (!ray->is_reflected) tracer->result->transmittance[c] += ray->throughput[c];
+    }
+}
+
+static void trace(struct tracer *tracer, const struct light_ray *from)
+{
+    const struct objects *objects = &tracer->still->objects;
+    struct light_ray ray = *from;
+    struct object_walk walk;
+    const struct object_piece *piece = &walk.pieces[0];
+    struct hit hit;
+
+    tracer->result->ray_count += 1.0;
+    objects_walk(objects, &ray.ray, INFINITY, &walk);
+    if (objects_is_opaque(objects, piece->region)) return;
+    gather(tracer, &ray, piece);
+    if (walk.count == 1) {
+        escape(tracer, &ray);
+        return;
+    }
+    ray.length += piece->end;
+    hit.region_before = piece->region;
+    hit.region_behind = walk.pieces[1].region;
+    hit.shape = piece->shape;
+    hit.position = shape_snap(&objects->shapes[hit.shape], ray_at(&ray.ray, piece->end));
+    hit.normal = vec3_scale(shape_normal(&objects->shapes[hit.shape], hit.position), piece->is_entering ? 1.0 : -1.0);
+    answer(tracer, &ray, &hit);
+}
+
+struct trace_result trace_ray(const struct still *still, const struct ray *ray, uint64_t seed,
+                              const struct integrate_accuracy *accuracy)
+{
+    struct trace_result result = {.is_converged = true};
+    struct tracer tracer = {.still = still, .accuracy = accuracy, .random = {seed}, .result = &result};
+
+    trace(&tracer, &(struct light_ray){.ray = *ray, .throughput = {1.0, 1.0, 1.0}});
+    return result;
+}
