@@ -71,12 +71,19 @@ static char *write_lines(const struct glsl_names *names, const char *prefix)
 // What the user calls the text of a medium in messages.
 static const char *text_name(const struct density_site *site)
 {
-#define PLACE(medium) "scene.media[" #medium "].density.source"
-    static const char *const places[SCENE_MEDIUM_LIMIT] = {PLACE(0), PLACE(1), PLACE(2), PLACE(3),
-                                                           PLACE(4), PLACE(5), PLACE(6), PLACE(7)};
-#undef PLACE
+#define MEDIUM(index) "scene.media[" #index "].density.source"
+#define INTERIOR(index) "scene.objects[" #index "].material.interior.density.source"
+    static const char *const media[SCENE_MEDIUM_LIMIT] = {MEDIUM(0), MEDIUM(1), MEDIUM(2), MEDIUM(3),
+                                                          MEDIUM(4), MEDIUM(5), MEDIUM(6), MEDIUM(7)};
+    static const char *const interiors[SCENE_OBJECT_LIMIT] = {
+        INTERIOR(0), INTERIOR(1), INTERIOR(2),  INTERIOR(3),  INTERIOR(4),  INTERIOR(5),  INTERIOR(6),  INTERIOR(7),
+        INTERIOR(8), INTERIOR(9), INTERIOR(10), INTERIOR(11), INTERIOR(12), INTERIOR(13), INTERIOR(14), INTERIOR(15)};
+#undef INTERIOR
+#undef MEDIUM
+    size_t owner = site->source->owner;
 
-    return site->source->density.glsl.file ? scene_glsl_name(&site->source->density.glsl) : places[site->medium];
+    if (site->source->density.glsl.file) return scene_glsl_name(&site->source->density.glsl);
+    return owner > 0 ? interiors[owner - 1] : media[site->medium];
 }
 
 static bool load_text(const struct density_site *site, struct density_text *text, struct error *error)

@@ -212,8 +212,11 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
 
     for (size_t i = 0; i < job->scene.medium_count; ++i)
         if (!density_kind_of(&job->scene.media[i].density)) {
+            char place[64];
+
             *program = (struct scene_program){0};
-            error_set(error, "scene.media[%zu].density: its kind cannot be rendered yet", i);
+            scene_format_medium_place(&job->scene, i, place, sizeof place);
+            error_set(error, "%s.density: its kind cannot be rendered yet", place);
             return false;
         }
     *program = (struct scene_program){

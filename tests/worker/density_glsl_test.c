@@ -5,6 +5,8 @@
 #include "reference/reference.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/example_job.h"
+#include "tests/support/job_text.h"
+#include "tests/support/json_edit.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/render_frame.h"
 #include "worker/image.h"
@@ -281,6 +283,26 @@ static void a_text_without_a_file_is_told_by_its_place(void **state)
     job_finish(&job);
 }
 
+static void a_text_of_an_interior_is_told_by_its_object(void **state)
+{
+    char *text = json_edit_set(job_text_glsl, "scene",
+                               "{\"objects\":[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":{"
+                               "\"kind\":\"mirror\"}},{\"kind\":\"sphere\",\"center\":[3,0,0],\"radius\":1,"
+                               "\"material\":{\"kind\":\"dielectric\",\"ior\":1.5,\"interior\":{\"sigma_a\":1,"
+                               "\"density\":{\"kind\":\"glsl\",\"source\":\"\\nfloat density(vec3 p) { return 1.0; }\","
+                               "\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}}}}]}");
+    struct error error = {{0}};
+    struct scene_program program;
+    struct job job;
+
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    assert_false(scene_program_init(&program, &job, NULL, NULL, &error));
+    if (!strstr(error.message, "scene.objects[1].material.interior.density.source:2: ")) fail_msg("%s", error.message);
+    scene_program_finish(&program);
+    job_finish(&job);
+    free(text);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +314,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_loop_without_end_is_not_taken_for_a_picture),
         cmocka_unit_test(the_text_is_a_module_of_its_own),
         cmocka_unit_test(a_text_without_a_file_is_told_by_its_place),
+        cmocka_unit_test(a_text_of_an_interior_is_told_by_its_object),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations
