@@ -1,6 +1,7 @@
 #include "core/object_json.h"
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/job.h"
 #include "core/job_check.h"
 #include "core/job_json.h"
@@ -389,6 +390,28 @@ static void elsewhere_only_absolute_paths_can_be_read(void **state)
     free(globe);
 }
 
+static void the_objects_of_the_documentation_are_taken(void **state)
+{
+    static const char opening[] = "```json\n\"objects\": ";
+    char *page, *start, *end, *text;
+    size_t length;
+    struct job job;
+
+    assert_true(file_read_text(PROJECT_ROOT "/docs/job_format.md", JOB_DOCUMENT_LIMIT, &page, &length, NULL));
+    start = strstr(page, opening);
+    assert_non_null(start);
+    start += strlen(opening);
+    end = strstr(start, "```");
+    assert_non_null(end);
+    *end = 0;
+    text = json_edit_set(job_text_objects, "scene.objects", start);
+    job = parse(text);
+    assert_int_equal(job.scene.object_count, 3);
+    job_finish(&job);
+    free(text);
+    free(page);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -408,6 +431,7 @@ int main(void)
         cmocka_unit_test(path_keys_are_for_scenes_with_objects),
         cmocka_unit_test(wrong_path_keys_are_refused),
         cmocka_unit_test(elsewhere_only_absolute_paths_can_be_read),
+        cmocka_unit_test(the_objects_of_the_documentation_are_taken),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

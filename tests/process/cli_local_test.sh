@@ -67,6 +67,22 @@ expect 0 "cloud/cloud.0000.exr to cloud/cloud.0230.exr" march submit --dry-run "
 expect 0 "files      /srv/a/b.0000.exr" march submit --dry-run "$cloud" --set 'output.path="/srv/a/b.####.exr"'
 expect 0 "1 medium (grid), 0 lights" march submit --dry-run "a#b/scan.json"
 expect 0 "reads      $scratch/a#b/scan.##.nii (medium 0)" march submit --dry-run "a#b/scan.json"
+cat >glass.json <<END
+{"version": 1, "name": "glass", "frames": "1", "fps": 24, "resolution": [8, 8], "output": {"path": "g.#.exr"},
+ "camera": {"position": [0, 0, 4], "target": [0, 0, 0], "fov": 40},
+ "quality": {"method": "midpoint", "step": 0.1, "light_step": 0.1, "max_depth": 5},
+ "scene": {"objects": [
+  {"kind": "plane", "point": [0, -1, 0], "material": {"kind": "diffuse", "texture": {"file": "tiles.png", "size": 1}}},
+  {"kind": "sphere", "center": [0, 0, 0], "radius": 1, "material": {"kind": "dielectric", "ior": 1.5,
+   "interior": {"sigma_a": 1, "density": {"kind": "grid", "file": "a#b/scan.01.nii"}}}}]}}
+END
+expect 2 "glass.json: scene.objects[0].material.texture.file: $scratch/tiles.png: No such file or directory" march validate glass.json
+touch tiles.png
+expect 0 "1 medium (grid), 2 objects, 0 lights" march submit --dry-run glass.json
+expect 0 "reads      $scratch/tiles.png (texture of object 0)" march submit --dry-run glass.json
+expect 0 "reads      $scratch/a#b/scan.01.nii (interior of object 1)" march submit --dry-run glass.json
+expect 0 "light step 0.1 m, rays up to depth 5" march submit --dry-run glass.json
+expect 0 '"objects":2' march submit --dry-run --json glass.json
 expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10
 expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=101
 expect 2 "--priority: expected an integer in [0, 100]" march submit --dry-run "$cloud" --priority 101
