@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/job.h"
 #include "tests/support/load_grid.h"
+#include "tests/support/load_texture.h"
 #include "tests/support/render_frame.h"
 #include "worker/image.h"
 
@@ -25,6 +26,7 @@ struct true_light true_light_compare(const struct job *job, enum gl_backend back
 
     render_frame_on(backend, job, &image);
     load_grid_inputs(&inputs, job, 0);
+    load_texture_inputs(&inputs, job);
     still_init_with_inputs(still, job, job_frame_time(job, 0), &inputs);
     for (size_t i = 0; i < count; ++i) {
         struct reference_pixel pixel =
@@ -45,6 +47,7 @@ struct true_light true_light_compare(const struct job *job, enum gl_backend back
     print_message("relative RMSE of radiance %.2e (largest %.2e at %zu), transmittance %.2e, alpha %.2e\n",
                   light.radiance.relative_rmse, light.radiance.largest, light.radiance.largest_index / 3,
                   light.transmittance.relative_rmse, light.alpha.relative_rmse);
+    load_texture_finish(&inputs);
     load_grid_finish(&inputs);
     image_finish(&image);
     free(still);

@@ -1,0 +1,9 @@
+// A job's textures, read for the reference.
+#pragma once
+
+struct job;
+struct still_inputs;
+
+// Reads the images of all objects, other inputs being left as they are; fails the test when it cannot.
+void load_texture_inputs(struct still_inputs *inputs, const struct job *job);
+void load_texture_finish(struct still_inputs *inputs);
