@@ -69,23 +69,42 @@ bool scene_light_is_inverse_square(const struct scene_light *light)
     return light->kind == SCENE_LIGHT_POINT && light->falloff == SCENE_FALLOFF_INVERSE_SQUARE;
 }
 
-static bool material_has_paths(const struct scene_material *material)
+static void add_object(struct scene_features *features, const struct scene_object *source, size_t i)
 {
-    switch (material->kind) {
-    case SCENE_MATERIAL_DIFFUSE:
-        return !timeline_value_is_zero(&material->specular);
-    case SCENE_MATERIAL_MIRROR:
-        return !timeline_value_is_zero(&material->reflectance);
-    case SCENE_MATERIAL_DIELECTRIC:
-        return true;
+    struct object_features *object = &features->objects[i];
+
+    *object = object_features_of(&source->material);
+    features->surfaces_are_lit |= object->is_lit;
+    features->has_paths |= object_features_have_paths(object);
+    features->has_two_paths |= object->sends_two;
+    features->has_dielectrics |= !object->is_opaque;
+    features->has_fresnel |= object->has_fresnel;
+    features->has_roughness |= object->is_rough;
+}
+
+// Which lights shine on what: `scatters`, some medium does.
+static void add_lights(struct scene_features *features, const struct scene *scene, bool scatters)
+{
+    for (size_t i = 0; i < scene->light_count; ++i) {
+        bool is_seen = (scatters || features->surfaces_are_lit) && !timeline_value_is_zero(&scene->lights[i].intensity);
+
+        features->light_is_seen[i] = is_seen;
+        features->has_lights |= is_seen;
+        features->is_rgb |= is_seen && !timeline_value_is_grey(&scene->lights[i].intensity);
     }
-    return false;
+    features->media_are_lit = scatters && features->has_lights;
+    features->surfaces_are_lit &= features->has_lights;
+    for (size_t i = 0; i < features->object_count; ++i)
+        features->is_rgb |=
+            !features->objects[i].is_grey && (!features->objects[i].is_lit || features->surfaces_are_lit);
 }
 
 struct scene_features scene_features_of(const struct job *job)
 {
     const struct scene *scene = &job->scene;
     struct scene_features features = {.medium_count = scene->medium_count,
+                                      .object_count = scene->object_count,
+                                      .has_objects = scene->object_count > 0,
                                       .has_depth = job->output.has_depth,
                                       .has_transmittance = job->output.has_transmittance,
                                       .has_background =
@@ -96,21 +115,27 @@ struct scene_features scene_features_of(const struct job *job)
         add_medium(&features, &scene->media[i], i);
         scatters |= features.media[i].scatters;
     }
-    for (size_t i = 0; i < scene->light_count; ++i) {
-        features.light_is_seen[i] = scatters && !timeline_value_is_zero(&scene->lights[i].intensity);
-        features.has_lights |= features.light_is_seen[i];
-        features.is_rgb |= features.light_is_seen[i] && !timeline_value_is_grey(&scene->lights[i].intensity);
-    }
     for (size_t i = 0; i < scene->object_count; ++i)
-        features.has_paths |= material_has_paths(&scene->objects[i].material);
+        add_object(&features, &scene->objects[i], i);
+    add_lights(&features, scene, scatters);
     features.marches_to_lights &= features.has_lights;
-    features.places_points = features.has_lights && job->quality.method == JOB_METHOD_EQUIANGULAR;
+    features.places_points = features.media_are_lit && job->quality.method == JOB_METHOD_EQUIANGULAR;
     // A Riemann sum is defined by its samples.
     features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
-                                               (job->quality.method == JOB_METHOD_MIDPOINT && features.has_lights));
+                                               (job->quality.method == JOB_METHOD_MIDPOINT && features.media_are_lit));
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
-    features.has_samples = features.has_media && job->quality.samples > 1;
+    features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);
+    features.has_samples = (features.has_media || features.has_objects) && job->quality.samples > 1;
     features.has_roulette = features.marches && features.has_extinction && job->quality.roulette_below > 0;
-    features.is_random = features.has_samples || features.has_roulette;
+    features.is_random = features.has_samples || features.has_roulette || features.has_roughness;
     return features;
+}
+
+size_t scene_features_count_lights(const struct scene_features *features)
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < SCENE_LIGHT_LIMIT; ++i)
+        count += features->light_is_seen[i];
+    return count;
 }

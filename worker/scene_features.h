@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/scene.h"
+#include "worker/object_features.h"
 
 #include <stdbool.h>
 
@@ -26,10 +27,15 @@ struct medium_features {
 
 struct scene_features {
     struct medium_features media[SCENE_MEDIUM_LIMIT];
-    size_t medium_count;                   // as the scene has, seen or not
-    bool light_is_seen[SCENE_LIGHT_LIMIT]; // it shines, and something scatters
+    size_t medium_count; // as the scene has, seen or not
+    struct object_features objects[SCENE_OBJECT_LIMIT];
+    size_t object_count;
+    bool light_is_seen[SCENE_LIGHT_LIMIT]; // it shines, and something scatters or is diffuse
     bool has_media, has_lights, has_emission;
+    bool has_objects;
+    bool media_are_lit, surfaces_are_lit;
     bool has_extinction;    // some medium scatters or absorbs
+    bool has_throughput;    // so rays carry what is left of them; also where surfaces change it
     bool takes_time;        // some medium's density is given the time
     bool marches;           // camera rays take steps; else each stretch between edges of media is one segment
     bool marches_to_lights; // so do shadow rays; else columns are known in closed form
@@ -37,7 +43,11 @@ struct scene_features {
     bool is_rgb;            // something seen has a colour
     bool extinction_is_rgb; // media take more of one colour than of another
     bool has_depth, has_transmittance, has_background;
-    bool has_paths;    // some rays are reflected or refracted: followed, counted and perhaps cut
+    bool has_paths;       // some rays are reflected or refracted: followed, counted and perhaps cut
+    bool has_two_paths;   // some surface sends two rays on
+    bool has_dielectrics; // light goes on in some object
+    bool has_fresnel;     // which share some surface reflects follows from the angle
+    bool has_roughness;
     bool has_samples;  // each pixel has several
     bool has_roulette; // rays with little left end by lot
     bool is_random;    // something is drawn by lot
@@ -46,5 +56,6 @@ struct scene_features {
 // True for a point light whose irradiance falls with the square of the distance.
 bool scene_light_is_inverse_square(const struct scene_light *light);
 struct scene_features scene_features_of(const struct job *job);
+size_t scene_features_count_lights(const struct scene_features *features); // those that are seen
 // True when something of it attenuates light.
 bool medium_features_have_column(const struct medium_features *medium);

@@ -2,6 +2,8 @@
 
 #include "core/job.h"
 #include "worker/pixel_samples.h"
+#include "worker/scene_glue_gather.h"
+#include "worker/scene_glue_path.h"
 #include "worker/scene_program.h"
 
 #include <math.h>
@@ -79,28 +81,27 @@ static void write_point(FILE *out, const struct job *job, const struct scene_fea
         fputs("    random_start(uvec2(gl_FragCoord.xy), uint(sample_index), uint(frame_seed));\n", out);
 }
 
-static void write_march(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_view(FILE *out, const struct job *job, const struct scene_program *program)
 {
-    const struct scene_camera *camera = &job->scene.camera;
-
     write_point(out, job, &program->features);
     fputs("    CameraPinhole camera = CameraPinhole(camera_position, camera_corner, camera_across, camera_down);\n"
           "    vec3 toward = camera_pinhole_toward(camera, ",
           out);
-    fprintf(out,
-            "%s);\n    vec3 direction = normalize(toward);\n"
-            "    MediaSpans spans = media_spans(camera.position, direction);\n",
+    fprintf(out, "%s);\n    vec3 direction = normalize(toward);\n",
             program->features.has_samples ? "point_px" : "gl_FragCoord.xy");
+}
+
+static void write_march(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_camera *camera = &job->scene.camera;
+
+    fputs("    MediaSpans spans = media_spans(camera.position, direction);\n", out);
     if (job->quality.method == JOB_METHOD_RIEMANN) {
         write_riemann(out, camera, program->step);
         return;
     }
     write_interval(out, camera);
-    if (program->features.marches)
-        fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e)", program->step);
-    else // n spans have 2 n ends
-        fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * job->scene.medium_count);
-    fputs(", camera.position, direction, interval, spans, gathered);\n", out);
+    scene_glue_write_integrator(out, job, program, "camera.position, direction, interval");
 }
 
 // Of several passes the depth comes with a count, so that those without one can be left out of the mean.
@@ -110,6 +111,7 @@ static void write_outputs(FILE *out, const struct job *job, const struct scene_f
     if (features->has_transmittance) fputs("layout(location = 1) out vec4 transmittance;\n", out);
     if (features->has_depth)
         fprintf(out, "layout(location = 2) out %s depth;\n", pixel_samples_count(job) > 1 ? "vec2" : "float");
+    if (features->has_paths) fputs("layout(location = 3) out vec4 paths;\n", out);
 }
 
 static void write_background(FILE *out, const struct scene_program *program)
@@ -119,29 +121,18 @@ static void write_background(FILE *out, const struct scene_program *program)
     fputs("background), 1.0);\n", out);
 }
 
-static void write_depth(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_depth(FILE *out, const struct job *job, const char *depth)
 {
-    const char *depth = features->has_extinction ? "gathered.depth / length(toward)" : "0.0";
-
     if (pixel_samples_count(job) > 1)
         fprintf(out, "    depth.x = %s;\n    depth.y = depth.x > 0.0 ? 1.0 : 0.0;\n", depth);
     else
         fprintf(out, "    depth = %s;\n", depth);
 }
 
-void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_media_picture(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
-    bool finds_depth = features->has_depth && features->has_extinction;
 
-    write_outputs(out, job, features);
-    fputs("void main()\n{\n", out);
-    if (program->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
-    if (features->has_media) {
-        fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
-                features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
-        write_march(out, job, program);
-    }
     if (job->scene.has_background && features->has_background)
         write_background(out, program);
     else if (features->has_media)
@@ -154,8 +145,50 @@ void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_
     if (features->has_transmittance)
         fprintf(out, "    transmittance = vec4(%s, 0.0);\n",
                 features->has_extinction ? "spectrum_rgb(gathered.transmittance)" : "vec3(1.0)");
-    if (features->has_depth) write_depth(out, job, features);
+    if (features->has_depth)
+        write_depth(out, job, features->has_extinction ? "gathered.depth / length(toward)" : "0.0");
     if (features->marches)
         fputs("    if (march_was_cut) rgba.a = -1e6; // no picture has it, nor has a sum of them\n", out);
+}
+
+static void write_media_main(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    bool finds_depth = features->has_depth && features->has_extinction;
+
+    if (features->has_media) {
+        fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
+                features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
+        write_view(out, job, program);
+        write_march(out, job, program);
+    }
+    write_media_picture(out, job, program);
+}
+
+static void write_path_main(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+
+    write_view(out, job, program);
+    scene_glue_write_path_start(out, program);
+    fprintf(out, "    rgba = vec4(spectrum_rgb(path_radiance), %s);\n",
+            job->scene.has_background ? "1.0" : "1.0 - spectrum_mean(path_behind)");
+    if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(path_behind), 0.0);\n", out);
+    if (features->has_depth) write_depth(out, job, "path_depth / length(toward)");
+    if (features->has_paths) fputs("    paths = vec4(path_counts, 0.0);\n", out);
+    fputs("    if (march_was_cut || path_turns_are_spent())\n"
+          "        rgba.a = -1e6; // no picture has it, nor has a sum of them\n",
+          out);
+}
+
+void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    write_outputs(out, job, &program->features);
+    fputs("void main()\n{\n", out);
+    if (program->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
+    if (program->features.has_objects)
+        write_path_main(out, job, program);
+    else
+        write_media_main(out, job, program);
     fputs("}\n", out);
 }

@@ -7,29 +7,46 @@
 
 static void write_gathered(FILE *out, const struct job *job, const struct scene_features *features)
 {
+    bool has_objects = features->has_objects;
+
     fputs("// What a ray has met so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
-    if (features->has_extinction) fputs("    Spectrum transmittance;\n", out);
+    if (features->has_throughput) fputs("    Spectrum transmittance;\n", out);
     if (features->has_extinction && features->has_depth) fputs("    float depth; // distance, 0 for none\n", out);
+    if (has_objects) fputs("    float least; // the ray is over when less is left of it\n", out);
+    if (has_objects && features->media_are_lit) fputs("    int region; // in which it is\n", out);
     fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
-    if (!features->has_extinction)
+    if (!features->has_throughput)
         fputs("    return false;\n}\n", out);
+    else if (has_objects && job->quality.min_transmittance > 0)
+        fputs("    return spectrum_max(gathered.transmittance) < gathered.least;\n}\n", out);
     else if (job->quality.min_transmittance > 0)
         fprintf(out, "    return spectrum_max(gathered.transmittance) < %.9e;\n}\n", job->quality.min_transmittance);
     else
         fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
 }
 
-static void write_shadow(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_transmittance(FILE *out, const struct job *job, const struct scene_program *program,
+                                    const char *spans, const char *distance)
 {
     if (!program->features.marches_to_lights) {
-        fputs("transmittance_closed(media_spans(point, light.direction), light.distance)", out);
+        fprintf(out, "transmittance_closed(%s, %s)", spans, distance);
         return;
     }
     if (job->quality.method == JOB_METHOD_RIEMANN)
-        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d), ", job->quality.light_steps);
+        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d)", job->quality.light_steps);
     else
-        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e), ", program->light_step);
-    fputs("media_spans(point, light.direction), point, light.direction, light.distance)", out);
+        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e)", program->light_step);
+    fprintf(out, ", %s, point, light.direction, %s)", spans, distance);
+}
+
+// The expression of what is left of a light at `place`, in the segment's region.
+static void write_shadow(FILE *out, const struct scene_program *program, const char *place)
+{
+    fprintf(out, "shadow(%s, light, ", place);
+    if (program->features.has_dielectrics)
+        fprintf(out, "surface_set(surface_around(shape_spans(%s, light.direction)), gathered.region), 0u)", place);
+    else
+        fputs("0u, 0u)", out);
 }
 
 // The scattering coefficient times the phase function, summed over media.
@@ -50,20 +67,11 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_pr
     fputs(";\n", out);
 }
 
-static size_t count_lights(const struct job *job, const struct scene_features *features)
-{
-    size_t count = 0;
-
-    for (size_t i = 0; i < job->scene.light_count; ++i)
-        count += features->light_is_seen[i];
-    return count;
-}
-
 // Several lights take turns, so that the march to them is compiled once: drivers copy functions to where they are called.
 static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
-    size_t count = count_lights(job, features), turn = 0;
+    size_t count = scene_features_count_lights(features), turn = 0;
 
     if (count > 1)
         fprintf(out, "    for (int turn = 0; turn < %zu; ++turn) {\n        LightSample light;\n", count);
@@ -77,8 +85,14 @@ static void write_scattering(FILE *out, const struct job *job, const struct scen
             fprintf(out, "        LightSample light = light_%zu(point);\n", i);
     }
     write_scattered(out, "        ", program);
+    if (features->has_objects) {
+        fputs("        source += scattered * light.irradiance * ", out);
+        write_shadow(out, program, "point");
+        fputs(";\n    }\n", out);
+        return;
+    }
     fputs("        MediaColumn column = ", out);
-    write_shadow(out, job, program);
+    scene_glue_write_transmittance(out, job, program, "media_spans(point, light.direction)", "light.distance");
     fputs(";\n        source += scattered * light.irradiance * media_transmittance(column);\n    }\n", out);
 }
 
@@ -105,9 +119,15 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
             "            LightSample light = light_%zu(place);\n",
             i);
     write_scattered(out, "            ", program);
-    fputs("            MediaColumn column = transmittance_closed(media_spans(place, light.direction), "
-          "light.distance);\n"
-          "            Spectrum left = media_transmittance(column) * exp(-sigma_t * placed.at);\n"
+    if (program->features.has_objects) {
+        fputs("            Spectrum left = ", out);
+        write_shadow(out, program, "place");
+    } else {
+        fputs("            MediaColumn column = transmittance_closed(media_spans(place, light.direction), "
+              "light.distance);\n            Spectrum left = media_transmittance(column)",
+              out);
+    }
+    fputs(" * exp(-sigma_t * placed.at);\n"
           "            sum += scattered * left * (placed_weight(i) * placed.weight);\n        }\n",
           out);
     fprintf(out, "        gathered.radiance += passed * light_%zu_intensity * sum;\n    }\n", i);
@@ -200,14 +220,14 @@ static void write_sources(FILE *out, const struct job *job, const struct scene_p
     fputs("    Spectrum source = spectrum(0.0);\n", out);
     for (size_t i = 0; i < scene->medium_count; ++i)
         write_source(out, &features->media[i], i);
-    if (features->has_lights && !features->places_points) write_scattering(out, job, program);
+    if (features->media_are_lit && !features->places_points) write_scattering(out, job, program);
 }
 
 void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
     const struct scene *scene = &job->scene;
-    bool has_source = features->has_emission || (features->has_lights && !features->places_points);
+    bool has_source = features->has_emission || (features->media_are_lit && !features->places_points);
 
     write_gathered(out, job, features);
     fprintf(out,
@@ -227,8 +247,19 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
     if (features->has_extinction)
         write_extinction(out, job, features, has_source);
     else
-        fputs("    gathered.radiance += source * length;\n", out);
+        fprintf(out, "    gathered.radiance += %ssource * length;\n",
+                features->has_throughput ? "gathered.transmittance * " : "");
     fputs("}\n", out);
+}
+
+void scene_glue_write_integrator(FILE *out, const struct job *job, const struct scene_program *program,
+                                 const char *stretch)
+{
+    if (program->features.marches)
+        fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e)", program->step);
+    else // n spans have 2 n ends
+        fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * job->scene.medium_count);
+    fprintf(out, ", %s, spans, gathered);\n", stretch);
 }
 
 // Up to this many points are one Gauss-Legendre rule; more are several rules of the same size, one behind the other.

@@ -131,6 +131,19 @@ static void write_spans(FILE *out, const struct scene_program *program)
     write_next_edge(out, program, is_seen, "media_next_edge");
 }
 
+static void write_spans_in(FILE *out, const struct scene *scene, const struct scene_program *program)
+{
+    const char *separator = "";
+
+    fputs("MediaSpans media_spans_in(MediaSpans spans, int region, vec2 piece)\n{\n    return MediaSpans(", out);
+    FOR_EACH_MEDIUM (program, is_seen) {
+        fprintf(out, "%sregion == %zu ? span_meet(spans.medium_%zu, piece) : SPAN_MISSED", separator,
+                scene->media[i].owner, i);
+        separator = ",\n        ";
+    }
+    fputs(");\n}\n", out);
+}
+
 static bool has_share(const struct job *job, const struct scene_program *program, size_t i)
 {
     return program->features.media[i].has_falloff || needs_test(job, program, is_seen, i);
@@ -280,8 +293,9 @@ void scene_glue_write_media(FILE *out, const struct job *job, const struct scene
     FOR_EACH_MEDIUM (program, is_seen)
         write_medium(out, job, program, i);
     write_spans(out, program);
+    if (program->features.has_objects) write_spans_in(out, &job->scene, program);
     write_field(out, job, program);
-    if (!program->features.has_lights) return;
+    if (!program->features.has_lights || !program->features.has_extinction) return;
     write_column(out, job, program);
     if (program->features.marches_to_lights) write_column_march(out, job, program);
 }

@@ -10,6 +10,7 @@ struct scene_program;
 // The functions of each seen medium's density and bounds, then what integrator modules call:
 //   MediaSpans            distances between which a ray is inside each medium
 //   media_spans(origin, direction), media_spans_from(spans, start): the same, counted from `start` on
+//   media_spans_in(spans, region, piece)  where there are objects: those of the region's media on a piece of the ray
 //   media_interval(spans) first entry and last exit
 //   media_next_edge(spans, at, end)   the nearest entry or exit beyond `at`, at most `end`
 //   MediaField            what the media have at a point; .distance < 0 where there may be density, else how far along the

@@ -9,6 +9,8 @@
 #include "worker/scene_glue.h"
 #include "worker/scene_glue_gather.h"
 #include "worker/scene_glue_media.h"
+#include "worker/scene_glue_path.h"
+#include "worker/scene_glue_surface.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_values.h"
 #include "worker/shader_sources.h"
@@ -93,15 +95,22 @@ static void add_density(struct assembly *assembly, size_t i)
     if (bounds) add_module(assembly, bounds);
 }
 
-static void add_media(struct assembly *assembly)
+static void add_camera(struct assembly *assembly)
 {
     const struct scene_features *features = &assembly->program->features;
 
-    if (features->marches || features->marches_to_lights) add_module(assembly, "math/march.glsl");
+    if (features->marches || features->marches_to_lights || features->has_objects)
+        add_module(assembly, "math/march.glsl");
     add_module(assembly, "camera/pinhole.glsl");
     if (features->is_random) add_module(assembly, "math/random.glsl");
     if (features->has_samples) add_module(assembly, "camera/pixel_samples.glsl");
     add_module(assembly, "region/span.glsl");
+}
+
+static void add_media(struct assembly *assembly)
+{
+    const struct scene_features *features = &assembly->program->features;
+
     for (size_t i = 0; i < features->medium_count; ++i)
         if (features->media[i].is_seen) add_density(assembly, i);
     if (features->has_extinction && assembly->job->quality.method != JOB_METHOD_RIEMANN)
@@ -151,11 +160,13 @@ static void add_lights(struct assembly *assembly)
             add_module(assembly, scene->lights[i].kind == SCENE_LIGHT_SUN         ? "light/sun.glsl"
                                  : scene->lights[i].falloff == SCENE_FALLOFF_NONE ? "light/point_even.glsl"
                                                                                   : "light/point.glsl");
-    add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
-                         : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
-                                                                               : "transmittance/midpoint.glsl");
+    if (features->has_extinction)
+        add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
+                             : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
+                                                                                   : "transmittance/midpoint.glsl");
     begin_generated(assembly);
     scene_glue_write_lights(assembly->out, assembly->job, assembly->program);
+    if (features->has_objects) scene_glue_write_shadow(assembly->out, assembly->job, assembly->program);
 }
 
 static void add_integrator(struct assembly *assembly)
@@ -167,6 +178,64 @@ static void add_integrator(struct assembly *assembly)
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
                          : assembly->program->features.marches               ? "integrator/midpoint.glsl"
                                                                              : "integrator/stretches.glsl");
+}
+
+static void add_shape(struct assembly *assembly, enum scene_shape_kind kind)
+{
+    static const char *const regions[] = {[SCENE_SHAPE_SPHERE] = "region/sphere.glsl",
+                                          [SCENE_SHAPE_BOX] = "region/box.glsl",
+                                          [SCENE_SHAPE_PLANE] = "region/plane.glsl"};
+    static const char *const normals[] = {
+        [SCENE_SHAPE_SPHERE] = "surface/sphere.glsl", [SCENE_SHAPE_BOX] = "surface/box.glsl"};
+
+    add_module(assembly, regions[kind]);
+    if (kind != SCENE_SHAPE_PLANE) add_module(assembly, normals[kind]);
+}
+
+static void add_optics(struct assembly *assembly, const struct scene_material *material,
+                       const struct object_features *object)
+{
+    static const char *const fresnels[] = {[SCENE_FRESNEL_EXACT] = "surface/fresnel_exact.glsl",
+                                           [SCENE_FRESNEL_SCHLICK] = "surface/fresnel_schlick.glsl",
+                                           [SCENE_FRESNEL_NONE] = "surface/fresnel_none.glsl"};
+
+    if (object->has_fresnel) {
+        add_module(assembly, "surface/snell.glsl");
+        add_module(assembly, fresnels[material->fresnel]);
+    }
+    if (object->is_rough) add_module(assembly, "surface/rough.glsl");
+}
+
+static void add_surfaces(struct assembly *assembly)
+{
+    const struct scene *scene = &assembly->job->scene;
+
+    for (size_t i = 0; i < scene->shape_count; ++i)
+        add_shape(assembly, scene->shapes[i].kind);
+    for (size_t i = 0; i < scene->object_count; ++i)
+        add_optics(assembly, &scene->objects[i].material, &assembly->program->features.objects[i]);
+    add_module(assembly, "surface/crossing.glsl");
+    begin_generated(assembly);
+    scene_glue_write_surfaces(assembly->out, assembly->job, assembly->program);
+    add_module(assembly, "surface/visible.glsl");
+}
+
+static void add_path(struct assembly *assembly)
+{
+    const struct scene_features *features = &assembly->program->features;
+
+    begin_generated(assembly);
+    scene_glue_write_seen(assembly->out, assembly->job, assembly->program);
+    add_module(assembly, "path/ray.glsl");
+    if (features->has_paths) {
+        add_module(assembly, features->has_two_paths ? "path/stack.glsl" : "path/single.glsl");
+        add_module(assembly, "path/send.glsl");
+    }
+    begin_generated(assembly);
+    scene_glue_write_path(assembly->out, assembly->job, assembly->program);
+    add_module(assembly, "path/follow.glsl");
+    if (features->has_paths) add_module(assembly, "path/trace.glsl");
+    add_module(assembly, "path/turns.glsl");
 }
 
 static bool assemble(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
@@ -186,9 +255,12 @@ static bool assemble(struct scene_program *program, const struct job *job, const
     add_module(&assembly, program->features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
     begin_generated(&assembly);
     frame_uniforms_declare(&program->uniforms, assembly.out);
+    if (program->features.has_media || program->features.has_objects) add_camera(&assembly);
     if (program->features.has_media) add_media(&assembly);
+    if (program->features.has_objects) add_surfaces(&assembly);
     if (program->features.has_lights) add_lights(&assembly);
     if (program->features.has_media) add_integrator(&assembly);
+    if (program->features.has_objects) add_path(&assembly);
     begin_generated(&assembly);
     scene_glue_write_main(assembly.out, job, program);
     fclose(assembly.out);

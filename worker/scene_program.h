@@ -12,7 +12,7 @@ struct error;
 struct job;
 struct scene_inputs;
 
-enum { SCENE_PROGRAM_MODULE_LIMIT = 48 };
+enum { SCENE_PROGRAM_MODULE_LIMIT = 72 };
 
 // The zero value is empty.
 struct scene_program {

@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "worker/camera_view.h"
 #include "worker/density_kind.h"
+#include "worker/object_values.h"
 #include "worker/scene_bounds.h"
 #include "worker/scene_features.h"
 #include "worker/timeline_value.h"
@@ -201,7 +202,7 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
     enum frame_value_type spectrum = features->is_rgb ? FRAME_VALUE_VEC3 : FRAME_VALUE_FLOAT;
     const struct scene *scene = &job->scene;
 
-    if (features->has_media) add_camera(uniforms, job);
+    if (features->has_media || features->has_objects) add_camera(uniforms, job);
     if (features->takes_time)
         frame_uniforms_add(uniforms,
                            (struct frame_value){.type = FRAME_VALUE_FLOAT,
@@ -221,6 +222,7 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
                            "medium_%zu_sigma_s", i);
         add_lobes(uniforms, medium, &features->media[i], i);
     }
+    object_values_add(uniforms, scene, features, spectrum);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) add_light(uniforms, &scene->lights[i], spectrum, i);
     if (features->has_background)

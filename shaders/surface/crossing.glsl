@@ -1,0 +1,29 @@
+// Where a ray crosses the boundaries of objects. Which objects contain it is known from what it has crossed, a bit for each
+// object, not from where a rounded point seems to lie. Shapes are convex: who has left one never meets it again.
+
+// The nearest boundary, or several that coincide.
+struct SurfaceCrossing {
+    float at;    // distance along the ray; FAR_AWAY for none
+    uint inside; // the objects that contain what is beyond
+    uint shapes; // the shapes whose boundaries they are, a bit each
+};
+
+// Where objects overlap the last one is there alone: its number, counted from 1; 0 for air.
+int surface_region(uint inside)
+{
+    return findMSB(inside) + 1;
+}
+
+// Where a ray that is outside of a shape enters it. One that is found in it, by more than rounding, enters at once.
+float surface_entry(vec2 span, float from, float sliver)
+{
+    if (span.x >= from) return span.x;
+    return span.y > from + sliver ? from : FAR_AWAY;
+}
+
+// The objects around a point of a region, by those that seem to contain it: none after the region's own, and that one.
+uint surface_set(uint around, int region)
+{
+    uint own = (1u << uint(region)) >> 1u;
+    return region > 0 ? (around & (own - 1u)) | own : 0u;
+}

@@ -1,0 +1,21 @@
+// Writes the part of a scene's shader that asks its objects: where a ray meets them, and what they are there.
+#pragma once
+
+#include <stdio.h>
+
+struct job;
+struct scene_program;
+
+// What ray modules call; objects and regions are numbered from 1, region 0 being air:
+//   ShapeSpans                  distances between which a ray is inside each shape
+//   shape_spans(origin, direction)
+//   shape_normal(shape, p)      out of the shape, of length 1
+//   surface_around(spans)       the objects in which the ray begins, a bit each
+//   SURFACE_CROSSING_LIMIT      more boundaries than a ray can cross
+//   surface_next(spans, from, inside, left)   the nearest boundary beyond `from`
+//   surface_is_opaque(region)
+// and where some object reflects or refracts:
+//   surface_ior(region)
+//   surface_fresnel(object, cos_in, eta)   the share that is reflected
+//   surface_roughness(object)
+void scene_glue_write_surfaces(FILE *out, const struct job *job, const struct scene_program *program);
