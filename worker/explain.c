@@ -148,12 +148,15 @@ static void list_lights(const struct listing *listing)
         bool is_point = scene->lights[i].kind == SCENE_LIGHT_POINT;
 
         snprintf(name, sizeof name, "light %zu", i);
-        say(listing, features->light_is_seen[i], name, "%s",
-            features->light_is_seen[i] ? (is_point ? "a point light that media scatter" : "a sun that media scatter")
-                                       : "it does not shine, or no medium scatters");
+        say(listing, features->light_is_seen[i], name, "%s %s", is_point ? "a point light" : "a sun",
+            !features->light_is_seen[i]  ? "that does not shine, or nothing scatters it"
+            : !features->media_are_lit   ? "that surfaces show"
+            : features->surfaces_are_lit ? "that media scatter and surfaces show"
+                                         : "that media scatter");
     }
     say(listing, features->has_lights, "shadows", "%s",
-        features->has_lights      ? "media take light away on its way to where it is scattered"
+        features->has_lights && !features->has_objects ? "media take light away on its way to where it is scattered"
+        : features->has_lights    ? "media and objects take light away on its way to where it is seen"
         : scene->light_count == 0 ? "there are no lights"
                                   : "no light is seen");
 }
@@ -171,6 +174,51 @@ static void list_texture(const struct listing *listing, size_t i)
     say(listing, true, name, "%d x %d pixels, %s, %s%s", input->width_px, input->height_px,
         input->source->is_linear ? "taken as linear light" : "decoded from sRGB",
         input->source->is_nearest ? "unfiltered" : "filtered linearly", tiles);
+}
+
+static void list_object(const struct listing *listing, size_t i)
+{
+    static const char *const fresnels[] = {"exact", "Schlick's", "no"};
+    const struct object_features *object = &listing->program->features.objects[i];
+    const struct scene_object *source = &listing->job->scene.objects[i];
+    char name[64], reflected[96] = "";
+
+    if (object->has_fresnel)
+        snprintf(reflected, sizeof reflected, ", %s Fresnel share reflected", fresnels[source->material.fresnel]);
+    snprintf(name, sizeof name, "object %zu", i);
+    say(listing, true, name, "%zu shape%s, %s%s%s", source->shape_count, source->shape_count == 1 ? "" : "s",
+        !object->is_opaque  ? "dielectric: rays are refracted"
+        : object->is_lit    ? "diffuse"
+        : !object->reflects ? "black"
+                            : "a mirror",
+        reflected, object->is_rough ? ", each by a normal drawn by lot" : "");
+    list_texture(listing, i);
+}
+
+static void list_surfaces(const struct listing *listing)
+{
+    const struct scene_features *features = &listing->program->features;
+    const struct job_quality *quality = &listing->job->quality;
+
+    if (!features->has_objects) {
+        say(listing, false, "surfaces", "the scene has no objects");
+        return;
+    }
+    for (size_t i = 0; i < features->object_count; ++i)
+        list_object(listing, i);
+    say(listing, true, "surfaces", "each ray asks %zu shape%s where it meets them", listing->job->scene.shape_count,
+        listing->job->scene.shape_count == 1 ? "" : "s");
+    if (features->has_paths)
+        say(listing, true, "paths",
+            "up to %d reflections and refractions, while throughput is at least %g; %s; what is cut is counted",
+            quality->max_depth, quality->min_throughput,
+            features->has_two_paths ? "a dielectric sends two rays on" : "no surface sends two rays on");
+    else
+        say(listing, false, "paths", "nothing reflects or refracts: rays end where they meet a surface");
+    say(listing, false, "light between surfaces", "diffuse ones show the light of lights only");
+    if (features->has_dielectrics && features->has_lights)
+        say(listing, false, "caustics",
+            "light crosses dielectrics straight on its way: each boundary takes its Fresnel share, media theirs");
 }
 
 static void list_outputs(const struct listing *listing)
@@ -268,7 +316,7 @@ static void list_method(const struct listing *listing)
         say(listing, true, "roulette", "below transmittance %g a ray goes on with probability %g",
             quality->roulette_below, quality->roulette_survive);
     say(listing, false, "multiple scattering", "light is scattered once at most");
-    say(listing, false, "surfaces", "the scene has no objects");
+    list_surfaces(listing);
     list_samples(listing);
 }
 
@@ -280,8 +328,6 @@ static void write_list(struct listing listing, const char *key, bool of_modelled
     for (size_t i = 0; i < listing.job->scene.medium_count; ++i)
         list_medium(&listing, i);
     list_lights(&listing);
-    for (size_t i = 0; i < listing.job->scene.object_count; ++i)
-        list_texture(&listing, i);
     list_outputs(&listing);
     list_motion(&listing);
     list_method(&listing);

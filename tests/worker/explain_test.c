@@ -7,6 +7,7 @@
 #include "core/json_write.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
+#include "tests/support/object_job.h"
 #include "tests/support/png_maker.h"
 #include "tests/support/temp_folder.h"
 
@@ -267,6 +268,42 @@ static void a_missing_camera_view_is_an_error(void **state)
     job_finish(&job);
 }
 
+static void objects_are_explained(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    object_job_parse(&job,
+                     "\"objects\": [" OBJECT_JOB_FLOOR(OBJECT_JOB_GREY) ", " OBJECT_JOB_BALL(OBJECT_JOB_GLASS) "]",
+                     OBJECT_JOB_LIGHT ", " OBJECT_JOB_QUALITY);
+    explain(&explanation, &job);
+    assert_string_equal(find_why(&explanation, "modelled", "light 0"), "a point light that surfaces show");
+    assert_string_equal(find_why(&explanation, "modelled", "object 0"), "1 shape, diffuse");
+    assert_string_equal(find_why(&explanation, "modelled", "object 1"),
+                        "1 shape, dielectric: rays are refracted, exact Fresnel share reflected");
+    assert_modelled(&explanation, "surfaces");
+    assert_modelled(&explanation, "paths");
+    assert_not_modelled(&explanation, "caustics");
+    assert_true(names_module(&explanation, "path/stack.glsl"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
+static void objects_that_end_every_ray_need_no_paths(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    object_job_parse(&job, "\"objects\": [" OBJECT_JOB_FLOOR(OBJECT_JOB_GREY) "]", OBJECT_JOB_QUALITY);
+    explain(&explanation, &job);
+    assert_modelled(&explanation, "surfaces");
+    assert_not_modelled(&explanation, "paths");
+    assert_not_modelled(&explanation, "shadows");
+    assert_null(find_why(&explanation, "not_modelled", "caustics"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -277,6 +314,8 @@ int main(void)
         cmocka_unit_test(samples_and_shutter_are_explained),
         cmocka_unit_test(the_users_own_text_is_named),
         cmocka_unit_test_setup_teardown(textures_are_explained, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test(objects_are_explained),
+        cmocka_unit_test(objects_that_end_every_ray_need_no_paths),
         cmocka_unit_test(a_missing_camera_view_is_an_error),
     };
 
