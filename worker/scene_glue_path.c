@@ -152,11 +152,15 @@ static void write_lit(FILE *out, const struct scene *scene, const struct scene_f
           out);
 }
 
-static void write_albedo(FILE *out, const struct scene_features *features)
+static void write_albedo(FILE *out, const struct scene *scene, const struct scene_features *features)
 {
     fputs("Spectrum surface_albedo(int object, vec3 point, int shape)\n{\n", out);
-    for (size_t i = 0; i < features->object_count; ++i)
-        if (features->objects[i].is_lit) fprintf(out, "    if (object == %zu) return object_%zu_albedo;\n", i + 1, i);
+    for (size_t i = 0; i < features->object_count; ++i) {
+        if (!features->objects[i].is_lit) continue;
+        fprintf(out, "    if (object == %zu) return object_%zu_albedo", i + 1, i);
+        if (scene->objects[i].material.texture.file) fprintf(out, " * object_%zu_texture(point, shape)", i);
+        fputs(";\n", out);
+    }
     fputs("    return spectrum(0.0);\n}\n", out);
 }
 
@@ -249,7 +253,7 @@ void scene_glue_write_path(FILE *out, const struct job *job, const struct scene_
     write_gather(out, job, program);
     if (features->surfaces_are_lit) {
         write_lit(out, &job->scene, features);
-        write_albedo(out, features);
+        write_albedo(out, &job->scene, features);
     }
     if (features->has_paths) write_reflected(out, &job->scene, features);
     write_answer(out, features);

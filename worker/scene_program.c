@@ -14,6 +14,7 @@
 #include "worker/scene_inputs.h"
 #include "worker/scene_values.h"
 #include "worker/shader_sources.h"
+#include "worker/texture_glue.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -206,18 +207,29 @@ static void add_optics(struct assembly *assembly, const struct scene_material *m
     if (object->is_rough) add_module(assembly, "surface/rough.glsl");
 }
 
+static void add_texture(struct assembly *assembly, size_t i)
+{
+    for (const char *const *name = texture_glue_modules(assembly->job, i); *name; ++name)
+        add_module(assembly, *name);
+    begin_generated(assembly);
+    texture_glue_write(assembly->out, assembly->job, assembly->program->inputs, i);
+}
+
 static void add_surfaces(struct assembly *assembly)
 {
     const struct scene *scene = &assembly->job->scene;
+    const struct scene_features *features = &assembly->program->features;
 
     for (size_t i = 0; i < scene->shape_count; ++i)
         add_shape(assembly, scene->shapes[i].kind);
     for (size_t i = 0; i < scene->object_count; ++i)
-        add_optics(assembly, &scene->objects[i].material, &assembly->program->features.objects[i]);
+        add_optics(assembly, &scene->objects[i].material, &features->objects[i]);
     add_module(assembly, "surface/crossing.glsl");
     begin_generated(assembly);
     scene_glue_write_surfaces(assembly->out, assembly->job, assembly->program);
     add_module(assembly, "surface/visible.glsl");
+    for (size_t i = 0; i < scene->object_count; ++i)
+        if (features->surfaces_are_lit && scene->objects[i].material.texture.file) add_texture(assembly, i);
 }
 
 static void add_path(struct assembly *assembly)
