@@ -1,0 +1,399 @@
+// Paths of many pieces: mirrors, limits, clips, moving things, roughness, and what must not depend on the method.
+#include "core/job.h"
+#include "tests/support/assert_near.h"
+#include "tests/support/optics.h"
+#include "tests/support/random.h"
+#include "tests/support/studio.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+// Two walls of 6 m, 2 m apart, that face one another.
+#define CORRIDOR                                                                                                       \
+    "{\"kind\": \"box\", \"center\": [3, 1.5, 0], \"size\": [6, 1, 100], \"material\": {\"kind\": \"mirror\", "        \
+    "\"reflectance\": [0.9, 0.6, 0.5]}}, "                                                                             \
+    "{\"kind\": \"box\", \"center\": [3, -1.5, 0], \"size\": [6, 1, 100], \"material\": {\"kind\": \"mirror\", "       \
+    "\"reflectance\": [0.9, 0.6, 0.5]}}"
+
+// How often a ray is reflected on its way; -1: hits an edge.
+static int count_reflections(const struct ray *ray)
+{
+    double height = fabs(ray->origin.y + (6.0 - ray->origin.x) * ray->direction.y / ray->direction.x);
+    double crossings = 0.5 * (height + 1.0);
+
+    return fabs(crossings - round(crossings)) < 1e-4 ? -1 : (int)floor(crossings);
+}
+
+static void facing_mirrors(const struct ray *ray, struct studio_light *light, const void *user)
+{
+    static const double reflectance[3] = {0.9, 0.6, 0.5};
+    int count = count_reflections(ray), limit = *(const int *)user;
+
+    if (count < 0) return;
+    for (size_t c = 0; c < 3; ++c)
+        light->radiance[c] = count <= limit ? pow(reflectance[c], count) : 0.0;
+    studio_set_color(light->transmittance, count == 0 ? 1.0 : 0.0);
+}
+
+static struct studio_scene corridor(const char *quality)
+{
+    return (struct studio_scene){.width_px = 40,
+                                 .height_px = 40,
+                                 .camera = {.position = {0.5, 0.24, 0}, .target = {1.5, 0.33, 0.1}, .fov = 110},
+                                 .background = "1",
+                                 .objects = CORRIDOR,
+                                 .quality = quality};
+}
+
+static void mirrors_face_one_another(void **state)
+{
+    const int limit = 32;
+    const struct studio_scene scene =
+        corridor("\"method\": \"midpoint\", \"step\": 1, \"max_depth\": 32, \"min_throughput\": 0");
+
+    studio_use(*(enum gl_backend *)*state);
+    studio_check(&scene, facing_mirrors, &limit, 1e-5, 0.95);
+}
+
+// The last ray that is followed has this depth, and the one after is what is counted as cut.
+static void depth_ends_where_it_says(void **state)
+{
+    const struct studio_scene scene =
+        corridor("\"method\": \"midpoint\", \"step\": 1, \"max_depth\": 2, \"max_cut\": 1, \"min_throughput\": 0");
+    const int limit = 2;
+    double cut = 0.0, cut_rays = 0.0, rays = 0.0;
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    studio_expect(&scene, &picture, facing_mirrors, &limit, 1e-5, 0.95);
+    for (int i = 0; i < 1600; ++i) {
+        struct ray ray = studio_ray(&scene, i % 40, i / 40);
+        int count = count_reflections(&ray);
+
+        assert_true(count >= 0);
+        rays += 1 + fmin(count, 2);
+        if (count > 2) cut += (pow(0.9, 3) + pow(0.6, 3) + pow(0.5, 3)) / 3.0;
+        if (count > 2) cut_rays += 1;
+    }
+    assert_true(picture.result.ray_counts.is_known && cut > 0.0);
+    assert_near(picture.result.ray_counts.cut_throughput, cut / 1600, 1e-5);
+    assert_near(picture.result.ray_counts.cut_rays, cut_rays / 1600, 1e-5);
+    assert_near(picture.result.ray_counts.rays, rays / 1600, 1e-5);
+    studio_finish(&picture);
+}
+
+// 0.9, 0.81, 0.73, 0.66: the brightest colour decides.
+static void a_faint_ray_ends(void **state)
+{
+    const struct studio_scene scene =
+        corridor("\"method\": \"midpoint\", \"step\": 1, \"max_depth\": 32, \"max_cut\": 1, \"min_throughput\": 0.7");
+    const int limit = 3;
+
+    (void)state;
+    studio_check(&scene, facing_mirrors, &limit, 1e-5, 0.95);
+}
+
+#define FOG "{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_a\": [0.1, 0.2, 0.4]}"
+#define WALL_MIRROR                                                                                                    \
+    "{\"kind\": \"plane\", \"point\": [0, 0, -2], \"normal\": [0, 0, 1], \"material\": {\"kind\": \"mirror\"}}"
+
+// Fog from 1 m to 5 m of the path, wherever the mirror is.
+static void clip_goes_on_behind_a_mirror(void **state)
+{
+    struct studio_scene scene = {
+        .width_px = 8,
+        .height_px = 8,
+        .camera = {.position = {0, 0, 0}, .target = {0, 0, -1}, .fov = 60, .near = 1, .far = 5},
+        .background = "1",
+        .media = FOG,
+        .objects = WALL_MIRROR};
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    for (int i = 0; i < 64; ++i)
+        for (int c = 0; c < 3; ++c)
+            assert_near(picture.image.rgba[4 * i + c], exp(-4 * 0.1 * (1 << c)), 1e-5);
+    studio_finish(&picture);
+}
+
+// 1 m above a pane of ink of 1 m: what of the bent way lies before the clip's end.
+static void clipped_pane(const struct ray *ray, struct studio_light *light, const void *user)
+{
+    double cosine = -ray->direction.y, inside = sqrt(1.0 - (1.0 - cosine * cosine) / (1.5 * 1.5));
+    double in_ink = fmax(0.0, fmin(1.0 / inside, 1.9 - 1.0 / cosine));
+
+    (void)user;
+    for (size_t c = 0; c < 3; ++c)
+        light->transmittance[c] = exp(-(double)(c + 1) * in_ink);
+}
+
+static void clip_goes_along_bent_rays(void **state)
+{
+    const struct studio_scene scene = {
+        .width_px = 4,
+        .height_px = 40,
+        .camera = {.position = {0, 1, 0}, .target = {0, 0, 0.5}, .fov = 70, .near = 0.5, .far = 1.9},
+        .objects = "{\"kind\": \"box\", \"center\": [0, -0.5, 0], \"size\": [90, 1, 90], \"material\": {\"kind\": "
+                   "\"dielectric\", \"ior\": 1.5, \"fresnel\": \"none\", \"interior\": {\"sigma_a\": [1, 2, 3]}}}"};
+
+    (void)state;
+    studio_check(&scene, clipped_pane, NULL, 1e-5, 1);
+}
+
+#define LAMP "{\"kind\": \"point\", \"position\": [1.5, 2, 1], \"intensity\": [9, 8, 7]}"
+#define SMOKY_BALL                                                                                                     \
+    "{\"kind\": \"plane\", \"point\": [0, -1, 0], \"material\": {\"kind\": \"diffuse\", \"albedo\": 0.7, "             \
+    "\"specular\": "                                                                                                   \
+    "0.3}}, {\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 0.9, \"material\": {\"kind\": \"dielectric\", "  \
+    "\"ior\": 1.4, \"interior\": {\"sigma_s\": [0.8, 0.5, 0.3], \"sigma_a\": 0.2, \"phase\": [{\"g\": 0.4}]}}}"
+#define THIN_FOG                                                                                                       \
+    "{\"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"sphere\", \"radius\": 3}}, \"sigma_s\": 0.1}"
+
+static struct studio_scene smoky_ball(const char *quality)
+{
+    return (struct studio_scene){.width_px = 24,
+                                 .height_px = 20,
+                                 .camera = {.position = {0.5, 0.8, 3}, .target = {0, -0.1, 0}, .fov = 45},
+                                 .background = "[0.2, 0.3, 0.5]",
+                                 .lights = LAMP,
+                                 .media = THIN_FOG,
+                                 .objects = SMOKY_BALL,
+                                 .quality = quality};
+}
+
+static double relative_rmse(const struct image *a, const struct image *b)
+{
+    double difference = 0.0, square = 0.0;
+
+    for (int i = 0; i < 4 * a->width_px * a->height_px; ++i) {
+        if (i % 4 == 3) continue;
+        difference += pow((double)a->rgba[i] - b->rgba[i], 2);
+        square += pow(b->rgba[i], 2);
+    }
+    return sqrt(difference / square);
+}
+
+static void methods_agree(void **state)
+{
+    static const char limits[] = ", \"max_depth\": 5, \"max_cut\": 1, \"min_throughput\": 0.001";
+    char midpoint[256], equiangular[256];
+    struct studio_picture pictures[2];
+
+    (void)state;
+    snprintf(midpoint, sizeof midpoint, "\"method\": \"midpoint\", \"step\": 0.01%s", limits);
+    snprintf(equiangular, sizeof equiangular, "\"method\": \"equiangular\", \"points\": 100%s", limits);
+    for (int i = 0; i < 2; ++i) {
+        const struct studio_scene scene = smoky_ball(i == 0 ? midpoint : equiangular);
+
+        studio_shoot(&scene, &pictures[i]);
+    }
+    // The ball's shadow in the fog has an edge, to which points come close slowly: 24 are three times as far off.
+    assert_true(relative_rmse(&pictures[0].image, &pictures[1].image) < 4e-4);
+    for (int i = 0; i < 2; ++i)
+        studio_finish(&pictures[i]);
+}
+
+// The picture is a part of the lights' and a part of the background's.
+static void light_of_behind_adds(void **state)
+{
+    static const char quality[] = "\"method\": \"equiangular\", \"points\": 6, \"max_depth\": 5, \"max_cut\": 1";
+    static const char *const backgrounds[] = {"0", "[1, 1, 1]", "[0.25, 3, 0.5]"};
+    static const double third[3] = {0.25, 3, 0.5};
+    struct studio_picture pictures[3];
+
+    (void)state;
+    for (int i = 0; i < 3; ++i) {
+        struct studio_scene scene = smoky_ball(quality);
+
+        scene.background = backgrounds[i];
+        studio_shoot(&scene, &pictures[i]);
+    }
+    for (int i = 0; i < 4 * 24 * 20; ++i) {
+        double black = pictures[0].image.rgba[i], white = pictures[1].image.rgba[i];
+
+        if (i % 4 == 3) continue;
+        assert_near(pictures[2].image.rgba[i], black + third[i % 4] * (white - black), 2e-6);
+        // What comes straight through is a part of what comes at all.
+        assert_true(white - black >= pictures[1].image.transmittance[i] - 1e-6);
+    }
+    for (int i = 0; i < 3; ++i)
+        studio_finish(&pictures[i]);
+}
+
+static void assert_same(const struct image *a, const struct image *b, double tolerance)
+{
+    for (int i = 0; i < 4 * a->width_px * a->height_px; ++i)
+        assert_near(a->rgba[i], b->rgba[i], tolerance);
+}
+
+#define MOVING_BALL(center, ior, sigma)                                                                                \
+    "{\"kind\": \"plane\", \"point\": [0, -1, 0], \"material\": {\"kind\": \"diffuse\", \"albedo\": 0.7}}, "           \
+    "{\"kind\": "                                                                                                      \
+    "\"sphere\", \"center\": " center ", \"radius\": 0.5, \"material\": {\"kind\": \"dielectric\", \"ior\": " ior      \
+    ", \"interior\": {\"sigma_a\": " sigma "}}}"
+
+static struct studio_picture moved(const char *objects, int32_t frame)
+{
+    struct studio_scene scene = smoky_ball("\"method\": \"equiangular\", \"points\": 6, \"max_cut\": 1");
+    struct studio_picture picture;
+    struct job job = {0};
+
+    scene.objects = objects;
+    scene.frames = "0-48";
+    studio_parse(&job, &scene);
+    studio_render(&job, frame, &picture);
+    job_finish(&job);
+    return picture;
+}
+
+static void what_moves_is_where_it_is(void **state)
+{
+    // At frames 12 and 24, and still: the same place, glass and ink.
+    struct studio_picture pictures[] = {
+        moved(MOVING_BALL("{\"start\": [-0.5, 0, 0], \"rate\": [1, 0.5, 0]}", "{\"start\": 1.25, \"rate\": 0.5}",
+                          "{\"start\": 0.5, \"rate\": 1}"),
+              12),
+        moved(MOVING_BALL("{\"start\": [-1, 0, 0], \"rate\": [1, 0.25, 0]}", "{\"start\": 1, \"rate\": 0.5}",
+                          "{\"start\": 0, \"rate\": 1}"),
+              24),
+        moved(MOVING_BALL("[0, 0.25, 0]", "1.5", "1"), 0)};
+
+    (void)state;
+    assert_same(&pictures[0].image, &pictures[1].image, 0.0);
+    // Numbers that stay are folded into the program.
+    assert_same(&pictures[0].image, &pictures[2].image, 2e-5);
+    for (int i = 0; i < 3; ++i)
+        studio_finish(&pictures[i]);
+}
+
+#define ROUGH_FLOOR(roughness)                                                                                         \
+    "{\"kind\": \"plane\", \"point\": [0, 0, 0], \"material\": {\"kind\": \"mirror\", \"roughness\": " #roughness "}}"
+// Takes the more, the flatter a ray comes.
+#define CEILING                                                                                                        \
+    "{\"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"slab\", \"center\": [0, 2, 0], \"normal\": "   \
+    "[0, 1, "                                                                                                          \
+    "0], \"thickness\": 1}}, \"sigma_a\": [0.3, 1, 3]}"
+
+static struct vec3 random_normal(struct random *random, const struct ray *ray, double roughness)
+{
+    for (int i = 0; i < 16; ++i) {
+        double height = random_between(random, -1, 1), angle = random_between(random, 0, 2 * acos(-1.0));
+        double across = sqrt(1 - height * height);
+        struct vec3 shift = {across * cos(angle), height, across * sin(angle)};
+        struct vec3 normal = vec3_normalize(vec3_add((struct vec3){0, 1, 0}, vec3_scale(shift, roughness)));
+
+        if (normal.y > 0 && vec3_dot(normal, ray->direction) < 0) return normal;
+    }
+    return (struct vec3){0, 1, 0};
+}
+
+// The mean light that comes back, and the mean of its square.
+static void throw_dice(const struct ray *ray, double roughness, double mean[3], double square[3])
+{
+    static const double sigma[3] = {0.3, 1, 3};
+    struct random random = {77};
+    enum { COUNT = 40000 };
+
+    for (int i = 0; i < COUNT; ++i) {
+        struct vec3 onwards = optics_reflect(ray->direction, random_normal(&random, ray, roughness));
+
+        for (int c = 0; c < 3; ++c) {
+            // A ray that would enter the floor goes as far up.
+            double light = exp(-sigma[c] / fabs(onwards.y));
+
+            mean[c] += light / COUNT;
+            square[c] += light * light / COUNT;
+        }
+    }
+}
+
+static void check_roughness(const char *objects, double roughness)
+{
+    enum { SAMPLES = 64, PIXELS = 64 };
+    const struct studio_scene scene = {.width_px = 8,
+                                       .height_px = 8,
+                                       // All pixels look the same way, within a thousandth.
+                                       .camera = {.position = {0, 0.5, 0}, .target = {0, 0, 0.6}, .fov = 0.02},
+                                       .background = "1",
+                                       .media = CEILING,
+                                       .objects = objects,
+                                       .quality = "\"method\": \"equiangular\", \"points\": 4, \"samples\": 64"};
+    struct ray ray = studio_ray(&scene, 4, 4);
+    double mean[3] = {0, 0, 0}, square[3] = {0, 0, 0};
+    struct studio_picture picture;
+
+    throw_dice(&ray, roughness, mean, square);
+    studio_shoot(&scene, &picture);
+    for (int c = 0; c < 3; ++c) {
+        double seen = 0.0, deviation = sqrt((square[c] - mean[c] * mean[c]) / (SAMPLES * PIXELS) * 1.2);
+
+        for (int i = 0; i < PIXELS; ++i)
+            seen += picture.image.rgba[4 * i + c] / PIXELS;
+        assert_near(seen, mean[c], 4.5 * deviation + 1e-3 * mean[c] * roughness + 1e-4 * mean[c]);
+    }
+    studio_finish(&picture);
+}
+
+static void rough_mirrors_reflect_as_dice_do(void **state)
+{
+    studio_use(*(enum gl_backend *)*state);
+    check_roughness(ROUGH_FLOOR(0.2), 0.2);
+    check_roughness(ROUGH_FLOOR(1), 1);
+}
+
+// Rows come in tiles as fast as they are rendered; drawing again must not change the dice.
+static void dice_are_the_same_in_any_tile(void **state)
+{
+    struct studio_scene scene = {
+        .width_px = 6,
+        .height_px = 80,
+        .camera = {.position = {0.2, 0.5, 4}, .fov = 60},
+        .lights = LAMP,
+        .background = "[0.5, 1, 2]",
+        .objects =
+            "{\"kind\": \"plane\", \"point\": [0, -1, 0], \"material\": {\"kind\": \"diffuse\", \"albedo\": 0.7, "
+            "\"specular\": 0.5, \"roughness\": 0.3}}, {\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 0.9, "
+            "\"material\": {\"kind\": \"dielectric\", \"ior\": 1.4, \"roughness\": 0.2}}",
+        .quality = "\"method\": \"equiangular\", \"points\": 4, \"samples\": 3, \"max_depth\": 4, \"max_cut\": 1"};
+    struct studio_picture pictures[2];
+
+    (void)state;
+    studio_shoot(&scene, &pictures[0]);
+    studio_close(NULL);
+    studio_use(GL_BACKEND_EGL);
+    studio_shoot(&scene, &pictures[1]);
+    studio_use(GL_BACKEND_OSMESA);
+    assert_same(&pictures[0].image, &pictures[1].image, 0.0);
+    studio_finish(&pictures[0]);
+    studio_finish(&pictures[1]);
+}
+
+int main(int argument_count, char **arguments)
+{
+    static enum gl_backend osmesa = GL_BACKEND_OSMESA, egl = GL_BACKEND_EGL;
+    const struct CMUnitTest tests[] = {
+        {"mirrors_face_one_another_egl", mirrors_face_one_another, NULL, NULL, &egl},
+        {"rough_mirrors_reflect_as_dice_do_egl", rough_mirrors_reflect_as_dice_do, NULL, NULL, &egl},
+        {"mirrors_face_one_another_osmesa", mirrors_face_one_another, NULL, NULL, &osmesa},
+        {"rough_mirrors_reflect_as_dice_do_osmesa", rough_mirrors_reflect_as_dice_do, NULL, NULL, &osmesa},
+        cmocka_unit_test(depth_ends_where_it_says),
+        cmocka_unit_test(a_faint_ray_ends),
+        cmocka_unit_test(clip_goes_on_behind_a_mirror),
+        cmocka_unit_test(clip_goes_along_bent_rays),
+        cmocka_unit_test(methods_agree),
+        cmocka_unit_test(light_of_behind_adds),
+        cmocka_unit_test(what_moves_is_where_it_is),
+        cmocka_unit_test(dice_are_the_same_in_any_tile),
+    };
+
+    if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
+    return cmocka_run_group_tests(tests, NULL, studio_close);
+}
