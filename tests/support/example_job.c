@@ -60,6 +60,11 @@ void example_job_load_file(struct job *job, const char *path)
     if (!ok) fail_msg("%s: %s", path, error.message);
     for (size_t i = 0; i < job->scene.medium_count; i++)
         find_inputs(&job->scene.media[i].density, path);
+    for (size_t i = 0; i < job->scene.object_count; i++) {
+        struct scene_texture *texture = &job->scene.objects[i].material.texture;
+
+        texture->file = find_file(texture->file, path);
+    }
     job_hash_picture(job, job->hash);
 }
 
