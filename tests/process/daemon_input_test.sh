@@ -23,6 +23,9 @@ expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.scene.media[0].density
     -32602 'scene.media[0].density.file: expected an absolute path, got "head.nii"'
 glsl='.scene.media[0].density = {"kind": "glsl", "file": "/a.glsl", "bounds": {"kind": "sphere", "radius": 1}}'
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 "$glsl")}")" -32602 "scene.media[0].density.source: expected the text of the file"
+floor='.quality = {"method": "midpoint", "step": 0.1, "light_step": 0.1} | .scene.objects = [{"kind": "plane", "point": [0, -1, 0], "material": {"kind": "diffuse", "texture": {"file": "a.png", "size": 1}}}]'
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 "$floor")}")" \
+    -32602 'scene.objects[0].material.texture.file: expected an absolute path, got "a.png"'
 deep=$(printf '%0.s[' $(seq 40))$(printf '%0.s]' $(seq 40))
 expect_error "$(ask job.submit "{\"document\":$deep}")" -32700 "deep"
 expect_error "$(ask_raw <<<'{"jsonrpc":"2.0","id":1,"method":"job.priority","params":{"id":NaN}}')" -32700 ""

@@ -151,6 +151,7 @@ static const char *const for_strings[] = {"\"1-5\"",
                                           "\"sun\"",
                                           "\"riemann\"",
                                           "\"midpoint\"",
+                                          "\"jittered\"",
                                           "\"equiangular\"",
                                           "\"homogeneous\"",
                                           "\"noise\"",
@@ -173,19 +174,6 @@ static const char *const for_strings[] = {"\"1-5\"",
                                           "\"a##########.nvdb\"",
                                           "\"a.nii.zip\"",
                                           "\"none\"",
-                                          "\"plane\"",
-                                          "\"union\"",
-                                          "\"diffuse\"",
-                                          "\"mirror\"",
-                                          "\"dielectric\"",
-                                          "\"exact\"",
-                                          "\"schlick\"",
-                                          "\"srgb\"",
-                                          "\"a.png\"",
-                                          "\"/b/a.EXR\"",
-                                          "\"a#.png\"",
-                                          "\"a#/b.png\"",
-                                          "\".png\"",
                                           "\"half\"",
                                           "\"zip\"",
                                           "\"Z\"",
@@ -257,19 +245,6 @@ static const char *const for_others[] = {
     "[[0,0.5],[1,0.25]]",
     "[[0,1],[1,[1,2,3]]]",
     "{\"x\":1}",
-    "0.05",
-    "10",
-    "32",
-    "[1,0.5]",
-    "{\"sigma_a\":1}",
-    "{\"kind\":\"mirror\"}",
-    "{\"kind\":\"diffuse\",\"texture\":{\"file\":\"a.png\"}}",
-    "{\"kind\":\"diffuse\",\"texture\":{\"file\":\"a.png\",\"size\":1}}",
-    "{\"kind\":\"dielectric\",\"ior\":2,\"f0\":0}",
-    "{\"kind\":\"dielectric\",\"ior\":2,\"fresnel\":\"none\",\"f90\":0}",
-    "{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}",
-    "[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]",
-    "{\"kind\":\"plane\",\"point\":[0,0,0],\"material\":{\"kind\":\"mirror\"}}",
     "{\"angle\":1}",
     "{\"below\":1,\"survive\":0.5}",
     "{\"below\":0.5,\"survive\":1}",
@@ -298,6 +273,26 @@ static const char *const for_others[] = {
     "{\"orbit\":{\"radius\":-2,\"period\":5}}",
     "{\"orbit\":{}}",
     "{\"orbit\":{\"radius\":2,\"period\":5},\"start\":[0,0,0],\"rate\":[0,0,0]}",
+    NULL};
+
+// In objects too.
+static const char *const for_object_strings[] = {
+    "\"plane\"", "\"union\"", "\"diffuse\"",  "\"mirror\"", "\"dielectric\"", "\"exact\"", "\"schlick\"",
+    "\"srgb\"",  "\"a.png\"", "\"/b/a.EXR\"", "\"a#.png\"", "\"a#/b.png\"",   "\".png\"",  NULL};
+static const char *const for_object_others[] = {
+    "0.05",
+    "10",
+    "32",
+    "[1,0.5]",
+    "{\"sigma_a\":1}",
+    "{\"kind\":\"mirror\"}",
+    "{\"kind\":\"diffuse\",\"texture\":{\"file\":\"a.png\"}}",
+    "{\"kind\":\"diffuse\",\"texture\":{\"file\":\"a.png\",\"size\":1}}",
+    "{\"kind\":\"dielectric\",\"ior\":2,\"f0\":0}",
+    "{\"kind\":\"dielectric\",\"ior\":2,\"fresnel\":\"none\",\"f90\":0}",
+    "{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}",
+    "[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}]",
+    "{\"kind\":\"plane\",\"point\":[0,0,0],\"material\":{\"kind\":\"mirror\"}}",
     NULL};
 
 static void check_replacements(const char *text, const char *path, const char *const replacements[])
@@ -332,6 +327,8 @@ static void check_place(const char *text, const struct json_place *place)
     free(key);
     check_replacements(text, place->path, for_all);
     check_replacements(text, place->path, place->is_string ? for_strings : for_others);
+    if (strncmp(place->path, "scene.objects", 13) == 0)
+        check_replacements(text, place->path, place->is_string ? for_object_strings : for_object_others);
 }
 
 void schema_agreement_check_places(const char *text, const char *prefix)
