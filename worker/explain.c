@@ -118,6 +118,17 @@ static void list_coefficients(const struct listing *listing, size_t i)
                                                 : "the medium has no temperature");
 }
 
+// Where it is, of a medium with a place of its own.
+static void list_owner(const struct listing *listing, size_t i)
+{
+    size_t owner = listing->job->scene.media[i].owner;
+    char why[64];
+
+    if (owner == 0) return;
+    snprintf(why, sizeof why, "it fills object %zu and nothing else", owner - 1);
+    say_of_medium(listing, i, true, "interior", why);
+}
+
 static void list_medium(const struct listing *listing, size_t i)
 {
     const struct scene_features *features = &listing->program->features;
@@ -132,6 +143,7 @@ static void list_medium(const struct listing *listing, size_t i)
         say(listing, is_seen, name, is_seen ? "%s density" : "its %s density is 0, or it does nothing",
             density_kind_of(density)->name);
     if (!is_seen) return;
+    list_owner(listing, i);
     list_voxels(listing, i);
     list_region(listing, i);
     list_coefficients(listing, i);

@@ -289,6 +289,25 @@ static void objects_are_explained(void **state)
     job_finish(&job);
 }
 
+static void an_interior_says_whose_it_is(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    object_job_parse(&job,
+                     "\"objects\": [" OBJECT_JOB_FLOOR(OBJECT_JOB_GREY) ", " OBJECT_JOB_BALL(
+                         OBJECT_JOB_GLASS
+                         ", \"interior\": {\"sigma_a\": 1}") "],"
+                                                             "\"media\": [{\"sigma_a\": 1, \"density\": {\"kind\": "
+                                                             "\"homogeneous\"}}]",
+                     "\"quality\": {\"method\": \"midpoint\", \"step\": 1}");
+    explain(&explanation, &job);
+    assert_null(find_why(&explanation, "modelled", "medium 0: interior"));
+    assert_string_equal(find_why(&explanation, "modelled", "medium 1: interior"), "it fills object 1 and nothing else");
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
 static void objects_that_end_every_ray_need_no_paths(void **state)
 {
     struct explanation explanation;
@@ -315,6 +334,7 @@ int main(void)
         cmocka_unit_test(the_users_own_text_is_named),
         cmocka_unit_test_setup_teardown(textures_are_explained, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(objects_are_explained),
+        cmocka_unit_test(an_interior_says_whose_it_is),
         cmocka_unit_test(objects_that_end_every_ray_need_no_paths),
         cmocka_unit_test(a_missing_camera_view_is_an_error),
     };
