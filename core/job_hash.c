@@ -156,12 +156,11 @@ static void put_quality(FILE *text, const struct job_quality *quality)
     put_numbers(text, "roulette", (double[]){quality->roulette_below, quality->roulette_survive}, 2);
 }
 
-// Only where it counts. A picture that was good enough for a larger share of cut light is none for a smaller one.
+// Only where it counts. Which share of light may be cut changes no pixel: each file is held to it by what its header says.
 static void put_paths(FILE *text, const struct job_quality *quality)
 {
     fprintf(text, " max_depth %d", quality->max_depth);
     put_numbers(text, "min_throughput", &quality->min_throughput, 1);
-    put_numbers(text, "max_cut", &quality->max_cut, 1);
 }
 
 void job_hash_picture(const struct job *job, char hash[static HASH_TEXT_SIZE])

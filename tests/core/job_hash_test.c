@@ -89,6 +89,15 @@ static void what_no_picture_depends_on_does_not_count(void **state)
         assert_string_equal(hash_with(edits[i][0], edits[i][1]).text, hash.text);
 }
 
+// The file says what was cut; each job looks for itself whether that is too much.
+static void how_much_may_be_cut_does_not_count(void **state)
+{
+    char *text = json_edit_set(job_text_objects, "quality.max_cut", "0.75");
+
+    assert_string_equal(hash_of(text).text, hash_of(job_text_objects).text);
+    free(text);
+}
+
 // Places that have one value only, that no picture depends on, or that change along with another.
 static bool is_left_out(const char *path)
 {
@@ -100,6 +109,7 @@ static bool is_left_out(const char *path)
                                         "output.compression",
                                         "output.existing",
                                         "quality.method",
+                                        "quality.max_cut",
                                         "scene.objects[0].material.fresnel",
                                         "scene.objects[1].material.fresnel",
                                         "scene.media[0].phase[0].weight",
@@ -171,7 +181,7 @@ static void every_value_that_a_picture_depends_on_counts(void **state)
     check_places(job_text_grid, "quality", 2);
     check_places(job_text_glsl, "scene", 7);
     check_places(job_text_objects, "scene", 70);
-    check_places(job_text_objects, "quality", 5);
+    check_places(job_text_objects, "quality", 4);
     free(fog);
 }
 
@@ -272,6 +282,7 @@ int main(void)
         cmocka_unit_test(layout_and_order_of_keys_do_not_count),
         cmocka_unit_test(spelled_out_defaults_do_not_count),
         cmocka_unit_test(what_no_picture_depends_on_does_not_count),
+        cmocka_unit_test(how_much_may_be_cut_does_not_count),
         cmocka_unit_test(every_value_that_a_picture_depends_on_counts),
         cmocka_unit_test(what_changes_along_with_another_counts),
         cmocka_unit_test(jobs_without_objects_keep_their_hashes),
