@@ -175,7 +175,7 @@ static void write_path_main(FILE *out, const struct job *job, const struct scene
             job->scene.has_background ? "1.0" : "1.0 - spectrum_mean(path_behind)");
     if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(path_behind), 0.0);\n", out);
     if (features->has_depth) write_depth(out, job, "path_depth / length(toward)");
-    if (features->has_paths) fputs("    paths = vec4(path_counts, 0.0);\n", out);
+    if (features->has_paths) fputs("    paths = path_counts;\n", out);
     fputs("    if (march_was_cut || path_turns_are_spent())\n"
           "        rgba.a = -1e6; // no picture has it, nor has a sum of them\n",
           out);

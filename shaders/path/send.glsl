@@ -1,12 +1,15 @@
 // Rays that are not worth following are cut, and counted.
-vec3 path_counts = vec3(0.0, 0.0, 1.0); // throughput that was cut, rays that were, rays that were followed: the camera's is one
+// Throughput that was cut, rays that were, rays that were followed (the camera's is one), throughput that the depth alone cut.
+vec4 path_counts = vec4(0.0, 0.0, 1.0, 0.0);
 
 void path_send(PathRay ray)
 {
     float most = spectrum_max(ray.throughput);
     if (most <= 0.0) return;
-    if (ray.depth > PATH_DEPTH_LIMIT || most < PATH_THROUGHPUT_LIMIT) {
-        path_counts += vec3(spectrum_mean(ray.throughput), 1.0, 0.0);
+    bool is_dim = most < PATH_THROUGHPUT_LIMIT;
+    if (is_dim || ray.depth > PATH_DEPTH_LIMIT) {
+        float throughput = spectrum_mean(ray.throughput);
+        path_counts += vec4(throughput, 1.0, 0.0, is_dim ? 0.0 : throughput);
         return;
     }
     path_counts.z += 1.0;
