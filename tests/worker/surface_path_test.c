@@ -1,8 +1,6 @@
-// Paths of many pieces: mirrors, limits, clips, moving things, roughness, and what must not depend on the method.
+// Paths of many pieces: mirrors, limits, clips, moving things, and what must not depend on the method.
 #include "core/job.h"
 #include "tests/support/assert_near.h"
-#include "tests/support/optics.h"
-#include "tests/support/random.h"
 #include "tests/support/studio.h"
 
 #include <math.h>
@@ -274,116 +272,12 @@ static void what_moves_is_where_it_is(void **state)
         studio_finish(&pictures[i]);
 }
 
-#define ROUGH_FLOOR(roughness)                                                                                         \
-    "{\"kind\": \"plane\", \"point\": [0, 0, 0], \"material\": {\"kind\": \"mirror\", \"roughness\": " #roughness "}}"
-// Takes the more, the flatter a ray comes.
-#define CEILING                                                                                                        \
-    "{\"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"slab\", \"center\": [0, 2, 0], \"normal\": "   \
-    "[0, 1, "                                                                                                          \
-    "0], \"thickness\": 1}}, \"sigma_a\": [0.3, 1, 3]}"
-
-static struct vec3 random_normal(struct random *random, const struct ray *ray, double roughness)
-{
-    for (int i = 0; i < 16; ++i) {
-        double height = random_between(random, -1, 1), angle = random_between(random, 0, 2 * acos(-1.0));
-        double across = sqrt(1 - height * height);
-        struct vec3 shift = {across * cos(angle), height, across * sin(angle)};
-        struct vec3 normal = vec3_normalize(vec3_add((struct vec3){0, 1, 0}, vec3_scale(shift, roughness)));
-
-        if (normal.y > 0 && vec3_dot(normal, ray->direction) < 0) return normal;
-    }
-    return (struct vec3){0, 1, 0};
-}
-
-// The mean light that comes back, and the mean of its square.
-static void throw_dice(const struct ray *ray, double roughness, double mean[3], double square[3])
-{
-    static const double sigma[3] = {0.3, 1, 3};
-    struct random random = {77};
-    enum { COUNT = 40000 };
-
-    for (int i = 0; i < COUNT; ++i) {
-        struct vec3 onwards = optics_reflect(ray->direction, random_normal(&random, ray, roughness));
-
-        for (int c = 0; c < 3; ++c) {
-            // A ray that would enter the floor goes as far up.
-            double light = exp(-sigma[c] / fabs(onwards.y));
-
-            mean[c] += light / COUNT;
-            square[c] += light * light / COUNT;
-        }
-    }
-}
-
-static void check_roughness(const char *objects, double roughness)
-{
-    enum { SAMPLES = 64, PIXELS = 64 };
-    const struct studio_scene scene = {.width_px = 8,
-                                       .height_px = 8,
-                                       // All pixels look the same way, within a thousandth.
-                                       .camera = {.position = {0, 0.5, 0}, .target = {0, 0, 0.6}, .fov = 0.02},
-                                       .background = "1",
-                                       .media = CEILING,
-                                       .objects = objects,
-                                       .quality = "\"method\": \"equiangular\", \"points\": 4, \"samples\": 64"};
-    struct ray ray = studio_ray(&scene, 4, 4);
-    double mean[3] = {0, 0, 0}, square[3] = {0, 0, 0};
-    struct studio_picture picture;
-
-    throw_dice(&ray, roughness, mean, square);
-    studio_shoot(&scene, &picture);
-    for (int c = 0; c < 3; ++c) {
-        double seen = 0.0, deviation = sqrt((square[c] - mean[c] * mean[c]) / (SAMPLES * PIXELS) * 1.2);
-
-        for (int i = 0; i < PIXELS; ++i)
-            seen += picture.image.rgba[4 * i + c] / PIXELS;
-        assert_near(seen, mean[c], 4.5 * deviation + 1e-3 * mean[c] * roughness + 1e-4 * mean[c]);
-    }
-    studio_finish(&picture);
-}
-
-static void rough_mirrors_reflect_as_dice_do(void **state)
-{
-    studio_use(*(enum gl_backend *)*state);
-    check_roughness(ROUGH_FLOOR(0.2), 0.2);
-    check_roughness(ROUGH_FLOOR(1), 1);
-}
-
-// Rows come in tiles as fast as they are rendered; drawing again must not change the dice.
-static void dice_are_the_same_in_any_tile(void **state)
-{
-    struct studio_scene scene = {
-        .width_px = 6,
-        .height_px = 80,
-        .camera = {.position = {0.2, 0.5, 4}, .fov = 60},
-        .lights = LAMP,
-        .background = "[0.5, 1, 2]",
-        .objects =
-            "{\"kind\": \"plane\", \"point\": [0, -1, 0], \"material\": {\"kind\": \"diffuse\", \"albedo\": 0.7, "
-            "\"specular\": 0.5, \"roughness\": 0.3}}, {\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 0.9, "
-            "\"material\": {\"kind\": \"dielectric\", \"ior\": 1.4, \"roughness\": 0.2}}",
-        .quality = "\"method\": \"equiangular\", \"points\": 4, \"samples\": 3, \"max_depth\": 4, \"max_cut\": 1"};
-    struct studio_picture pictures[2];
-
-    (void)state;
-    studio_shoot(&scene, &pictures[0]);
-    studio_close(NULL);
-    studio_use(GL_BACKEND_EGL);
-    studio_shoot(&scene, &pictures[1]);
-    studio_use(GL_BACKEND_OSMESA);
-    assert_same(&pictures[0].image, &pictures[1].image, 0.0);
-    studio_finish(&pictures[0]);
-    studio_finish(&pictures[1]);
-}
-
 int main(int argument_count, char **arguments)
 {
     static enum gl_backend osmesa = GL_BACKEND_OSMESA, egl = GL_BACKEND_EGL;
     const struct CMUnitTest tests[] = {
         {"mirrors_face_one_another_egl", mirrors_face_one_another, NULL, NULL, &egl},
-        {"rough_mirrors_reflect_as_dice_do_egl", rough_mirrors_reflect_as_dice_do, NULL, NULL, &egl},
         {"mirrors_face_one_another_osmesa", mirrors_face_one_another, NULL, NULL, &osmesa},
-        {"rough_mirrors_reflect_as_dice_do_osmesa", rough_mirrors_reflect_as_dice_do, NULL, NULL, &osmesa},
         cmocka_unit_test(depth_ends_where_it_says),
         cmocka_unit_test(a_faint_ray_ends),
         cmocka_unit_test(clip_goes_on_behind_a_mirror),
@@ -391,7 +285,6 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(methods_agree),
         cmocka_unit_test(light_of_behind_adds),
         cmocka_unit_test(what_moves_is_where_it_is),
-        cmocka_unit_test(dice_are_the_same_in_any_tile),
     };
 
     if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
