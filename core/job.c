@@ -34,6 +34,11 @@ struct timeline_span job_time_span(const struct job *job)
                                                                   (double)job->fps_numerator};
 }
 
+bool job_method_takes_steps(enum job_method method)
+{
+    return method == JOB_METHOD_MIDPOINT || method == JOB_METHOD_JITTERED;
+}
+
 const char *job_method_name(enum job_method method)
 {
     switch (method) {

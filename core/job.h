@@ -31,15 +31,18 @@ enum job_method {
     JOB_METHOD_JITTERED     // midpoint, but for where in its segment each sample lies: anywhere, by lot
 };
 
+// True when steps are shortened where media end, and jumped where they are empty: midpoint and jittered.
+bool job_method_takes_steps(enum job_method method);
+
 struct job_quality {
     enum job_method method;
     double step;                           // m, along camera rays; 0: step_voxels says it
-    double light_step;                     // m, along shadow rays (midpoint); 0: light_step_voxels says it
+    double light_step;                     // m, along shadow rays (midpoint, jittered); 0: light_step_voxels says it
     double step_voxels, light_step_voxels; // in shortest voxel edges of the scene's finest grid
     int points;                            // per light and stretch of a ray (equiangular)
     int light_steps;                       // per shadow ray (riemann)
     double min_transmittance;              // a ray stops below it; 0 never stops
-    // Below `roulette_below` a ray goes on with probability `roulette_survive`, its light divided by that (midpoint).
+    // Below `roulette_below` a ray goes on with probability `roulette_survive`, its light divided by that (midpoint, jittered).
     double roulette_below, roulette_survive; // 0: no roulette
     int samples;                             // per pixel, >= 1: points in the pixel and moments of the shutter
     // Of scenes with objects. A ray that would be the next is cut, and counted, when it has been reflected or refracted

@@ -4,7 +4,6 @@
 
 const struct job_later job_later_table[] = {
     {.key = "tolerance"},
-    {.key = "method", .text = "jittered"},
     {.key = "method", .text = "adaptive"},
     {.key = "method", .text = "gauss"},
     {.key = "method", .text = "cached"},

@@ -122,12 +122,14 @@ struct scene_features scene_features_of(const struct job *job)
     features.places_points = features.media_are_lit && job->quality.method == JOB_METHOD_EQUIANGULAR;
     // A Riemann sum is defined by its samples.
     features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
-                                               (job->quality.method == JOB_METHOD_MIDPOINT && features.media_are_lit));
+                                               (job_method_takes_steps(job->quality.method) && features.media_are_lit));
+    features.is_jittered = features.marches && job->quality.method == JOB_METHOD_JITTERED;
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);
     features.has_samples = (features.has_media || features.has_objects) && job->quality.samples > 1;
     features.has_roulette = features.marches && features.has_extinction && job->quality.roulette_below > 0;
-    features.is_random = features.has_samples || features.has_roulette || features.has_roughness;
+    features.is_random =
+        features.has_samples || features.has_roulette || features.has_roughness || features.is_jittered;
     return features;
 }
 

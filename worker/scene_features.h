@@ -50,6 +50,7 @@ struct scene_features {
     bool has_roughness;
     bool has_samples;  // each pixel has several
     bool has_roulette; // rays with little left end by lot
+    bool is_jittered;  // each segment is looked at somewhere in it
     bool is_random;    // something is drawn by lot
 };
 

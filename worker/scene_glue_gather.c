@@ -34,6 +34,8 @@ void scene_glue_write_transmittance(FILE *out, const struct job *job, const stru
     }
     if (job->quality.method == JOB_METHOD_RIEMANN)
         fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d)", job->quality.light_steps);
+    else if (program->features.is_jittered)
+        fprintf(out, "transmittance_jittered(TransmittanceJittered(%.9e)", program->light_step);
     else
         fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e)", program->light_step);
     fprintf(out, ", %s, point, light.direction, %s)", spans, distance);
@@ -255,7 +257,9 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
 void scene_glue_write_integrator(FILE *out, const struct job *job, const struct scene_program *program,
                                  const char *stretch)
 {
-    if (program->features.marches)
+    if (program->features.is_jittered)
+        fprintf(out, "    integrator_jittered(IntegratorJittered(%.9e)", program->step);
+    else if (program->features.marches)
         fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e)", program->step);
     else // n spans have 2 n ends
         fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * job->scene.medium_count);

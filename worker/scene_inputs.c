@@ -233,7 +233,7 @@ static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, 
             shortest = fmin(shortest, edge_of(&inputs->media[i].header, axis));
     if (quality->step_voxels > 0) quality->step = quality->step_voxels * shortest;
     if (quality->light_step_voxels > 0) quality->light_step = quality->light_step_voxels * shortest;
-    if (quality->method != JOB_METHOD_MIDPOINT) return true;
+    if (!job_method_takes_steps(quality->method)) return true;
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
         char place[64];
         double diagonal;

@@ -164,6 +164,7 @@ static void add_lights(struct assembly *assembly)
     if (features->has_extinction)
         add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
                              : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
+                             : features->is_jittered                               ? "transmittance/jittered.glsl"
                                                                                    : "transmittance/midpoint.glsl");
     begin_generated(assembly);
     scene_glue_write_lights(assembly->out, assembly->job, assembly->program);
@@ -177,6 +178,7 @@ static void add_integrator(struct assembly *assembly)
     begin_generated(assembly);
     scene_glue_write_gather(assembly->out, assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
+                         : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
                          : assembly->program->features.marches               ? "integrator/midpoint.glsl"
                                                                              : "integrator/stretches.glsl");
 }

@@ -51,6 +51,19 @@ static void qualities_are_read(void **state)
     job_finish(&fog);
 }
 
+// Its parameters are midpoint's.
+static void jittered_is_read(void **state)
+{
+    char *text = json_edit_set(job_text_noise, "quality.method", "\"jittered\"");
+    struct job job = parse(text);
+
+    assert_int_equal(job.quality.method, JOB_METHOD_JITTERED);
+    assert_true(job.quality.step == 0.05 && job.quality.light_step == 0.1 && job.quality.roulette_below == 0.125);
+    assert_string_equal(job_method_name(job.quality.method), "jittered");
+    job_finish(&job);
+    free(text);
+}
+
 static void wrong_qualities_are_refused_by_place(void **state)
 {
     static const struct {
@@ -83,6 +96,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(qualities_are_read),
+        cmocka_unit_test(jittered_is_read),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };
 

@@ -188,6 +188,26 @@ static void even_media_cast_shadows_without_a_march(void **state)
     release(&program, &job);
 }
 
+static void jittered_marches_draw_and_stretches_do_not(void **state)
+{
+    static const char jittered[] = "\"quality\": {\"method\": \"jittered\", \"step\": 0.05, \"light_step\": 0.05}";
+    struct scene_program program;
+    struct job job;
+    char rest[512];
+
+    snprintf(rest, sizeof rest, BALL_JOB_POINT_LIGHT ", %s", jittered);
+    assemble(&program, &job, BALL_JOB_SIGMA_S_1, rest);
+    assert_has(&program, "integrator_jittered(IntegratorJittered(5.0");
+    assert_has(&program, "transmittance_jittered(TransmittanceJittered(5.0");
+    assert_has(&program, "random_start(uvec2(gl_FragCoord.xy)");
+    assert_lacks(&program, "_midpoint(");
+    release(&program, &job);
+    assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_A_1, jittered);
+    assert_has(&program, "integrator_stretches(");
+    assert_lacks(&program, "random_");
+    release(&program, &job);
+}
+
 static void a_falloff_alone_is_smoothed(void **state)
 {
     struct scene_program program;
@@ -434,6 +454,7 @@ int main(void)
         cmocka_unit_test(emission_alone_has_no_extinction),
         cmocka_unit_test(even_media_without_light_are_not_marched),
         cmocka_unit_test(even_media_cast_shadows_without_a_march),
+        cmocka_unit_test(jittered_marches_draw_and_stretches_do_not),
         cmocka_unit_test(a_falloff_alone_is_smoothed),
         cmocka_unit_test(a_medium_without_density_costs_nothing),
         cmocka_unit_test(rayleigh_is_there_when_a_lobe_is),

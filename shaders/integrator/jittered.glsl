@@ -1,0 +1,32 @@
+// Segments of `step` as the midpoint method's, but for where each is looked at: anywhere in it, by lot, so that errors of
+// coarse steps are noise and no bands. Cook, Stochastic Sampling in Computer Graphics, ACM Transactions on Graphics 5(1), 1986.
+struct IntegratorJittered { float step; };
+
+// Space that is empty from the point on is left out of the next segments, which loses nothing: whatever the point, a
+// segment's mean is its own. Distances are counted from where the media begin.
+void integrator_jittered(IntegratorJittered method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
+                         inout Gathered gathered)
+{
+    vec3 entry = origin + interval.x * direction;
+    MediaSpans ahead = media_spans_from(spans, interval.x);
+    float end = interval.y - interval.x;
+    float at = 0.0;
+    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+        float length = 0.0;
+        float place = 0.0;
+        MediaField field;
+        // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
+        for (; turn < MARCH_LIMIT && at < end; ++turn) {
+            length = min(method.step, media_next_edge(ahead, at, end) - at);
+            place = random_next() * length;
+            field = media_field(ahead, entry + (at + place) * direction, direction, at + place);
+            if (field.distance < 0.0) break;
+            at += max(length, place + field.distance);
+        }
+        if (at >= end) break;
+        gather(gathered, field, entry + (at + place) * direction, direction, interval.x + at, length);
+        at += length;
+        if (gathered_is_over(gathered)) break;
+    }
+    if (at < end && !gathered_is_over(gathered)) march_was_cut = true;
+}

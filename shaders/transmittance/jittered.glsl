@@ -1,0 +1,23 @@
+// Column of the media towards a light as the midpoint rule's, but for where each segment is looked at: anywhere in it, by
+// lot. Its mean is the column itself. Media of even density are in it from the start.
+struct TransmittanceJittered { float step; };
+
+MediaColumn transmittance_jittered(TransmittanceJittered method, MediaSpans spans, vec3 point, vec3 direction,
+                                   float distance)
+{
+    const float BLACK = 20.0; // optical depth: 2e-9 of the light is left
+    vec2 interval = media_column_interval(spans);
+    float end = min(distance, interval.y);
+    MediaColumn column = media_column_begin(spans, distance);
+    float at = max(interval.x, 0.0);
+    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+        float length = min(method.step, media_column_next_edge(spans, at, end) - at);
+        float place = random_next() * length;
+        float empty = media_column_add(column, spans, point + (at + place) * direction, direction, at + place, length);
+        if (media_column_depth(column) > BLACK) break;
+        // One sum, not two: a last part may be too small to change `at`.
+        at += max(length, place + empty);
+    }
+    if (at < end && media_column_depth(column) <= BLACK) march_was_cut = true;
+    return column;
+}
