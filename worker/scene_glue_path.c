@@ -41,7 +41,7 @@ static void write_regions_shadow(FILE *out, const struct job *job, const struct 
 {
     if (program->features.has_extinction) fputs("    MediaSpans spans = media_spans(point, light.direction);\n", out);
     fputs("    Spectrum passed = spectrum(1.0);\n    float from = 0.0;\n"
-          "    for (int i = 0; i < SURFACE_CROSSING_LIMIT; ++i) {\n"
+          "    for (int i = 0; i < MARCH_LIMIT; ++i) {\n"
           "        SurfaceHit hit = surface_visible(shapes, from, inside, left);\n"
           "        bool is_there = hit.at >= light.distance;\n"
           "        int before = surface_region(hit.before);\n        int after = surface_region(hit.after);\n",

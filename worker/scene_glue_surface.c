@@ -241,8 +241,6 @@ void scene_glue_write_surfaces(FILE *out, const struct job *job, const struct sc
     write_spans(out, scene);
     write_normal(out, scene);
     write_around(out, scene);
-    // A ray enters each shape once at most, and leaves it once.
-    fprintf(out, "const int SURFACE_CROSSING_LIMIT = %zu;\n", 2 * scene->shape_count + 2);
     write_next(out, scene);
     write_opaque(out, features);
     if (features->has_fresnel) {

@@ -11,7 +11,6 @@ struct scene_program;
 //   shape_spans(origin, direction)
 //   shape_normal(shape, p)      out of the shape, of length 1
 //   surface_around(spans)       the objects in which the ray begins, a bit each
-//   SURFACE_CROSSING_LIMIT      more boundaries than a ray can cross
 //   surface_next(spans, from, inside, left)   the nearest boundary beyond `from`
 //   surface_is_opaque(region)
 // and where some object reflects or refracts:

@@ -1,18 +1,43 @@
-// Rays that wait while another is followed. The last one is taken first, so that each reflection or refraction on the way leaves
-// one behind at most.
-PathRay path_waiting[PATH_DEPTH_LIMIT + 1];
-int path_waiting_count = 0;
+// Rays that wait while another is followed. The next one waits by itself, others on a stack; the last one on it is the first to
+// leave it, so that each reflection or refraction on the way leaves one behind at most.
+struct PathParked {
+    vec4 origin_travelled;
+    vec3 direction;
+    Spectrum throughput;
+    uint left;
+    uint marks; // depth and the rest: 16 bits of `inside`, one of `is_direct`, the depth
+};
+
+PathRay path_next;
+bool path_has_next = false;
+PathParked path_parked[PATH_DEPTH_LIMIT];
+int path_parked_count = 0;
 
 void path_wait(PathRay ray)
 {
-    path_waiting[path_waiting_count] = ray;
-    ++path_waiting_count;
+    if (!path_has_next) {
+        path_next = ray;
+        path_has_next = true;
+        return;
+    }
+    uint marks = ray.inside | (ray.is_direct ? 65536u : 0u) | (uint(ray.depth) << 17u);
+    path_parked[path_parked_count] =
+        PathParked(vec4(ray.origin, ray.travelled), ray.direction, ray.throughput, ray.left, marks);
+    ++path_parked_count;
 }
 
 bool path_take(inout PathRay ray)
 {
-    if (path_waiting_count == 0) return false;
-    --path_waiting_count;
-    ray = path_waiting[path_waiting_count];
+    bool had_next = path_has_next;
+    path_has_next = false;
+    if (had_next) {
+        ray = path_next;
+        return true;
+    }
+    if (path_parked_count == 0) return false;
+    --path_parked_count;
+    PathParked parked = path_parked[path_parked_count];
+    ray = PathRay(parked.origin_travelled.xyz, parked.direction, parked.throughput, parked.origin_travelled.w,
+                  int(parked.marks >> 17u), parked.marks & 65535u, parked.left, (parked.marks & 65536u) != 0u);
     return true;
 }

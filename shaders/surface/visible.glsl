@@ -8,7 +8,7 @@ struct SurfaceHit {
 SurfaceHit surface_visible(ShapeSpans spans, float from, uint inside, uint left)
 {
     SurfaceHit hit = SurfaceHit(from, inside, inside, left);
-    for (int i = 0; i < SURFACE_CROSSING_LIMIT; ++i) {
+    for (int i = 0; i < MARCH_LIMIT; ++i) {
         SurfaceCrossing next = surface_next(spans, hit.at, hit.after, left);
         hit = SurfaceHit(next.at, hit.after, next.inside, next.shapes);
         if (next.at >= FAR_AWAY || surface_region(hit.before) != surface_region(hit.after)) return hit;
