@@ -1,0 +1,142 @@
+// What surfaces cost, one feature after the other: surface_bench IMAGE. A frame of 960x540 each, medians of several.
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/job.h"
+#include "core/job_json.h"
+#include "worker/gl_context.h"
+#include "worker/image.h"
+#include "worker/renderer.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { WIDTH = 960, HEIGHT = 540, RUNS = 5 };
+
+// The lamp moves a little from frame to frame, so that each is rendered.
+#define LAMP                                                                                                           \
+    "{\"kind\": \"point\", \"intensity\": 40, \"position\": {\"start\": [1.5, 2.5, 1], \"rate\": [0.01, 0, 0]}}"
+#define BALL(material) "{\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1, \"material\": {" material "}}"
+#define FLOOR(material)                                                                                                \
+    "{\"kind\": \"plane\", \"point\": [0, -1.2, 0], \"material\": {\"kind\": \"diffuse\", " material "}}"
+#define GREY FLOOR("\"albedo\": 0.6")
+#define TILED FLOOR("\"texture\": {\"file\": \"%s\", \"size\": 2}")
+#define GLASS "\"kind\": \"dielectric\", \"ior\": 1.5"
+#define RED "\"sigma_a\": [0.1, 0.8, 1.2]"
+#define MARCH "\"method\": \"midpoint\", \"step\": 0.05, \"light_step\": 0.1"
+#define POINTS "\"method\": \"equiangular\", \"points\": 8"
+#define FOG                                                                                                            \
+    "{\"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"sphere\", \"radius\": 6}}, \"sigma_s\": 0.05}"
+#define SMOKE                                                                                                          \
+    "\"interior\": {\"density\": {\"kind\": \"noise\", \"frequency\": 2, \"octaves\": 3, \"mode\": \"clip\", "         \
+    "\"scale\": 4,"                                                                                                    \
+    " \"bounds\": {\"kind\": \"sphere\", \"radius\": 1}}, \"sigma_s\": 1}"
+
+struct feature {
+    const char *name, *lights, *media, *objects, *quality;
+};
+
+static const struct feature features[] = {
+    {"floor, nothing shines on it", "", "", GREY, POINTS},
+    {"and a lamp", LAMP, "", GREY, POINTS},
+    {"and its image", LAMP, "", TILED, POINTS},
+    {"and a diffuse ball", LAMP, "", TILED ", " BALL("\"kind\": \"diffuse\", \"albedo\": 0.5"), POINTS},
+    {"ball with a specular share", LAMP, "", TILED ", " BALL("\"kind\": \"diffuse\", \"albedo\": 0.5, \"specular\": 1"),
+     POINTS},
+    {"ball a mirror", LAMP, "", TILED ", " BALL("\"kind\": \"mirror\""), POINTS},
+    {"rough mirror", LAMP, "", TILED ", " BALL("\"kind\": \"mirror\", \"roughness\": 0.1"), POINTS},
+    {"ball of glass, fresnel none", LAMP, "", TILED ", " BALL(GLASS ", \"fresnel\": \"none\""), POINTS},
+    {"schlick", LAMP, "", TILED ", " BALL(GLASS ", \"fresnel\": \"schlick\""), POINTS},
+    {"exact", LAMP, "", TILED ", " BALL(GLASS), POINTS},
+    {"absorbing glass", LAMP, "", TILED ", " BALL(GLASS ", \"interior\": {" RED "}"), POINTS},
+    {"rough absorbing glass", LAMP, "", TILED ", " BALL(GLASS ", \"roughness\": 0.1, \"interior\": {" RED "}"), POINTS},
+    {"absorbing glass in fog", LAMP, FOG, TILED ", " BALL(GLASS ", \"interior\": {" RED "}"), POINTS},
+    {"smoke in glass", LAMP, "", TILED ", " BALL(GLASS ", " SMOKE), MARCH},
+    {"the same smoke, no glass", LAMP,
+     "{"
+     "\"density\": {\"kind\": \"noise\", \"frequency\": 2, \"octaves\": 3, \"mode\": \"clip\", \"scale\": 4,"
+     " \"bounds\": {\"kind\": \"sphere\", \"radius\": 1}}, \"sigma_s\": 1}",
+     "", MARCH},
+};
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static char *job_text(const struct feature *feature, const char *image)
+{
+    const char *mark = strstr(feature->objects, "%s");
+    char *objects = !mark ? xstrdup(feature->objects)
+                          : xasprintf("%.*s%s%s", (int)(mark - feature->objects), feature->objects, image, mark + 2);
+    char *text =
+        xasprintf("{\"version\": 1, \"name\": \"surface\", \"frames\": \"0-9\", \"fps\": 24, \"resolution\": [%d, %d],"
+                  " \"camera\": {\"position\": [0, 0.6, 4], \"target\": [0, -0.3, 0], \"fov\": 45},"
+                  " \"background\": [0.3, 0.4, 0.5], \"lights\": [%s], \"scene\": {\"media\": [%s]%s%s%s},"
+                  " \"quality\": {%s}, \"output\": {\"path\": \"surface.####.exr\"}}",
+                  WIDTH, HEIGHT, feature->lights, feature->media, objects[0] ? ", \"objects\": [" : "", objects,
+                  objects[0] ? "]" : "", feature->quality);
+
+    free(objects);
+    return text;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double *left = a, *right = b;
+
+    return (*left > *right) - (*left < *right);
+}
+
+static bool measure(struct gl_context *context, const struct feature *feature, const char *path, struct error *error)
+{
+    char *text = job_text(feature, path);
+    struct renderer *renderer = renderer_create(context, NULL);
+    struct renderer_result result;
+    struct image image = {0};
+    struct job job = {0};
+    double seconds[RUNS + 1];
+    bool ok =
+        job_parse(&job, text, strlen(text), NULL, error) && image_init(&image, WIDTH, HEIGHT, false, false, error);
+
+    for (int i = 0; ok && i <= RUNS; i++) { // the first one compiles
+        double start = now_s();
+
+        ok = renderer_render(renderer, &job, i, &image, NULL, NULL, &result, error);
+        seconds[i] = now_s() - start;
+    }
+    if (ok) {
+        qsort(seconds + 1, RUNS, sizeof *seconds, compare);
+        printf("%-28s %10.1f %10.1f %12.2f %12.1e\n", feature->name, 1e3 * seconds[1 + RUNS / 2], 1e3 * seconds[0],
+               result.ray_counts.is_known ? result.ray_counts.rays : 1.0, result.ray_counts.cut_share);
+    }
+    renderer_destroy(renderer);
+    image_finish(&image);
+    job_finish(&job);
+    free(text);
+    return ok;
+}
+
+int main(int argc, char *argv[])
+{
+    struct error error = {0};
+    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    char *image = argc > 1 ? realpath(argv[1], NULL) : NULL;
+    int failures = !context || !image;
+
+    if (!context) printf("%s\n", error.message);
+    if (!image) printf("usage: surface_bench IMAGE\n");
+    if (!failures) printf("%-28s %10s %10s %12s %12s\n", "scene", "ms", "first ms", "rays a pixel", "cut share");
+    for (size_t i = 0; !failures && i < sizeof features / sizeof *features; i++)
+        if (!measure(context, &features[i], image, &error)) {
+            printf("%-28s %s\n", features[i].name, error.message);
+            ++failures;
+        }
+    if (context) gl_context_destroy(context);
+    free(image);
+    return failures > 0;
+}
