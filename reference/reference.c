@@ -102,7 +102,6 @@ double reference_measure_depth(const struct still *still, int x, int y)
     struct object_walk walk;
 
     objects_walk(&still->objects, &ray, INFINITY, &walk);
-    if (objects_is_opaque(&still->objects, walk.pieces[0].region)) return 0.0;
     surface = walk.pieces[0].end;
     media = still_media(still, walk.pieces[0].region);
     after = last_density(&media, &ray, near, fmin(still->camera.clip_far, surface));

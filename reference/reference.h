@@ -34,7 +34,7 @@ struct reference_pixel reference_measure_samples(const struct job *job, const st
                                                  const struct reference_sample *samples, size_t count,
                                                  const struct integrate_accuracy *accuracy);
 // Camera-space depth in metres of the first surface, or where the mean transmittance of the pixel's ray passes 0.5 before
-// it; 0 where neither is, and from inside something opaque.
+// it; 0 where neither is. From inside something opaque it is that of its far side.
 double reference_measure_depth(const struct still *still, int x, int y);
 
 struct reference_error {

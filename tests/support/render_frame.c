@@ -5,6 +5,7 @@
 #include "tests/support/keep_libraries.h"
 #include "tests/support/shader_dir.h"
 #include "worker/image.h"
+#include "worker/ray_counts.h"
 #include "worker/renderer.h"
 
 #include <setjmp.h>
@@ -13,7 +14,8 @@
 
 #include <cmocka.h>
 
-void render_frame_on(enum gl_backend backend, const struct job *job, struct image *image)
+void render_frame_counting_rays(enum gl_backend backend, const struct job *job, struct image *image,
+                                struct ray_counts *counts)
 {
     struct error error = {{0}};
     struct gl_context *context = gl_context_create(backend, NULL, &error);
@@ -31,8 +33,16 @@ void render_frame_on(enum gl_backend backend, const struct job *job, struct imag
         !renderer_render(renderer, job, 0, image, NULL, NULL, &result, &error)) {
         fail_msg("%s", error.message);
     }
+    *counts = result.ray_counts;
     renderer_destroy(renderer);
     gl_context_destroy(context);
+}
+
+void render_frame_on(enum gl_backend backend, const struct job *job, struct image *image)
+{
+    struct ray_counts counts;
+
+    render_frame_counting_rays(backend, job, image, &counts);
 }
 
 void render_frame_zero(const struct job *job, struct image *image)
