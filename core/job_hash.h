@@ -5,5 +5,6 @@
 
 struct job;
 
-// Depends neither on how the document was laid out nor on name, frames, priority, output path, compression and existing.
+// Depends neither on how the document was laid out nor on name, frames, priority, output path, compression,
+// existing and max_cut, of which a file itself says how much it needs.
 void job_hash_picture(const struct job *job, char text[static HASH_TEXT_SIZE]);
