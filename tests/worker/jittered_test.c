@@ -302,6 +302,26 @@ static void a_frame_is_the_same_picture_for_all(void **state)
     assert_true(differing > PIXELS / 4);
 }
 
+// Media end where objects begin, and fill them; bent rays and those to the lamp draw as straight ones do.
+static void media_among_objects_are_jittered(void **state)
+{
+    static const char scene[] = THIN
+        "], \"objects\": ["
+        "{ \"kind\": \"plane\", \"point\": [0, -0.7, 0], \"material\": { \"kind\": \"diffuse\", \"albedo\": 0.7 } },"
+        "{ \"kind\": \"sphere\", \"center\": [0.3, -0.1, 0.4], \"radius\": 0.5, \"material\": { \"kind\":"
+        " \"dielectric\", \"ior\": 1.5, \"interior\": { \"sigma_s\": 0.3, \"sigma_a\": 0.2, \"density\": { \"kind\":"
+        " \"homogeneous\", \"bounds\": { \"kind\": \"sphere\", \"center\": [0.3, 0, 0.3], \"radius\": 0.5,"
+        " \"falloff\": 0.4 } } } } }";
+    struct sums truth = measure(scene, LAMP);
+    struct sums four = render(scene, LAMP, STEPS("jittered", "0.2", "0.2"), 4);
+    struct sums many = render(scene, LAMP, STEPS("jittered", "0.2", "0.2"), 64);
+    struct errors few = light_errors(&four, &truth, "among objects"),
+                  left = light_errors(&many, &truth, "among objects");
+
+    assert_true(left.rmse > 0.2 * few.rmse && left.rmse < 0.4 * few.rmse);
+    assert_true(fabs(left.bias) < 1e-3);
+}
+
 // Rays that end by lot, and rays that end early: the mean stays, or what is lost is little.
 static void rays_still_end_early(void **state)
 {
@@ -329,6 +349,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(what_is_even_is_exact),
         cmocka_unit_test(what_is_empty_is_jumped),
         cmocka_unit_test(a_frame_is_the_same_picture_for_all),
+        cmocka_unit_test(media_among_objects_are_jittered),
         cmocka_unit_test(rays_still_end_early),
     };
 
