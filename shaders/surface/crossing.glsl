@@ -14,10 +14,11 @@ int surface_region(uint inside)
     return findMSB(inside) + 1;
 }
 
-// Where a ray that is outside of a shape enters it. One that is found in it, by more than rounding, enters at once.
+// Where a ray that is outside of a shape enters it. One that is found in it, by more than rounding, enters at once. From far
+// away a shape may be shorter than a distance's last digit: it is missed, or it would be entered again and again.
 float surface_entry(vec2 span, float from, float sliver)
 {
-    if (span.x >= from) return span.x;
+    if (span.x >= from) return span.x < span.y ? span.x : FAR_AWAY;
     return span.y > from + sliver ? from : FAR_AWAY;
 }
 

@@ -255,6 +255,27 @@ static void far_from_the_origin_light_is_kept(void **state)
     check_sweep(&(struct sweep){.objects = far, .seed = 26, .scale = 1, .shift = 1e4, .fov = 60, .is_furnace = true});
 }
 
+// At 15,000 km a float's last digit is a metre: where light enters the ball and where it leaves it are one place.
+static void a_ball_smaller_than_digits_ends_no_shadow_ray(void **state)
+{
+    const struct studio_scene scene = {
+        .width_px = 5,
+        .height_px = 5,
+        .camera = {.position = {-14999900, 0, 0}, .target = {-15000000, 0, 0}, .fov = 1},
+        .lights = "{\"kind\": \"point\", \"falloff\": \"none\", \"position\": [9, 0, 0], \"intensity\": "
+                  "3.141592653589793}",
+        .objects = "{\"kind\": \"plane\", \"point\": [-15000000, 0, 0], \"normal\": [1, 0, 0], \"material\": {" WHITE
+                   "}}, " SPHERE(0, 0, 0, 0.5, GLASS(1.1)),
+        .quality = QUALITY};
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    for (int i = 0; i < 4 * 25; ++i)
+        assert_near(picture.image.rgba[i], 1.0, 0.01);
+    studio_finish(&picture);
+}
+
 static void roughness_of_one_keeps_light(void **state)
 {
     static const char rough[] =
@@ -283,6 +304,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(extreme_indices_keep_light),
         cmocka_unit_test(extreme_sizes_keep_light),
         cmocka_unit_test(far_from_the_origin_light_is_kept),
+        cmocka_unit_test(a_ball_smaller_than_digits_ends_no_shadow_ray),
         cmocka_unit_test(roughness_of_one_keeps_light),
     };
 
