@@ -69,9 +69,9 @@ bool ray_counts_check(const struct ray_counts *counts, const struct job_quality 
     error_set(
         error,
         "quality: cut rays may have taken %.3g %% of the light, max_cut allows %.3g %%; max_depth %d cut %.3g %%, "
-        "min_throughput %g cut %.3g %%, most at pixel (%d, %d); expected %s, or a max_cut above %.3g",
+        "min_throughput %g cut %.3g %%, most at pixel (%d, %d); expected %s, or a max_cut %s %.3g",
         100.0 * counts->cut_share, 100.0 * quality->max_cut, quality->max_depth, 100.0 * by_depth,
         quality->min_throughput, 100.0 * by_throughput, counts->most_cut.x_px, counts->most_cut.y_px,
-        remedy(by_depth, by_throughput, quality->max_cut), counts->cut_share);
+        remedy(by_depth, by_throughput, quality->max_cut), counts->cut_share < 1.0 ? "above" : "of", counts->cut_share);
     return false;
 }

@@ -259,16 +259,17 @@ static bool check_marches(const struct renderer *renderer, const struct job *job
                           struct error *error)
 {
     const char *code = scene_find_code(&job->scene);
+    const char *fewer_paths = renderer->target.has_paths ? ", a smaller max_depth, a larger min_throughput" : "";
     size_t count = (size_t)image->width_px * (size_t)image->height_px;
 
     for (size_t i = 0; i < count; ++i)
         if (image->rgba[4 * i + 3] < -0.5f) {
             error_set(
                 error,
-                "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected longer steps%s%s, "
+                "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected longer steps%s%s%s, "
                 "or a GPU",
                 i % (size_t)image->width_px, i / (size_t)image->width_px, gl_context_facts(renderer->context)->renderer,
-                code ? ", short loops in " : "", code ? code : "");
+                fewer_paths, code ? ", short loops in " : "", code ? code : "");
             return false;
         }
     return true;

@@ -98,6 +98,7 @@ static void too_large_a_share_is_refused_with_what_helps(void **state)
         "quality: cut rays may have taken 4 % of the light, max_cut allows 1 %; max_depth 3 cut 3 %, "
         "min_throughput 0.001 cut 1 %, most at pixel (7, 9); expected a larger max_depth, or a max_cut above "
         "0.04");
+    assert_refused(1, 0.375, "expected a larger max_depth and a smaller min_throughput, or a max_cut of 1");
     assert_refused(0.04, 0.05, "expected a smaller min_throughput, or");
     assert_refused(0.04, 0.25, "expected a larger max_depth and a smaller min_throughput, or");
     // Neither part is too large by itself.

@@ -206,6 +206,33 @@ static void a_copied_frame_keeps_its_counts(void **state)
     close_stage(&stage);
 }
 
+// Panes behind one another split rays faster than the depth ends them.
+static void more_rays_than_the_driver_follows_are_an_error(void **state)
+{
+    static const char pane[] = "{\"kind\": \"box\", \"center\": [0, 0, %d], \"size\": [99, 99, 0.5], \"material\": "
+                               "{\"kind\": \"dielectric\", \"ior\": 3}}";
+    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct renderer_result result;
+    struct error error = {{0}};
+    struct image image;
+    char panes[4][160], *objects;
+    struct job job;
+
+    for (int i = 0; i < 4; ++i)
+        snprintf(panes[i], sizeof panes[i], pane, i + 2);
+    objects = xasprintf("%s, %s, %s, %s", panes[0], panes[1], panes[2], panes[3]);
+    job = make_job("", objects, "\"max_depth\": 32, \"min_throughput\": 0");
+    job.width_px = job.height_px = 4;
+    assert_true(image_init(&image, 4, 4, false, false, NULL));
+    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
+    assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);
+    assert_non_null(strstr(error.message, "a smaller max_depth, a larger min_throughput"));
+    free(objects);
+    image_finish(&image);
+    job_finish(&job);
+    close_stage(&stage);
+}
+
 static void scenes_follow_one_another_with_and_without_paths(void **state)
 {
     struct stage stage = open_stage(GL_BACKEND_OSMESA);
@@ -240,6 +267,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(a_pane_does_so_on_egl),
         cmocka_unit_test(counts_are_means_of_samples),
         cmocka_unit_test(a_copied_frame_keeps_its_counts),
+        cmocka_unit_test(more_rays_than_the_driver_follows_are_an_error),
         cmocka_unit_test(scenes_follow_one_another_with_and_without_paths),
     };
 
