@@ -14,7 +14,7 @@ static void write_piece(FILE *out, const struct job *job, const struct scene_pro
     if (!program->features.has_extinction) return;
     fprintf(out, "        %s media_transmittance(", has_regions ? "passed *=" : "return");
     scene_glue_write_transmittance(out, job, program,
-                                   has_regions ? "media_spans_in(spans, surface_region(hit.before), vec2(from, to))"
+                                   has_regions ? "media_spans_in(spans, before, vec2(from, to))"
                                                : "media_spans(point, light.direction)",
                                    has_regions ? "to" : "light.distance");
     fputs(");\n", out);
@@ -37,25 +37,27 @@ static bool has_opaque(const struct scene_features *features)
     return false;
 }
 
+// One loop over all boundaries, seen or not: software GL counts its turns.
 static void write_regions_shadow(FILE *out, const struct job *job, const struct scene_program *program)
 {
     if (program->features.has_extinction) fputs("    MediaSpans spans = media_spans(point, light.direction);\n", out);
     fputs("    Spectrum passed = spectrum(1.0);\n    float from = 0.0;\n"
-          "    for (int i = 0; i < MARCH_LIMIT; ++i) {\n"
-          "        SurfaceHit hit = surface_visible(shapes, from, inside, left);\n"
-          "        bool is_there = hit.at >= light.distance;\n"
-          "        int before = surface_region(hit.before);\n        int after = surface_region(hit.after);\n",
+          "    for (int turn = 0; turn < MARCH_LIMIT; ++turn) {\n"
+          "        SurfaceCrossing next = surface_next(shapes, from, inside, left);\n"
+          "        bool is_there = next.at >= light.distance;\n"
+          "        int before = surface_region(inside);\n        int after = surface_region(next.inside);\n",
           out);
     if (has_opaque(&program->features))
         fputs("        if (!is_there && surface_is_opaque(after)) return spectrum(0.0);\n", out);
-    fputs("        float to = min(hit.at, light.distance);\n", out);
+    fputs("        float to = min(next.at, light.distance);\n", out);
     write_piece(out, job, program);
     fputs("        if (is_there) return passed;\n"
-          "        vec3 normal = shape_normal(findMSB(hit.shapes), point + hit.at * light.direction);\n"
+          "        vec3 normal = shape_normal(findMSB(next.shapes), point + next.at * light.direction);\n"
           "        float ior_before = surface_ior(before);\n        float ior_after = surface_ior(after);\n"
           "        float eta = min(ior_before, ior_after) / max(ior_before, ior_after);\n"
-          "        passed *= 1.0 - surface_fresnel(max(before, after), abs(dot(light.direction, normal)), eta);\n"
-          "        from = hit.at;\n        inside = hit.after;\n    }\n"
+          "        float fresnel = surface_fresnel(max(before, after), abs(dot(light.direction, normal)), eta);\n"
+          "        if (before != after) passed *= 1.0 - fresnel;\n"
+          "        from = next.at;\n        inside = next.inside;\n    }\n"
           "    march_was_cut = true;\n    return passed;\n",
           out);
 }
