@@ -96,26 +96,27 @@ static void append(struct object_walk *walk, double begin, double end, size_t re
     if (last && last->region == region) {
         last->end = end;
     } else {
-        walk->pieces[walk->count++] = (struct object_piece){last ? last->end : begin, end, region, 0, false};
+        walk->pieces[walk->count++] = (struct object_piece){last ? last->end : begin, end, region, 0};
     }
 }
 
 // Where the region changes from one object's to a later one's, the later one begins; the other way it ends.
-static void find_crossing(const struct stays *stays, struct object_piece *piece, size_t next_region)
+static size_t find_crossed_shape(const struct stays *stays, const struct object_piece *piece, size_t next_region)
 {
-    const struct stays *own = &stays[(piece->region > next_region ? piece->region : next_region) - 1];
+    bool is_entering = next_region > piece->region;
+    const struct stays *own = &stays[(is_entering ? next_region : piece->region) - 1];
     double nearest = INFINITY;
+    size_t shape = 0;
 
-    piece->is_entering = next_region > piece->region;
     for (size_t k = 0; k < own->count; k++) {
         const struct stay *stay = &own->list[k];
-        double distance = fabs((piece->is_entering ? stay->begin : stay->end) - piece->end);
+        double distance = fabs((is_entering ? stay->begin : stay->end) - piece->end);
 
-        if (distance < nearest) {
-            nearest = distance;
-            piece->shape = piece->is_entering ? stay->first_shape : stay->last_shape;
-        }
+        if (distance >= nearest) continue;
+        nearest = distance;
+        shape = is_entering ? stay->first_shape : stay->last_shape;
     }
+    return shape;
 }
 
 void objects_walk(const struct objects *objects, const struct ray *ray, double far, struct object_walk *walk)
@@ -142,7 +143,7 @@ void objects_walk(const struct objects *objects, const struct ray *ray, double f
                region_at(stays, objects->count, isinf(end) ? 2.0 * begin + 1.0 : 0.5 * (begin + end)));
     }
     for (size_t i = 0; i + 1 < walk->count; i++)
-        find_crossing(stays, &walk->pieces[i], walk->pieces[i + 1].region);
+        walk->pieces[i].shape = find_crossed_shape(stays, &walk->pieces[i], walk->pieces[i + 1].region);
 }
 
 bool objects_is_opaque(const struct objects *objects, size_t region)

@@ -38,9 +38,8 @@ struct objects {
 struct object_piece {
     double begin, end; // m along the ray
     size_t region;     // another than the pieces' before and behind
-    // What the ray crosses at `end`: always a boundary of the later of both regions' objects. Not for the last piece.
-    size_t shape;     // whose boundary it is
-    bool is_entering; // it
+    size_t
+        shape; // whose boundary is crossed at `end`: one of the later of both regions' objects; not for the last piece
 };
 
 enum { OBJECT_PIECE_LIMIT = 2 * SCENE_SHAPE_LIMIT + 1 };

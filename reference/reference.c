@@ -16,6 +16,7 @@ static struct reference_pixel measure(const struct still *still, double x, doubl
     struct reference_pixel pixel = {.ray_count = traced.ray_count,
                                     .cut_count = traced.cut_count,
                                     .cut_throughput = traced.cut_throughput,
+                                    .cut_by_depth = traced.cut_by_depth,
                                     .is_converged = traced.is_converged};
     double sum = 0.0;
 
@@ -60,6 +61,7 @@ struct reference_pixel reference_measure_samples(const struct job *job, const st
         mean.ray_count += pixel.ray_count * share;
         mean.cut_count += pixel.cut_count * share;
         mean.cut_throughput += pixel.cut_throughput * share;
+        mean.cut_by_depth += pixel.cut_by_depth * share;
         mean.is_converged = mean.is_converged && pixel.is_converged;
     }
     for (int c = 0; c < 3 && count > 1; c++)

@@ -13,8 +13,9 @@ struct reference_pixel {
     double radiance_error[3]; // standard error of that as a mean of samples; 0 of fewer than two
     double transmittance[3];  // of light from behind everything that comes without a reflection
     double alpha;             // 1 - mean transmittance; 1 before a background
-    // A sample's rays, the camera's own among them; those that were cut; the sum of these rays' mean throughputs.
-    double ray_count, cut_count, cut_throughput;
+    // A sample's rays, the camera's own among them; those that were cut; the sum of these rays' mean throughputs; the part
+    // of it that their depth alone cut.
+    double ray_count, cut_count, cut_throughput, cut_by_depth;
     bool is_converged;
 };
 

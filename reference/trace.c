@@ -20,6 +20,7 @@ struct light_ray {
     double throughput[3];
     double length;     // m from the camera to its origin
     int depth;         // reflections and refractions so far
+    size_t region;     // it was sent into
     bool is_reflected; // at least once
 };
 
@@ -54,10 +55,12 @@ static void send(struct tracer *tracer, const struct light_ray *from, const stru
     if (strongest == 0.0) return;
     ray.ray = (struct ray){hit->position, vec3_normalize(direction)};
     ray.depth++;
+    ray.region = is_reflection ? hit->region_before : hit->region_behind;
     ray.is_reflected = from->is_reflected || is_reflection;
     if (ray.depth > still->max_depth || strongest < still->min_throughput) {
         tracer->result->cut_count += 1.0;
         tracer->result->cut_throughput += sum / 3.0;
+        if (strongest >= still->min_throughput) tracer->result->cut_by_depth += sum / 3.0;
         return;
     }
     trace(tracer, &ray);
@@ -187,6 +190,37 @@ static void escape(struct tracer *tracer, const struct light_ray *ray)
     }
 }
 
+// What is known of the hit is its position, to within roundings, its regions and its shape.
+static void meet(struct tracer *tracer, const struct light_ray *ray, struct hit *hit)
+{
+    const struct shape *shape = &tracer->still->objects.shapes[hit->shape];
+    bool is_entering = hit->region_behind > hit->region_before;
+
+    hit->position = shape_snap(shape, hit->position);
+    hit->normal = vec3_scale(shape_normal(shape, hit->position), is_entering ? 1.0 : -1.0);
+    answer(tracer, ray, hit);
+}
+
+// Where a ray met two boundaries at once, in a corner, the way on from the one may lead right into the other.
+static void meet_edge(struct tracer *tracer, const struct light_ray *ray, size_t region)
+{
+    const struct objects *objects = &tracer->still->objects;
+    const struct object *later = &objects->list[(ray->region > region ? ray->region : region) - 1];
+    struct hit hit = {.position = ray->ray.origin, .region_before = ray->region, .region_behind = region};
+    double nearest = INFINITY;
+
+    for (size_t i = 0; i < later->shape_count; i++) {
+        size_t shape = later->first_shape + i;
+        struct vec3 boundary = shape_snap(&objects->shapes[shape], hit.position);
+        double distance = vec3_length(vec3_subtract(boundary, hit.position));
+
+        if (distance >= nearest) continue;
+        nearest = distance;
+        hit.shape = shape;
+    }
+    meet(tracer, ray, &hit);
+}
+
 static void trace(struct tracer *tracer, const struct light_ray *from)
 {
     const struct objects *objects = &tracer->still->objects;
@@ -197,19 +231,21 @@ static void trace(struct tracer *tracer, const struct light_ray *from)
 
     tracer->result->ray_count += 1.0;
     objects_walk(objects, &ray.ray, INFINITY, &walk);
-    if (objects_is_opaque(objects, piece->region)) return;
+    if (objects_is_opaque(objects, piece->region)) {
+        if (from->region != piece->region) meet_edge(tracer, &ray, piece->region);
+        return;
+    }
     gather(tracer, &ray, piece);
     if (walk.count == 1) {
         escape(tracer, &ray);
         return;
     }
     ray.length += piece->end;
+    hit.position = ray_at(&ray.ray, piece->end);
     hit.region_before = piece->region;
     hit.region_behind = walk.pieces[1].region;
     hit.shape = piece->shape;
-    hit.position = shape_snap(&objects->shapes[hit.shape], ray_at(&ray.ray, piece->end));
-    hit.normal = vec3_scale(shape_normal(&objects->shapes[hit.shape], hit.position), piece->is_entering ? 1.0 : -1.0);
-    answer(tracer, &ray, &hit);
+    meet(tracer, &ray, &hit);
 }
 
 struct trace_result trace_ray(const struct still *still, const struct ray *ray, uint64_t seed,
@@ -217,7 +253,9 @@ struct trace_result trace_ray(const struct still *still, const struct ray *ray, 
 {
     struct trace_result result = {.is_converged = true};
     struct tracer tracer = {.still = still, .accuracy = accuracy, .random = {seed}, .result = &result};
+    struct object_walk walk;
 
-    trace(&tracer, &(struct light_ray){.ray = *ray, .throughput = {1.0, 1.0, 1.0}});
+    objects_walk(&still->objects, ray, INFINITY, &walk);
+    trace(&tracer, &(struct light_ray){.ray = *ray, .throughput = {1.0, 1.0, 1.0}, .region = walk.pieces[0].region});
     return result;
 }

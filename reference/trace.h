@@ -11,8 +11,9 @@ struct trace_result {
     double radiance[3];
     double transmittance[3]; // of light from behind everything that comes without a reflection
     double ray_count;        // the camera's own among them
-    // Rays that were not followed, and the sum of their throughputs, each the mean of the three colours.
-    double cut_count, cut_throughput;
+    // Rays that were not followed, the sum of their throughputs, each the mean of the three colours, and how much of that
+    // their depth alone cut.
+    double cut_count, cut_throughput, cut_by_depth;
     bool is_converged;
 };
 

@@ -147,11 +147,68 @@ static void media_that_glow_as_they_absorb_hide_in_it(void **state)
     }
 }
 
+// Half metres, so that faces, edges and corners of several lie in one place.
+static double lattice(struct random *random, int low, int high)
+{
+    return 0.5 * floor(random_between(random, low, high));
+}
+
+static struct vec3 lattice_vector(struct random *random, int low, int high)
+{
+    double x = lattice(random, low, high), y = lattice(random, low, high);
+
+    return (struct vec3){x, y, lattice(random, low, high)};
+}
+
+static void make_touching_scene(struct still *still, struct random *random)
+{
+    solid_still_init(still);
+    solid_still_set_background(still, 1.0);
+    still->max_depth = 6;
+    still->min_throughput = 0.01;
+    for (int i = 0; i < 5; i++) {
+        struct material material = random_material(random);
+        struct vec3 center = lattice_vector(random, -2, 3);
+        struct shape shape = solid_box(center, vec3_scale(lattice_vector(random, 1, 4), 0.5));
+
+        if (i == 2) shape = solid_sphere(center.x, center.y, center.z, lattice(random, 1, 3));
+        if (i == 4) shape = solid_plane(center, (struct vec3){0.0, 1.0, 0.0});
+        solid_still_add(still, &material, &shape, 1);
+    }
+}
+
+// Rays from lattice point to lattice point, along faces, through edges and corners, and from there.
+static void nothing_is_lost_between_touching_objects(void **state)
+{
+    struct random random = {7};
+    int followed = 0;
+
+    for (int i = 0; i < SCENES * RAYS; i++) {
+        struct vec3 from = lattice_vector(&random, -6, 7), to = lattice_vector(&random, -3, 4);
+        struct trace_result seen;
+        struct object_walk walk;
+        struct still still;
+        struct ray ray;
+
+        make_touching_scene(&still, &random);
+        if (vec3_length(vec3_subtract(to, from)) == 0.0) continue;
+        ray = (struct ray){from, vec3_normalize(vec3_subtract(to, from))};
+        objects_walk(&still.objects, &ray, INFINITY, &walk);
+        if (objects_is_opaque(&still.objects, walk.pieces[0].region)) continue;
+        seen = trace_ray(&still, &ray, (uint64_t)i, NULL);
+        for (int c = 0; c < 3; c++)
+            assert_near(seen.radiance[c] + seen.cut_throughput, 1.0, 1e-12);
+        followed++;
+    }
+    assert_true(followed > SCENES);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nothing_is_lost_but_what_is_cut),
         cmocka_unit_test(media_that_glow_as_they_absorb_hide_in_it),
+        cmocka_unit_test(nothing_is_lost_between_touching_objects),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

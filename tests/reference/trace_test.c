@@ -199,8 +199,10 @@ static void facing_mirrors_make_a_geometric_series(void **state)
     assert_near(seen.ray_count, 7.0, 0.0);
     assert_near(seen.cut_count, 1.0, 0.0);
     assert_near(seen.cut_throughput, pow(0.8, 7.0), 1e-15);
+    assert_near(seen.cut_by_depth, seen.cut_throughput, 0.0);
     // 0.8^4 < 0.5 <= 0.8^3; the strongest colour counts.
     still.min_throughput = 0.5;
+    assert_near(trace_ray(&still, &ray, 0, NULL).cut_by_depth, 0.0, 0.0);
     assert_near(trace_ray(&still, &ray, 0, NULL).ray_count, 4.0, 0.0);
     still.objects.list[0].material.reflectance[2] = 1.0;
     assert_near(trace_ray(&still, &ray, 0, NULL).ray_count, 7.0, 0.0);

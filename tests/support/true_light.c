@@ -58,6 +58,7 @@ static void measure(const struct job *job, const struct image *image, struct com
         rays->count += pixel.ray_count / (double)comparison->count;
         rays->cut_count += pixel.cut_count / (double)comparison->count;
         rays->cut_throughput += pixel.cut_throughput / (double)comparison->count;
+        rays->cut_by_depth += pixel.cut_by_depth / (double)comparison->count;
     }
     load_texture_finish(&inputs);
     load_grid_finish(&inputs);
@@ -115,7 +116,7 @@ struct true_light true_light_compare_but(const struct job *job, enum gl_backend 
     comparison.truth = xcalloc(PLANES * comparison.count, sizeof *comparison.truth);
     render_frame_counting_rays(backend, job, &image, &counts);
     measure(job, &image, &comparison, &light.rays_true);
-    light.rays_seen = (struct true_rays){counts.rays, counts.cut_rays, counts.cut_throughput};
+    light.rays_seen = (struct true_rays){counts.rays, counts.cut_rays, counts.cut_throughput, counts.cut_by_depth};
     if (!counts.is_known) light.rays_true = (struct true_rays){0};
     for (size_t i = 0; i < stray_count; ++i)
         pass_over_worst(&comparison);

@@ -10,7 +10,7 @@ struct job;
 
 // Means over pixels and samples.
 struct true_rays {
-    double count, cut_count, cut_throughput;
+    double count, cut_count, cut_throughput, cut_by_depth;
 };
 
 struct true_light {

@@ -68,6 +68,7 @@ static void assert_same_rays(const struct true_light *light)
     assert_near(light->rays_seen.count, light->rays_true.count, 8.0 * strays);
     assert_near(light->rays_seen.cut_count, light->rays_true.cut_count, 8.0 * strays);
     assert_near(light->rays_seen.cut_throughput, light->rays_true.cut_throughput, strays);
+    assert_near(light->rays_seen.cut_by_depth, light->rays_true.cut_by_depth, strays);
 }
 
 static void assert_true_objects(const struct view *view, double tolerance)
@@ -120,6 +121,24 @@ static void later_objects_in_earlier_ones(void **state)
                  PAIR(GLASS ", \"fresnel\": \"none\""));
         assert_true_objects(&(struct view){.lights = SUN ", " LAMP, .objects = objects}, SURFACES);
     }
+}
+
+#define STONES(FIRST, MATERIAL, LAST)                                                                                  \
+    FIRST "{\"kind\": \"box\", \"center\": [-0.3, -0.7, 0], \"size\": [1.2, 0.6, 0.8], \"material\": {" MATERIAL       \
+          "}}, {\"kind\": \"sphere\", \"center\": [0.9, -0.5, 0.2], \"radius\": 0.5, \"material\": {" MATERIAL         \
+          "}}, {\"kind\": \"box\", \"center\": [-0.3, -0.2, 0], \"size\": [0.7, 0.4, 0.5], \"material\": {" GLASS      \
+          "}}, {\"kind\": \"box\", \"center\": [-0.3, -0.7, 0.6], \"size\": [0.7, 0.4, 0.4], \"material\":"            \
+          " {\"kind\": \"dielectric\", \"ior\": 1.3}}" LAST
+
+// A block and a ball on the floor, another block on the first and one at its side: faces in one place are one boundary.
+static void objects_that_touch(void **state)
+{
+    static const char *const OBJECTS[] = {STONES(FLOOR("") ", ", GLASS, ""), STONES("", GLASS, ", " FLOOR("")),
+                                          STONES("", "\"kind\": \"mirror\"", ", " FLOOR("")),
+                                          STONES(FLOOR("") ", ", "\"kind\": \"diffuse\", \"albedo\": 0.5", "")};
+
+    for (size_t i = 0; i < sizeof OBJECTS / sizeof *OBJECTS; ++i)
+        assert_true_objects(&(struct view){.lights = SUN ", " LAMP, .objects = OBJECTS[i]}, SURFACES);
 }
 
 static void seen_from_within(void **state)
@@ -185,9 +204,13 @@ static void rough_surfaces_on_the_mean(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_glass_ball_on_a_floor),       cmocka_unit_test(mirrors_and_their_unions),
-        cmocka_unit_test(later_objects_in_earlier_ones), cmocka_unit_test(seen_from_within),
-        cmocka_unit_test(smoke_in_glass_in_fog),         cmocka_unit_test(rough_surfaces_on_the_mean),
+        cmocka_unit_test(a_glass_ball_on_a_floor),
+        cmocka_unit_test(mirrors_and_their_unions),
+        cmocka_unit_test(later_objects_in_earlier_ones),
+        cmocka_unit_test(objects_that_touch),
+        cmocka_unit_test(seen_from_within),
+        cmocka_unit_test(smoke_in_glass_in_fog),
+        cmocka_unit_test(rough_surfaces_on_the_mean),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
