@@ -46,7 +46,7 @@ static void write_shadow(FILE *out, const struct scene_program *program, const c
 {
     fprintf(out, "shadow(%s, light, ", place);
     if (program->features.has_dielectrics)
-        fprintf(out, "surface_set(surface_around(shape_spans(%s, light.direction)), gathered.region), 0u)", place);
+        fputs("surface_set(gathered.region), 0u)", out);
     else
         fputs("0u, 0u)", out);
 }

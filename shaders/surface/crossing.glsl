@@ -22,9 +22,9 @@ float surface_entry(vec2 span, float from, float sliver)
     return span.y > from + sliver ? from : FAR_AWAY;
 }
 
-// The objects around a point of a region, by those that seem to contain it: none after the region's own, and that one.
-uint surface_set(uint around, int region)
+// The objects that a ray from within a region begins in. Those that the region's own object is there instead of are entered at
+// once, which nobody sees.
+uint surface_set(int region)
 {
-    uint own = (1u << uint(region)) >> 1u;
-    return region > 0 ? (around & (own - 1u)) | own : 0u;
+    return (1u << uint(region)) >> 1u;
 }

@@ -22,7 +22,7 @@
 // What bends and reflects is exact to the digits of floats, which a few curved surfaces amplify; a march's steps are seen.
 static const double ROUNDING = 2e-5, MARCHING = 2e-3;
 
-static void compare(const char *scene, const char *rest, double tolerance)
+static void compare_by(const char *scene, const char *rest, const char *quality, double tolerance)
 {
     static const enum gl_backend backends[] = {GL_BACKEND_OSMESA, GL_BACKEND_EGL};
 
@@ -31,12 +31,17 @@ static void compare(const char *scene, const char *rest, double tolerance)
         struct job job;
         char all[1024];
 
-        snprintf(all, sizeof all, "%s, %s", rest, OBJECT_JOB_QUALITY);
+        snprintf(all, sizeof all, "%s, %s", rest, quality);
         object_job_parse(&job, scene, all);
         light = true_light_compare(&job, backends[i]);
         job_finish(&job);
         assert_true(true_light_is_within(&light, tolerance));
     }
+}
+
+static void compare(const char *scene, const char *rest, double tolerance)
+{
+    compare_by(scene, rest, OBJECT_JOB_QUALITY, tolerance);
 }
 
 static void diffuse_objects_shade_one_another(void **state)
@@ -86,27 +91,24 @@ static void every_kind_of_fresnel_share(void **state)
 
 static void glass_within_glass(void **state)
 {
-    compare("\"objects\": [" OBJECT_JOB_BALL(
-                OBJECT_JOB_GLASS
-                    INTERIOR(
-                        "\"sigma_s\": 0, \"sigma_a\": [0.1, 0.5, 0.5]")) ", " SPHERE(0.1, 0.1, 0, 0.8,
-                                                                                     "\"kind\": \"dielectric\", "
-                                                                                     "\"ior\": 1") ", " BOX(0.1, 0, 0.1,
-                                                                                                            0.7,
-                                                                                                            "\"kind\": "
-                                                                                                            "\"dielectr"
-                                                                                                            "ic\", "
-                                                                                                            "\"ior\": "
-                                                                                                            "1."
-                                                                                                            "9" INTERIOR(
-                                                                                                                "\"sigm"
-                                                                                                                "a_s\":"
-                                                                                                                " 0, "
-                                                                                                                "\"sigm"
-                                                                                                                "a_a\":"
-                                                                                                                " [1, "
-                                                                                                                "0.2, "
-                                                                                                                "0.1]")) "]",
+    compare("\"objects\": [" OBJECT_JOB_BALL(OBJECT_JOB_GLASS INTERIOR(
+                "\"sigma_s\": 0, \"sigma_a\": [0.1, 0.5, 0.5]")) ", " SPHERE(0.1, 0.1, 0, 0.8,
+                                                                             "\"kind\": \"dielectric\", "
+                                                                             "\"ior\": 1") ", " BOX(0.1, 0, 0.1, 0.7,
+                                                                                                    "\"kind\": "
+                                                                                                    "\"dielectr"
+                                                                                                    "ic\", "
+                                                                                                    "\"ior\": "
+                                                                                                    "1."
+                                                                                                    "9" INTERIOR(
+                                                                                                        "\"sigm"
+                                                                                                        "a_s\":"
+                                                                                                        " 0, "
+                                                                                                        "\"sigm"
+                                                                                                        "a_a\":"
+                                                                                                        " [1, "
+                                                                                                        "0.2, "
+                                                                                                        "0.1]")) "]",
             BACKGROUND, ROUNDING);
 }
 
@@ -158,7 +160,47 @@ static void a_camera_may_be_in_glass(void **state)
             OBJECT_JOB_LIGHT ", " BACKGROUND, ROUNDING);
 }
 
-int main(void)
+#define TWO_LIGHTS                                                                                                     \
+    "\"lights\": [{\"kind\": \"point\", \"intensity\": 10, \"position\": [1.5, 1, 1.5]}, {\"kind\": \"sun\","          \
+    " \"direction\": [1, -2, -1], \"intensity\": [1, 0.8, 0.5]}]"
+#define EQUIANGULAR "\"quality\": {\"method\": \"equiangular\", \"points\": 32}"
+
+static void points_are_placed_in_every_region(void **state)
+{
+    compare_by(
+        FOG("\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": "
+            "3}") "\"objects\": [" OBJECT_JOB_FLOOR(OBJECT_JOB_GREY) ", " SPHERE(-0.8, 0.1, 0, 0.7,
+                                                                                 OBJECT_JOB_GLASS INTERIOR(
+                                                                                     "\"sigma_s\": [1, 0.5, "
+                                                                                     "0.2], \"sigma_a\": "
+                                                                                     "0.1")) ", " SPHERE(0.8, 0.1, 0.3,
+                                                                                                         0.5,
+                                                                                                         OBJECT_JOB_MIRROR) "]",
+        TWO_LIGHTS, EQUIANGULAR, MARCHING);
+}
+
+// The box ends inside the ball and goes on behind it: what the smoke in the ball sees of it begins at the ball's surface.
+static void smoke_does_not_see_what_its_glass_replaces(void **state)
+{
+    compare("\"objects\": [" BOX(0.7, 0.1, -0.2, 1.1, RED) ", " OBJECT_JOB_BALL(
+                OBJECT_JOB_GLASS INTERIOR("\"sigma_s\": 1, \"sigma_a\": [0.1, 0.3, 0.5]")) "]",
+            TWO_LIGHTS ", " BACKGROUND, MARCHING);
+}
+
+static void noise_drifts_around_glass(void **state)
+{
+    compare(
+        FOG("\"kind\": \"noise\", \"octaves\": 1, \"frequency\": 0.7, \"scale\": 2, \"bounds\": {\"kind\": "
+            "\"sphere\", \"center\": [0, 0, 0], \"radius\": 2}") "\"objects\": [" OBJECT_JOB_BALL(OBJECT_JOB_GLASS
+                                                                                                      INTERIOR(
+                                                                                                          "\"sigma_s\":"
+                                                                                                          " 0, "
+                                                                                                          "\"sigma_a\":"
+                                                                                                          " 0.2")) "]",
+        OBJECT_JOB_LIGHT, MARCHING);
+}
+
+int main(int argument_count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(diffuse_objects_shade_one_another),
@@ -172,7 +214,11 @@ int main(void)
         cmocka_unit_test(fog_is_outside_only),
         cmocka_unit_test(smoke_is_inside_only),
         cmocka_unit_test(a_camera_may_be_in_glass),
+        cmocka_unit_test(points_are_placed_in_every_region),
+        cmocka_unit_test(smoke_does_not_see_what_its_glass_replaces),
+        cmocka_unit_test(noise_drifts_around_glass),
     };
 
+    if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
