@@ -115,6 +115,8 @@ static bool open_file(struct reader *reader, struct error *error)
     }
     png_set_read_fn(reader->png, reader, on_read);
     png_set_user_limits(reader->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); // for a message of our own
+    // Texts and profiles are not used: unpacked and kept they could take gigabytes.
+    png_set_keep_unknown_chunks(reader->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
     return run(reader, read_header, error);
 }
 

@@ -13,6 +13,6 @@ struct image_png_facts {
 
 // Reads any PNG file, up to IMAGE_SIDE_LIMIT a side: grey is three equal values, a palette is looked up, alpha is passed over
 // and 1 in the image. A value v of n bits is v / (2^n - 1), decoded from sRGB unless `is_linear`, and rounded once. What the
-// file says of gamma, primaries and profiles is not used. A file that is damaged or ends too soon is an error.
+// file says of gamma, primaries, profiles and in texts is passed over. A file that is damaged or ends too soon is an error.
 // `image` may be NULL to read the header only; on failure it is empty. `facts` may be NULL. The descriptor's offset is not used.
 bool image_png_read(int fd, bool is_linear, struct image *image, struct image_png_facts *facts, struct error *error);

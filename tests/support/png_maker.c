@@ -118,6 +118,22 @@ static void append_pixels(struct bytes *bytes, const struct png_params *params)
     free(raw.at);
 }
 
+static void append_texts(struct bytes *bytes, const struct png_params *params)
+{
+    static const unsigned char head[] = {'N', 'o', 't', 'e', 0, 0}; // a key, and the only way to compress
+    uLongf size = compressBound((uLong)params->text_size);
+    unsigned char *text = calloc(params->text_size + 1, 1), *packed = malloc(sizeof head + size);
+
+    if (!text || !packed) abort();
+    memset(text, 'x', params->text_size);
+    memcpy(packed, head, sizeof head);
+    if (compress(packed + sizeof head, &size, text, (uLong)params->text_size) != Z_OK) abort();
+    for (int i = 0; i < params->text_count; i++)
+        append_chunk(bytes, "zTXt", packed, sizeof head + size);
+    free(packed);
+    free(text);
+}
+
 unsigned char *png_maker_make(const struct png_params *params, size_t *size_bytes)
 {
     static const unsigned char signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
@@ -133,6 +149,7 @@ unsigned char *png_maker_make(const struct png_params *params, size_t *size_byte
     // A gamma that a reader could be tempted to apply.
     append_chunk(&bytes, "gAMA", "\0\1\206\240", 4);
     if (params->color == PNG_PALETTE) append_chunk(&bytes, "PLTE", params->palette, 3 * (size_t)params->palette_count);
+    append_texts(&bytes, params);
     append_pixels(&bytes, params);
     append_chunk(&bytes, "IEND", "", 0);
     free(header.at);

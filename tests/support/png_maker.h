@@ -15,6 +15,8 @@ struct png_params {
     const uint16_t *values; // each less than 2^bits, png_maker_channels() a pixel, first row on top
     const unsigned char (*palette)[3];
     int palette_count;
+    int text_count; // compressed texts ahead of the pixels
+    size_t text_size;
 };
 
 int png_maker_channels(enum png_color color);

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -225,13 +226,35 @@ static void other_files_are_refused(void **state)
     expect_error("GIF89a and so on", 16, "PNG: Not a PNG file");
 }
 
+static long peak_kib(void)
+{
+    struct rusage usage;
+
+    assert_int_equal(getrusage(RUSAGE_SELF, &usage), 0);
+    return usage.ru_maxrss;
+}
+
+// 50 texts of 7 MB, in a file of half a megabyte.
+static void compressed_texts_stay_packed(void **state)
+{
+    struct png_params params = make_params(5, 9, 17, false);
+    long before;
+
+    params.text_count = 50;
+    params.text_size = 7000000;
+    before = peak_kib();
+    assert_read(&params, false);
+    assert_true(peak_kib() - before < 100 * 1024);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_form_gives_its_values), cmocka_unit_test(curve_is_that_of_the_standard),
-        cmocka_unit_test(header_is_read_alone),        cmocka_unit_test(file_cut_anywhere_is_refused),
-        cmocka_unit_test(flipped_byte_is_refused),     cmocka_unit_test(colour_beyond_the_palette_is_named),
-        cmocka_unit_test(large_sides_are_refused),     cmocka_unit_test(other_files_are_refused),
+        cmocka_unit_test(every_form_gives_its_values),  cmocka_unit_test(curve_is_that_of_the_standard),
+        cmocka_unit_test(header_is_read_alone),         cmocka_unit_test(file_cut_anywhere_is_refused),
+        cmocka_unit_test(flipped_byte_is_refused),      cmocka_unit_test(colour_beyond_the_palette_is_named),
+        cmocka_unit_test(large_sides_are_refused),      cmocka_unit_test(other_files_are_refused),
+        cmocka_unit_test(compressed_texts_stay_packed),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
