@@ -276,6 +276,27 @@ static void what_moves_is_where_it_is(void **state)
         studio_finish(&pictures[i]);
 }
 
+// The edge of a wall comes by after a quarter of the time that the shutter is open.
+static void what_moves_is_blurred(void **state)
+{
+    const struct studio_scene scene = {
+        .width_px = 3,
+        .height_px = 3,
+        .camera = {.fov = 1e-3},
+        .moving_camera = "\"position\": [0, 0, 4], \"target\": [0, 0, 0], \"shutter\": 1",
+        .objects =
+            "{\"kind\": \"box\", \"size\": [2, 2, 2], \"center\": {\"start\": [-1.25, 0, 0], \"rate\": [24, 0, 0]}, "
+            "\"material\": {\"kind\": \"dielectric\", \"ior\": 1, \"interior\": {\"sigma_a\": 1}}}",
+        .quality = "\"method\": \"equiangular\", \"points\": 4, \"samples\": 64"};
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    for (int i = 0; i < 9; ++i)
+        assert_near(picture.image.transmittance[4 * i], 0.25 + 0.75 * exp(-2.0), 1.0 / 64);
+    studio_finish(&picture);
+}
+
 int main(int argument_count, char **arguments)
 {
     static enum gl_backend osmesa = GL_BACKEND_OSMESA, egl = GL_BACKEND_EGL;
@@ -289,6 +310,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(methods_agree),
         cmocka_unit_test(light_of_behind_adds),
         cmocka_unit_test(what_moves_is_where_it_is),
+        cmocka_unit_test(what_moves_is_blurred),
     };
 
     if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
