@@ -142,14 +142,15 @@ static void write_lit(FILE *out, const struct scene *scene, const struct scene_f
     size_t turn = 0, count = scene_features_count_lights(features);
 
     fputs("// Irradiance of the side to which the normal points, over pi.\n"
-          "Spectrum surface_lit(vec3 point, vec3 normal, uint inside, uint left)\n{\n"
+          "Spectrum surface_lit(vec3 point, vec3 normal, uint inside, uint shapes)\n{\n"
           "    Spectrum sum = spectrum(0.0);\n",
           out);
     fprintf(out, "    for (int turn = 0; turn < %zu; ++turn) {\n        LightSample light;\n", count);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) fprintf(out, "        if (turn == %zu) light = light_%zu(point);\n", turn++, i);
     fputs("        float cos_light = dot(normal, light.direction);\n"
-          "        if (cos_light > 0.0) sum += light.irradiance * (cos_light * shadow(point, light, inside, left));\n"
+          "        if (cos_light > 0.0) sum += light.irradiance * (cos_light * shadow(point, light, inside,\n"
+          "            surface_left(shapes, point, light.direction)));\n"
           "    }\n    return sum * (4.0 * INV_4PI);\n}\n",
           out);
 }

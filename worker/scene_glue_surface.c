@@ -34,7 +34,10 @@ static void write_spans(FILE *out, const struct scene *scene)
     for (size_t i = 0; i < scene->shape_count; ++i)
         fprintf(out, ",\n        region_%s_span(shape_%zu(), origin, direction)",
                 shape_kinds[scene->shapes[i].kind].name, i);
-    fputs(");\n}\n", out);
+    fputs(");\n}\n"
+          "// What lies up to there lies at `at`.\n"
+          "float shape_spans_reach(ShapeSpans spans, float at)\n{\n    return at + (spans.sliver + 2e-7 * at);\n}\n",
+          out);
 }
 
 static void write_normal(FILE *out, const struct scene *scene)
@@ -72,13 +75,14 @@ static void write_single(FILE *out, const struct scene_object *object, size_t i)
     fprintf(out,
             "    uint shape_%zu = %uu;\n"
             "    float at_%zu = (inside & %uu) != 0u ? max(spans.shape_%zu.y, from)\n"
-            "        : (left & %uu) != 0u ? FAR_AWAY : surface_entry(spans.shape_%zu, from, spans.sliver);\n",
+            "        : (left & %uu) != 0u ? FAR_AWAY : surface_entry(spans.shape_%zu, from, reach);\n",
             i, 1U << shape, i, 1U << i, shape, 1U << shape, shape);
 }
 
 static void write_extension(FILE *out, const char *indent, size_t shape)
 {
-    fprintf(out, "%sif (spans.shape_%zu.x <= at + spans.sliver && spans.shape_%zu.y > at) {\n", indent, shape, shape);
+    fprintf(out, "%sif (spans.shape_%zu.x <= shape_spans_reach(spans, at) && spans.shape_%zu.y > at) {\n", indent,
+            shape, shape);
     fprintf(out, "%s    at = spans.shape_%zu.y;\n%s    shape = %uu;\n%s}\n", indent, shape, indent, 1U << shape,
             indent);
 }
@@ -109,11 +113,12 @@ static void write_union_entry(FILE *out, const struct scene_object *object, size
 
     fprintf(out,
             "float object_%zu_entry(ShapeSpans spans, float from, uint left, out uint shape)\n{\n"
-            "    float at = FAR_AWAY;\n    float entry;\n    shape = %uu;\n",
+            "    float reach = shape_spans_reach(spans, from);\n    float at = FAR_AWAY;\n    float entry;\n"
+            "    shape = %uu;\n",
             i, 1U << first);
     for (size_t k = first; k < end; ++k)
         fprintf(out,
-                "    entry = (left & %uu) != 0u ? FAR_AWAY : surface_entry(spans.shape_%zu, from, spans.sliver);\n"
+                "    entry = (left & %uu) != 0u ? FAR_AWAY : surface_entry(spans.shape_%zu, from, reach);\n"
                 "    if (entry < at) {\n        at = entry;\n        shape = %uu;\n    }\n",
                 1U << k, k, 1U << k);
     fputs("    return at;\n}\n", out);
@@ -135,7 +140,9 @@ static void write_next(FILE *out, const struct scene *scene)
         write_union_exit(out, &scene->objects[i], i);
         write_union_entry(out, &scene->objects[i], i);
     }
-    fputs("SurfaceCrossing surface_next(ShapeSpans spans, float from, uint inside, uint left)\n{\n", out);
+    fputs("SurfaceCrossing surface_next(ShapeSpans spans, float from, uint inside, uint left)\n{\n"
+          "    float reach = shape_spans_reach(spans, from);\n",
+          out);
     for (size_t i = 0; i < scene->object_count; ++i)
         if (scene->objects[i].shape_count < 2)
             write_single(out, &scene->objects[i], i);
@@ -145,13 +152,12 @@ static void write_next(FILE *out, const struct scene *scene)
     for (size_t i = 1; i < scene->object_count; ++i)
         fprintf(out, "    at = min(at, at_%zu);\n", i);
     fputs("    if (at >= FAR_AWAY) return SurfaceCrossing(FAR_AWAY, inside, 0u);\n"
+          "    reach = shape_spans_reach(spans, at);\n"
           "    uint crossed = 0u;\n    uint shapes = 0u;\n",
           out);
     for (size_t i = 0; i < scene->object_count; ++i)
-        fprintf(
-            out,
-            "    if (at_%zu <= at + spans.sliver) {\n        crossed |= %uu;\n        shapes |= shape_%zu;\n    }\n", i,
-            1U << i, i);
+        fprintf(out, "    if (at_%zu <= reach) {\n        crossed |= %uu;\n        shapes |= shape_%zu;\n    }\n", i,
+                1U << i, i);
     fputs("    return SurfaceCrossing(at, inside ^ crossed, shapes);\n}\n", out);
 }
 

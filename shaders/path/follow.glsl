@@ -1,7 +1,8 @@
 // Follows one ray through the media before the next boundary, and asks there what becomes of it.
 void path_follow(PathRay ray)
 {
-    SurfaceHit hit = surface_visible(shape_spans(ray.origin, ray.direction), 0.0, ray.inside, ray.left);
+    uint left = surface_left(ray.left, ray.origin, ray.direction);
+    SurfaceHit hit = surface_visible(shape_spans(ray.origin, ray.direction), 0.0, ray.inside, left);
     path_gather(ray, hit.at);
     if (hit.at < FAR_AWAY)
         path_answer(ray, hit);

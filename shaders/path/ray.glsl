@@ -5,6 +5,6 @@ struct PathRay {
     float travelled;        // m, from the camera to `origin`
     int depth;              // reflections and refractions on that way
     uint inside;            // the objects that contain it, a bit each
-    uint left;              // the shapes on whose boundary `origin` lies: what is outside of them never meets them again
+    uint left;              // the shapes on whose boundary `origin` lies, a bit each
     bool is_direct;         // it was never reflected
 };

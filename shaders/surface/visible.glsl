@@ -16,3 +16,16 @@ SurfaceHit surface_visible(ShapeSpans spans, float from, uint inside, uint left)
     march_was_cut = true;
     return hit;
 }
+
+// Of the shapes whose boundaries meet where a ray begins, those that it does not lead into: in a corner of two, the way on from
+// the last one, which sent the ray, may lead right into the other.
+uint surface_left(uint shapes, vec3 origin, vec3 direction)
+{
+    const float ALONG = -1e-6; // of a boundary, to within rounding
+    uint left = shapes;
+    for (uint rest = shapes; (rest & (rest - 1u)) != 0u; rest &= rest - 1u) {
+        int shape = findLSB(rest);
+        if (dot(direction, shape_normal(shape, origin)) < ALONG) left ^= 1u << uint(shape);
+    }
+    return left;
+}

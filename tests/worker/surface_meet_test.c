@@ -1,0 +1,127 @@
+// Boundaries of several objects in one place: in corners, and faces that lie in one plane. No light is lost between them, and
+// none gets through.
+#include "tests/support/assert_near.h"
+#include "tests/support/studio.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+#define PLANE(normal, material)                                                                                        \
+    "{\"kind\": \"plane\", \"point\": [0, 0, 0], \"normal\": " normal ", \"material\": {" material "}}"
+#define DIM_MIRROR "\"kind\": \"mirror\", \"reflectance\": 0.5"
+#define WHITE "\"kind\": \"diffuse\", \"albedo\": 1"
+#define BLACK "\"kind\": \"diffuse\", \"albedo\": 0"
+
+// Both walls are met at once in the middle column.
+static void a_corner_reflects_twice(void **state)
+{
+    const struct studio_scene scene = {.width_px = 9,
+                                       .height_px = 5,
+                                       .camera = {.position = {0, 0, 4}, .fov = 30},
+                                       .background = "1",
+                                       .objects = PLANE("[1, 0, 1]", DIM_MIRROR) ", " PLANE("[-1, 0, 1]", DIM_MIRROR)};
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    for (int i = 0; i < 45; ++i)
+        for (int c = 0; c < 3; ++c)
+            assert_near(picture.image.rgba[4 * i + c], 0.25, 1e-5);
+    assert_near(picture.result.ray_counts.rays, 3.0, 0.0);
+    studio_finish(&picture);
+}
+
+// The lamp is below the floor, in front of the wall.
+static void no_light_comes_through_a_corner(void **state)
+{
+    const struct studio_scene scene = {
+        .width_px = 5,
+        .height_px = 9,
+        .camera = {.position = {0, 4, 4}, .fov = 30},
+        .lights = "{\"kind\": \"point\", \"position\": [0, -1, 1], \"intensity\": 10}",
+        .objects = PLANE("[0, 1, 0]", WHITE) ", " PLANE("[0, 0, 1]", WHITE),
+    };
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    for (int i = 0; i < 45; ++i)
+        for (int c = 0; c < 3; ++c)
+            assert_near(picture.image.rgba[4 * i + c], 0.0, 0.0);
+    studio_finish(&picture);
+}
+
+// A black box in glass in a wall, their faces in one plane far from a camera at the origin: glass before the box would shine.
+static void the_last_of_flush_faces_is_seen_from_afar(void **state)
+{
+    static const double distances[] = {10.1, 100.3, 1000.1, 12345.6};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof distances / sizeof *distances; ++i) {
+        double at = distances[i];
+        char objects[1024];
+        const struct studio_scene scene = {.width_px = 32,
+                                           .height_px = 32,
+                                           .camera = {.target = {0, 0, -1}, .fov = 50.0 / at},
+                                           .background = "1",
+                                           .objects = objects};
+        struct studio_picture picture;
+
+        snprintf(objects, sizeof objects,
+                 "{\"kind\": \"plane\", \"point\": [0, 0, %.9g], \"normal\": [0, 0, 1], \"material\": {" WHITE "}}, "
+                 "{\"kind\": \"box\", \"center\": [0, 0, %.9g], \"size\": [9, 9, 1.026], \"material\": {\"kind\": "
+                 "\"dielectric\", \"ior\": 1.5}}, "
+                 "{\"kind\": \"box\", \"center\": [0, 0, %.9g], \"size\": [5, 5, 0.7], \"material\": {" BLACK "}}",
+                 -at, -at - 0.513, -at - 0.35);
+        studio_shoot(&scene, &picture);
+        for (int k = 0; k < 32 * 32; ++k)
+            assert_near(picture.image.rgba[4 * k], 0.0, 0.0);
+        studio_finish(&picture);
+    }
+}
+
+// Three boxes, the second touches the first one's back, the third overlaps it: a ray is bent where it enters and where it leaves.
+static void a_union_has_no_walls_within(void **state)
+{
+    static const double distances[] = {10.1, 1000.1};
+
+    (void)state;
+    for (size_t i = 0; i < sizeof distances / sizeof *distances; ++i) {
+        double at = distances[i];
+        char objects[1024];
+        const struct studio_scene scene = {.width_px = 16,
+                                           .height_px = 16,
+                                           .camera = {.target = {0, 0, -1}, .fov = 50.0 / at},
+                                           .background = "1",
+                                           .objects = objects};
+        struct studio_picture picture;
+
+        snprintf(objects, sizeof objects,
+                 "{\"kind\": \"union\", \"of\": ["
+                 "{\"kind\": \"box\", \"center\": [0, 0, %.9g], \"size\": [9, 9, 1.026]}, "
+                 "{\"kind\": \"box\", \"center\": [0, 0, %.9g], \"size\": [9, 9, 0.7]}, "
+                 "{\"kind\": \"box\", \"center\": [0, 0, %.9g], \"size\": [9, 9, 0.3]}], "
+                 "\"material\": {\"kind\": \"dielectric\", \"ior\": 1.5, \"fresnel\": \"none\"}}",
+                 -at - 0.513, -at - 1.026 - 0.35, -at - 1.026 - 0.8);
+        studio_shoot(&scene, &picture);
+        assert_near(picture.result.ray_counts.rays, 3.0, 0.0);
+        studio_finish(&picture);
+    }
+}
+
+int main(int argument_count, char **arguments)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_corner_reflects_twice),
+        cmocka_unit_test(no_light_comes_through_a_corner),
+        cmocka_unit_test(a_union_has_no_walls_within),
+        cmocka_unit_test(the_last_of_flush_faces_is_seen_from_afar),
+    };
+
+    if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
+    return cmocka_run_group_tests(tests, NULL, studio_close);
+}
