@@ -91,7 +91,7 @@ static void write_result(struct json_writer *writer, const struct render_result 
 static void print_succeeded(const struct render_result *result)
 {
     printf("%s  rendered %.3f s  encoded %.3f s", result->name, result->render_s, result->encode_s);
-    if (result->cut_share >= 0) printf("  cut %.2g %%", 100 * result->cut_share);
+    if (result->cut_share >= 0) printf("  cut %.3g %%", 100 * result->cut_share);
     putchar('\n');
 }
 

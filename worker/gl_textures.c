@@ -7,6 +7,7 @@
 #include "worker/gl_texture.h"
 #include "worker/image.h"
 #include "worker/scene_inputs.h"
+#include "worker/volume_memory.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -88,52 +89,103 @@ static struct kept_texture *make_room(struct gl_textures *textures, size_t size_
     }
 }
 
+static size_t size_of(const struct texture_input *input)
+{
+    return (size_t)input->width_px * (size_t)input->height_px * 4 * sizeof(float);
+}
+
+// GL is asked first: what it has no room for need not be read.
+static bool load(const struct gl_functions *gl, const struct texture_input *input, unsigned *name, struct error *error)
+{
+    struct image image;
+
+    if (!gl_texture_create(gl, input->width_px, input->height_px, name, error)) {
+        error_prefix(error, "%s", input->source->file);
+        return false;
+    }
+    if (!texture_input_load(input, &image, error)) {
+        gl->DeleteTextures(1, name);
+        return false;
+    }
+    gl_texture_fill(gl, *name, &image);
+    image_finish(&image);
+    return true;
+}
+
 static struct kept_texture *read_texture(struct gl_textures *textures, const struct texture_input *input,
                                          struct error *error)
 {
-    size_t size_bytes = (size_t)input->width_px * (size_t)input->height_px * 4 * sizeof(float);
-    struct kept_texture *kept = make_room(textures, size_bytes);
-    struct image image;
+    struct kept_texture *kept = make_room(textures, size_of(input));
     unsigned name;
-    bool ok;
 
-    if (!texture_input_load(input, &image, error)) return NULL;
-    ok = gl_texture_create(textures->gl, &image, &name, error);
-    image_finish(&image);
-    if (!ok) {
-        error_prefix(error, "%s", input->source->file);
-        return NULL;
-    }
-    *kept = (struct kept_texture){.name = name, .size_bytes = size_bytes};
+    if (!load(textures->gl, input, &name, error)) return NULL;
+    *kept = (struct kept_texture){.name = name, .size_bytes = size_of(input), .used = textures->frame_count};
     memcpy(kept->hash, input->hash, sizeof kept->hash);
     log_debug("textures: %s read, %d x %d pixels", input->source->file, input->width_px, input->height_px);
     return kept;
 }
 
-static bool bind_object(struct gl_textures *textures, const struct texture_input *input, size_t object,
-                        struct error *error)
+struct reading {
+    gl_textures_progress *on_progress;
+    void *user;
+};
+
+static bool bind_object(struct gl_textures *textures, const struct scene_inputs *inputs, size_t object,
+                        const struct reading *reading, struct error *error)
 {
+    const struct texture_input *input = &inputs->textures[object];
     struct kept_texture *kept = find(textures, input->hash);
 
-    if (!kept) kept = read_texture(textures, input, error);
-    if (!kept) return false;
+    if (!kept) {
+        kept = read_texture(textures, input, error);
+        if (!kept) {
+            error_prefix(error, "scene.objects[%zu].material.texture.file", object);
+            return false;
+        }
+        if (reading->on_progress && !reading->on_progress(reading->user)) {
+            error_set(error, "stopped while images were read");
+            return false;
+        }
+    }
     kept->used = textures->frame_count;
     textures->gl->BindTextureUnit((GLuint)(GL_TEXTURES_FIRST_UNIT + object), kept->name);
     return true;
 }
 
-bool gl_textures_bind(struct gl_textures *textures, const struct scene_inputs *inputs, struct error *error)
+static bool is_first_of_its_image(const struct scene_inputs *inputs, size_t object)
 {
+    for (size_t i = 0; i < object; ++i)
+        if (inputs->textures[i].source && strcmp(inputs->textures[i].hash, inputs->textures[object].hash) == 0)
+            return false;
+    return true;
+}
+
+// All images of a frame are in GL at once, each only once.
+static bool check_memory(const struct scene_inputs *inputs, struct error *error)
+{
+    int64_t size_bytes = 0;
+
+    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
+        if (inputs->textures[i].source && is_first_of_its_image(inputs, i))
+            size_bytes += (int64_t)size_of(&inputs->textures[i]);
+    if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
+    error_prefix(error, "scene.objects: the textures");
+    return false;
+}
+
+bool gl_textures_bind(struct gl_textures *textures, const struct scene_inputs *inputs,
+                      gl_textures_progress *on_progress, void *user, struct error *error)
+{
+    const struct reading reading = {on_progress, user};
+
+    if (!check_memory(inputs, error)) return false;
     textures->frame_count++;
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i) {
         struct kept_texture *kept = inputs->textures[i].source ? find(textures, inputs->textures[i].hash) : NULL;
 
         if (kept) kept->used = textures->frame_count;
     }
-    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i) {
-        if (!inputs->textures[i].source || bind_object(textures, &inputs->textures[i], i, error)) continue;
-        error_prefix(error, "scene.objects[%zu].material.texture.file", i);
-        return false;
-    }
+    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
+        if (inputs->textures[i].source && !bind_object(textures, inputs, i, &reading, error)) return false;
     return true;
 }

@@ -259,17 +259,17 @@ static bool check_marches(const struct renderer *renderer, const struct job *job
                           struct error *error)
 {
     const char *code = scene_find_code(&job->scene);
-    const char *fewer_paths = renderer->target.has_paths ? ", a smaller max_depth, a larger min_throughput" : "";
+    const char *longer_steps = job->scene.medium_count > 0 ? "longer steps, " : "";
+    const char *fewer_paths = renderer->target.has_paths ? "a smaller max_depth, a larger min_throughput, " : "";
     size_t count = (size_t)image->width_px * (size_t)image->height_px;
 
     for (size_t i = 0; i < count; ++i)
         if (image->rgba[4 * i + 3] < -0.5f) {
             error_set(
                 error,
-                "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected longer steps%s%s%s, "
-                "or a GPU",
+                "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected %s%s%s%s%sor a GPU",
                 i % (size_t)image->width_px, i / (size_t)image->width_px, gl_context_facts(renderer->context)->renderer,
-                fewer_paths, code ? ", short loops in " : "", code ? code : "");
+                longer_steps, fewer_paths, code ? "short loops in " : "", code ? code : "", code ? ", " : "");
             return false;
         }
     return true;
@@ -296,7 +296,7 @@ static bool bind_files(struct renderer *renderer, const struct scene_inputs *inp
     struct reading reading = {.on_progress = on_progress, .user = user};
 
     if (gl_grids_bind(renderer->grids, inputs, on_slab, &reading, error) &&
-        gl_textures_bind(renderer->textures, inputs, error)) {
+        gl_textures_bind(renderer->textures, inputs, on_slab, &reading, error)) {
         if (check_gl(renderer, result, error)) return true;
         gl_grids_clear(renderer->grids);
         gl_textures_clear(renderer->textures);

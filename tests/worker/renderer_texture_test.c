@@ -13,6 +13,7 @@
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
+#include "worker/volume_memory.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -21,6 +22,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #include <cmocka.h>
 
@@ -54,7 +56,7 @@ static void write_image(const char *path, unsigned seed)
 // `object`: its kind and where it is. `texture`: members beside the file.
 static void take_job(struct stage *stage, const char *object, const char *texture)
 {
-    char text[2048];
+    char text[8192];
 
     snprintf(
         text, sizeof text,
@@ -301,13 +303,102 @@ static void texture_that_cannot_be_read_fails_the_frame(void **state)
     close_stage(&stage);
 }
 
+static bool refuse(void *user, double done)
+{
+    *(double *)user = done;
+    return false;
+}
+
+static void reading_can_be_stopped(void **state)
+{
+    const char *path = temp_folder_path(state, "image.png");
+    struct stage stage;
+    double done = -1;
+
+    write_image(path, 9);
+    stage = open_stage(path);
+    assert_false(
+        renderer_render(stage.renderer, &stage.job, 0, &stage.image, refuse, &done, &stage.result, &stage.error));
+    assert_int_equal(stage.result.fault, RENDERER_FAULT_STOPPED);
+    assert_true(done == 0); // before the first tile
+    render_well(&stage, 0);
+    close_stage(&stage);
+}
+
+// A file that tells its sides and has no pixels.
+static void write_sides(const char *path, int width, int height)
+{
+    static const uint16_t zero;
+    size_t size;
+    unsigned char *png = png_maker_make(
+        &(struct png_params){.width = 1, .height = 1, .color = PNG_GREY, .bits = 8, .values = &zero}, &size);
+    const unsigned char sides[8] = {0, 0, (unsigned char)(width >> 8),  (unsigned char)width,
+                                    0, 0, (unsigned char)(height >> 8), (unsigned char)height};
+    uLong sum;
+
+    memcpy(png + 16, sides, sizeof sides);
+    sum = crc32(0, png + 12, 17);
+    for (int i = 0; i < 4; ++i)
+        png[29 + i] = (unsigned char)(sum >> (24 - 8 * i));
+    volume_maker_write(path, png, size);
+    free(png);
+}
+
+static void image_without_room_in_gl_is_not_read(void **state)
+{
+    const char *path = temp_folder_path(state, "image.png");
+    struct stage stage;
+
+    write_sides(path, 16384, 16384);
+    stage = open_stage(path);
+    assert_false(render(&stage, 0));
+    if (!strstr(stage.error.message, "image.png: GL here has no room for 16384 x 16384 pixels"))
+        fail_msg("%s", stage.error.message);
+    close_stage(&stage);
+}
+
+// 15 balls and the floor, each with an image of some 4 GiB.
+static void images_of_a_frame_have_room_together(void **state)
+{
+    char objects[6144] = "", path[512];
+    struct stage stage;
+
+    if (volume_memory_limit() > (int64_t)60 << 30) skip();
+    for (int i = 0; i < 15; ++i) {
+        size_t length = strlen(objects);
+        char name[32];
+
+        snprintf(name, sizeof name, "ball_%d.png", i);
+        write_sides(temp_folder_path(state, name), 16384, 16383 - i);
+        snprintf(objects + length, sizeof objects - length,
+                 "\"kind\": \"sphere\", \"center\": [%d, 0, 0], \"radius\": 0.4, \"material\": {"
+                 " \"kind\": \"diffuse\", \"texture\": { \"file\": \"%s\" } } }, { ",
+                 i, temp_folder_path(state, name));
+    }
+    snprintf(path, sizeof path, "%s", temp_folder_path(state, "image.png"));
+    write_sides(path, 16384, 16384);
+    stage = open_stage(path);
+    strcat(objects, FLOOR);
+    take_job(&stage, objects, ", \"size\": 1");
+    assert_false(render(&stage, 0));
+    if (!strstr(stage.error.message, "scene.objects: the textures: needs 64 GiB of memory"))
+        fail_msg("%s", stage.error.message);
+    close_stage(&stage);
+}
+
 int main(int argc, char *argv[])
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, temp_folder_create, temp_folder_destroy)
     const struct CMUnitTest tests[] = {
-        TEST(floor_is_lit_as_its_image_says), TEST(tilted_plane_is_lit_as_its_image_says),
-        TEST(shapes_from_the_front),          TEST(shapes_from_behind_on_egl),
-        TEST(changed_texture_is_read_again),  TEST(texture_that_cannot_be_read_fails_the_frame),
+        TEST(floor_is_lit_as_its_image_says),
+        TEST(tilted_plane_is_lit_as_its_image_says),
+        TEST(shapes_from_the_front),
+        TEST(shapes_from_behind_on_egl),
+        TEST(changed_texture_is_read_again),
+        TEST(texture_that_cannot_be_read_fails_the_frame),
+        TEST(reading_can_be_stopped),
+        TEST(image_without_room_in_gl_is_not_read),
+        TEST(images_of_a_frame_have_room_together),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations

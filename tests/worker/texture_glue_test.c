@@ -71,7 +71,7 @@ static void bind(const struct gl_functions *gl, void *user)
     struct error error = {{0}};
 
     stage.textures = gl_textures_create(gl);
-    if (!gl_textures_bind(stage.textures, &stage.inputs, &error)) fail_msg("%s", error.message);
+    if (!gl_textures_bind(stage.textures, &stage.inputs, NULL, NULL, &error)) fail_msg("%s", error.message);
 }
 
 static void release(void *user)

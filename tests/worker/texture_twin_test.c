@@ -42,7 +42,8 @@ static void bind(const struct gl_functions *gl, void *user)
 {
     struct error error = {{0}};
 
-    if (!gl_texture_create(gl, &picture, &texture, &error)) fail_msg("%s", error.message);
+    if (!gl_texture_create(gl, picture.width_px, picture.height_px, &texture, &error)) fail_msg("%s", error.message);
+    gl_texture_fill(gl, texture, &picture);
     gl_of_texture = gl;
     gl->BindTextureUnit(32, texture);
 }
