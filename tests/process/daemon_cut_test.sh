@@ -92,6 +92,6 @@ status=0
 expect "the exit status" "$status" 1
 grep -qF "frame 1 failed: quality: cut rays may have taken 6.25 % of the light" complaints || fail "its words: $(cat complaints)"
 "$bin/march" render here.json --backend osmesa --set quality.max_cut=1 >said 2>complaints || fail "$(cat complaints)"
-grep -q '^here/h.0001.exr  rendered .* s  encoded .* s  cut 6.2 %$' said || fail "what it says: $(cat said)"
+grep -q '^here/h.0001.exr  rendered .* s  encoded .* s  cut 6.25 %$' said || fail "what it says: $(cat said)"
 "$bin/march" render here.json --backend osmesa --set quality.max_cut=1 --set 'output.path="again/h.####.exr"' --json >said || fail "again"
 expect "in JSON" "$(jq -c '[.frames[].cut_share]' said)" "[0.0625,0.0625]"
