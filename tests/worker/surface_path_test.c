@@ -122,6 +122,29 @@ static void clip_goes_on_behind_a_mirror(void **state)
     studio_finish(&picture);
 }
 
+// Two walls stand at right angles: rays meet both, 3 m to 6 m from the camera, and leave.
+static void clip_goes_on_behind_two_mirrors(void **state)
+{
+    const struct studio_scene scene = {
+        .width_px = 8,
+        .height_px = 8,
+        .camera = {.position = {0, 0, 0}, .target = {0, 0, -1}, .fov = 30, .near = 1, .far = 9},
+        .background = "1",
+        .media = FOG,
+        .objects = "{\"kind\": \"plane\", \"point\": [0, 0, -4], \"normal\": [1, 0, 1], \"material\": {\"kind\": "
+                   "\"mirror\"}}, {\"kind\": \"plane\", \"point\": [0, 0, -4], \"normal\": [-1, 0, 1], \"material\": "
+                   "{\"kind\": \"mirror\"}}"};
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    assert_near(picture.result.ray_counts.rays, 3.0, 0.0);
+    for (int i = 0; i < 64; ++i)
+        for (int c = 0; c < 3; ++c)
+            assert_near(picture.image.rgba[4 * i + c], exp(-8 * 0.1 * (1 << c)), 1e-5);
+    studio_finish(&picture);
+}
+
 // 1 m above a pane of ink of 1 m: what of the bent way lies before the clip's end.
 static void clipped_pane(const struct ray *ray, struct studio_light *light, const void *user)
 {
@@ -306,6 +329,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(depth_ends_where_it_says),
         cmocka_unit_test(a_faint_ray_ends),
         cmocka_unit_test(clip_goes_on_behind_a_mirror),
+        cmocka_unit_test(clip_goes_on_behind_two_mirrors),
         cmocka_unit_test(clip_goes_along_bent_rays),
         cmocka_unit_test(methods_agree),
         cmocka_unit_test(light_of_behind_adds),

@@ -88,6 +88,27 @@ static void rough_mirrors_reflect_as_dice_do(void **state)
     check_roughness(ROUGH_FLOOR(1), 1);
 }
 
+static void nothing_behind(const struct ray *ray, struct studio_light *light, const void *user)
+{
+    (void)ray, (void)user;
+    studio_set_color(light->transmittance, 0.0);
+}
+
+// Into what is thinner than air, facets refract flat rays up again, if nothing turns them back: ink would not be met.
+static void what_is_refracted_gets_in(void **state)
+{
+    const struct studio_scene scene = {
+        .width_px = 8,
+        .height_px = 8,
+        .camera = {.position = {0, 0.1, 0}, .target = {0, 0, 1}, .fov = 2},
+        .objects = "{\"kind\": \"plane\", \"point\": [0, 0, 0], \"material\": {\"kind\": \"dielectric\", \"ior\": 0.5, "
+                   "\"fresnel\": \"none\", \"roughness\": 1, \"interior\": {\"sigma_a\": 10000}}}",
+        .quality = "\"method\": \"equiangular\", \"points\": 4, \"samples\": 64, \"max_cut\": 1"};
+
+    (void)state;
+    studio_check(&scene, nothing_behind, NULL, 1e-6, 1);
+}
+
 #define LAMP "{\"kind\": \"point\", \"position\": [1.5, 2, 1], \"intensity\": [9, 8, 7]}"
 #define ROUGH_THINGS                                                                                                   \
     "{\"kind\": \"plane\", \"point\": [0, -1, 0], \"material\": {\"kind\": \"diffuse\", \"albedo\": 0.7, "             \
@@ -179,6 +200,7 @@ int main(int argument_count, char **arguments)
     const struct CMUnitTest tests[] = {
         {"rough_mirrors_reflect_as_dice_do_egl", rough_mirrors_reflect_as_dice_do, NULL, NULL, &egl},
         {"rough_mirrors_reflect_as_dice_do_osmesa", rough_mirrors_reflect_as_dice_do, NULL, NULL, &osmesa},
+        cmocka_unit_test(what_is_refracted_gets_in),
         cmocka_unit_test(rough_glass_is_on_average_that_of_the_reference),
         cmocka_unit_test(dice_fall_alike_on_both_backends),
     };
