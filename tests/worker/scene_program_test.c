@@ -5,6 +5,7 @@
 #include "core/job_json.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
+#include "tests/support/shader_text.h"
 #include "tests/support/temp_folder.h"
 #include "worker/gl_program.h"
 #include "worker/scene_inputs.h"
@@ -15,7 +16,6 @@
 #include <stdarg.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 
 #include <cmocka.h>
 
@@ -51,28 +51,18 @@ static void release(struct scene_program *program, struct job *job)
     job_finish(job);
 }
 
-static void assert_has(const struct scene_program *program, const char *text)
-{
-    if (!strstr(program->fragment, text)) fail_msg("expected \"%s\" in the shader", text);
-}
-
-static void assert_lacks(const struct scene_program *program, const char *text)
-{
-    if (strstr(program->fragment, text)) fail_msg("expected no \"%s\" in the shader", text);
-}
-
 static void a_scene_without_lights_has_no_shadow_code(void **state)
 {
     struct scene_program program;
     struct job job;
 
     assemble(&program, &job, BALL_JOB_SIGMA_S_1, BALL_JOB_MIDPOINT);
-    assert_lacks(&program, "transmittance_");
-    assert_lacks(&program, "MediaColumn");
-    assert_lacks(&program, "phase");
-    assert_lacks(&program, "light_");
-    assert_lacks(&program, "LightSample");
-    assert_lacks(&program, "sigma_s");
+    shader_text_assert_lacks(&program, "transmittance_");
+    shader_text_assert_lacks(&program, "MediaColumn");
+    shader_text_assert_lacks(&program, "phase");
+    shader_text_assert_lacks(&program, "light_");
+    shader_text_assert_lacks(&program, "LightSample");
+    shader_text_assert_lacks(&program, "sigma_s");
     release(&program, &job);
 }
 
@@ -97,12 +87,12 @@ static void what_is_not_asked_for_is_not_written(void **state)
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     job.output.has_depth = job.output.has_transmittance = false;
     assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
-    assert_lacks(&program, "depth_half");
-    assert_lacks(&program, "out float depth");
-    assert_lacks(&program, "out vec4 transmittance");
-    assert_lacks(&program, "emission");
-    assert_lacks(&program, "background");
-    assert_lacks(&program, "FrameUniforms");
+    shader_text_assert_lacks(&program, "depth_half");
+    shader_text_assert_lacks(&program, "out float depth");
+    shader_text_assert_lacks(&program, "out vec4 transmittance");
+    shader_text_assert_lacks(&program, "emission");
+    shader_text_assert_lacks(&program, "background");
+    shader_text_assert_lacks(&program, "FrameUniforms");
     release(&program, &job);
 }
 
@@ -113,10 +103,10 @@ static void lobes_that_weigh_nothing_or_lean_nowhere_cost_nothing(void **state)
 
     assemble(&program, &job, BALL_JOB_SIGMA_S_1 ", \"phase\": [{\"g\": 0.7, \"weight\": 0}, {\"g\": 0, \"weight\": 1}]",
              BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    assert_lacks(&program, "henyey_greenstein");
-    assert_lacks(&program, "medium_0_lobe_0");
-    assert_lacks(&program, "medium_0_lobe_1_g");
-    assert_has(&program, "return medium_0_lobe_1_weight * phase_isotropic();");
+    shader_text_assert_lacks(&program, "henyey_greenstein");
+    shader_text_assert_lacks(&program, "medium_0_lobe_0");
+    shader_text_assert_lacks(&program, "medium_0_lobe_1_g");
+    shader_text_assert_has(&program, "return medium_0_lobe_1_weight * phase_isotropic();");
     release(&program, &job);
 }
 
@@ -126,10 +116,10 @@ static void emission_alone_has_no_extinction(void **state)
     struct job job;
 
     assemble(&program, &job, media[2], BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    assert_lacks(&program, "sigma_t");
-    assert_lacks(&program, "gathered.transmittance");
-    assert_lacks(&program, "segment(");
-    assert_has(&program, "medium_0_emission");
+    shader_text_assert_lacks(&program, "sigma_t");
+    shader_text_assert_lacks(&program, "gathered.transmittance");
+    shader_text_assert_lacks(&program, "segment(");
+    shader_text_assert_has(&program, "medium_0_emission");
     release(&program, &job);
 }
 
@@ -159,14 +149,14 @@ static void even_media_without_light_are_not_marched(void **state)
     struct job job;
 
     assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
-    assert_has(&program, "integrator_stretches(");
-    assert_has(&program, "#define Spectrum float");
-    assert_lacks(&program, "#define Spectrum vec3");
-    assert_lacks(&program, "march_was_cut");
-    assert_lacks(&program, "MARCH_LIMIT");
-    assert_lacks(&program, "span_has(spans");
-    assert_lacks(&program, "_share");
-    assert_lacks(&program, "smoothstep");
+    shader_text_assert_has(&program, "integrator_stretches(");
+    shader_text_assert_has(&program, "#define Spectrum float");
+    shader_text_assert_lacks(&program, "#define Spectrum vec3");
+    shader_text_assert_lacks(&program, "march_was_cut");
+    shader_text_assert_lacks(&program, "MARCH_LIMIT");
+    shader_text_assert_lacks(&program, "span_has(spans");
+    shader_text_assert_lacks(&program, "_share");
+    shader_text_assert_lacks(&program, "smoothstep");
     release(&program, &job);
 }
 
@@ -176,15 +166,15 @@ static void even_media_cast_shadows_without_a_march(void **state)
     struct job job;
 
     assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    assert_has(&program, "transmittance_closed(");
-    assert_lacks(&program, "transmittance_midpoint(");
-    assert_lacks(&program, "media_column_add");
-    assert_has(&program, "integrator_midpoint(");
+    shader_text_assert_has(&program, "transmittance_closed(");
+    shader_text_assert_lacks(&program, "transmittance_midpoint(");
+    shader_text_assert_lacks(&program, "media_column_add");
+    shader_text_assert_has(&program, "integrator_midpoint(");
     release(&program, &job);
     assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " EQUIANGULAR);
-    assert_has(&program, "placement_angle_at(");
-    assert_lacks(&program, "placement_transmittance_at(");
-    assert_lacks(&program, "march_was_cut");
+    shader_text_assert_has(&program, "placement_angle_at(");
+    shader_text_assert_lacks(&program, "placement_transmittance_at(");
+    shader_text_assert_lacks(&program, "march_was_cut");
     release(&program, &job);
 }
 
@@ -197,14 +187,14 @@ static void jittered_marches_draw_and_stretches_do_not(void **state)
 
     snprintf(rest, sizeof rest, BALL_JOB_POINT_LIGHT ", %s", jittered);
     assemble(&program, &job, BALL_JOB_SIGMA_S_1, rest);
-    assert_has(&program, "integrator_jittered(IntegratorJittered(5.0");
-    assert_has(&program, "transmittance_jittered(TransmittanceJittered(5.0");
-    assert_has(&program, "random_start(uvec2(gl_FragCoord.xy)");
-    assert_lacks(&program, "_midpoint(");
+    shader_text_assert_has(&program, "integrator_jittered(IntegratorJittered(5.0");
+    shader_text_assert_has(&program, "transmittance_jittered(TransmittanceJittered(5.0");
+    shader_text_assert_has(&program, "random_start(uvec2(gl_FragCoord.xy)");
+    shader_text_assert_lacks(&program, "_midpoint(");
     release(&program, &job);
     assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_A_1, jittered);
-    assert_has(&program, "integrator_stretches(");
-    assert_lacks(&program, "random_");
+    shader_text_assert_has(&program, "integrator_stretches(");
+    shader_text_assert_lacks(&program, "random_");
     release(&program, &job);
 }
 
@@ -215,9 +205,9 @@ static void a_falloff_alone_is_smoothed(void **state)
 
     assemble_density(&program, &job, EVEN_BALL ", \"falloff\": 0.2}", BALL_JOB_SIGMA_S_1,
                      BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    assert_has(&program, "smoothstep");
-    assert_has(&program, "field.medium_0_share * medium_0_density(");
-    assert_has(&program, "transmittance_midpoint(");
+    shader_text_assert_has(&program, "smoothstep");
+    shader_text_assert_has(&program, "field.medium_0_share * medium_0_density(");
+    shader_text_assert_has(&program, "transmittance_midpoint(");
     release(&program, &job);
 }
 
@@ -227,9 +217,9 @@ static void a_medium_without_density_costs_nothing(void **state)
     struct job job;
 
     assemble_density(&program, &job, EVEN_BALL "}, \"scale\": 0", BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
-    assert_lacks(&program, "medium_0");
-    assert_lacks(&program, "region_");
-    assert_lacks(&program, "camera_");
+    shader_text_assert_lacks(&program, "medium_0");
+    shader_text_assert_lacks(&program, "region_");
+    shader_text_assert_lacks(&program, "camera_");
     release(&program, &job);
 }
 
@@ -240,8 +230,8 @@ static void rayleigh_is_there_when_a_lobe_is(void **state)
 
     assemble(&program, &job, BALL_JOB_SIGMA_S_1 ", \"phase\": [{\"kind\": \"rayleigh\"}]",
              BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    assert_has(&program, "phase_rayleigh(dot(incoming, outgoing))");
-    assert_lacks(&program, "henyey_greenstein");
+    shader_text_assert_has(&program, "phase_rayleigh(dot(incoming, outgoing))");
+    shader_text_assert_lacks(&program, "henyey_greenstein");
     release(&program, &job);
 }
 
@@ -253,8 +243,8 @@ static void only_what_moves_is_a_uniform(void **state)
 
     example_job_load(&job, "cloud");
     assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
-    assert_has(&program, "    mat3 medium_0_rotation;\n    vec3 light_0_position;\n} frame;");
-    assert_has(&program, "const float medium_0_offset = 0.0599999987;");
+    shader_text_assert_has(&program, "    mat3 medium_0_rotation;\n    vec3 light_0_position;\n} frame;");
+    shader_text_assert_has(&program, "const float medium_0_offset = 0.0599999987;");
     assert_int_equal(program.uniforms.size_bytes, 64);
     assert_true(frame_uniforms_pack(&program.uniforms, &(struct frame_moment){.time = 2}, bytes, NULL));
     // -0.4 and -0.2 rad after two seconds; the second column of Ry Rx, then the light.
@@ -321,37 +311,6 @@ static void generated_lines_are_those_of_the_whole_text(void **state)
     release(&program, &job);
 }
 
-static void write_shaders(void **state, const struct scene_program *program, size_t index)
-{
-    char name[32];
-
-    snprintf(name, sizeof name, "%zu.frag", index);
-    assert_true(file_write_atomic(temp_folder_path(state, name), program->fragment, strlen(program->fragment), NULL));
-    assert_true(
-        file_write_atomic(temp_folder_path(state, "fullscreen.vert"), program->vertex, strlen(program->vertex), NULL));
-}
-
-// Runs glslangValidator over what was written.
-static void assert_shaders_are_valid(void **state)
-{
-    char command[1200];
-    int status;
-
-    snprintf(command, sizeof command, "cd %s && glslangValidator *.frag *.vert > log 2>&1", (char *)*state);
-    status = system(command);
-    if (WEXITSTATUS(status) == 127) {
-        print_message("skipped: glslangValidator is not installed\n");
-        skip();
-    }
-    if (status != 0) {
-        char *log = NULL;
-        size_t length;
-
-        (void)file_read_text(temp_folder_path(state, "log"), 1 << 20, &log, &length, NULL);
-        fail_msg("glslangValidator: %s", log ? log : "");
-    }
-}
-
 static void every_example_is_valid_glsl(void **state)
 {
     glob_t found;
@@ -370,7 +329,7 @@ static void every_example_is_valid_glsl(void **state)
         example_job_load(&job, name);
         if (scene_inputs_open(&inputs, &job, frame_range_at(&job.frames, 0), NULL, NULL, &error)) {
             if (!scene_program_init(&program, &job, &inputs, NULL, &error)) fail_msg("%s", error.message);
-            write_shaders(state, &program, i);
+            shader_text_keep(state, &program, i);
             scene_program_finish(&program);
         } else {
             print_message("without %s: %s\n", name, error.message);
@@ -378,7 +337,7 @@ static void every_example_is_valid_glsl(void **state)
         scene_inputs_finish(&inputs);
         job_finish(&job);
     }
-    assert_shaders_are_valid(state);
+    shader_text_assert_valid(state);
     globfree(&found);
 }
 
@@ -393,10 +352,10 @@ static void every_combination_of_features_is_valid_glsl(void **state)
         ball_job_parse(&job, media[i % 5], rest);
         job.output.has_depth = job.output.has_transmittance = i / 90 == 0;
         assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
-        write_shaders(state, &program, i);
+        shader_text_keep(state, &program, i);
         release(&program, &job);
     }
-    assert_shaders_are_valid(state);
+    shader_text_assert_valid(state);
 }
 
 static void every_region_and_method_is_valid_glsl(void **state)
@@ -423,10 +382,10 @@ static void every_region_and_method_is_valid_glsl(void **state)
         if ((method == 2 && density > 3) || (method == 1 && (density == 0 || density == 3))) continue;
         snprintf(rest, sizeof rest, "%s%s", lights[i / 6 % 3], methods[method]);
         assemble_density(&program, &job, densities[density], media[i / 18 % 5], rest);
-        write_shaders(state, &program, i);
+        shader_text_keep(state, &program, i);
         release(&program, &job);
     }
-    assert_shaders_are_valid(state);
+    shader_text_assert_valid(state);
 }
 
 static void a_module_folder_overrides_what_it_has(void **state)
@@ -439,8 +398,8 @@ static void a_module_folder_overrides_what_it_has(void **state)
     assert_int_equal(mkdir(temp_folder_path(state, "region"), 0700), 0);
     assert_true(file_write_atomic(temp_folder_path(state, "region/sphere.glsl"), text, sizeof text - 1, NULL));
     assert_true(scene_program_init(&program, &job, NULL, *state, NULL));
-    assert_has(&program, "// Mine.");
-    assert_has(&program, "density_fold_fractal_at");
+    shader_text_assert_has(&program, "// Mine.");
+    shader_text_assert_has(&program, "density_fold_fractal_at");
     release(&program, &job);
 }
 

@@ -1,16 +1,13 @@
 // What the shader of a scene with objects has, and has not.
 #include "core/error.h"
-#include "core/file.h"
 #include "tests/support/object_job.h"
+#include "tests/support/shader_text.h"
 #include "tests/support/temp_folder.h"
 #include "worker/scene_program.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/wait.h>
 
 #include <cmocka.h>
 
@@ -35,27 +32,17 @@ static void release(struct scene_program *program, struct job *job)
     job_finish(job);
 }
 
-static void assert_has(const struct scene_program *program, const char *text)
-{
-    if (!strstr(program->fragment, text)) fail_msg("expected \"%s\" in the shader", text);
-}
-
-static void assert_lacks(const struct scene_program *program, const char *text)
-{
-    if (strstr(program->fragment, text)) fail_msg("expected no \"%s\" in the shader", text);
-}
-
 static void without_objects_there_are_no_surfaces(void **state)
 {
     struct scene_program program;
     struct job job;
 
     assemble(&program, &job, FOG OBJECTS(""), OBJECT_JOB_LIGHT ", " OBJECT_JOB_QUALITY);
-    assert_lacks(&program, "surface");
-    assert_lacks(&program, "shape_");
-    assert_lacks(&program, "path");
-    assert_lacks(&program, "Path");
-    assert_lacks(&program, "media_spans_in");
+    shader_text_assert_lacks(&program, "surface");
+    shader_text_assert_lacks(&program, "shape_");
+    shader_text_assert_lacks(&program, "path");
+    shader_text_assert_lacks(&program, "Path");
+    shader_text_assert_lacks(&program, "media_spans_in");
     release(&program, &job);
 }
 
@@ -65,15 +52,15 @@ static void diffuse_objects_end_rays(void **state)
     struct job job;
 
     assemble(&program, &job, OBJECTS(OBJECT_JOB_FLOOR(OBJECT_JOB_GREY)), OBJECT_JOB_LIGHT ", " OBJECT_JOB_QUALITY);
-    assert_has(&program, "#define Spectrum float");
-    assert_has(&program, "surface_lit(");
-    assert_lacks(&program, "#define Spectrum vec3");
-    assert_lacks(&program, "path_send");
-    assert_lacks(&program, "path_wait");
-    assert_lacks(&program, "out vec4 paths");
-    assert_lacks(&program, "fresnel");
-    assert_lacks(&program, "random");
-    assert_lacks(&program, "Media");
+    shader_text_assert_has(&program, "#define Spectrum float");
+    shader_text_assert_has(&program, "surface_lit(");
+    shader_text_assert_lacks(&program, "#define Spectrum vec3");
+    shader_text_assert_lacks(&program, "path_send");
+    shader_text_assert_lacks(&program, "path_wait");
+    shader_text_assert_lacks(&program, "out vec4 paths");
+    shader_text_assert_lacks(&program, "fresnel");
+    shader_text_assert_lacks(&program, "random");
+    shader_text_assert_lacks(&program, "Media");
     assert_false(program.features.has_paths);
     release(&program, &job);
 }
@@ -85,10 +72,10 @@ static void without_lights_diffuse_objects_are_black(void **state)
 
     assemble(&program, &job, OBJECTS(OBJECT_JOB_FLOOR("\"kind\": \"diffuse\", \"albedo\": [1, 0, 0]")),
              OBJECT_JOB_QUALITY);
-    assert_has(&program, "#define Spectrum float");
-    assert_lacks(&program, "albedo");
-    assert_lacks(&program, "shadow(");
-    assert_lacks(&program, "light_");
+    shader_text_assert_has(&program, "#define Spectrum float");
+    shader_text_assert_lacks(&program, "albedo");
+    shader_text_assert_lacks(&program, "shadow(");
+    shader_text_assert_lacks(&program, "light_");
     release(&program, &job);
 }
 
@@ -98,14 +85,14 @@ static void mirrors_send_one_ray_on(void **state)
     struct job job;
 
     assemble(&program, &job, OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_MIRROR)), OBJECT_JOB_LIGHT ", " OBJECT_JOB_QUALITY);
-    assert_has(&program, "bool path_is_waiting");
-    assert_has(&program, "out vec4 paths");
-    assert_lacks(&program, "path_parked");
-    assert_lacks(&program, "fresnel");
-    assert_lacks(&program, "snell");
-    assert_lacks(&program, "rough_");
-    assert_lacks(&program, "random");
-    assert_lacks(&program, "light_");
+    shader_text_assert_has(&program, "bool path_is_waiting");
+    shader_text_assert_has(&program, "out vec4 paths");
+    shader_text_assert_lacks(&program, "path_parked");
+    shader_text_assert_lacks(&program, "fresnel");
+    shader_text_assert_lacks(&program, "snell");
+    shader_text_assert_lacks(&program, "rough_");
+    shader_text_assert_lacks(&program, "random");
+    shader_text_assert_lacks(&program, "light_");
     release(&program, &job);
 }
 
@@ -115,20 +102,20 @@ static void glass_sends_two_rays_on(void **state)
     struct job job;
 
     assemble(&program, &job, OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_GLASS)), OBJECT_JOB_QUALITY);
-    assert_has(&program, "path_parked");
-    assert_has(&program, "fresnel_exact(");
-    assert_lacks(&program, "fresnel_schlick");
-    assert_lacks(&program, "surface_box");
-    assert_lacks(&program, "region_plane");
-    assert_lacks(&program, "random");
+    shader_text_assert_has(&program, "path_parked");
+    shader_text_assert_has(&program, "fresnel_exact(");
+    shader_text_assert_lacks(&program, "fresnel_schlick");
+    shader_text_assert_lacks(&program, "surface_box");
+    shader_text_assert_lacks(&program, "region_plane");
+    shader_text_assert_lacks(&program, "random");
     release(&program, &job);
     assemble(&program, &job, OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_GLASS ", \"fresnel\": \"none\"" ROUGH)),
              OBJECT_JOB_QUALITY);
-    assert_lacks(&program, "path_parked");
-    assert_lacks(&program, "fresnel_exact");
-    assert_has(&program, "fresnel_none(");
-    assert_has(&program, "rough_normal(");
-    assert_has(&program, "random_start(");
+    shader_text_assert_lacks(&program, "path_parked");
+    shader_text_assert_lacks(&program, "fresnel_exact");
+    shader_text_assert_has(&program, "fresnel_none(");
+    shader_text_assert_has(&program, "rough_normal(");
+    shader_text_assert_has(&program, "random_start(");
     release(&program, &job);
 }
 
@@ -142,10 +129,10 @@ static void interiors_that_only_absorb_are_not_marched(void **state)
              OBJECTS(OBJECT_JOB_FLOOR(OBJECT_JOB_GREY) ", " OBJECT_JOB_BALL(
                  OBJECT_JOB_GLASS ", \"interior\": {\"sigma_s\": 0, \"sigma_a\": 0.5}")),
              OBJECT_JOB_LIGHT ", " OBJECT_JOB_QUALITY);
-    assert_has(&program, "integrator_stretches(");
-    assert_has(&program, "transmittance_closed(");
-    assert_has(&program, "region == 2 ? span_meet(spans.medium_0, piece)");
-    assert_lacks(&program, "integrator_midpoint");
+    shader_text_assert_has(&program, "integrator_stretches(");
+    shader_text_assert_has(&program, "transmittance_closed(");
+    shader_text_assert_has(&program, "region == 2 ? span_meet(spans.medium_0, piece)");
+    shader_text_assert_lacks(&program, "integrator_midpoint");
     release(&program, &job);
 }
 
@@ -161,35 +148,6 @@ static const char *const materials[] = {
     OBJECT_JOB_GLASS ", \"fresnel\": \"none\"",
 };
 enum { MATERIALS = sizeof materials / sizeof *materials };
-
-static void write_shader(void **state, const struct scene_program *program, size_t index)
-{
-    char name[32];
-
-    snprintf(name, sizeof name, "%zu.frag", index);
-    assert_true(file_write_atomic(temp_folder_path(state, name), program->fragment, strlen(program->fragment), NULL));
-}
-
-// Runs glslangValidator over what was written.
-static void assert_shaders_are_valid(void **state)
-{
-    char command[1200];
-    int status;
-
-    snprintf(command, sizeof command, "cd %s && glslangValidator *.frag > log 2>&1", (char *)*state);
-    status = system(command);
-    if (WEXITSTATUS(status) == 127) {
-        print_message("skipped: glslangValidator is not installed\n");
-        skip();
-    }
-    if (status != 0) {
-        char *log = NULL;
-        size_t length;
-
-        (void)file_read_text(temp_folder_path(state, "log"), 1 << 20, &log, &length, NULL);
-        fail_msg("glslangValidator: %s", log ? log : "");
-    }
-}
 
 static void assemble_combination(void **state, size_t index)
 {
@@ -213,7 +171,7 @@ static void assemble_combination(void **state, size_t index)
     snprintf(others, sizeof others, "%s%s%s", lights[rest / 2 % 2], rest % 3 == 0 ? "" : "\"background\": [1, 0, 0], ",
              methods[rest / 4 % 2]);
     assemble(&program, &job, scene, others);
-    write_shader(state, &program, index);
+    shader_text_keep(state, &program, index);
     release(&program, &job);
 }
 
@@ -222,7 +180,7 @@ static void every_combination_of_materials_is_valid_glsl(void **state)
     // Each pair of materials once, in settings that take turns.
     for (size_t i = 0; i < (size_t)MATERIALS * MATERIALS; ++i)
         assemble_combination(state, i + (size_t)MATERIALS * MATERIALS * (i % 8));
-    assert_shaders_are_valid(state);
+    shader_text_assert_valid(state);
 }
 
 int main(void)
