@@ -293,6 +293,93 @@ static void roughness_of_one_keeps_light(void **state)
                                 .is_furnace = true});
 }
 
+// From a place in a room of 4 m, out of its middle or on planes through it, to corners, edges and what lies opposite.
+static char *write_room_cameras(uint64_t seed)
+{
+    char *text = NULL, *targets = NULL;
+    size_t length, targets_length;
+    FILE *out = open_memstream(&text, &length), *aims = open_memstream(&targets, &targets_length);
+    struct random random = {seed};
+
+    fputs("\"position\": {\"interpolation\": \"hold\", \"keys\": [", out);
+    for (int frame = 0; frame < FRAMES; ++frame) {
+        double from[3], to[3];
+
+        do {
+            for (int i = 0; i < 3; ++i) {
+                double kind = random_between(&random, 0, 3);
+
+                from[i] = 0.5 * nice_number(&random);
+                to[i] = kind < 1 ? 2 : kind < 2 ? -2 : from[i];
+            }
+        } while (from[0] == to[0] && from[2] == to[2]);
+        write_place(out, (frame - 0.5) / 24, from);
+        write_place(aims, (frame - 0.5) / 24, to);
+    }
+    fclose(aims);
+    fprintf(out, "]}, \"target\": {\"interpolation\": \"hold\", \"keys\": [%s]}", targets);
+    fclose(out);
+    free(targets);
+    return text;
+}
+
+static void assert_dark(const struct job *job, int32_t frame)
+{
+    struct studio_picture picture;
+
+    studio_render(job, frame, &picture);
+    for (int i = 0; i < 36; ++i)
+        if (picture.image.rgba[i] != (i % 4 == 3 ? 1.0f : 0.0f) || picture.image.transmittance[i - i % 4] != 0.0f)
+            fail_msg("frame %d: pixel %d lets %g through, and %g straight", (int)frame, i / 4, picture.image.rgba[i],
+                     picture.image.transmittance[i - i % 4]);
+    studio_finish(&picture);
+}
+
+static void assert_dark_room(const char *walls, uint64_t seed, double fov)
+{
+    char *cameras = write_room_cameras(seed);
+    const struct studio_scene scene = {.width_px = 3,
+                                       .height_px = 3,
+                                       .camera = {.fov = fov},
+                                       .moving_camera = cameras,
+                                       .background = "1",
+                                       .objects = walls,
+                                       .lights =
+                                           "{\"kind\": \"point\", \"falloff\": \"none\", \"position\": [0, 9, 0], "
+                                           "\"intensity\": 3}, {\"kind\": \"sun\", \"direction\": [1, -1, 1], "
+                                           "\"intensity\": 3}",
+                                       .quality = QUALITY,
+                                       .frames = "0-399"};
+    struct job job = {0};
+
+    studio_parse(&job, &scene);
+    for (int32_t frame = 0; frame < FRAMES; ++frame)
+        assert_dark(&job, frame);
+    job_finish(&job);
+    free(cameras);
+}
+
+#define SHINY WHITE ", \"specular\": 0.7"
+// Cut out of a block; of walls that lie flush; with glass that leans on them.
+#define CUT_ROOM BOX(0, 0, 0, 6, 6, 6, SHINY) ", " BOX(0, 0, 0, 4, 4, 4, GLASS(1))
+#define BUILT_ROOM                                                                                                     \
+    BOX(0, 2.5, 0, 4, 1, 4, SHINY)                                                                                     \
+    ", " BOX(0, -2.5, 0, 4, 1, 4, MIRROR) ", " BOX(2.5, 0, 0, 1, 6, 4, WHITE) ", " BOX(                                \
+        -2.5, 0, 0, 1, 6, 4, SHINY) ", " BOX(0, 0, 2.5, 6, 6, 1, MIRROR) ", " BOX(0, 0, -2.5, 6, 6, 1, WHITE)
+
+static void no_light_gets_into_a_room(void **state)
+{
+    static const char *const rooms[] = {
+        CUT_ROOM, BUILT_ROOM,
+        BUILT_ROOM ", " BOX(1.5, 1.5, 1.5, 1, 1, 1, GLASS(1.5)) ", " SPHERE(-1, -1, -1, 1, GLASS(1.5))};
+
+    (void)state;
+    for (size_t i = 0; i < 3; ++i) {
+        assert_dark_room(rooms[i], 41 + i, 1e-4);
+        assert_dark_room(rooms[i], 51 + i, 80);
+    }
+}
+
 int main(int argument_count, char **arguments)
 {
     static enum gl_backend osmesa = GL_BACKEND_OSMESA, egl = GL_BACKEND_EGL;
@@ -306,6 +393,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(far_from_the_origin_light_is_kept),
         cmocka_unit_test(a_ball_smaller_than_digits_ends_no_shadow_ray),
         cmocka_unit_test(roughness_of_one_keeps_light),
+        cmocka_unit_test(no_light_gets_into_a_room),
     };
 
     if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
