@@ -145,6 +145,43 @@ static void clip_goes_on_behind_two_mirrors(void **state)
     studio_finish(&picture);
 }
 
+// Half of the light passes a screen, a mirror behind it reflects 0.4, half of that passes the screen again, to a wall of
+// radiance 1 behind the camera.
+static double light_by_screen(const char *min_transmittance)
+{
+    char quality[128];
+    const struct studio_scene scene = {
+        .width_px = 1,
+        .height_px = 1,
+        .camera = {.position = {0, 0, 0}, .target = {0, 0, -1}, .fov = 1},
+        .lights = "{\"kind\": \"sun\", \"direction\": [-1, 0, 0.2], \"intensity\": 16.01904212}", // pi / cosine
+        .media = "{\"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"box\", \"center\": [0, 0, -1], "
+                 "\"size\": [1, 1, 1]}}, \"sigma_a\": 0.69314718056}",
+        .objects =
+            "{\"kind\": \"box\", \"center\": [0, 0, -2.5], \"size\": [1, 1, 1], \"material\": {\"kind\": "
+            "\"mirror\", \"reflectance\": 0.4}}, {\"kind\": \"plane\", \"point\": [0, 0, 2], \"normal\": [0, 0, -1], "
+            "\"material\": {\"kind\": \"diffuse\", \"albedo\": 1}}",
+        .quality = quality};
+    struct studio_picture picture;
+    double light;
+
+    snprintf(quality, sizeof quality, "\"method\": \"midpoint\", \"step\": 0.1, \"min_transmittance\": %s",
+             min_transmittance);
+    studio_shoot(&scene, &picture);
+    light = picture.image.rgba[0];
+    studio_finish(&picture);
+    return light;
+}
+
+// A ray that is over meets no surface; what is left of one counts from where it was sent.
+static void rays_that_are_over_meet_no_surface(void **state)
+{
+    (void)state;
+    assert_near(light_by_screen("0"), 0.1, 1e-5);
+    assert_near(light_by_screen("0.4"), 0.1, 1e-5);
+    assert_near(light_by_screen("0.6"), 0.0, 0.0);
+}
+
 // 1 m above a pane of ink of 1 m: what of the bent way lies before the clip's end.
 static void clipped_pane(const struct ray *ray, struct studio_light *light, const void *user)
 {
@@ -331,6 +368,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(clip_goes_on_behind_a_mirror),
         cmocka_unit_test(clip_goes_on_behind_two_mirrors),
         cmocka_unit_test(clip_goes_along_bent_rays),
+        cmocka_unit_test(rays_that_are_over_meet_no_surface),
         cmocka_unit_test(methods_agree),
         cmocka_unit_test(light_of_behind_adds),
         cmocka_unit_test(what_moves_is_where_it_is),

@@ -34,18 +34,20 @@ static struct vec3 random_normal(struct random *random, const struct ray *ray, d
     return (struct vec3){0, 1, 0};
 }
 
-// The mean light that comes back, and the mean of its square.
-static void throw_dice(const struct ray *ray, double roughness, double mean[3], double square[3])
+// The mean light that comes back, or through a boundary of that `eta`, and the mean of its square.
+static void throw_dice(const struct ray *ray, double roughness, double eta, double mean[3], double square[3])
 {
     static const double sigma[3] = {0.3, 1, 3};
     struct random random = {77};
     enum { COUNT = 40000 };
 
     for (int i = 0; i < COUNT; ++i) {
-        struct vec3 onwards = optics_reflect(ray->direction, random_normal(&random, ray, roughness));
+        struct vec3 normal = random_normal(&random, ray, roughness);
+        struct vec3 onwards = optics_reflect(ray->direction, normal);
 
+        if (eta > 0.0) assert_true(optics_refract(ray->direction, normal, eta, 1.0, &onwards));
         for (int c = 0; c < 3; ++c) {
-            // A ray that would enter the floor goes as far up.
+            // A ray that would enter the floor, or stay outside of it, goes as far the other way.
             double light = exp(-sigma[c] / fabs(onwards.y));
 
             mean[c] += light / COUNT;
@@ -54,7 +56,7 @@ static void throw_dice(const struct ray *ray, double roughness, double mean[3], 
     }
 }
 
-static void check_roughness(const char *objects, double roughness)
+static void check_roughness(const char *objects, double roughness, double eta)
 {
     enum { SAMPLES = 64, PIXELS = 64 };
     const struct studio_scene scene = {.width_px = 8,
@@ -69,7 +71,7 @@ static void check_roughness(const char *objects, double roughness)
     double mean[3] = {0, 0, 0}, square[3] = {0, 0, 0};
     struct studio_picture picture;
 
-    throw_dice(&ray, roughness, mean, square);
+    throw_dice(&ray, roughness, eta, mean, square);
     studio_shoot(&scene, &picture);
     for (int c = 0; c < 3; ++c) {
         double seen = 0.0, deviation = sqrt((square[c] - mean[c] * mean[c]) / (SAMPLES * PIXELS) * 1.2);
@@ -84,8 +86,22 @@ static void check_roughness(const char *objects, double roughness)
 static void rough_mirrors_reflect_as_dice_do(void **state)
 {
     studio_use(*(enum gl_backend *)*state);
-    check_roughness(ROUGH_FLOOR(0.2), 0.2);
-    check_roughness(ROUGH_FLOOR(1), 1);
+    check_roughness(ROUGH_FLOOR(0.2), 0.2, 0.0);
+    check_roughness(ROUGH_FLOOR(1), 1, 0.0);
+}
+
+// The slab takes the more, the less a ray is bent.
+#define ROUGH_WATER(roughness)                                                                                         \
+    "{\"kind\": \"plane\", \"point\": [0, 0, 0], \"material\": {\"kind\": \"dielectric\", \"ior\": 2.5, \"fresnel\": " \
+    "\"none\", \"roughness\": " #roughness                                                                             \
+    ", \"interior\": {\"sigma_a\": [0.3, 1, 3], \"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": "      \
+    "\"slab\", \"center\": [0, -2, 0], \"normal\": [0, 1, 0], \"thickness\": 1}}}}}"
+
+static void rough_water_refracts_as_dice_do(void **state)
+{
+    (void)state;
+    check_roughness(ROUGH_WATER(0.3), 0.3, 0.4);
+    check_roughness(ROUGH_WATER(1), 1, 0.4);
 }
 
 static void nothing_behind(const struct ray *ray, struct studio_light *light, const void *user)
@@ -200,6 +216,7 @@ int main(int argument_count, char **arguments)
     const struct CMUnitTest tests[] = {
         {"rough_mirrors_reflect_as_dice_do_egl", rough_mirrors_reflect_as_dice_do, NULL, NULL, &egl},
         {"rough_mirrors_reflect_as_dice_do_osmesa", rough_mirrors_reflect_as_dice_do, NULL, NULL, &osmesa},
+        cmocka_unit_test(rough_water_refracts_as_dice_do),
         cmocka_unit_test(what_is_refracted_gets_in),
         cmocka_unit_test(rough_glass_is_on_average_that_of_the_reference),
         cmocka_unit_test(dice_fall_alike_on_both_backends),
