@@ -8,6 +8,7 @@
 
 #include <assert.h>
 #include <cjson/cJSON.h>
+#include <ctype.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
@@ -335,24 +336,38 @@ bool json_check_array(const struct json_node *node, size_t min_count, size_t max
     return json_fail_expected(node, error, expected);
 }
 
+// What an object is goes with the key, for another kind may have it.
+static bool fail_unknown_key(const struct json_node *object, const char *key, const char *const names[],
+                             struct error *error)
+{
+    struct json_node kind = json_node_child(object, "kind"), method = json_node_child(object, "method");
+    const struct json_node *choice = cJSON_IsString(kind.value) ? &kind : &method;
+    const char *nearest = json_nearest_name(key, names);
+    struct json_writer shown = {0}, chosen = {0};
+
+    append_shown_string(&shown, key);
+    if (cJSON_IsString(choice->value)) append_shown_string(&chosen, choice->value->valuestring);
+    if (nearest)
+        json_fail(object, error, "unknown key %s, did you mean \"%s\"?", shown.text, nearest);
+    else if (chosen.text && strcmp(key, choice->key) != 0)
+        json_fail(object, error, "unknown key %s beside %s %s", shown.text, choice->key, chosen.text);
+    else
+        json_fail(object, error, "unknown key %s", shown.text);
+    json_writer_finish(&shown);
+    json_writer_finish(&chosen);
+    return false;
+}
+
 bool json_check_keys(const struct json_node *object, const char *const names[], struct error *error)
 {
     struct json_node member = {0};
 
     while (json_node_next(object, &member)) {
-        struct json_writer key = {0};
-        const char *nearest;
         size_t i = 0;
 
         while (names[i] && strcmp(names[i], member.key) != 0)
             i++;
-        if (names[i]) continue;
-        nearest = json_nearest_name(member.key, names);
-        append_shown_string(&key, member.key);
-        json_fail(object, error, "unknown key %s%s%s%s", key.text, nearest ? ", did you mean \"" : "",
-                  nearest ? nearest : "", nearest ? "\"?" : "");
-        json_writer_finish(&key);
-        return false;
+        if (!names[i]) return fail_unknown_key(object, member.key, names, error);
     }
     return true;
 }
@@ -401,7 +416,7 @@ static size_t min3(size_t a, size_t b, size_t c)
     return ab < c ? ab : c;
 }
 
-// Insertions, deletions, substitutions and swaps of neighbours that lead from `a` to `b`, each at most NAME_LIMIT long.
+// Insertions, deletions, substitutions and swaps of neighbours, upper and lower case being one, that lead from `a` to `b`, each at most NAME_LIMIT long.
 enum { NAME_LIMIT = 48 };
 
 static size_t edit_distance(const char *a, const char *b)
@@ -417,7 +432,7 @@ static size_t edit_distance(const char *a, const char *b)
 
         current[0] = i;
         for (size_t j = 1; j <= b_length; j++) {
-            bool differs = a[i - 1] != b[j - 1];
+            bool differs = tolower((unsigned char)a[i - 1]) != tolower((unsigned char)b[j - 1]);
             bool is_swap = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
 
             current[j] = min3(previous[j] + 1, current[j - 1] + 1, previous[j - 1] + differs);
@@ -434,7 +449,7 @@ const char *json_nearest_name(const char *text, const char *const names[])
 {
     const char *nearest = NULL;
     size_t length = strlen(text);
-    size_t limit = length < 3 ? 1 : 1 + length / 3;
+    size_t limit = length < 4 ? 1 : 1 + length / 3;
 
     if (length == 0 || length > NAME_LIMIT) return NULL;
     for (size_t i = 0; names[i]; i++) {

@@ -64,11 +64,12 @@ bool json_read_string(const struct json_node *node, const char **text, struct er
 bool json_read_enum(const struct json_node *node, const char *const names[], int *choice, struct error *error);
 bool json_check_object(const struct json_node *node, struct error *error);
 bool json_check_array(const struct json_node *node, size_t min_count, size_t max_count, struct error *error);
-// Refuses keys that `names` (ends in NULL) lacks: `unknown key "x", did you mean "y"?`.
+// Refuses keys that `names` (ends in NULL) lacks: `unknown key "x", did you mean "y"?`, where no name is near
+// `unknown key "x" beside kind "z"` in an object that has a `kind` or a `method`.
 bool json_check_keys(const struct json_node *object, const char *const names[], struct error *error);
 
 // The value as compact JSON; owned by the caller.
 char *json_format(const struct json_node *node);
 
-// The name of `names` (ends in NULL) nearest to `text`, or NULL when none is near.
+// The name of `names` (ends in NULL) nearest to `text`, upper or lower case, or NULL when none is near.
 const char *json_nearest_name(const char *text, const char *const names[]);

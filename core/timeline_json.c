@@ -57,6 +57,7 @@ static bool read_value(const struct json_node *node, const struct timeline_limit
                        double value[static 3], struct error *error)
 {
     enum json_type type = json_node_type(node);
+    double length;
 
     if (type == JSON_NUMBER && *components != 3) {
         *components = 1;
@@ -70,8 +71,9 @@ static bool read_value(const struct json_node *node, const struct timeline_limit
 
         if (!read_component(&child, limits, &value[i], error)) return false;
     }
-    if (limits->is_direction && hypot(hypot(value[0], value[1]), value[2]) < DIRECTION_LENGTH_MIN)
-        return json_fail_expected(node, error, "a vector whose length is not 0");
+    length = hypot(hypot(value[0], value[1]), value[2]);
+    if (limits->is_direction && length < DIRECTION_LENGTH_MIN)
+        return json_fail(node, error, "expected a vector whose length is not 0, got one of %g", length);
     return true;
 }
 

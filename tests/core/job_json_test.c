@@ -226,7 +226,7 @@ static void wrong_values_are_refused_by_place(void **state)
                         "scene.media[0] in steps of 1e-05 m");
     assert_edit_refused("quality.light_steps", "8",
                         "quality: unknown key \"light_steps\", did you mean \"light_step\"?");
-    assert_edit_refused("lights[1].falloff", "\"none\"", "lights[1]: unknown key \"falloff\"");
+    assert_edit_refused("lights[1].falloff", "\"none\"", "lights[1]: unknown key \"falloff\" beside kind \"sun\"");
 }
 
 static void names_take_128_printable_bytes(void **state)
@@ -282,7 +282,7 @@ static void geometry_without_a_picture_is_refused(void **state)
     assert_refused(other, "camera.up: expected a direction that is not along the view, got a parallel one at frame 1");
     free(other);
     other = json_edit_set(text, "camera.up", "[0, 0, 0]");
-    assert_refused(other, "camera.up: expected a vector whose length is not 0, got an array of 3");
+    assert_refused(other, "camera.up: expected a vector whose length is not 0, got one of 0");
     free(other);
     free(text);
     free(still);

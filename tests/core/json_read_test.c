@@ -230,11 +230,12 @@ static void enum_suggests_the_nearest_name(void **state)
 
 static void unknown_keys_are_refused_with_a_suggestion(void **state)
 {
-    static const char *const names[] = {"camera", "lights", NULL};
-    struct cJSON *root = parse("{\"a\":{\"camera\":1},\"b\":{\"camrea\":1},\"c\":{\"x\\ny\":1},\"d\":5}");
+    static const char *const names[] = {"camera", "lights", NULL}, *const kinds[] = {"kind", "radius", NULL};
+    struct cJSON *root = parse("{\"a\":{\"camera\":1},\"b\":{\"camrea\":1},\"c\":{\"x\\ny\":1},\"d\":5,"
+                               "\"e\":{\"kind\":\"a\\nb\",\"x\":1},\"f\":{\"method\":5,\"kind\":1}}");
     struct json_node node = json_node_root(root);
     struct json_node a = json_node_child(&node, "a"), b = json_node_child(&node, "b"), c = json_node_child(&node, "c");
-    struct json_node d = json_node_child(&node, "d");
+    struct json_node d = json_node_child(&node, "d"), e = json_node_child(&node, "e"), f = json_node_child(&node, "f");
     struct error error = {0};
 
     assert_true(json_check_keys(&a, names, NULL));
@@ -242,6 +243,12 @@ static void unknown_keys_are_refused_with_a_suggestion(void **state)
     assert_string_equal(error.message, "b: unknown key \"camrea\", did you mean \"camera\"?");
     assert_false(json_check_keys(&c, names, &error));
     assert_string_equal(error.message, "c: unknown key \"x\\ny\"");
+    assert_false(json_check_keys(&e, kinds, &error));
+    assert_string_equal(error.message, "e: unknown key \"x\" beside kind \"a\\nb\"");
+    assert_false(json_check_keys(&e, names, &error));
+    assert_string_equal(error.message, "e: unknown key \"kind\"");
+    assert_false(json_check_keys(&f, kinds, &error));
+    assert_string_equal(error.message, "f: unknown key \"method\"");
     assert_false(json_check_object(&d, &error));
     assert_string_equal(error.message, "d: expected an object, got 5");
     json_delete(root);
@@ -274,6 +281,9 @@ static void nearest_name_is_near_or_none(void **state)
     assert_string_equal(json_nearest_name("psoition", names), "position");
     assert_string_equal(json_nearest_name("taget", names), "target");
     assert_string_equal(json_nearest_name("fow", names), "fov");
+    assert_string_equal(json_nearest_name("FOV", names), "fov");
+    assert_string_equal(json_nearest_name("Target", names), "target");
+    assert_null(json_nearest_name("fin", names));
     assert_string_equal(json_nearest_name("fov", names), "fov");
     assert_null(json_nearest_name("zebra", names));
     assert_null(json_nearest_name("", names));

@@ -73,7 +73,7 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality.roulette.survive", "1", "quality.roulette.survive: expected a number in (0, 1), got 1"},
         {"quality.roulette.survive", NULL, "quality.roulette.survive: expected a number from 0 to 1, got nothing"},
         {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
-        {"quality.points", "3", "quality: unknown key \"points\""},
+        {"quality.points", "3", "quality: unknown key \"points\" beside method \"midpoint\""},
         {"quality.step_voxels", "1", "quality.step_voxels: expected step or step_voxels, got both"},
         {"quality.light_step_voxels", "1",
          "quality.light_step_voxels: expected light_step or light_step_voxels, got both"},
@@ -81,7 +81,7 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.step_voxels: expected a density of kind \"grid\" to take the voxels of, got none"},
         {"quality", "{\"method\":\"equiangular\"}", "quality.points: expected an integer from 1 to 1000, got nothing"},
         {"quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4,\"roulette\":{}}",
-         "quality: unknown key \"roulette\""},
+         "quality: unknown key \"roulette\" beside method \"riemann\""},
     };
 
     for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {

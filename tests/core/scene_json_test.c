@@ -197,7 +197,7 @@ static void wrong_timelines_are_refused_by_place(void **state)
     assert_edit_refused("camera.position.orbit.period", "0",
                         "camera.position.orbit.period: expected a number of seconds that is not 0, got 0");
     assert_edit_refused("camera.position.orbit.axis", "[0,0,0]",
-                        "camera.position.orbit.axis: expected a vector whose length is not 0, got an array of 3");
+                        "camera.position.orbit.axis: expected a vector whose length is not 0, got one of 0");
     assert_edit_refused("camera.fov", "{}",
                         "camera.fov: expected start and rate, lissajous, keys or orbit, got an object");
     assert_edit_refused(
@@ -340,13 +340,14 @@ static void wrong_noise_and_bounds_are_refused_by_place(void **state)
     assert_noise_edit_refused("scene.media[1].density.bounds.size", "[1,-1,1]",
                               "scene.media[1].density.bounds.size[1]: expected a number in (0, 1000000000], got -1");
     assert_noise_edit_refused("scene.media[1].density.bounds.radius", "1",
-                              "scene.media[1].density.bounds: unknown key \"radius\"");
+                              "scene.media[1].density.bounds: unknown key \"radius\" beside kind \"box\"");
     assert_noise_edit_refused("scene.media[0].density.bounds.kind", "\"cone\"",
                               "scene.media[0].density.bounds.kind: expected one of \"sphere\",\"box\",\"slab\", got "
                               "\"cone\"");
-    assert_noise_edit_refused("scene.media[0].phase[0].g", "0", "scene.media[0].phase[0]: unknown key \"g\"");
+    assert_noise_edit_refused("scene.media[0].phase[0].g", "0",
+                              "scene.media[0].phase[0]: unknown key \"g\" beside kind \"rayleigh\"");
     assert_noise_edit_refused("scene.media[0].density.iterations", "3",
-                              "scene.media[0].density: unknown key \"iterations\"");
+                              "scene.media[0].density: unknown key \"iterations\" beside kind \"noise\"");
     assert_noise_edit_refused("camera.shutter", "-1", "camera.shutter: expected a number from 0 to 1000, got -1");
 }
 
