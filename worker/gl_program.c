@@ -108,11 +108,43 @@ static unsigned compile(const struct gl_functions *gl, GLenum stage, const char 
     return 0;
 }
 
+// Images that a shader samples, as its text declares them.
+static int count_samplers(const char *text)
+{
+    int count = 0;
+
+    for (const char *at = strstr(text, "\nlayout(binding = "); at; at = strstr(at + 1, "\nlayout(binding = ")) {
+        const char *sampler = strstr(at, "sampler");
+
+        count += sampler && sampler < at + 1 + strcspn(at + 1, "\n");
+    }
+    return count;
+}
+
+// GL's words for too many images are the driver's, and say neither how many there are nor what they belong to.
+static void tell_link_failure(const struct gl_functions *gl, unsigned program, const char *fragment,
+                              struct error *error)
+{
+    int count = count_samplers(fragment);
+    char log[4096] = "";
+    GLint limit = 0;
+
+    gl->GetProgramInfoLog(program, sizeof log, NULL, log);
+    log_debug("shader:\n%s", log);
+    gl->GetIntegerv(GL_MAX_TEXTURE_IMAGE_UNITS, &limit);
+    if (count > limit)
+        error_set(error,
+                  "scene: its textures and grids are %d images, of which GL here takes %d; expected fewer objects with "
+                  "a texture or fewer media with a grid",
+                  count, limit);
+    else
+        error_set(error, "shader: does not link: %s", log);
+}
+
 unsigned gl_program_create(const struct gl_functions *gl, const struct gl_program_params *params, struct error *error)
 {
     static const char *const vertex_name = "fullscreen.vert";
     unsigned vertex = 0, fragment = 0, program = 0;
-    char log[4096] = "";
     GLint ok = GL_FALSE;
 
     vertex = compile(gl, GL_VERTEX_SHADER, params->vertex, &vertex_name, 1, error);
@@ -125,8 +157,7 @@ unsigned gl_program_create(const struct gl_functions *gl, const struct gl_progra
     gl->LinkProgram(program);
     gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
     if (!ok) {
-        gl->GetProgramInfoLog(program, sizeof log, NULL, log);
-        error_set(error, "shader: does not link: %s", log);
+        tell_link_failure(gl, program, params->fragment, error);
         gl->DeleteProgram(program);
         program = 0;
     }

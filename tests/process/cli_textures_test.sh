@@ -46,6 +46,15 @@ grep -q 'texture/linear.glsl' out || fail "the modules of a texture"
 expect 0 march explain jobs/floor.json --set scene.objects[0].material.texture.filter=nearest
 grep -q 'texture/linear.glsl' out && fail "nearest needs no interpolation"
 
+# More images than a shader samples: software GL takes 32. A grid with its heat is four of them.
+smoke=$PROJECT_ROOT/jobs/smoke/smoke.0001.nvdb
+jq -c --arg smoke "$smoke" '.scene.objects[0] as $object | .scene.objects = [range(13) | $object] |
+    .scene.media = [range(5) | { density: { kind: "grid", file: $smoke, grid: "density" }, sigma_s: 1, sigma_a: 1,
+                                 blackbody: { grid: "temperature", kelvin: 560 } }] |
+    .quality = { method: "midpoint", step_voxels: 4, light_step_voxels: 8 } | .frames = "0"' jobs/floor.json >jobs/many.json
+expect 1 march render jobs/many.json --backend osmesa --out many.####.exr
+grep -q 'scene: its textures and grids are 33 images, of which GL here takes 32; expected fewer' err || fail "too many images"
+
 # What cannot be read.
 image "$bright"
 truncate -s 60 jobs/tiles.png
