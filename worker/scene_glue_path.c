@@ -20,10 +20,12 @@ static void write_piece(FILE *out, const struct job *job, const struct scene_pro
     fputs(");\n", out);
 }
 
-// Opaque objects alone: the first one that is met stops it.
+// Opaque objects alone: the first one that is met stops it. A lamp that stands on a surface is before it.
 static void write_opaque_shadow(FILE *out, const struct job *job, const struct scene_program *program)
 {
-    fputs("        if (surface_next(shapes, 0.0, inside, left).at < light.distance) return spectrum(0.0);\n", out);
+    fputs("        float at = surface_next(shapes, 0.0, inside, left).at;\n"
+          "        if (shape_spans_reach(shapes, at) < light.distance) return spectrum(0.0);\n",
+          out);
     if (program->features.has_extinction)
         write_piece(out, job, program);
     else
@@ -44,7 +46,7 @@ static void write_regions_shadow(FILE *out, const struct job *job, const struct 
     fputs("    Spectrum passed = spectrum(1.0);\n    float from = 0.0;\n"
           "    for (int turn = 0; turn < MARCH_LIMIT; ++turn) {\n"
           "        SurfaceCrossing next = surface_next(shapes, from, inside, left);\n"
-          "        bool is_there = next.at >= light.distance;\n"
+          "        bool is_there = shape_spans_reach(shapes, next.at) >= light.distance;\n"
           "        int before = surface_region(inside);\n        int after = surface_region(next.inside);\n",
           out);
     if (has_opaque(&program->features))

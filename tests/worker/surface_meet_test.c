@@ -113,11 +113,52 @@ static void a_union_has_no_walls_within(void **state)
     }
 }
 
+static const struct vec3 lamp = {0.3, -1.3, 0.1};
+
+// A wall at z = -3 under an irradiance of pi where it faces the lamp.
+static void lit_wall(const struct ray *ray, struct studio_light *light, const void *user)
+{
+    double at = (-3.0 - ray->origin.z) / ray->direction.z;
+    struct vec3 point = ray_at(ray, at);
+
+    (void)user;
+    if (point.y < -1.29) return;
+    studio_set_color(light->radiance, 3.1 / vec3_length(vec3_subtract(lamp, point)));
+}
+
+static void check_lamp_on_a_floor(const char *objects)
+{
+    const struct studio_scene scene = {.width_px = 32,
+                                       .height_px = 32,
+                                       .camera = {.position = {0, 0.7, 2}, .target = {0, 0, -3}, .fov = 50},
+                                       .lights =
+                                           "{\"kind\": \"point\", \"falloff\": \"none\", \"position\": [0.3, -1.3, "
+                                           "0.1], \"intensity\": 3.141592653589793}",
+                                       .objects = objects};
+
+    studio_check(&scene, lit_wall, NULL, 1e-5, 0.5);
+}
+
+#define ROOM                                                                                                           \
+    "{\"kind\": \"plane\", \"point\": [0, -1.3, 0], \"material\": {" BLACK "}}, "                                      \
+    "{\"kind\": \"plane\", \"point\": [0, 0, -3], \"normal\": [0, 0, 1], \"material\": {" WHITE "}}"
+
+// The floor is as far as the lamp from everywhere.
+static void a_lamp_on_a_floor_is_above_it(void **state)
+{
+    (void)state;
+    check_lamp_on_a_floor(ROOM);
+    check_lamp_on_a_floor(ROOM
+                          ", {\"kind\": \"sphere\", \"center\": [0, 0, 9], \"radius\": 1, \"material\": {\"kind\": "
+                          "\"dielectric\", \"ior\": 1.5}}");
+}
+
 int main(int argument_count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_corner_reflects_twice),
         cmocka_unit_test(no_light_comes_through_a_corner),
+        cmocka_unit_test(a_lamp_on_a_floor_is_above_it),
         cmocka_unit_test(a_union_has_no_walls_within),
         cmocka_unit_test(the_last_of_flush_faces_is_seen_from_afar),
     };
