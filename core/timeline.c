@@ -60,8 +60,10 @@ static void evaluate_keys(const struct timeline *timeline, double time, double v
     if (timeline->keys.interpolation == TIMELINE_INTERPOLATE_HOLD) share = 0.0;
     if (timeline->keys.interpolation == TIMELINE_INTERPOLATE_SMOOTH) share = share * share * (3.0 - 2.0 * share);
     for (int i = 0; i < timeline->component_count; i++) {
-        value[i] = keys[before].value[i];
-        if (share > 0.0) value[i] = (1.0 - share) * keys[before].value[i] + share * keys[after].value[i];
+        double from = keys[before].value[i], to = share > 0.0 ? keys[after].value[i] : from;
+
+        // Rounding may go a digit past both, and so out of a range that holds them.
+        value[i] = fmax(fmin(from, to), fmin(fmax(from, to), (1.0 - share) * from + share * to));
     }
 }
 

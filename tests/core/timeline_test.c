@@ -97,6 +97,23 @@ static void linear_keys_join_by_straight_lines(void **state)
     assert_near(number_at(&timeline, 3.5), 5.0, ROUNDING);
 }
 
+// A value may rest at the end of its range.
+static void between_keys_no_value_is_beyond_them(void **state)
+{
+    static const double values[] = {0.1, 10, 0.99999, -0.99999, 1e9};
+
+    for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
+        for (int frame = 0; frame < 2400; frame++) {
+            struct timeline_key keys[] = {{0, {values[i]}}, {100, {values[i]}}, {101, {0}}};
+            struct timeline timeline = {
+                .kind = TIMELINE_KEYS,
+                .component_count = 1,
+                .keys = {keys, 3, frame % 2 ? TIMELINE_INTERPOLATE_LINEAR : TIMELINE_INTERPOLATE_SMOOTH}};
+
+            assert_true(number_at(&timeline, frame / 24.0) == values[i]);
+        }
+}
+
 static void smooth_keys_join_by_smoothstep(void **state)
 {
     struct timeline timeline = timeline_through_keys(TIMELINE_INTERPOLATE_SMOOTH);
@@ -254,6 +271,7 @@ int main(void)
         cmocka_unit_test(linear_keys_join_by_straight_lines),
         cmocka_unit_test(smooth_keys_join_by_smoothstep),
         cmocka_unit_test(held_keys_jump),
+        cmocka_unit_test(between_keys_no_value_is_beyond_them),
         cmocka_unit_test(each_of_many_keys_is_found),
         cmocka_unit_test(orbit_about_y_starts_at_x_and_goes_to_minus_z),
         cmocka_unit_test(orbit_about_z_goes_from_x_to_y),
