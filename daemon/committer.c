@@ -79,13 +79,23 @@ void committer_put(struct committer *committer, enum commit_policy policy, struc
 {
     struct commit_batch *batch = &committer->gathering;
 
-    batch->ops = xgrow(batch->ops, &batch->op_capacity, batch->op_count + op_count, sizeof *batch->ops);
-    memcpy(batch->ops + batch->op_count, ops, op_count * sizeof *ops);
+    if (op_count > 0) {
+        batch->ops = xgrow(batch->ops, &batch->op_capacity, batch->op_count + op_count, sizeof *batch->ops);
+        memcpy(batch->ops + batch->op_count, ops, op_count * sizeof *ops);
+    }
     batch->entries = xgrow(batch->entries, &batch->entry_capacity, batch->entry_count + 1, sizeof *batch->entries);
     batch->entries[batch->entry_count++] = (struct commit_entry){
         .first = batch->op_count, .count = op_count, .policy = policy, .on_done = on_done, .user = user};
     batch->op_count += op_count;
     start_batch(committer);
+}
+
+void committer_settle(struct committer *committer, committer_on_done *on_done, void *user)
+{
+    if (committer_is_idle(committer))
+        on_done(user, true, NULL);
+    else
+        committer_put(committer, COMMIT_REPORTED, NULL, 0, on_done, user);
 }
 
 size_t committer_waiting(const struct committer *committer)
@@ -113,14 +123,16 @@ static void gather_into_flight(struct committer *committer)
 {
     struct commit_batch *kept = &committer->in_flight, *batch = &committer->gathering;
 
-    kept->ops = xgrow(kept->ops, &kept->op_capacity, kept->op_count + batch->op_count, sizeof *kept->ops);
+    if (batch->op_count > 0) {
+        kept->ops = xgrow(kept->ops, &kept->op_capacity, kept->op_count + batch->op_count, sizeof *kept->ops);
+        memcpy(kept->ops + kept->op_count, batch->ops, batch->op_count * sizeof *kept->ops);
+    }
     kept->entries =
         xgrow(kept->entries, &kept->entry_capacity, kept->entry_count + batch->entry_count, sizeof *kept->entries);
     for (size_t i = 0; i < batch->entry_count; i++) {
         kept->entries[kept->entry_count] = batch->entries[i];
         kept->entries[kept->entry_count++].first += kept->op_count;
     }
-    memcpy(kept->ops + kept->op_count, batch->ops, batch->op_count * sizeof *kept->ops);
     kept->op_count += batch->op_count;
     batch->op_count = batch->entry_count = 0;
 }
@@ -128,15 +140,15 @@ static void gather_into_flight(struct committer *committer)
 static void start_batch(struct committer *committer)
 {
     if (committer->is_working || uv_is_active((uv_handle_t *)&committer->retry_timer)) return;
-    if (committer->in_flight.op_count == 0) {
+    if (committer->in_flight.entry_count == 0) {
         struct commit_batch emptied = committer->in_flight;
 
         committer->in_flight = committer->gathering;
         committer->gathering = emptied;
-    } else if (committer->gathering.op_count > 0) {
+    } else if (committer->gathering.entry_count > 0) {
         gather_into_flight(committer);
     }
-    if (committer->in_flight.op_count == 0) return;
+    if (committer->in_flight.entry_count == 0) return;
     committer->is_working = true;
     uv_queue_work(committer->loop, &committer->work, on_commit_run, on_commit_done);
 }
@@ -160,8 +172,10 @@ static void settle_success(struct committer *committer)
     struct commit_batch batch = committer->in_flight;
 
     committer->in_flight = (struct commit_batch){0};
-    if (committer->has_failed) log_info("store: commits again");
-    committer->has_failed = false;
+    if (batch.op_count > 0) { // no ops say nothing about the store
+        if (committer->has_failed) log_info("store: commits again");
+        committer->has_failed = false;
+    }
     start_batch(committer);
     for (size_t i = 0; i < batch.entry_count; i++)
         tell(&batch.entries[i], true, NULL);
@@ -185,7 +199,7 @@ static void settle_failure(struct committer *committer)
     for (size_t i = 0; i < batch.entry_count; i++) {
         struct commit_entry entry = batch.entries[i];
 
-        if (entry.policy == COMMIT_OR_DROP) {
+        if (entry.policy == COMMIT_OR_DROP || entry.count == 0) {
             for (size_t op = 0; op < entry.count; op++)
                 store_op_finish(&batch.ops[entry.first + op]);
             continue;

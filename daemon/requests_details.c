@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/json_write.h"
 #include "core/output_path.h"
+#include "daemon/committer.h"
 #include "daemon/farm.h"
 #include "daemon/options.h"
 #include "daemon/store_reader.h"
@@ -24,6 +25,8 @@ struct listed_frame {
 
 struct details_task {
     uv_work_t work;
+    uv_loop_t *loop; // borrowed; outlives us
+    uv_work_cb run;
     struct answer *answer;           // owned
     const struct job_record *record; // borrowed: id, root and path never change
     const char *state_folder;        // borrowed; outlives us
@@ -51,10 +54,20 @@ static struct details_task *create_task(struct request *request, const struct jo
     return task;
 }
 
+static void on_settled(void *user, bool ok, const struct error *error)
+{
+    struct details_task *task = user;
+
+    uv_queue_work(task->loop, &task->work, task->run, on_details_done);
+}
+
+// What the queue and the events have told already is on disk, if the store works, before it is read there.
 static enum request_outcome start_task(struct request *request, struct details_task *task, uv_work_cb run)
 {
     task->answer = answer_owe(request);
-    uv_queue_work(request->farm->loop, &task->work, run, on_details_done);
+    task->loop = request->farm->loop;
+    task->run = run;
+    committer_settle(request->farm->committer, on_settled, task);
     return REQUEST_OWED;
 }
 

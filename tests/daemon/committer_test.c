@@ -132,10 +132,46 @@ static void a_lasting_failure_is_told_to_who_comes_later(void **state)
     store_close(store);
 }
 
+// Who settles is told after the ops before, and nobody else's.
+static void settling_waits_for_what_was_put(void **state)
+{
+    static const int idle = 1, put_one = 2, behind = 3, later = 4;
+    struct store *store = open_store(*state);
+    struct committer *committer;
+    uv_loop_t loop;
+
+    told[0] = '\0';
+    uv_loop_init(&loop);
+    committer = committer_create(&loop, store);
+    committer_settle(committer, on_done, (void *)&idle);
+    assert_string_equal(told, "1+");
+    put(committer, COMMIT_CERTAIN, 1, &put_one);
+    committer_settle(committer, on_done, (void *)&behind);
+    assert_string_equal(told, "1+");
+    while (!committer_is_idle(committer) || !strchr(told, '3'))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2+ 3+");
+    // The id is taken: the batch fails, what asked is told, and no commit of nothing hides the trouble.
+    put(committer, COMMIT_OR_DROP, 1, &put_one);
+    committer_settle(committer, on_done, (void *)&behind);
+    while (!committer_trouble(committer) || !strchr(told + 8, '3'))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2+ 3+ 2- 3+");
+    assert_true(committer_is_idle(committer));
+    assert_non_null(committer_trouble(committer));
+    put(committer, COMMIT_CERTAIN, 2, &later);
+    while (!committer_is_idle(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2+ 3+ 2- 3+ 4+");
+    assert_null(committer_trouble(committer));
+    finish(&loop, committer, store);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(callbacks_come_in_order_after_the_commit, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(settling_waits_for_what_was_put, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_failed_batch_is_reported_dropped_or_kept_as_its_ops_wish, make_folder,
                                         remove_folder),
         cmocka_unit_test_setup_teardown(a_lasting_failure_is_told_to_who_comes_later, make_folder, remove_folder),

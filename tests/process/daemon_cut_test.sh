@@ -43,6 +43,13 @@ wait_state "$id" failed
 reason=$(ask job.frames "{\"id\":$id}" | jq -r '.result.frames[0].error')
 [[ $reason == *"taken 12.5 % of"*"expected a smaller min_throughput, or"* ]] || fail "the reason: $reason"
 
+# Who is told that a job failed can ask why at once.
+for _ in {1..20}; do
+    id=$(submit "$(hall few 0 0.5 '{"max_depth":3}')")
+    "$bin/march" wait "$id" >/dev/null 2>&1 && fail "the job did not fail"
+    expect "reasons" "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[] | select(.error)] | length')" 1
+done
+
 # Allowed, or little enough, the frame is made; its header says what was cut.
 id=$(submit "$(hall few 0 0.5 '{"max_depth":3,"max_cut":1}')")
 wait_state "$id" succeeded
