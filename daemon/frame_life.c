@@ -197,7 +197,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
                         struct job_record *record, struct hand_frame *frame)
 {
     struct queue_ticket ticket = frame->ticket;
-    char *log = worker_process_format_log(worker, report->error);
+    char *log = worker_process_take_log(worker, report->error);
     struct attempt_end end = {.record = record,
                               .ticket = ticket,
                               .fault = report->fault,
@@ -245,6 +245,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         leave_hand(record, worker, frame);
         break;
     }
+    if (worker->hand.count == 0) worker_process_forget_log(worker); // it is nobody else's
     farm_want_feed(farm);
     farm_note_change(farm, record);
 }
@@ -257,7 +258,7 @@ static bool is_suspect(const struct worker_process *worker, const struct hand_fr
 
 void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, const char *reason)
 {
-    char *log = worker_process_format_log(worker, reason);
+    char *log = worker_process_take_log(worker, reason);
     char *suspicion = worker->suspect ? xasprintf("%s: does density in %s end?", reason, worker->suspect) : NULL;
 
     while (worker->hand.count > 0) {

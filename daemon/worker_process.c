@@ -10,11 +10,13 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum {
     CHANNEL_FD = 3,
     LAST_WORDS_MS = 1000, // after its exit, for a grandchild may hold its pipes open
-    EXIT_MS = 5000        // after it closed its channel
+    EXIT_MS = 5000,       // after it closed its channel
+    READS_LIMIT = 16      // of errors that wait, so that one that never stops writing does not hold the loop
 };
 
 struct worker_write {
@@ -164,14 +166,19 @@ static void on_allocate_errors(uv_handle_t *handle, size_t suggested, uv_buf_t *
     *buffer = uv_buf_init(worker->log + worker->log_length, (unsigned)(WORKER_LOG_BYTES - worker->log_length));
 }
 
+static void note_errors(struct worker_process *worker, size_t count)
+{
+    log_debug("worker %d says: %.*s", worker->id, (int)count, worker->log + worker->log_length);
+    worker->log_length += count;
+    worker->log[worker->log_length] = '\0';
+}
+
 static void on_errors_read(uv_stream_t *stream, ssize_t count, const uv_buf_t *buffer)
 {
     struct worker_process *worker = stream->data;
 
     if (count > 0) {
-        log_debug("worker %d says: %.*s", worker->id, (int)count, buffer->base);
-        worker->log_length += (size_t)count;
-        worker->log[worker->log_length] = '\0';
+        note_errors(worker, (size_t)count);
     } else if (count < 0) {
         uv_read_stop(stream);
         worker->has_errors_ended = true;
@@ -257,9 +264,38 @@ char *worker_process_describe_end(const struct worker_process *worker)
     return xasprintf("exit status %lld", (long long)worker->exit_status);
 }
 
-char *worker_process_format_log(const struct worker_process *worker, const char *reason)
+// What it wrote before a message may be read after it, being on another pipe.
+static void read_waiting_errors(struct worker_process *worker)
 {
-    return xasprintf("%s%s%s", reason ? reason : "", reason && worker->log_length ? "\n" : "", worker->log);
+    uv_os_fd_t pipe;
+    ssize_t count = 1;
+
+    if (worker->has_errors_ended || uv_fileno((const uv_handle_t *)&worker->errors, &pipe) != 0) return;
+    for (int i = 0; i < READS_LIMIT && count > 0; i++) {
+        uv_buf_t buffer;
+
+        on_allocate_errors((uv_handle_t *)&worker->errors, 0, &buffer);
+        count = read(pipe, buffer.base, buffer.len); // it does not block; its end is seen by the loop
+        if (count > 0) note_errors(worker, (size_t)count);
+    }
+}
+
+void worker_process_forget_log(struct worker_process *worker)
+{
+    read_waiting_errors(worker);
+    worker->log_length = 0;
+    worker->log[0] = '\0';
+}
+
+char *worker_process_take_log(struct worker_process *worker, const char *reason)
+{
+    char *log;
+
+    read_waiting_errors(worker);
+    log = xasprintf("%s%s%s", reason ? reason : "", reason && worker->log_length ? "\n" : "", worker->log);
+    worker->log_length = 0;
+    worker->log[0] = '\0';
+    return log;
 }
 
 bool worker_process_knows_job(const struct worker_process *worker, int64_t job)

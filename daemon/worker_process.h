@@ -54,7 +54,7 @@ struct worker_process {
     int64_t stop_by_ms;             // monotonic; killed after it while stopping
     const char *suspect;            // borrowed; the user's code whose frame a clock killed it for; NULL: none
     char *end_reason;               // owned; why it was killed or says it cannot work; NULL: not known
-    char log[WORKER_LOG_BYTES + 1]; // the end of what it wrote to standard error
+    char log[WORKER_LOG_BYTES + 1]; // the end of what it wrote to standard error and no attempt has been told
     size_t log_length;
 
     // The module's own.
@@ -83,8 +83,9 @@ void worker_process_close(struct worker_process *worker); // frees itself once i
 void worker_process_send(struct worker_process *worker, const struct json_writer *messages);
 // "exit status 1", "killed: no message for 10 s", ... ; owned by the caller.
 char *worker_process_describe_end(const struct worker_process *worker);
-// The reason, if any, and the last lines it wrote; owned by the caller.
-char *worker_process_format_log(const struct worker_process *worker, const char *reason);
+// The reason, if any, and the last lines it wrote, which are then forgotten; owned by the caller.
+char *worker_process_take_log(struct worker_process *worker, const char *reason);
+void worker_process_forget_log(struct worker_process *worker);
 bool worker_process_knows_job(const struct worker_process *worker, int64_t job);
 void worker_process_learn_job(struct worker_process *worker, int64_t job);
 void worker_process_forget_job(struct worker_process *worker, int64_t job);

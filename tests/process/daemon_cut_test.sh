@@ -86,6 +86,7 @@ done
 id=$(submit "$(hall all 0-199 0.5 '{"max_depth":3}')")
 wait_state "$id" failed
 field "$id" .reason | grep -qF "expected a larger max_depth" || fail "the job's reason: $(field "$id" .reason)"
+ask job.log "{\"id\":$id}" | jq -r '.result.attempts[].log' | grep "is rendered again" && fail "what another job's attempt said"
 tries=$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')
 [ "$tries" -lt 20 ] || fail "too many frames were tried: $tries"
 expect "leftovers" "$(find "$scratch/out" -name '*.part' | wc -l)" 0
