@@ -156,6 +156,14 @@ static void find_means(const struct gl_target *target, struct image *image)
         image->depth[i] = sums[2 * i + 1] > 0 ? sums[2 * i] / sums[2 * i + 1] : 0;
 }
 
+void gl_target_read_rows(const struct gl_target *target, int first_row, int row_count, float *rgba)
+{
+    target->gl->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);
+    target->gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
+    target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT0);
+    target->gl->ReadPixels(0, first_row, target->width_px, row_count, GL_RGBA, GL_FLOAT, rgba);
+}
+
 void gl_target_read(const struct gl_target *target, struct image *image, struct ray_counts *counts)
 {
     target->gl->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);

@@ -62,6 +62,7 @@ struct renderer {
     char shown_hash[HASH_TEXT_SIZE];  // of the program
     char shown_files[HASH_TEXT_SIZE]; // what it read
     struct passes shown;
+    size_t cut_pixel; // the one of the frame that find_cut found
 };
 
 static double now_s(void)
@@ -164,6 +165,30 @@ static int next_tile_rows(int rows, double seconds)
     return next < JOB_RESOLUTION_LIMIT ? next : JOB_RESOLUTION_LIMIT;
 }
 
+// Shaders mark a pixel whose march the driver cut with an alpha that no picture has.
+static bool find_cut(struct renderer *renderer, const float *rgba, int first_row, int row_count)
+{
+    size_t width = (size_t)renderer->target.width_px, count = width * (size_t)row_count;
+
+    for (size_t i = 0; i < count; ++i)
+        if (rgba[4 * i + 3] < -0.5f) {
+            renderer->cut_pixel = (size_t)first_row * width + i;
+            return true;
+        }
+    return false;
+}
+
+static bool find_cut_in_tile(struct renderer *renderer, int first_row, int row_count)
+{
+    float *rgba = xmalloc(4 * (size_t)renderer->target.width_px * (size_t)row_count * sizeof *rgba);
+    bool found;
+
+    gl_target_read_rows(&renderer->target, first_row, row_count, rgba);
+    found = find_cut(renderer, rgba, first_row, row_count);
+    free(rgba);
+    return found;
+}
+
 static bool draw_tiles(struct renderer *renderer, struct kept_program *program, int pass,
                        renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
 {
@@ -172,14 +197,19 @@ static bool draw_tiles(struct renderer *renderer, struct kept_program *program, 
 
     for (int row = 0; row < height_px;) {
         int rows = program->tile_rows < height_px - row ? program->tile_rows : height_px - row;
-        double start = now_s();
+        double start = now_s(), seconds;
 
         gl->Scissor(0, row, renderer->target.width_px, rows);
         gl->DrawArrays(GL_TRIANGLES, 0, 3);
         gl->Finish();
         if (!check_gl(renderer, result, error)) return false;
+        seconds = now_s() - start;
+        if (seconds > tile_seconds && find_cut_in_tile(renderer, row, rows)) { // the rest may take hours
+            result->fault = RENDERER_FAULT_ENDLESS;
+            return false;
+        }
         row += rows;
-        program->tile_rows = next_tile_rows(rows, now_s() - start);
+        program->tile_rows = next_tile_rows(rows, seconds);
         if (on_progress && !on_progress(user, (pass + (double)row / height_px) / renderer->target.pass_count)) {
             result->fault = RENDERER_FAULT_STOPPED;
             error_set(error, "the frame was stopped");
@@ -254,25 +284,18 @@ static void note_shown(struct renderer *renderer, const struct scene_program *sc
     renderer->target_is_whole = true;
 }
 
-// Shaders mark a pixel whose march the driver cut with an alpha that no picture has.
-static bool check_marches(const struct renderer *renderer, const struct job *job, const struct image *image,
-                          struct error *error)
+// Told in the words of the job whose pixel it was.
+static void tell_cut(const struct renderer *renderer, const struct job *job, struct error *error)
 {
     const char *code = scene_find_code(&job->scene);
     const char *longer_steps = job->scene.medium_count > 0 ? "longer steps, " : "";
     const char *fewer_paths = renderer->target.has_paths ? "a smaller max_depth, a larger min_throughput, " : "";
-    size_t count = (size_t)image->width_px * (size_t)image->height_px;
+    size_t width = (size_t)renderer->target.width_px;
 
-    for (size_t i = 0; i < count; ++i)
-        if (image->rgba[4 * i + 3] < -0.5f) {
-            error_set(
-                error,
-                "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected %s%s%s%s%sor a GPU",
-                i % (size_t)image->width_px, i / (size_t)image->width_px, gl_context_facts(renderer->context)->renderer,
-                longer_steps, fewer_paths, code ? "short loops in " : "", code ? code : "", code ? ", " : "");
-            return false;
-        }
-    return true;
+    error_set(error,
+              "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected %s%s%s%s%sor a GPU",
+              renderer->cut_pixel % width, renderer->cut_pixel / width, gl_context_facts(renderer->context)->renderer,
+              longer_steps, fewer_paths, code ? "short loops in " : "", code ? code : "", code ? ", " : "");
 }
 
 struct reading {
@@ -396,6 +419,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (result->is_copy) {
         if (on_progress) (void)on_progress(user, 1);
     } else if (!render_scene(renderer, &scene, &passes, &target, on_progress, user, result, error)) {
+        if (result->fault == RENDERER_FAULT_ENDLESS) tell_cut(renderer, job, error);
         goto out;
     }
     gl_target_read(&renderer->target, image, &result->ray_counts);
@@ -403,8 +427,10 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (!check_gl(renderer, result, error)) goto out;
     result->seconds = now_s() - start;
     result->shader_hash = renderer->shown_hash;
-    ok = check_marches(renderer, job, image, error);
-    if (!ok) result->fault = RENDERER_FAULT_ENDLESS;
+    ok = !find_cut(renderer, image->rgba, 0, image->height_px);
+    if (ok) goto out;
+    result->fault = RENDERER_FAULT_ENDLESS;
+    tell_cut(renderer, job, error);
 out:
     free(passes.blocks);
     scene_program_finish(&scene);

@@ -206,9 +206,16 @@ static void a_copied_frame_keeps_its_counts(void **state)
     close_stage(&stage);
 }
 
-// Panes behind one another split rays faster than the depth ends them.
+static bool count_tiles(void *user, double done)
+{
+    ++*(int *)user;
+    return true;
+}
+
+// Panes behind one another split rays faster than the depth ends them. The frame is given up at its first tile.
 static void more_rays_than_the_driver_follows_are_an_error(void **state)
 {
+    enum { WIDTH = 16, HEIGHT = 96 };
     static const char pane[] = "{\"kind\": \"box\", \"center\": [0, 0, %d], \"size\": [99, 99, 0.5], \"material\": "
                                "{\"kind\": \"dielectric\", \"ior\": 3}}";
     struct stage stage = open_stage(GL_BACKEND_OSMESA);
@@ -216,16 +223,19 @@ static void more_rays_than_the_driver_follows_are_an_error(void **state)
     struct error error = {{0}};
     struct image image;
     char panes[4][160], *objects;
+    int tiles = 0;
     struct job job;
 
     for (int i = 0; i < 4; ++i)
         snprintf(panes[i], sizeof panes[i], pane, i + 2);
     objects = xasprintf("%s, %s, %s, %s", panes[0], panes[1], panes[2], panes[3]);
     job = make_job("", objects, "\"max_depth\": 32, \"min_throughput\": 0");
-    job.width_px = job.height_px = 4;
-    assert_true(image_init(&image, 4, 4, false, false, NULL));
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
+    job.width_px = WIDTH;
+    job.height_px = HEIGHT;
+    assert_true(image_init(&image, WIDTH, HEIGHT, false, false, NULL));
+    assert_false(renderer_render(stage.renderer, &job, 0, &image, count_tiles, &tiles, &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);
+    assert_int_equal(tiles, 0);
     assert_non_null(strstr(error.message, "a smaller max_depth, a larger min_throughput"));
     free(objects);
     image_finish(&image);
