@@ -24,7 +24,7 @@ static void write_piece(FILE *out, const struct job *job, const struct scene_pro
 static void write_opaque_shadow(FILE *out, const struct job *job, const struct scene_program *program)
 {
     fputs("        float at = surface_next(shapes, 0.0, inside, left).at;\n"
-          "        if (shape_spans_reach(shapes, at) < light.distance) return spectrum(0.0);\n",
+          "        if (shape_spans_reach(shapes, at, 1.0) < light.distance) return spectrum(0.0);\n",
           out);
     if (program->features.has_extinction)
         write_piece(out, job, program);
@@ -46,7 +46,7 @@ static void write_regions_shadow(FILE *out, const struct job *job, const struct 
     fputs("    Spectrum passed = spectrum(1.0);\n    float from = 0.0;\n"
           "    for (int turn = 0; turn < MARCH_LIMIT; ++turn) {\n"
           "        SurfaceCrossing next = surface_next(shapes, from, inside, left);\n"
-          "        bool is_there = shape_spans_reach(shapes, next.at) >= light.distance;\n"
+          "        bool is_there = shape_spans_reach(shapes, next.at, 1.0) >= light.distance;\n"
           "        int before = surface_region(inside);\n        int after = surface_region(next.inside);\n",
           out);
     if (has_opaque(&program->features))

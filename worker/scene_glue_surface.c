@@ -24,19 +24,20 @@ static void write_shapes(FILE *out, const struct scene *scene)
 // How much nearer than rounding two boundaries are that are taken for one: some last digits of the numbers that make them.
 static void write_spans(FILE *out, const struct scene *scene)
 {
-    fputs("struct ShapeSpans { float sliver;", out);
+    fputs("struct ShapeSpans { vec3 origin, direction; float sliver;", out);
     for (size_t i = 0; i < scene->shape_count; ++i)
         fprintf(out, " vec2 shape_%zu;", i);
     fputs(" };\nShapeSpans shape_spans(vec3 origin, vec3 direction)\n{\n"
           "    vec3 digits = abs(origin) + abs(camera_position);\n"
-          "    return ShapeSpans(2e-7 * (digits.x + digits.y + digits.z)",
+          "    return ShapeSpans(origin, direction, 2e-7 * (digits.x + digits.y + digits.z)",
           out);
     for (size_t i = 0; i < scene->shape_count; ++i)
         fprintf(out, ",\n        region_%s_span(shape_%zu(), origin, direction)",
                 shape_kinds[scene->shapes[i].kind].name, i);
     fputs(");\n}\n"
-          "// What lies up to there lies at `at`.\n"
-          "float shape_spans_reach(ShapeSpans spans, float at)\n{\n    return at + (spans.sliver + 2e-7 * at);\n}\n",
+          "// What lies up to there lies at `at`, where the cosine to the normal is `slope`.\n"
+          "float shape_spans_reach(ShapeSpans spans, float at, float slope)\n{\n"
+          "    return at + (spans.sliver + 2e-7 * at) / slope;\n}\n",
           out);
 }
 
@@ -81,7 +82,7 @@ static void write_single(FILE *out, const struct scene_object *object, size_t i)
 
 static void write_extension(FILE *out, const char *indent, size_t shape)
 {
-    fprintf(out, "%sif (spans.shape_%zu.x <= shape_spans_reach(spans, at) && spans.shape_%zu.y > at) {\n", indent,
+    fprintf(out, "%sif (spans.shape_%zu.x <= shape_spans_reach(spans, at, 1.0) && spans.shape_%zu.y > at) {\n", indent,
             shape, shape);
     fprintf(out, "%s    at = spans.shape_%zu.y;\n%s    shape = %uu;\n%s}\n", indent, shape, indent, 1U << shape,
             indent);
@@ -113,7 +114,8 @@ static void write_union_entry(FILE *out, const struct scene_object *object, size
 
     fprintf(out,
             "float object_%zu_entry(ShapeSpans spans, float from, uint left, out uint shape)\n{\n"
-            "    float reach = shape_spans_reach(spans, from);\n    float at = FAR_AWAY;\n    float entry;\n"
+            "    float reach = shape_spans_reach(spans, from, SURFACE_FLATTEST);\n    float at = FAR_AWAY;\n    float "
+            "entry;\n"
             "    shape = %uu;\n",
             i, 1U << first);
     for (size_t k = first; k < end; ++k)
@@ -133,6 +135,24 @@ static void write_union(FILE *out, size_t i)
             i, i, 1U << i, i, i, i, i, i, i);
 }
 
+// The nearest of all boundaries, and those that lie where it does: a flat ray meets one that rounding has moved much later.
+static void write_nearest(FILE *out, const struct scene *scene)
+{
+    fputs("    float at = at_0;\n    uint nearest = shape_0;\n", out);
+    for (size_t i = 1; i < scene->object_count; ++i)
+        fprintf(out, "    if (at_%zu < at) {\n        at = at_%zu;\n        nearest = shape_%zu;\n    }\n", i, i, i);
+    fputs("    if (at >= FAR_AWAY) return SurfaceCrossing(FAR_AWAY, inside, 0u);\n"
+          "    reach = shape_spans_reach(spans, at, SURFACE_FLATTEST);\n    int met = 0;\n",
+          out);
+    for (size_t i = 0; i < scene->object_count; ++i)
+        fprintf(out, "    if (at_%zu <= reach) ++met;\n", i);
+    fputs("    if (met > 1) {\n"
+          "        vec3 normal = shape_normal(findMSB(nearest), spans.origin + at * spans.direction);\n"
+          "        float slope = max(abs(dot(spans.direction, normal)), SURFACE_FLATTEST);\n"
+          "        reach = shape_spans_reach(spans, at, slope);\n    }\n",
+          out);
+}
+
 static void write_next(FILE *out, const struct scene *scene)
 {
     for (size_t i = 0; i < scene->object_count; ++i) {
@@ -141,20 +161,15 @@ static void write_next(FILE *out, const struct scene *scene)
         write_union_entry(out, &scene->objects[i], i);
     }
     fputs("SurfaceCrossing surface_next(ShapeSpans spans, float from, uint inside, uint left)\n{\n"
-          "    float reach = shape_spans_reach(spans, from);\n",
+          "    float reach = shape_spans_reach(spans, from, SURFACE_FLATTEST);\n",
           out);
     for (size_t i = 0; i < scene->object_count; ++i)
         if (scene->objects[i].shape_count < 2)
             write_single(out, &scene->objects[i], i);
         else
             write_union(out, i);
-    fputs("    float at = at_0;\n", out);
-    for (size_t i = 1; i < scene->object_count; ++i)
-        fprintf(out, "    at = min(at, at_%zu);\n", i);
-    fputs("    if (at >= FAR_AWAY) return SurfaceCrossing(FAR_AWAY, inside, 0u);\n"
-          "    reach = shape_spans_reach(spans, at);\n"
-          "    uint crossed = 0u;\n    uint shapes = 0u;\n",
-          out);
+    write_nearest(out, scene);
+    fputs("    uint crossed = 0u;\n    uint shapes = 0u;\n", out);
     for (size_t i = 0; i < scene->object_count; ++i)
         fprintf(out, "    if (at_%zu <= reach) {\n        crossed |= %uu;\n        shapes |= shape_%zu;\n    }\n", i,
                 1U << i, i);

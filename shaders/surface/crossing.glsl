@@ -1,6 +1,9 @@
 // Where a ray crosses the boundaries of objects. Which objects contain it is known from what it has crossed, a bit for each
 // object, not from where a rounded point seems to lie. Shapes are convex: who has left one never meets it again.
 
+// Boundaries that coincide are told from others by rays that are no flatter than this, as the cosine to the normal.
+const float SURFACE_FLATTEST = 0.01;
+
 // The nearest boundary, or several that coincide.
 struct SurfaceCrossing {
     float at;    // distance along the ray; FAR_AWAY for none

@@ -153,11 +153,47 @@ static void a_lamp_on_a_floor_is_above_it(void **state)
                           "\"dielectric\", \"ior\": 1.5}}");
 }
 
+#define FLOOR                                                                                                          \
+    "{\"kind\": \"plane\", \"point\": [0, -1.241, 0], \"material\": {\"kind\": \"diffuse\", \"albedo\": 0.4, "         \
+    "\"specular\": 0.62, \"fresnel\": \"none\"}}"
+#define BLOCK(y, height)                                                                                               \
+    "{\"kind\": \"box\", \"center\": [0.233, " #y ", 0.158], \"size\": [1.178, " #height                               \
+    ", 1.137], \"material\": {\"kind\": \"dielectric\", \"ior\": 1.432}}"
+
+static void shoot_block(const char *objects, struct studio_picture *picture)
+{
+    const struct studio_scene scene = {.width_px = 64,
+                                       .height_px = 24,
+                                       .camera = {.position = {1.838, -1.159, 2.003}, .target = {0, -1.2, 0}, .fov = 9},
+                                       .lights =
+                                           "{\"kind\": \"point\", \"falloff\": \"none\", \"position\": [1.3, 1.5, 2], "
+                                           "\"intensity\": 3}",
+                                       .background = "0.7",
+                                       .objects = objects};
+
+    studio_shoot(&scene, picture);
+}
+
+// Flat rays meet its bottom and the floor far from one another, by a float's digits. One that is sunk has no bottom.
+static void a_block_of_glass_stands_on_a_floor(void **state)
+{
+    struct studio_picture standing, sunk;
+
+    (void)state;
+    shoot_block(FLOOR ", " BLOCK(-0.953, 0.576), &standing);
+    shoot_block(BLOCK(-0.95305, 0.5761) ", " FLOOR, &sunk);
+    for (int i = 0; i < 4 * 64 * 24; ++i)
+        assert_near(standing.image.rgba[i], sunk.image.rgba[i], 1e-3);
+    studio_finish(&standing);
+    studio_finish(&sunk);
+}
+
 int main(int argument_count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_corner_reflects_twice),
         cmocka_unit_test(no_light_comes_through_a_corner),
+        cmocka_unit_test(a_block_of_glass_stands_on_a_floor),
         cmocka_unit_test(a_lamp_on_a_floor_is_above_it),
         cmocka_unit_test(a_union_has_no_walls_within),
         cmocka_unit_test(the_last_of_flush_faces_is_seen_from_afar),
