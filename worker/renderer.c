@@ -419,7 +419,6 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (result->is_copy) {
         if (on_progress) (void)on_progress(user, 1);
     } else if (!render_scene(renderer, &scene, &passes, &target, on_progress, user, result, error)) {
-        if (result->fault == RENDERER_FAULT_ENDLESS) tell_cut(renderer, job, error);
         goto out;
     }
     gl_target_read(&renderer->target, image, &result->ray_counts);
@@ -427,11 +426,10 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (!check_gl(renderer, result, error)) goto out;
     result->seconds = now_s() - start;
     result->shader_hash = renderer->shown_hash;
-    ok = !find_cut(renderer, image->rgba, 0, image->height_px);
-    if (ok) goto out;
-    result->fault = RENDERER_FAULT_ENDLESS;
-    tell_cut(renderer, job, error);
+    if (find_cut(renderer, image->rgba, 0, image->height_px)) result->fault = RENDERER_FAULT_ENDLESS;
+    ok = result->fault == RENDERER_FAULT_NONE;
 out:
+    if (result->fault == RENDERER_FAULT_ENDLESS) tell_cut(renderer, job, error);
     free(passes.blocks);
     scene_program_finish(&scene);
     scene_inputs_finish(&inputs);
