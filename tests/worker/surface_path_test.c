@@ -145,6 +145,25 @@ static void clip_goes_on_behind_two_mirrors(void **state)
     studio_finish(&picture);
 }
 
+// A pane of 1 m, 1 m away, sends on a reflection first and what it refracts after that: 3 m of 4 are fog.
+static void clip_goes_on_along_rays_that_wait(void **state)
+{
+    const struct studio_scene scene = {
+        .width_px = 1,
+        .height_px = 1,
+        .camera = {.position = {0, 0, 0}, .target = {0, 0, -1}, .fov = 1, .near = 1e-9, .far = 4},
+        .media = FOG,
+        .objects = "{\"kind\": \"box\", \"center\": [0, 0, -1.5], \"size\": [9, 9, 1], \"material\": {\"kind\": "
+                   "\"dielectric\", \"ior\": 1.5}}"};
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    for (int c = 0; c < 3; ++c)
+        assert_near(picture.image.transmittance[c], 0.96 * 0.96 * exp(-3 * 0.1 * (1 << c)), 1e-5);
+    studio_finish(&picture);
+}
+
 // Half of the light passes a screen, a mirror behind it reflects 0.4, half of that passes the screen again, to a wall of
 // radiance 1 behind the camera.
 static double light_by_screen(const char *min_transmittance)
@@ -367,6 +386,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(a_faint_ray_ends),
         cmocka_unit_test(clip_goes_on_behind_a_mirror),
         cmocka_unit_test(clip_goes_on_behind_two_mirrors),
+        cmocka_unit_test(clip_goes_on_along_rays_that_wait),
         cmocka_unit_test(clip_goes_along_bent_rays),
         cmocka_unit_test(rays_that_are_over_meet_no_surface),
         cmocka_unit_test(methods_agree),

@@ -183,6 +183,19 @@ static void a_camera_in_ink_has_the_rest_of_it_before_it(void **state)
     assert_near(middle.transmittance[2], exp(-0.625), 1e-6);
 }
 
+// It meets no boundary where it begins.
+static void a_camera_in_one_shape_of_a_union_is_in_it(void **state)
+{
+    static const char two[] =
+        "{\"kind\": \"union\", \"material\": {\"kind\": \"dielectric\", \"ior\": 1.5, \"interior\": {\"sigma_a\": 1}}, "
+        "\"of\": [{\"kind\": \"sphere\", \"center\": [0, 0, 9], \"radius\": 1}, "
+        "{\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1}]}";
+    struct middle middle = look_at_middle(two, NULL, 0.25);
+
+    (void)state;
+    assert_near(middle.transmittance[0], 0.96 * exp(-1.25), 1e-6);
+}
+
 // Either side will do for the surface itself, as long as it is one of them.
 static void a_camera_on_a_surface_sees_one_side(void **state)
 {
@@ -256,6 +269,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(a_union_is_one_piece),
         cmocka_unit_test(a_camera_in_opaque_stuff_sees_black),
         cmocka_unit_test(a_camera_in_ink_has_the_rest_of_it_before_it),
+        cmocka_unit_test(a_camera_in_one_shape_of_a_union_is_in_it),
         cmocka_unit_test(a_camera_on_a_surface_sees_one_side),
         cmocka_unit_test(depth_is_what_comes_first),
         cmocka_unit_test(a_background_makes_a_picture_opaque),
