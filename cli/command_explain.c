@@ -13,6 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { FEATURE_WIDTH = 28 }; // at least
+
 static const char *text_of(const struct json_node *object, const char *key)
 {
     struct json_node node = json_node_child(object, key);
@@ -23,12 +25,15 @@ static const char *text_of(const struct json_node *object, const char *key)
 
 static void print_features(const struct json_node *result, const char *key, const char *title)
 {
-    struct json_node features = json_node_child(result, key), feature = {0};
+    struct json_node features = json_node_child(result, key), feature = {0}, line = {0};
+    size_t width = FEATURE_WIDTH;
 
     if (json_node_count(&features) == 0) return;
     printf("%s\n", title);
     while (json_node_next(&features, &feature))
-        printf("  %-28s %s\n", text_of(&feature, "feature"), text_of(&feature, "why"));
+        if (strlen(text_of(&feature, "feature")) > width) width = strlen(text_of(&feature, "feature"));
+    while (json_node_next(&features, &line))
+        printf("  %-*s %s\n", (int)width, text_of(&line, "feature"), text_of(&line, "why"));
     printf("\n");
 }
 

@@ -16,9 +16,10 @@ static void evaluate_half(const void *source, double time, double value[static 9
 
 static void add_shape(struct frame_uniforms *uniforms, const struct scene_shape *shape, size_t i)
 {
+    const char *place = shape->kind == SCENE_SHAPE_PLANE ? "objects.point" : "objects.center";
     struct frame_value value;
 
-    frame_uniforms_add(uniforms, timeline_value(&shape->center, FRAME_VALUE_VEC3, value_range_any, "objects.center"),
+    frame_uniforms_add(uniforms, timeline_value(&shape->center, FRAME_VALUE_VEC3, value_range_any, place),
                        "shape_%zu_center", i);
     switch (shape->kind) {
     case SCENE_SHAPE_SPHERE:

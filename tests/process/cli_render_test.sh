@@ -86,6 +86,12 @@ expect 0 march explain "$cloud" --shader
 grep -q "void main" out || fail "explain --shader prints GLSL"
 expect 0 march explain "$cloud" --json
 grep -q '"shader_hash":"' out || fail "explain --json"
+expect 0 march explain "$PROJECT_ROOT/jobs/glass.json" --set 'scene.objects[0].point={"start":[0,-1.2,0],"rate":[0,0.1,0]}' \
+    --set 'scene.objects[1].material.interior.sigma_a={"start":0,"rate":1}'
+grep -q '^  motion of shape_0_center  *it follows objects.point$' out || fail "explain names a plane's key"
+awk '/^  medium 0 / { column = index($0, "homogeneous") }
+     /^  motion of medium_1_bounds_center/ { exit index($0, "it follows") != column }' out ||
+    fail "explain's reasons do not stand in one column"
 expect 2 march explain "$cloud" --set lights=7
 grep -q "lights: " err || fail "explain names the place"
 
