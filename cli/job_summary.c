@@ -79,8 +79,9 @@ static void print_quality(const struct job *job)
     printf("%-10s %s", "quality", job_method_name(quality->method));
     print_step("step", quality->step, quality->step_voxels);
     print_step("light step", quality->light_step, quality->light_step_voxels);
-    if (quality->light_steps > 0) printf(", %d light steps", quality->light_steps);
-    if (quality->points > 0) printf(", %d points", quality->points);
+    if (quality->light_steps > 0)
+        printf(", %d light step%s", quality->light_steps, plural((size_t)quality->light_steps));
+    if (quality->points > 0) printf(", %d point%s", quality->points, plural((size_t)quality->points));
     if (quality->samples > 1) printf(", %d samples a pixel", quality->samples);
     if (job->scene.object_count > 0) printf(", rays up to depth %d", quality->max_depth);
     printf("\n");
