@@ -113,6 +113,26 @@ static void a_union_has_no_walls_within(void **state)
     }
 }
 
+// A ball within a later block: rays are bent where they enter the block and where they leave it.
+static void what_is_replaced_is_not_met(void **state)
+{
+    const struct studio_scene scene = {
+        .width_px = 8,
+        .height_px = 8,
+        .camera = {.position = {0, 0, 4}, .fov = 5},
+        .background = "1",
+        .objects =
+            "{\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 0.5, \"material\": {\"kind\": \"dielectric\", "
+            "\"ior\": 1.3}}, {\"kind\": \"box\", \"center\": [0, 0, 0], \"size\": [9, 9, 2], \"material\": {\"kind\": "
+            "\"dielectric\", \"ior\": 1.5, \"fresnel\": \"none\"}}"};
+    struct studio_picture picture;
+
+    (void)state;
+    studio_shoot(&scene, &picture);
+    assert_near(picture.result.ray_counts.rays, 3.0, 0.0);
+    studio_finish(&picture);
+}
+
 static const struct vec3 lamp = {0.3, -1.3, 0.1};
 
 // A wall at z = -3 under an irradiance of pi where it faces the lamp.
@@ -195,6 +215,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(no_light_comes_through_a_corner),
         cmocka_unit_test(a_block_of_glass_stands_on_a_floor),
         cmocka_unit_test(a_lamp_on_a_floor_is_above_it),
+        cmocka_unit_test(what_is_replaced_is_not_met),
         cmocka_unit_test(a_union_has_no_walls_within),
         cmocka_unit_test(the_last_of_flush_faces_is_seen_from_afar),
     };
