@@ -342,11 +342,12 @@ static bool fail_unknown_key(const struct json_node *object, const char *key, co
 {
     struct json_node kind = json_node_child(object, "kind"), method = json_node_child(object, "method");
     const struct json_node *choice = cJSON_IsString(kind.value) ? &kind : &method;
+    const char *chosen_text = cJSON_GetStringValue(choice->value);
     const char *nearest = json_nearest_name(key, names);
     struct json_writer shown = {0}, chosen = {0};
 
     append_shown_string(&shown, key);
-    if (cJSON_IsString(choice->value)) append_shown_string(&chosen, choice->value->valuestring);
+    if (chosen_text) append_shown_string(&chosen, chosen_text);
     if (nearest)
         json_fail(object, error, "unknown key %s, did you mean \"%s\"?", shown.text, nearest);
     else if (chosen.text && strcmp(key, choice->key) != 0)
