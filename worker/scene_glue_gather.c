@@ -11,7 +11,8 @@ static void write_gathered(FILE *out, const struct job *job, const struct scene_
 
     fputs("// What a ray has met so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
     if (features->has_throughput) fputs("    Spectrum transmittance;\n", out);
-    if (features->has_extinction && features->has_depth) fputs("    float depth; // distance, 0 for none\n", out);
+    if (features->has_extinction && features->has_depth)
+        fputs("    float depth; // distance, 0 for none yet, below it none is looked for\n", out);
     if (has_objects) fputs("    float least; // the ray is over when less is left of it\n", out);
     if (has_objects && features->media_are_lit) fputs("    int region; // in which it is\n", out);
     fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
@@ -199,7 +200,7 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
         fprintf(out,
                 "    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5%s)\n"
                 "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
-                features->has_roulette ? " && gathered.depth <= 0.0" : "");
+                features->has_roulette || features->has_paths ? " && gathered.depth == 0.0" : "");
     if (features->has_roulette)
         fprintf(out, "    gathered.transmittance = integrator_roulette(IntegratorRoulette(%.9e, %.9e), after);\n",
                 job->quality.roulette_below, job->quality.roulette_survive);
