@@ -2,6 +2,7 @@
 // rounded to float.
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
+#include "tests/support/probe_vectors.h"
 #include "tests/support/random.h"
 #include "tests/support/shader_probe.h"
 
@@ -34,25 +35,6 @@ static void probe(const char *body, bool on_egl)
                                                    .count = COUNT,
                                                    .on_egl = on_egl},
                      outputs);
-}
-
-static struct vec3 vector_of(const float value[4])
-{
-    return (struct vec3){value[0], value[1], value[2]};
-}
-
-static void put_vector(size_t at, struct vec3 value)
-{
-    inputs[at][0] = (float)value.x;
-    inputs[at][1] = (float)value.y;
-    inputs[at][2] = (float)value.z;
-}
-
-static struct vec3 any_direction(struct random *random)
-{
-    double z = random_between(random, -1, 1), angle = random_between(random, 0, 2 * M_PI);
-
-    return (struct vec3){sqrt(1 - z * z) * cos(angle), sqrt(1 - z * z) * sin(angle), z};
 }
 
 // eta anywhere in [0.1, 10], some of them 1 or a few roundings from it.
@@ -280,10 +262,10 @@ static void assert_snells_law(bool on_egl)
     size_t seen = 0;
 
     for (size_t i = 0; i < COUNT; ++i) {
-        struct vec3 normal = any_direction(&random), way = any_direction(&random);
+        struct vec3 normal = probe_any_direction(&random), way = probe_any_direction(&random);
 
-        put_vector(2 * i, normal);
-        put_vector(2 * i + 1, vec3_dot(way, normal) < 0 ? way : vec3_scale(way, -1));
+        probe_put_vector(inputs[2 * i], normal);
+        probe_put_vector(inputs[2 * i + 1], vec3_dot(way, normal) < 0 ? way : vec3_scale(way, -1));
         inputs[2 * i][3] = (float)any_eta(&random, i);
     }
     probe("vec4 probe(int i)\n{\n    vec3 n = inputs[2 * i].xyz;\n    vec3 d = inputs[2 * i + 1].xyz;\n"
@@ -292,7 +274,7 @@ static void assert_snells_law(bool on_egl)
           "\n}\n",
           on_egl);
     for (size_t i = 0; i < COUNT; ++i) {
-        struct vec3 n = vector_of(inputs[2 * i]), d = vector_of(inputs[2 * i + 1]), t = vector_of(outputs[i]);
+        struct vec3 n = probe_vector(inputs[2 * i]), d = probe_vector(inputs[2 * i + 1]), t = probe_vector(outputs[i]);
         double eta = inputs[2 * i][3], sin_in = vec3_length(vec3_cross(d, n)), tolerance = 8 * ROUNDING * (1 + eta);
 
         if (outputs[i][3] < 0) {

@@ -1,6 +1,7 @@
 // Normals of rough surfaces: which are drawn, how often, and what becomes of rays that they send to the wrong side.
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
+#include "tests/support/probe_vectors.h"
 #include "tests/support/random.h"
 #include "tests/support/shader_probe.h"
 
@@ -34,25 +35,6 @@ static void probe(const char *body, size_t count, bool on_egl)
                      outputs);
 }
 
-static struct vec3 vector_of(const float value[4])
-{
-    return (struct vec3){value[0], value[1], value[2]};
-}
-
-static void put_vector(size_t at, struct vec3 value)
-{
-    inputs[at][0] = (float)value.x;
-    inputs[at][1] = (float)value.y;
-    inputs[at][2] = (float)value.z;
-}
-
-static struct vec3 any_direction(struct random *random)
-{
-    double z = random_between(random, -1, 1), angle = random_between(random, 0, 2 * M_PI);
-
-    return (struct vec3){sqrt(1 - z * z) * cos(angle), sqrt(1 - z * z) * sin(angle), z};
-}
-
 static int compare(const void *a, const void *b)
 {
     double left = *(const double *)a, right = *(const double *)b;
@@ -78,14 +60,14 @@ static double distance_from_uniform(double *values, size_t count, double low, do
 // Draws DRAW_COUNT normals of a surface that faces up (z), hit by a ray of this cosine that travels along +x.
 static void draw_normals(double cos_in, double roughness, bool on_egl)
 {
-    put_vector(0, (struct vec3){sqrt(1 - cos_in * cos_in), 0, -cos_in});
+    probe_put_vector(inputs[0], (struct vec3){sqrt(1 - cos_in * cos_in), 0, -cos_in});
     inputs[0][3] = (float)roughness;
     probe("vec4 probe(int i)\n{\n    random_start(uvec2(uint(i), 7u), 0u, 3u);\n    uint before = random_state;\n"
           "    vec3 facet = rough_normal(vec3(0.0, 0.0, 1.0), inputs[0].xyz, inputs[0].w);\n"
           "    return vec4(facet, before == random_state ? 0.0 : 1.0);\n}\n",
           DRAW_COUNT, on_egl);
     for (size_t i = 0; i < DRAW_COUNT; ++i)
-        assert_near(vec3_length(vector_of(outputs[i])), 1, 4 * ROUNDING);
+        assert_near(vec3_length(probe_vector(outputs[i])), 1, 4 * ROUNDING);
 }
 
 // The mean over a ball's surface of unit vectors from a point outside, by the gradient of the mean distance R + r^2 / 3 R.
@@ -99,7 +81,7 @@ static void normals_spread_with_roughness(void **state)
 
         draw_normals(1, r, k >= 4);
         for (size_t i = 0; i < DRAW_COUNT; ++i)
-            mean = vec3_add(mean, vec3_scale(vector_of(outputs[i]), 1.0 / DRAW_COUNT));
+            mean = vec3_add(mean, vec3_scale(probe_vector(outputs[i]), 1.0 / DRAW_COUNT));
         // Four standard errors: no component varies by more than r.
         assert_near(mean.x, 0, 4 * r / sqrt(3.0 * DRAW_COUNT));
         assert_near(mean.y, 0, 4 * r / sqrt(3.0 * DRAW_COUNT));
@@ -118,10 +100,10 @@ static void normals_are_drawn_again_until_the_ray_meets_them(void **state)
         struct vec3 up = {0, 0, 1}, way, side = {0, 1, 0}, third;
 
         draw_normals(cosines[k], 1, false);
-        way = vector_of(inputs[0]);
+        way = probe_vector(inputs[0]);
         third = vec3_cross(way, side);
         for (size_t i = 0; i < DRAW_COUNT; ++i) {
-            struct vec3 facet = vector_of(outputs[i]);
+            struct vec3 facet = probe_vector(outputs[i]);
             struct vec3 point = vec3_subtract(vec3_scale(facet, 2 * facet.z), up);
 
             assert_true(facet.z > 0 && vec3_dot(facet, way) < 1e-6);
@@ -152,15 +134,16 @@ static void directions_are_mirrored_to_their_side(void **state)
     struct random random = {37};
 
     for (size_t i = 0; i < COUNT; ++i) {
-        put_vector(2 * i, any_direction(&random));
-        put_vector(2 * i + 1, any_direction(&random));
+        probe_put_vector(inputs[2 * i], probe_any_direction(&random));
+        probe_put_vector(inputs[2 * i + 1], probe_any_direction(&random));
         inputs[2 * i][3] = i % 2 == 0 ? 1 : -1;
     }
     probe("vec4 probe(int i)\n{\n"
           "    return vec4(rough_side(inputs[2 * i + 1].xyz, inputs[2 * i].xyz, inputs[2 * i].w), 0.0);\n}\n",
           COUNT, false);
     for (size_t i = 0; i < COUNT; ++i) {
-        struct vec3 n = vector_of(inputs[2 * i]), d = vector_of(inputs[2 * i + 1]), out = vector_of(outputs[i]);
+        struct vec3 n = probe_vector(inputs[2 * i]), d = probe_vector(inputs[2 * i + 1]),
+                    out = probe_vector(outputs[i]);
         double side = inputs[2 * i][3];
 
         assert_near(vec3_dot(out, n), side * fabs(vec3_dot(d, n)), 8 * ROUNDING);

@@ -1,6 +1,7 @@
 // Where rays are in half-spaces, and which way surfaces face, against formulas in double precision.
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
+#include "tests/support/probe_vectors.h"
 #include "tests/support/random.h"
 #include "tests/support/shader_probe.h"
 
@@ -36,25 +37,6 @@ static void probe(const char *body, bool on_egl)
                      outputs);
 }
 
-static struct vec3 vector_of(const float value[4])
-{
-    return (struct vec3){value[0], value[1], value[2]};
-}
-
-static void put_vector(size_t at, struct vec3 value)
-{
-    inputs[at][0] = (float)value.x;
-    inputs[at][1] = (float)value.y;
-    inputs[at][2] = (float)value.z;
-}
-
-static struct vec3 any_direction(struct random *random)
-{
-    double z = random_between(random, -1, 1), angle = random_between(random, 0, 2 * M_PI);
-
-    return (struct vec3){sqrt(1 - z * z) * cos(angle), sqrt(1 - z * z) * sin(angle), z};
-}
-
 // The normal is (0.6, 0.8, 0), the point (1, 2, 3): heights over the plane are 0.6 x + 0.8 y - 2.2.
 static void assert_planes_are_met(bool on_egl)
 {
@@ -62,15 +44,16 @@ static void assert_planes_are_met(bool on_egl)
     struct random random = {47};
 
     for (size_t i = 0; i < COUNT; ++i) {
-        put_vector(2 * i, vec3_add(point, vec3_scale(any_direction(&random), random_between(&random, 0, 10))));
-        put_vector(2 * i + 1, any_direction(&random));
+        probe_put_vector(inputs[2 * i],
+                         vec3_add(point, vec3_scale(probe_any_direction(&random), random_between(&random, 0, 10))));
+        probe_put_vector(inputs[2 * i + 1], probe_any_direction(&random));
     }
     probe("vec4 probe(int i)\n{\n    RegionPlane plane = RegionPlane(vec3(1.0, 2.0, 3.0), vec3(0.6, 0.8, 0.0));\n"
           "    return vec4(region_plane_span(plane, inputs[2 * i].xyz, inputs[2 * i + 1].xyz), 0.0, 0.0);\n}\n",
           on_egl);
     for (size_t i = 0; i < COUNT; ++i) {
-        double height = vec3_dot(normal, vec3_subtract(vector_of(inputs[2 * i]), point));
-        double way = vec3_dot(normal, vector_of(inputs[2 * i + 1])), crossing = -height / way;
+        double height = vec3_dot(normal, vec3_subtract(probe_vector(inputs[2 * i]), point));
+        double way = vec3_dot(normal, probe_vector(inputs[2 * i + 1])), crossing = -height / way;
         int near = way < 0 ? 0 : 1;
 
         // Heights up to 10 have some roundings of it, and the ray's slope as many.
@@ -115,17 +98,17 @@ static void normals_face_out_of_balls(void **state)
     for (size_t i = 0; i < COUNT; ++i) {
         double size = pow(10, random_between(&random, -25, 17));
 
-        put_vector(i, vec3_scale(any_direction(&random), i == 0 ? 0 : size));
+        probe_put_vector(inputs[i], vec3_scale(probe_any_direction(&random), i == 0 ? 0 : size));
         inputs[i][3] = (float)size;
     }
     probe("vec4 probe(int i)\n{\n"
           "    return vec4(surface_sphere_normal(RegionSphere(vec3(0.0), inputs[i].w), inputs[i].xyz), 0.0);\n}\n",
           false);
-    assert_near(vec3_length(vector_of(outputs[0])), 1, 4 * ROUNDING);
+    assert_near(vec3_length(probe_vector(outputs[0])), 1, 4 * ROUNDING);
     for (size_t i = 1; i < COUNT; ++i) {
-        struct vec3 wanted = vec3_normalize(vector_of(inputs[i]));
+        struct vec3 wanted = vec3_normalize(probe_vector(inputs[i]));
 
-        assert_near(vec3_length(vec3_subtract(vector_of(outputs[i]), wanted)), 0, 8 * ROUNDING);
+        assert_near(vec3_length(vec3_subtract(probe_vector(outputs[i]), wanted)), 0, 8 * ROUNDING);
     }
 }
 
@@ -148,7 +131,7 @@ static void normals_of_boxes_are_the_nearest_faces(void **state)
           "                                   vec3(5.0, 6.0, 7.0) + inputs[i].xyz), 0.0);\n}\n",
           false);
     for (size_t i = 0; i < COUNT; ++i) {
-        assert_true(vec3_length(vector_of(outputs[i])) == 1);
+        assert_true(vec3_length(probe_vector(outputs[i])) == 1);
         if (i < COUNT - 32) assert_true(outputs[i][i % 3] == (i % 2 ? -1.0f : 1.0f));
     }
 }
