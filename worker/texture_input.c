@@ -22,16 +22,8 @@ static bool hash_contents(struct texture_input *input, struct file_hashes *hashe
     return true;
 }
 
-bool texture_input_open(struct texture_input *input, const struct scene_texture *texture, struct file_hashes *hashes,
-                        struct error *error)
-{
-    *input = (struct texture_input){.source = texture};
-    if (hashes && !hash_contents(input, hashes, error)) return false;
-    if (!texture_image_find_size(texture->file, &input->width_px, &input->height_px, error)) return false;
-    return !hashes || texture_input_check(input, error);
-}
-
-bool texture_input_check(const struct texture_input *input, struct error *error)
+// False when the file is no longer what was hashed.
+static bool check_version(const struct texture_input *input, struct error *error)
 {
     struct file_version version;
 
@@ -41,10 +33,19 @@ bool texture_input_check(const struct texture_input *input, struct error *error)
     return false;
 }
 
+bool texture_input_open(struct texture_input *input, const struct scene_texture *texture, struct file_hashes *hashes,
+                        struct error *error)
+{
+    *input = (struct texture_input){.source = texture};
+    if (hashes && !hash_contents(input, hashes, error)) return false;
+    if (!texture_image_find_size(texture->file, &input->width_px, &input->height_px, error)) return false;
+    return !hashes || check_version(input, error);
+}
+
 bool texture_input_load(const struct texture_input *input, struct image *image, struct error *error)
 {
     if (!texture_image_load(image, input->source->file, input->source->is_linear, error)) return false;
-    if (texture_input_check(input, error)) return true;
+    if (check_version(input, error)) return true;
     image_finish(image);
     return false;
 }

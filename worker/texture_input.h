@@ -22,8 +22,6 @@ struct texture_input {
 // Reads the header. With `hashes` (NULL: describe only) the contents are hashed too. `texture` outlives the input.
 bool texture_input_open(struct texture_input *input, const struct scene_texture *texture, struct file_hashes *hashes,
                         struct error *error);
-// False, with the reason, when the file is no longer what was hashed.
-bool texture_input_check(const struct texture_input *input, struct error *error);
 // Reads the image, as texture_image_load does, of the very contents that were hashed.
 bool texture_input_load(const struct texture_input *input, struct image *image, struct error *error);
 // Metres of a tile, across and up.
