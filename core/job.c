@@ -36,7 +36,9 @@ struct timeline_span job_time_span(const struct job *job)
 
 bool job_method_takes_steps(enum job_method method)
 {
-    return method == JOB_METHOD_MIDPOINT || method == JOB_METHOD_JITTERED;
+    return method == JOB_METHOD_MIDPOINT || method == JOB_METHOD_JITTERED || method == JOB_METHOD_ADAPTIVE ||
+           method == JOB_METHOD_GAUSS || method == JOB_METHOD_CACHED || method == JOB_METHOD_PREINTEGRATED ||
+           method == JOB_METHOD_TRACKING;
 }
 
 const char *job_method_name(enum job_method method)
@@ -50,8 +52,27 @@ const char *job_method_name(enum job_method method)
         return "equiangular";
     case JOB_METHOD_JITTERED:
         return "jittered";
+    case JOB_METHOD_ADAPTIVE:
+        return "adaptive";
+    case JOB_METHOD_GAUSS:
+        return "gauss";
+    case JOB_METHOD_CACHED:
+        return "cached";
+    case JOB_METHOD_PREINTEGRATED:
+        return "preintegrated";
+    case JOB_METHOD_TRACKING:
+        return "tracking";
+    case JOB_METHOD_AUTO:
+        return "auto";
     }
     return "";
+}
+
+const char *job_estimator_name(enum job_estimator estimator)
+{
+    static const char *const names[] = {"delta", "ratio", "debiased", "jackknife"};
+
+    return names[estimator];
 }
 
 const char *job_compression_name(enum job_compression compression)

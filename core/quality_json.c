@@ -4,9 +4,16 @@
 #include "core/job.h"
 #include "core/job_later.h"
 
-static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;               // m
-static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01;         // unless the job says other
+static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;       // m
+static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01; // unless the job says other
+static const double TOLERANCE_DEFAULT = 0.01, TOLERANCE_MIN = 1e-4, TOLERANCE_MAX = 0.5;
+static const double DEPTH_STEP_MIN = 1e-4, DEPTH_STEP_MAX = 100.0; // optical depth
+enum { GRID_MIN = 4 };
 static const double STEP_VOXELS_MIN = 1e-3, STEP_VOXELS_MAX = 1e3; // voxel edges
+
+// Keys of all methods that take steps, and of all that follow rays from surfaces.
+#define STEP_KEYS "method", "step", "step_voxels", "light_step", "light_step_voxels", "min_transmittance"
+#define PATH_KEYS "samples", "max_depth", "min_throughput", "max_cut"
 
 // In metres or in voxels; the one that is not there stays 0.
 struct step {
@@ -68,11 +75,9 @@ static bool read_riemann(const struct json_node *object, struct job_quality *qua
            read_optional_number(object, "min_transmittance", 1.0, &quality->min_transmittance, error);
 }
 
-static bool read_midpoint(const struct json_node *object, struct job_quality *quality, struct error *error)
+// Of a method that takes steps, `step` along camera rays and perhaps `light_step` towards lights, and what goes with them.
+static bool read_steps(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {
-        "method",   "step",    "step_voxels", "light_step",     "light_step_voxels", "min_transmittance",
-        "roulette", "samples", "max_depth",   "min_throughput", "max_cut",           NULL};
     const struct step step = {"step", "step_voxels", &quality->step, &quality->step_voxels};
     const struct step light_step = {"light_step", "light_step_voxels", &quality->light_step,
                                     &quality->light_step_voxels};
@@ -80,10 +85,89 @@ static bool read_midpoint(const struct json_node *object, struct job_quality *qu
     struct json_node voxels = json_node_child(object, light_step.voxels_key);
     bool has_light_step = !json_node_is_absent(&metres) || !json_node_is_absent(&voxels);
 
-    return json_check_keys(object, keys, error) && read_step(object, &step, error) &&
-           (!has_light_step || read_step(object, &light_step, error)) &&
+    return read_step(object, &step, error) && (!has_light_step || read_step(object, &light_step, error)) &&
            read_optional_number(object, "min_transmittance", 1.0, &quality->min_transmittance, error) &&
            read_roulette(object, quality, error);
+}
+
+static bool read_midpoint(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {STEP_KEYS, "roulette", PATH_KEYS, NULL};
+
+    return json_check_keys(object, keys, error) && read_steps(object, quality, error);
+}
+
+static bool read_adaptive(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {STEP_KEYS, "depth_step", "roulette", PATH_KEYS, NULL};
+    struct json_node depth_step = json_node_child(object, "depth_step");
+
+    return json_check_keys(object, keys, error) && read_steps(object, quality, error) &&
+           json_read_number(&depth_step, DEPTH_STEP_MIN, DEPTH_STEP_MAX, &quality->depth_step, error);
+}
+
+static bool read_gauss(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {STEP_KEYS, "order", PATH_KEYS, NULL};
+    struct json_node order = json_node_child(object, "order");
+    int64_t integer = 2;
+
+    if (!json_check_keys(object, keys, error) || !read_steps(object, quality, error)) return false;
+    if (!json_node_is_absent(&order) && !json_read_integer(&order, 2, JOB_ORDER_LIMIT, &integer, error)) return false;
+    quality->order = (int)integer;
+    return true;
+}
+
+static bool read_grid(const struct json_node *object, const char *key, int least, int *cells, struct error *error)
+{
+    struct json_node node = json_node_child(object, key);
+    int64_t integer;
+
+    if (!json_read_integer(&node, least, JOB_GRID_LIMIT, &integer, error)) return false;
+    *cells = (int)integer;
+    return true;
+}
+
+// Lights have grids in place of steps.
+static bool read_cached(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method",     "step",         "step_voxels",       "light_grid",
+                                       "depth_step", "density_grid", "min_transmittance", PATH_KEYS,
+                                       NULL};
+    struct json_node depth_step = json_node_child(object, "depth_step");
+    struct json_node density_grid = json_node_child(object, "density_grid");
+
+    return json_check_keys(object, keys, error) && read_steps(object, quality, error) &&
+           read_grid(object, "light_grid", GRID_MIN, &quality->light_grid, error) &&
+           (json_node_is_absent(&density_grid) ||
+            read_grid(object, "density_grid", GRID_MIN, &quality->density_grid, error)) &&
+           (json_node_is_absent(&depth_step) ||
+            json_read_number(&depth_step, DEPTH_STEP_MIN, DEPTH_STEP_MAX, &quality->depth_step, error));
+}
+
+static bool read_tracking(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {STEP_KEYS, "estimator", "roulette", PATH_KEYS, NULL};
+    static const char *const estimators[] = {"delta", "ratio", "debiased", "jackknife", NULL};
+    struct json_node estimator = json_node_child(object, "estimator");
+    int choice;
+
+    if (!json_check_keys(object, keys, error) || !read_steps(object, quality, error) ||
+        !json_read_enum(&estimator, estimators, &choice, error))
+        return false;
+    quality->estimator = (enum job_estimator)choice;
+    return true;
+}
+
+static bool read_auto(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method", "tolerance", PATH_KEYS, NULL};
+    struct json_node tolerance = json_node_child(object, "tolerance");
+
+    quality->tolerance = TOLERANCE_DEFAULT;
+    return json_check_keys(object, keys, error) &&
+           (json_node_is_absent(&tolerance) ||
+            json_read_number(&tolerance, TOLERANCE_MIN, TOLERANCE_MAX, &quality->tolerance, error));
 }
 
 static bool read_equiangular(const struct json_node *object, struct job_quality *quality, struct error *error)
@@ -96,7 +180,8 @@ static bool read_equiangular(const struct json_node *object, struct job_quality 
 
 static bool read_method(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const methods[] = {"riemann", "midpoint", "equiangular", "jittered", NULL};
+    static const char *const methods[] = {"riemann", "midpoint",      "equiangular", "jittered", "adaptive", "gauss",
+                                          "cached",  "preintegrated", "tracking",    "auto",     NULL};
     struct json_node method = json_node_child(object, "method");
     int choice;
 
@@ -107,9 +192,20 @@ static bool read_method(const struct json_node *object, struct job_quality *qual
         return read_riemann(object, quality, error);
     case JOB_METHOD_MIDPOINT:
     case JOB_METHOD_JITTERED:
+    case JOB_METHOD_PREINTEGRATED:
         return read_midpoint(object, quality, error);
     case JOB_METHOD_EQUIANGULAR:
         return read_equiangular(object, quality, error);
+    case JOB_METHOD_ADAPTIVE:
+        return read_adaptive(object, quality, error);
+    case JOB_METHOD_GAUSS:
+        return read_gauss(object, quality, error);
+    case JOB_METHOD_CACHED:
+        return read_cached(object, quality, error);
+    case JOB_METHOD_TRACKING:
+        return read_tracking(object, quality, error);
+    case JOB_METHOD_AUTO:
+        return read_auto(object, quality, error);
     }
     return false;
 }

@@ -344,9 +344,16 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
         return check_riemann(&check);
     case JOB_METHOD_MIDPOINT:
     case JOB_METHOD_JITTERED:
+    case JOB_METHOD_ADAPTIVE:
+    case JOB_METHOD_GAUSS:
+    case JOB_METHOD_CACHED:
+    case JOB_METHOD_PREINTEGRATED:
+    case JOB_METHOD_TRACKING:
         return check_midpoint(&check);
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
+    case JOB_METHOD_AUTO:
+        return true;
     }
     return false;
 }
