@@ -146,18 +146,24 @@ static void put_scene(FILE *text, const struct scene *scene)
     scene_visit_timelines((struct scene *)scene, put_visited, text);
 }
 
+// Numbers that methods later than the format's first have.
+static void put_later_quality(FILE *text, const struct job_quality *quality)
+{
+    fprintf(text, " order %d light_grid %d density_grid %d estimator %s", quality->order, quality->light_grid,
+            quality->density_grid, job_estimator_name(quality->estimator));
+    put_numbers(text, "tolerance", &quality->tolerance, 1);
+    put_numbers(text, "depth_step", &quality->depth_step, 1);
+}
+
 static void put_quality(FILE *text, const struct job_quality *quality)
 {
     fprintf(text, "\nmethod %s light_steps %d points %d samples %d", job_method_name(quality->method),
             quality->light_steps, quality->points, quality->samples);
     put_numbers(text, "step", (double[]){quality->step, quality->step_voxels}, 2);
     put_numbers(text, "light_step", (double[]){quality->light_step, quality->light_step_voxels}, 2);
-    fprintf(text, " order %d light_grid %d density_grid %d estimator %s", quality->order, quality->light_grid,
-            quality->density_grid, job_estimator_name(quality->estimator));
-    put_numbers(text, "tolerance", &quality->tolerance, 1);
-    put_numbers(text, "depth_step", &quality->depth_step, 1);
     put_numbers(text, "min_transmittance", &quality->min_transmittance, 1);
     put_numbers(text, "roulette", (double[]){quality->roulette_below, quality->roulette_survive}, 2);
+    if (quality->method >= JOB_METHOD_ADAPTIVE) put_later_quality(text, quality);
 }
 
 // Only where it counts. Which share of light may be cut changes no pixel: each file is held to it by what its header says.
