@@ -21,7 +21,7 @@ static void write_gathered(FILE *out, const struct job *job, const struct scene_
     else if (has_objects && job->quality.min_transmittance > 0)
         fputs("    return spectrum_max(gathered.transmittance) < gathered.least;\n}\n", out);
     else if (job->quality.min_transmittance > 0)
-        fprintf(out, "    return spectrum_max(gathered.transmittance) < %.9e;\n}\n", job->quality.min_transmittance);
+        fputs("    return spectrum_max(gathered.transmittance) < quality_min_transmittance;\n}\n", out);
     else
         fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
 }
@@ -36,9 +36,9 @@ void scene_glue_write_transmittance(FILE *out, const struct job *job, const stru
     if (job->quality.method == JOB_METHOD_RIEMANN)
         fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d)", job->quality.light_steps);
     else if (program->features.is_jittered)
-        fprintf(out, "transmittance_jittered(TransmittanceJittered(%.9e)", program->light_step);
+        fputs("transmittance_jittered(TransmittanceJittered(quality_light_step)", out);
     else
-        fprintf(out, "transmittance_midpoint(TransmittanceMidpoint(%.9e)", program->light_step);
+        fputs("transmittance_midpoint(TransmittanceMidpoint(quality_light_step)", out);
     fprintf(out, ", %s, point, light.direction, %s)", spans, distance);
 }
 
@@ -259,9 +259,9 @@ void scene_glue_write_integrator(FILE *out, const struct job *job, const struct 
                                  const char *stretch)
 {
     if (program->features.is_jittered)
-        fprintf(out, "    integrator_jittered(IntegratorJittered(%.9e)", program->step);
+        fputs("    integrator_jittered(IntegratorJittered(quality_step)", out);
     else if (program->features.marches)
-        fprintf(out, "    integrator_midpoint(IntegratorMidpoint(%.9e)", program->step);
+        fputs("    integrator_midpoint(IntegratorMidpoint(quality_step)", out);
     else // n spans have 2 n ends
         fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * job->scene.medium_count);
     fprintf(out, ", %s, spans, gathered);\n", stretch);

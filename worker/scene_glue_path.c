@@ -116,7 +116,7 @@ static void write_media(FILE *out, const struct job *job, const struct scene_pro
     // Only the camera's own ray looks for a depth: a negative one is not 0, which is none yet.
     if (features->has_depth && features->has_extinction)
         fputs(features->has_paths ? ", ray.depth == 0 ? 0.0 : -1.0" : ", 0.0", out);
-    fprintf(out, ", %.9e * spectrum_max(ray.throughput)", job->quality.min_transmittance);
+    fputs(", quality_min_transmittance * spectrum_max(ray.throughput)", out);
     fputs(features->media_are_lit ? ", region);\n" : ");\n", out);
     scene_glue_write_integrator(out, job, program, "ray.origin, ray.direction, media_interval(spans)");
     // What is left of a ray that is over does not reach what is farther.

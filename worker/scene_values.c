@@ -6,6 +6,7 @@
 #include "worker/object_values.h"
 #include "worker/scene_bounds.h"
 #include "worker/scene_features.h"
+#include "worker/scene_inputs.h"
 #include "worker/timeline_value.h"
 
 #include <math.h>
@@ -35,6 +36,12 @@ static void evaluate_time(const void *source, double time, double value[static 9
 {
     (void)source;
     value[0] = time;
+}
+
+static void evaluate_number(const void *source, double time, double value[static 9])
+{
+    (void)time;
+    value[0] = *(const double *)source;
 }
 
 static void evaluate_toward_sun(const void *source, double time, double value[static 9])
@@ -196,6 +203,32 @@ static void add_sampling(struct frame_uniforms *uniforms, const struct job *job,
     frame_uniforms_add(uniforms, sample, "sample_index");
 }
 
+// Numbers that a plan chose are uniforms, so that looking for them takes one program.
+static void add_number(struct frame_uniforms *uniforms, const struct job *job, const double *number,
+                       const char *meaning)
+{
+    frame_uniforms_add(uniforms,
+                       (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                            .is_constant = job->quality.tolerance == 0.0,
+                                            .evaluate = evaluate_number,
+                                            .source = number,
+                                            .min = value_range_not_negative.min,
+                                            .max = value_range_not_negative.max,
+                                            .meaning = meaning},
+                       "%s", meaning);
+}
+
+static void add_steps(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                      const struct scene_features *features)
+{
+    const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
+
+    if (features->marches) add_number(uniforms, job, &quality->step, "quality_step");
+    if (features->marches_to_lights) add_number(uniforms, job, &quality->light_step, "quality_light_step");
+    if (features->has_media && (features->has_objects || quality->min_transmittance > 0.0))
+        add_number(uniforms, job, &quality->min_transmittance, "quality_min_transmittance");
+}
+
 void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
                       const struct scene_features *features)
 {
@@ -230,4 +263,5 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
                            timeline_value(&scene->background, spectrum, value_range_not_negative, "background"),
                            "background");
     add_sampling(uniforms, job, features);
+    add_steps(uniforms, job, inputs, features);
 }

@@ -178,6 +178,20 @@ static void even_media_cast_shadows_without_a_march(void **state)
     release(&program, &job);
 }
 
+static void steps_are_constants_but_where_a_plan_chose_them(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    assemble(&program, &job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    shader_text_assert_has(&program, "const float quality_step = 0.05");
+    scene_program_finish(&program);
+    job.quality.tolerance = 0.01;
+    assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
+    shader_text_assert_has(&program, "quality_step = frame.quality_step");
+    release(&program, &job);
+}
+
 static void jittered_marches_draw_and_stretches_do_not(void **state)
 {
     static const char jittered[] = "\"quality\": {\"method\": \"jittered\", \"step\": 0.05, \"light_step\": 0.05}";
@@ -187,8 +201,8 @@ static void jittered_marches_draw_and_stretches_do_not(void **state)
 
     snprintf(rest, sizeof rest, BALL_JOB_POINT_LIGHT ", %s", jittered);
     assemble(&program, &job, BALL_JOB_SIGMA_S_1, rest);
-    shader_text_assert_has(&program, "integrator_jittered(IntegratorJittered(5.0");
-    shader_text_assert_has(&program, "transmittance_jittered(TransmittanceJittered(5.0");
+    shader_text_assert_has(&program, "integrator_jittered(IntegratorJittered(quality_step)");
+    shader_text_assert_has(&program, "transmittance_jittered(TransmittanceJittered(quality_light_step)");
     shader_text_assert_has(&program, "random_start(uvec2(gl_FragCoord.xy)");
     shader_text_assert_lacks(&program, "_midpoint(");
     release(&program, &job);
@@ -413,6 +427,7 @@ int main(void)
         cmocka_unit_test(emission_alone_has_no_extinction),
         cmocka_unit_test(even_media_without_light_are_not_marched),
         cmocka_unit_test(even_media_cast_shadows_without_a_march),
+        cmocka_unit_test(steps_are_constants_but_where_a_plan_chose_them),
         cmocka_unit_test(jittered_marches_draw_and_stretches_do_not),
         cmocka_unit_test(a_falloff_alone_is_smoothed),
         cmocka_unit_test(a_medium_without_density_costs_nothing),
