@@ -26,7 +26,7 @@ static bool check_channel(const char *name, bool found, bool expected, struct er
 // NaN, of a damaged file, is not within the limit.
 static bool check_rays(const struct image_exr_facts *facts, const struct job *job, struct error *error)
 {
-    if (!scene_features_of(job).has_paths) return true;
+    if (!scene_features_of(job, NULL).has_paths) return true;
     if (facts->rays.is_known && facts->rays.cut_share >= 0.0 && facts->rays.cut_share <= job->quality.max_cut)
         return true;
     if (facts->rays.is_known)

@@ -240,7 +240,7 @@ bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
         char place[64];
 
-        if (!inputs->media[i].source) continue;
+        if (!inputs->media[i].source || inputs->is_unneeded[i]) continue;
         if (bind_medium(grids, &inputs->media[i], i, on_progress, user, error)) continue;
         scene_format_medium_place(inputs->scene, i, place, sizeof place);
         error_prefix(error, "%s.density.file", place);

@@ -99,7 +99,7 @@ static void add_lights(struct scene_features *features, const struct scene *scen
             !features->objects[i].is_grey && (!features->objects[i].is_lit || features->surfaces_are_lit);
 }
 
-struct scene_features scene_features_of(const struct job *job)
+struct scene_features scene_features_of(const struct job *job, const bool *is_unneeded)
 {
     const struct scene *scene = &job->scene;
     struct scene_features features = {.medium_count = scene->medium_count,
@@ -112,7 +112,7 @@ struct scene_features scene_features_of(const struct job *job)
     bool scatters = false;
 
     for (size_t i = 0; i < scene->medium_count; ++i) {
-        add_medium(&features, &scene->media[i], i);
+        if (!is_unneeded || !is_unneeded[i]) add_medium(&features, &scene->media[i], i);
         scatters |= features.media[i].scatters;
     }
     for (size_t i = 0; i < scene->object_count; ++i)

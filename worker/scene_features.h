@@ -56,7 +56,8 @@ struct scene_features {
 
 // True for a point light whose irradiance falls with the square of the distance.
 bool scene_light_is_inverse_square(const struct scene_light *light);
-struct scene_features scene_features_of(const struct job *job);
+// `is_unneeded` (SCENE_MEDIUM_LIMIT of them; NULL: none) says which media the picture does without.
+struct scene_features scene_features_of(const struct job *job, const bool *is_unneeded);
 size_t scene_features_count_lights(const struct scene_features *features); // those that are seen
 // True when something of it attenuates light.
 bool medium_features_have_column(const struct medium_features *medium);

@@ -305,8 +305,10 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
             error_set(error, "%s.density: its kind cannot be rendered yet", place);
             return false;
         }
-    *program = (struct scene_program){
-        .features = scene_features_of(job), .inputs = inputs, .step = quality->step, .light_step = quality->light_step};
+    *program = (struct scene_program){.features = scene_features_of(job, inputs ? inputs->is_unneeded : NULL),
+                                      .inputs = inputs,
+                                      .step = quality->step,
+                                      .light_step = quality->light_step};
     if (!camera_view_init(&view, &job->scene.camera, job_frame_time(job, frame_range_at(&job->frames, 0)),
                           job->width_px, job->height_px, error))
         return false;
