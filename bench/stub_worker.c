@@ -4,6 +4,7 @@
 //   skip         answers each frame with frame.skipped at once (default)
 //   sleep:MS     the same after MS milliseconds
 //   write:MS     writes a small file after MS milliseconds and reports it finished
+//   audited:MS   the same, and says how exact it is
 //   lie:MS       the same, but says of the file what is not so, and of frames it was not given that they are finished
 //   fail:FAULT   answers frame.failed with that fault
 //   crash        dies when it begins a frame
@@ -13,6 +14,7 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/frame_accuracy.h"
 #include "core/hash.h"
 #include "core/job.h"
 #include "core/job_json.h"
@@ -76,7 +78,7 @@ static bool has_mode(const struct stub *stub, const char *mode)
 
 static bool writes_files(const struct stub *stub)
 {
-    return has_mode(stub, "write") || has_mode(stub, "lie");
+    return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "lie");
 }
 
 static void begin_report(struct stub *stub, const char *method, const struct stub_frame *frame)
@@ -183,6 +185,14 @@ out:
     return ok;
 }
 
+static const struct frame_accuracy audited = {.audit = "reference",
+                                              .error = 0.00625,
+                                              .error95 = 0.0075,
+                                              .audit_rays = 64,
+                                              .method = "cached",
+                                              .has_cut_share = true,
+                                              .cut_share = 0.125};
+
 static void say_finished(struct stub *stub, const struct stub_frame *frame, uint64_t inode_number, int64_t size_bytes,
                          const char *hash)
 {
@@ -195,6 +205,7 @@ static void say_finished(struct stub *stub, const struct stub_frame *frame, uint
     json_write_string_member(&stub->out, "hash", hash);
     json_write_number_member(&stub->out, "render_s", (double)stub->frame_ms / 1000);
     json_write_number_member(&stub->out, "encode_s", 0);
+    if (has_mode(stub, "audited")) frame_accuracy_write(&audited, &stub->out);
     end_report(stub);
 }
 

@@ -34,6 +34,16 @@ static void print_seconds(double seconds)
         printf("  %8s", "-");
 }
 
+static void print_share(const struct json_node *frame, const char *key)
+{
+    double share = number_of(frame, key);
+
+    if (share >= 0)
+        printf("  %7.2g", 100 * share);
+    else
+        printf("  %7s", "-");
+}
+
 // Columns of fixed width, so that a page can be printed before the next one is asked for.
 static void print_frame(const struct json_node *frame)
 {
@@ -47,6 +57,10 @@ static void print_frame(const struct json_node *frame)
         printf("  %11.0f", size);
     else
         printf("  %11s", "-");
+    printf("  %-13s", text_of(frame, "method", "-"));
+    print_share(frame, "measured_error");
+    print_share(frame, "error95");
+    print_share(frame, "cut_share");
     printf("  %s\n", why ? why : text_of(frame, "path", "-"));
 }
 
@@ -97,8 +111,8 @@ static enum exit_status print_frames(const struct options *options, struct conne
         if (!ok) return connection_failure(connection);
         if (offset == 0 && options->json) printf("{\"frames\":[");
         if (offset == 0 && !options->json)
-            printf("%8s  %-9s  %3s  %8s  %8s  %11s  %s\n", "FRAME", "STATE", "TRY", "RENDER S", "ENCODE S", "BYTES",
-                   "FILE OR ERROR");
+            printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %7s  %7s  %7s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
+                   "ENCODE S", "BYTES", "METHOD", "ERROR %", "ERR95 %", "CUT %", "FILE OR FAILURE");
         frames = json_node_child(&reply.body, "frames");
         total_node = json_node_child(&reply.body, "total");
         ok = json_read_integer(&total_node, 0, INT64_C(1) << 52, &total, error);

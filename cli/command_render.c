@@ -78,21 +78,35 @@ static void write_result(struct json_writer *writer, const struct render_result 
     if (result->outcome == RENDER_SUCCEEDED) {
         json_write_number_member(writer, "render_s", result->render_s);
         json_write_number_member(writer, "encode_s", result->encode_s);
-        if (result->cut_share >= 0) json_write_number_member(writer, "cut_share", result->cut_share);
     }
     if (result->outcome != RENDER_FAILED) {
         json_write_integer_member(writer, "size_bytes", result->size_bytes);
         json_write_string_member(writer, "hash", result->hash);
+        frame_accuracy_write(&result->accuracy, writer);
     }
     if (result->error) json_write_string_member(writer, "error", result->error);
     json_write_end_object(writer);
 }
 
+static void print_accuracy(const struct frame_accuracy *accuracy)
+{
+    if (accuracy->audit[0])
+        printf("  error %.2g %% (95 %%: below %.2g %%)  %s", 100 * accuracy->error, 100 * accuracy->error95,
+               accuracy->method);
+    if (accuracy->has_cut_share) printf("  cut %.3g %%", 100 * accuracy->cut_share);
+    putchar('\n');
+}
+
 static void print_succeeded(const struct render_result *result)
 {
     printf("%s  rendered %.3f s  encoded %.3f s", result->name, result->render_s, result->encode_s);
-    if (result->cut_share >= 0) printf("  cut %.3g %%", 100 * result->cut_share);
-    putchar('\n');
+    print_accuracy(&result->accuracy);
+}
+
+static void print_skipped(const struct render_result *result)
+{
+    printf("%s  was there already", result->name);
+    print_accuracy(&result->accuracy);
 }
 
 static void on_result(void *user, const struct render_result *result)
@@ -106,7 +120,7 @@ static void on_result(void *user, const struct render_result *result)
     else if (result->outcome == RENDER_SUCCEEDED)
         print_succeeded(result);
     else if (result->outcome == RENDER_SKIPPED)
-        printf("%s  was there already\n", result->name);
+        print_skipped(result);
     if (result->outcome == RENDER_FAILED) fprintf(stderr, "frame %d failed: %s\n", result->frame, result->error);
     fflush(stdout);
 }

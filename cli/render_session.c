@@ -145,15 +145,14 @@ static bool read_file(const struct json_node *body, struct published_file *file,
     struct json_node inode = json_node_child(body, "inode"), size = json_node_child(body, "size_bytes");
     struct json_node hash = json_node_child(body, "hash");
     struct json_node render_s = json_node_child(body, "render_s"), encode_s = json_node_child(body, "encode_s");
-    struct json_node cut_share = json_node_child(body, "cut_share");
     const char *digits;
 
-    if (!json_read_number(&cut_share, 0, 1, &result->cut_share, NULL)) result->cut_share = -1;
     if (!json_read_string(&inode, &digits, error)) return false;
     if (!json_read_integer(&size, 0, INT64_C(1) << 53, &result->size_bytes, error)) return false;
     if (!json_read_string(&hash, &result->hash, error)) return false;
     if (!json_read_number(&render_s, 0, HUGE_VAL, &result->render_s, error)) return false;
     if (!json_read_number(&encode_s, 0, HUGE_VAL, &result->encode_s, error)) return false;
+    if (!frame_accuracy_read(&result->accuracy, body, error)) return false;
     file->inode = strtoull(digits, NULL, 10);
     file->size_bytes = (uint64_t)result->size_bytes;
     memccpy(file->hash, result->hash, 0, sizeof file->hash - 1);
@@ -186,6 +185,7 @@ static void on_skipped(struct session *session, const struct render_ticket *tick
 
     json_read_integer(&size, 0, INT64_C(1) << 53, &result.size_bytes, NULL);
     json_read_string(&hash, &result.hash, NULL);
+    frame_accuracy_read(&result.accuracy, body, NULL);
     report(session, &result);
 }
 
@@ -193,7 +193,7 @@ static void on_skipped(struct session *session, const struct render_ticket *tick
 static enum step on_failed(struct session *session, const struct render_ticket *ticket, const struct json_node *body,
                            struct error *error)
 {
-    static const char *const faults[] = {"job", "frame", "worker", "output", "endless", "cut", NULL};
+    static const char *const faults[] = {"job", "frame", "worker", "output", "endless", "cut", "missed", NULL};
     struct json_node fault = json_node_child(body, "fault"), text = json_node_child(body, "error");
     const char *why = "failed without saying why";
     int choice = 1;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cli/exit_status.h"
+#include "core/frame_accuracy.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -21,12 +22,12 @@ enum render_outcome {
 struct render_result {
     int32_t frame;
     enum render_outcome outcome;
-    const char *name;          // the file's, below the output root; borrowed for the call
-    double render_s, encode_s; // succeeded only
-    double cut_share;          // likewise: of its light, that cut rays may have taken; < 0: it has no such
-    int64_t size_bytes;        // not of a failed one
-    const char *hash;          // borrowed for the call; NULL when failed
-    const char *error;         // failed only; borrowed for the call
+    const char *name;               // the file's, below the output root; borrowed for the call
+    double render_s, encode_s;      // succeeded only
+    struct frame_accuracy accuracy; // not of a failed one; what is known
+    int64_t size_bytes;             // not of a failed one
+    const char *hash;               // borrowed for the call; NULL when failed
+    const char *error;              // failed only; borrowed for the call
 };
 
 struct render_session_params {

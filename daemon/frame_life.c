@@ -164,7 +164,8 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
                                       .epoch = farm->epoch,
                                       .file = report->file,
                                       .render_s = report->render_s,
-                                      .encode_s = report->encode_s};
+                                      .encode_s = report->encode_s,
+                                      .accuracy = report->accuracy};
 
     worker->done++;
     frame_seconds(worker);
@@ -181,8 +182,11 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
 static void note_skipped(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
                          struct job_record *record, struct hand_frame *frame)
 {
-    struct publish_request request = {
-        .record = record, .ticket = frame->ticket, .epoch = farm->epoch, .file = report->file};
+    struct publish_request request = {.record = record,
+                                      .ticket = frame->ticket,
+                                      .epoch = farm->epoch,
+                                      .file = report->file,
+                                      .accuracy = report->accuracy};
 
     worker->done++;
     estimate_add(&record->estimate, frame_seconds(worker));

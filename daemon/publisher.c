@@ -72,7 +72,8 @@ struct store_op publish_request_format_op(const struct publish_request *request,
                   .inode = request->file.inode,
                   .size_bytes = request->file.size_bytes,
                   .render_s = request->render_s,
-                  .encode_s = request->encode_s},
+                  .encode_s = request->encode_s,
+                  .accuracy = request->accuracy},
     };
 
     memcpy(op.frame.hash, request->file.hash, sizeof op.frame.hash);

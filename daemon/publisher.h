@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/error.h"
+#include "core/frame_accuracy.h"
 #include "core/publish.h"
 #include "daemon/queue.h"
 #include "daemon/store.h"
@@ -29,6 +30,7 @@ struct publish_request {
     int64_t epoch; // whose part file it is
     struct published_file file;
     double render_s, encode_s;
+    struct frame_accuracy accuracy;
     enum publish_outcome outcome;
     struct error error;
 };

@@ -198,6 +198,7 @@ static void write_frame(struct details_task *task, const struct listed_frame *fr
     else
         json_write_string_member(writer, "path", NULL);
     json_write_string_member(writer, "error", row && frame->state == FRAME_FAILED ? row->error : NULL);
+    if (has_file) frame_accuracy_write(&row->accuracy, writer);
     json_write_end_object(writer);
 }
 

@@ -5,7 +5,7 @@
 
 enum { BACKOFF_FIRST_MS = 1000, BACKOFF_LIMIT_MS = 60 * 1000 };
 
-const char *const retry_fault_names[] = {"job", "frame", "worker", "output", "lost", "endless", "cut", NULL};
+const char *const retry_fault_names[] = {"job", "frame", "worker", "output", "lost", "endless", "cut", "missed", NULL};
 
 enum retry_action retry_decide(enum retry_fault fault, bool is_started, int tries, int max_attempts)
 {
@@ -20,6 +20,7 @@ enum retry_action retry_decide(enum retry_fault fault, bool is_started, int trie
         break;
     case RETRY_FAULT_ENDLESS:
     case RETRY_FAULT_CUT:
+    case RETRY_FAULT_MISSED:
         return is_started ? RETRY_FAIL_FRAME : RETRY_FREE;
     case RETRY_FAULT_FRAME:
         break;

@@ -14,10 +14,11 @@ enum retry_fault {
     // its frame in a scene with code of the user's own. It would most likely not end the next time either, and each try
     // holds a worker: so the frame is failed at once.
     RETRY_FAULT_ENDLESS,
-    RETRY_FAULT_CUT // cut rays may have taken too much of its light; the next try would cut the same
+    RETRY_FAULT_CUT,   // cut rays may have taken too much of its light; the next try would cut the same
+    RETRY_FAULT_MISSED // it is over its tolerance, rendered finer as well; the next try would be the same
 };
 
-// "job", "frame", "worker", "output", "lost", "endless", "cut"; ends in NULL
+// "job", "frame", "worker", "output", "lost", "endless", "cut", "missed"; ends in NULL
 extern const char *const retry_fault_names[];
 
 enum retry_action {

@@ -38,7 +38,8 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [ADD_DOCUMENT] = "INSERT INTO document VALUES (?, ?)",
     [SET_JOB] = "UPDATE job SET priority = ?2, is_paused = ?3, is_canceled = ?4, is_failed = ?5, submitted_ms = ?6,"
                 " started_ms = ?7, finished_ms = ?8, reason = ?9 WHERE id = ?1",
-    [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+    [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
+                  " ?, ?, ?, ?, ?, ?)",
     [RESET_FRAMES] = "DELETE FROM frame WHERE job = ? AND frame_index BETWEEN ? AND ?",
     [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state) VALUES (?, ?, ?) ON CONFLICT DO NOTHING",
     [ADD_ATTEMPT] = "INSERT INTO attempt (job, number, frame, attempt, worker, ended_ms, outcome, log) VALUES (?1,"
@@ -98,7 +99,7 @@ static bool open_database(struct store *store, const char *path, struct error *e
 {
     int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
     int64_t last_id = 0;
-    bool is_new = false;
+    int found;
 
     if (sqlite3_open_v2(path, &store->db, flags, NULL) != SQLITE_OK) {
         store_sql_set_error(error, store->db, "open queue.db");
@@ -107,13 +108,13 @@ static bool open_database(struct store *store, const char *path, struct error *e
     // A store that is refused keeps its log as well.
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     sqlite3_busy_timeout(store->db, BUSY_TIMEOUT_MS);
-    if (!store_schema_check(store->db, &is_new, error)) return false;
+    if (!store_schema_check(store->db, &found, error)) return false;
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
 
     if (!store_sql_execute(store->db, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; BEGIN IMMEDIATE",
                            "write to queue.db", error))
         return false;
-    if (is_new && !store_schema_create(store->db, error)) return false;
+    if (!store_schema_bring_up(store->db, found, error)) return false;
     if (!store_sql_execute(store->db, "UPDATE daemon SET epoch = epoch + 1; COMMIT", "count this start", error))
         return false;
     if (!store_sql_read_integer(store->db, "SELECT epoch FROM daemon", &store->epoch, error)) return false;
@@ -198,6 +199,20 @@ static bool set_job(struct store *store, const struct store_job *job, struct err
     return false;
 }
 
+static void bind_accuracy(sqlite3_stmt *statement, const struct frame_accuracy *accuracy)
+{
+    for (int column = 12; column <= 17; column++)
+        sqlite3_bind_null(statement, column);
+    if (accuracy->audit[0]) {
+        store_sql_bind_text(statement, 12, accuracy->audit);
+        sqlite3_bind_double(statement, 13, accuracy->error);
+        sqlite3_bind_double(statement, 14, accuracy->error95);
+        sqlite3_bind_int(statement, 15, accuracy->audit_rays);
+        store_sql_bind_text(statement, 16, accuracy->method);
+    }
+    if (accuracy->has_cut_share) sqlite3_bind_double(statement, 17, accuracy->cut_share);
+}
+
 static bool set_frame(struct store *store, const struct store_frame *frame, struct error *error)
 {
     sqlite3_stmt *statement = store->statements[SET_FRAME];
@@ -213,6 +228,7 @@ static bool set_frame(struct store *store, const struct store_frame *frame, stru
     sqlite3_bind_double(statement, 9, frame->render_s);
     sqlite3_bind_double(statement, 10, frame->encode_s);
     store_sql_bind_text(statement, 11, frame->error);
+    bind_accuracy(statement, &frame->accuracy);
     return store_sql_run(statement, "write a frame", error);
 }
 

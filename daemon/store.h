@@ -1,6 +1,7 @@
 // What survives: jobs, frames and attempts in SQLite. Blocking; used from one thread at a time.
 #pragma once
 
+#include "core/frame_accuracy.h"
 #include "core/hash.h"
 #include "daemon/queue.h"
 
@@ -47,6 +48,7 @@ struct store_frame {
     uint64_t inode, size_bytes;
     char hash[HASH_TEXT_SIZE];
     double render_s, encode_s;
+    struct frame_accuracy accuracy;
     char *error; // owned; NULL: none
 };
 
@@ -84,8 +86,8 @@ struct store_op {
 void store_op_finish(struct store_op *op); // frees what it owns; the zero op is empty
 
 // Opens or makes FOLDER/queue.db (folder made with mode 0700 if missing, its parent must exist) and locks it against a
-// second daemon. Refuses, and leaves as it is, a store a newer version wrote and a file that is no store. Adds one to
-// the epoch, durably. NULL on failure.
+// second daemon. A store of an older version becomes one of this version, with all that it holds. Refuses, and leaves as
+// it is, a store a newer version wrote and a file that is no store. Adds one to the epoch, durably. NULL on failure.
 struct store *store_open(const char *folder, struct error *error);
 void store_close(struct store *store); // accepts NULL
 int64_t store_epoch(const struct store *store);

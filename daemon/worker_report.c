@@ -101,12 +101,14 @@ static bool read_finished(struct worker_report *report, const struct json_node *
 {
     return read_frame(report, body, error) && read_file(&report->file, body, error) &&
            read_inode(body, &report->file.inode, error) && read_seconds(body, "render_s", &report->render_s, error) &&
-           read_seconds(body, "encode_s", &report->encode_s, error);
+           read_seconds(body, "encode_s", &report->encode_s, error) &&
+           frame_accuracy_read(&report->accuracy, body, error);
 }
 
 static bool read_skipped(struct worker_report *report, const struct json_node *body, struct error *error)
 {
-    return read_frame(report, body, error) && read_file(&report->file, body, error);
+    return read_frame(report, body, error) && read_file(&report->file, body, error) &&
+           frame_accuracy_read(&report->accuracy, body, error);
 }
 
 static bool read_failed(struct worker_report *report, const struct json_node *body, struct error *error)

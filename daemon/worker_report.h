@@ -1,6 +1,7 @@
 // What a worker says about itself and its frames, read from its messages.
 #pragma once
 
+#include "core/frame_accuracy.h"
 #include "core/publish.h"
 #include "daemon/retry.h"
 
@@ -30,10 +31,11 @@ struct worker_report {
     double progress;                                                 // beat
     int64_t job;                                                     // of a frame
     int32_t frame, attempt;
-    struct published_file file; // finished; skipped without inode
-    double render_s, encode_s;  // finished
-    enum retry_fault fault;     // failed
-    const char *error;          // failed, unable
+    struct published_file file;     // finished; skipped without inode
+    double render_s, encode_s;      // finished
+    struct frame_accuracy accuracy; // finished, skipped
+    enum retry_fault fault;         // failed
+    const char *error;              // failed, unable
 };
 
 bool worker_report_read(struct worker_report *report, const struct message *message, struct error *error);

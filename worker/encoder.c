@@ -1,6 +1,8 @@
 #include "worker/encoder.h"
 
 #include "core/error.h"
+#include "core/frame_accuracy.h"
+#include "worker/audit_names.h"
 #include "worker/gate.h"
 #include "worker/image_exr.h"
 #include "worker/options.h"
@@ -9,6 +11,7 @@
 #include "worker/worker.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -33,9 +36,10 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .owner = frame->job->owner,
         .job_id = frame->job->id,
         .job_hash = picture->hash,
+        .sequence_hash = job->hash,
         .frame = frame->frame,
         .attempt = frame->attempt,
-        .method = job_method_name(job->quality.method),
+        .method = job_method_name(picture->method),
         .step = picture->step,
         .backend = worker->backend,
         .renderer = worker->renderer,
@@ -46,6 +50,9 @@ static struct image_exr_header make_header(const struct worker *worker, const st
                  .cut_rays = picture->ray_counts.cut_rays,
                  .cut_share = picture->ray_counts.cut_share,
                  .cut_tolerance = job->quality.max_cut},
+        .audit = picture->audit,
+        .sampling_error = picture->sampling_error,
+        .plan = picture->plan,
         .captured = (int64_t)time(NULL),
     };
 
@@ -98,11 +105,26 @@ static bool check_picture(const struct picture *picture, enum report_fault *faul
     return ray_counts_check(&picture->ray_counts, &job->quality, error);
 }
 
+static struct frame_accuracy find_accuracy(const struct picture *picture)
+{
+    struct frame_accuracy accuracy = {.has_cut_share = picture->ray_counts.is_known,
+                                      .cut_share = picture->ray_counts.cut_share};
+
+    if (picture->audit.kind == AUDIT_NONE) return accuracy;
+    snprintf(accuracy.audit, sizeof accuracy.audit, "%s", audit_name(picture->audit.kind));
+    snprintf(accuracy.method, sizeof accuracy.method, "%s", job_method_name(picture->method));
+    accuracy.error = picture->audit.error;
+    accuracy.error95 = picture->audit.error95;
+    accuracy.audit_rays = picture->audit.ray_count;
+    return accuracy;
+}
+
 static void encode(struct worker *worker, struct picture *picture)
 {
     struct assignment_frame *frame = picture->frame;
     enum report_fault fault;
     struct published_file file;
+    struct frame_accuracy accuracy = find_accuracy(picture);
     struct error error = {0};
     double start_s = now_s();
 
@@ -120,11 +142,10 @@ static void encode(struct worker *worker, struct picture *picture)
         worker_drop_frame(worker, frame);
         return;
     }
-    report_finished(&worker->connection, frame,
-                    &(struct report_result){.file = &file,
-                                            .ray_counts = &picture->ray_counts,
-                                            .render_s = picture->render_s,
-                                            .encode_s = now_s() - start_s});
+    report_finished(
+        &worker->connection, frame,
+        &(struct report_result){
+            .file = &file, .accuracy = &accuracy, .render_s = picture->render_s, .encode_s = now_s() - start_s});
     worker_end_frame(worker, frame);
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "core/job.h"
+#include "worker/audit.h"
+#include "worker/plan.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -26,16 +28,20 @@ struct image_exr_header {
     double world_to_ndc[16];
     const char *owner;
     int64_t job_id;
-    const char *job_hash;
+    const char *job_hash;      // the picture's: of the job and of what the frame's files hold
+    const char *sequence_hash; // the job's alone: the same in all files of a sequence
     int32_t frame;
     int attempt;
-    const char *method;
+    const char *method; // that rendered it
     double step;
     const char *backend, *renderer;
     const char *shader_hash;
     double render_seconds;
     struct image_exr_rays rays;
-    int64_t captured; // unix seconds
+    struct audit_result audit; // AUDIT_NONE: nothing of it is written
+    double sampling_error;     // relative RMSE that its number of samples leaves; 0: not measured
+    const char *plan;          // why it was rendered as it was; NULL or empty: the job said how
+    int64_t captured;          // unix seconds
 };
 
 // Writes the image to `fd` (empty, open for reading and writing) with `thread_count` compressing threads, and syncs it.
@@ -49,11 +55,18 @@ struct image_exr_facts {
     enum job_pixel pixel;
     bool has_alpha, has_depth, has_transmittance;
     int width_px, height_px;
-    char job_hash[64]; // marchd:jobHash, empty when absent
+    char job_hash[64];      // marchd:jobHash, empty when absent
+    char sequence_hash[64]; // marchd:sequenceHash, likewise
     int64_t job_id;
     int32_t frame;
     double render_seconds;
     struct image_exr_rays rays; // is_known: the file has a share
+    // Of a kind: the file has an error and says with what it was compared. What it lacks beside is NaN.
+    struct audit_result audit;
+    double sampling_error; // 0: none is there
+    char method[32];
+    double step;
+    char plan[PLAN_REASON_SIZE];
 };
 
 // Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image` may

@@ -1,6 +1,7 @@
 #include "worker/image_exr.h"
 
 #include "core/error.h"
+#include "worker/audit_names.h"
 #include "worker/image.h"
 
 #define IMATH_HALF_NO_LOOKUP_TABLE
@@ -144,6 +145,24 @@ static exr_result_t set_rays(exr_context_t context, const struct image_exr_rays 
     return result;
 }
 
+static exr_result_t set_accuracy(exr_context_t context, const struct image_exr_header *header)
+{
+    const struct audit_result *audit = &header->audit;
+    exr_result_t result = EXR_ERR_SUCCESS;
+
+    if (header->plan && header->plan[0]) result = exr_attr_set_string(context, 0, "marchd:plan", header->plan);
+    if (!result && header->sampling_error > 0.0)
+        result = exr_attr_set_double(context, 0, "marchd:samplingError", header->sampling_error);
+    if (result || audit->kind == AUDIT_NONE) return result;
+    result = exr_attr_set_string(context, 0, "marchd:audit", audit_name(audit->kind));
+    if (!result) result = exr_attr_set_string(context, 0, "marchd:auditScope", audit->is_pooled ? "segment" : "frame");
+    if (!result) result = exr_attr_set_double(context, 0, "marchd:tolerance", audit->tolerance);
+    if (!result) result = exr_attr_set_double(context, 0, "marchd:error", audit->error);
+    if (!result) result = exr_attr_set_double(context, 0, "marchd:error95", audit->error95);
+    if (!result) result = exr_attr_set_int(context, 0, "marchd:auditRays", audit->ray_count);
+    return result;
+}
+
 static exr_result_t set_own_attributes(exr_context_t context, const struct image_exr_header *header)
 {
     char job[32];
@@ -152,6 +171,7 @@ static exr_result_t set_own_attributes(exr_context_t context, const struct image
     } strings[] = {
         {"marchd:job", job},
         {"marchd:jobHash", header->job_hash},
+        {"marchd:sequenceHash", header->sequence_hash},
         {"marchd:method", header->method},
         {"marchd:backend", header->backend},
         {"marchd:renderer", header->renderer},
@@ -190,6 +210,7 @@ static exr_result_t write_header(struct writer *writer, const struct image_exr_h
     if (!result) result = set_standard_attributes(context, header);
     if (!result) result = set_own_attributes(context, header);
     if (!result) result = set_rays(context, &header->rays);
+    if (!result) result = set_accuracy(context, header);
     if (!result) result = exr_write_header(context);
     if (!result) result = exr_get_scanlines_per_chunk(context, part, &writer->lines_per_chunk);
     if (!result) result = exr_get_chunk_count(context, part, &writer->chunk_count);

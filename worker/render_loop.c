@@ -138,6 +138,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
         memcpy(picture->world_to_ndc, result.world_to_ndc, sizeof picture->world_to_ndc);
         snprintf(picture->shader_hash, sizeof picture->shader_hash, "%s", result.shader_hash ? result.shader_hash : "");
         memcpy(picture->hash, result.picture_hash, sizeof picture->hash);
+        picture->method = loop->frame->job->job.quality.method;
         picture->step = result.step;
         picture->ray_counts = result.ray_counts;
         hand_over(loop, picture);

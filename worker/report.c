@@ -1,5 +1,6 @@
 #include "worker/report.h"
 
+#include "core/frame_accuracy.h"
 #include "core/json_write.h"
 #include "core/log.h"
 #include "core/message.h"
@@ -7,7 +8,6 @@
 #include "worker/assignment.h"
 #include "worker/connection.h"
 #include "worker/gl_context.h"
-#include "worker/ray_counts.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -99,7 +99,7 @@ void report_finished(struct connection *connection, const struct assignment_fram
     json_write_string_member(&writer, "hash", result->file->hash);
     json_write_number_member(&writer, "render_s", result->render_s);
     json_write_number_member(&writer, "encode_s", result->encode_s);
-    if (result->ray_counts->is_known) json_write_number_member(&writer, "cut_share", result->ray_counts->cut_share);
+    frame_accuracy_write(result->accuracy, &writer);
     send_and_finish(connection, &writer);
 }
 
@@ -125,7 +125,7 @@ void report_dropped(struct connection *connection, const struct assignment_dropp
 void report_frame_failed(struct connection *connection, const struct assignment_frame *frame, enum report_fault fault,
                          const char *reason)
 {
-    static const char *const names[] = {"job", "frame", "worker", "output", "endless", "cut"};
+    static const char *const names[] = {"job", "frame", "worker", "output", "endless", "cut", "missed"};
     struct json_writer writer = {0};
 
     // Whoever gave the frame tells of it, in the user's words.

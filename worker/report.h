@@ -6,9 +6,9 @@
 struct assignment_frame;
 struct assignment_dropped;
 struct connection;
+struct frame_accuracy;
 struct gl_context_facts;
 struct published_file;
-struct ray_counts;
 
 void report_ready(struct connection *connection, const struct gl_context_facts *facts); // NULL: without a context
 void report_no_context(struct connection *connection, const char *reason);
@@ -18,7 +18,7 @@ void report_rendered(struct connection *connection, const struct assignment_fram
 
 struct report_result {
     const struct published_file *file; // borrowed for the call, as what follows
-    const struct ray_counts *ray_counts;
+    const struct frame_accuracy *accuracy;
     double render_s, encode_s;
 };
 
@@ -34,7 +34,8 @@ enum report_fault {
     REPORT_FAULT_WORKER,  // the context is lost: another worker may do
     REPORT_FAULT_OUTPUT,  // the disk is full or may not be written
     REPORT_FAULT_ENDLESS, // this one does not, nor would it another time
-    REPORT_FAULT_CUT      // likewise: more of its light may be missing than the job allows
+    REPORT_FAULT_CUT,     // likewise: more of its light may be missing than the job allows
+    REPORT_FAULT_MISSED   // likewise: it was over its tolerance after the finer rendering, too
 };
 
 // Logs the reason too: the log is what a user reads of an attempt.

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "worker/assignment.h"
+#include "worker/audit.h"
 #include "worker/connection.h"
 #include "worker/image.h"
+#include "worker/plan.h"
 #include "worker/ray_counts.h"
 
 #include <pthread.h>
@@ -20,8 +22,12 @@ struct picture {
     int folder_fd; // owned; where its file goes
     double world_to_camera[16], world_to_ndc[16];
     double render_s;
-    double step; // m
+    enum job_method method; // that rendered it: the job's, or what a plan put in place of auto
+    double step;            // m; likewise
     struct ray_counts ray_counts;
+    struct audit_result audit;   // AUDIT_NONE: the job states no tolerance
+    double sampling_error;       // relative RMSE that the number of samples a pixel leaves; 0: not measured
+    char plan[PLAN_REASON_SIZE]; // why this method and these numbers; empty: the job says them
     char shader_hash[64];
     char hash[HASH_TEXT_SIZE]; // of the job and of what the frame's files hold
 };

@@ -31,6 +31,8 @@ static void users_code_that_does_not_end_gets_one_try(void **state)
     assert_int_equal(retry_decide(RETRY_FAULT_ENDLESS, true, 1, 3), RETRY_FAIL_FRAME);
     assert_int_equal(retry_decide(RETRY_FAULT_ENDLESS, false, 1, 3), RETRY_FREE);
     assert_int_equal(retry_decide(RETRY_FAULT_CUT, true, 1, 3), RETRY_FAIL_FRAME);
+    assert_int_equal(retry_decide(RETRY_FAULT_MISSED, true, 1, 3), RETRY_FAIL_FRAME);
+    assert_int_equal(retry_decide(RETRY_FAULT_MISSED, false, 1, 3), RETRY_FREE);
 }
 
 static void a_job_of_endless_frames_alone_is_given_up(void **state)
@@ -60,7 +62,8 @@ static void fault_names_follow_the_enumeration(void **state)
     assert_string_equal(retry_fault_names[RETRY_FAULT_LOST], "lost");
     assert_string_equal(retry_fault_names[RETRY_FAULT_ENDLESS], "endless");
     assert_string_equal(retry_fault_names[RETRY_FAULT_CUT], "cut");
-    assert_null(retry_fault_names[RETRY_FAULT_CUT + 1]);
+    assert_string_equal(retry_fault_names[RETRY_FAULT_MISSED], "missed");
+    assert_null(retry_fault_names[RETRY_FAULT_MISSED + 1]);
 }
 
 static void backoff_doubles_up_to_a_minute(void **state)

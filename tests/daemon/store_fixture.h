@@ -81,7 +81,23 @@ static inline struct store_op frame_op(int64_t job, int32_t index, enum frame_st
                                        .size_bytes = 123456789012,
                                        .hash = "00112233445566778899aabbccddeeff",
                                        .render_s = 1.5,
-                                       .encode_s = 0.25}};
+                                       .encode_s = 0.25,
+                                       .accuracy = {.audit = "reference",
+                                                    .error = 0.0078125,
+                                                    .error95 = 0.015625,
+                                                    .audit_rays = 64,
+                                                    .method = "cached",
+                                                    .has_cut_share = true,
+                                                    .cut_share = 0.125}}};
+}
+
+static inline void assert_accuracy(const struct frame_accuracy *accuracy)
+{
+    assert_string_equal(accuracy->audit, "reference");
+    assert_true(accuracy->error == 0.0078125 && accuracy->error95 == 0.015625);
+    assert_int_equal(accuracy->audit_rays, 64);
+    assert_string_equal(accuracy->method, "cached");
+    assert_true(accuracy->has_cut_share && accuracy->cut_share == 0.125);
 }
 
 static inline bool commit(struct store *store, struct store_op *ops, size_t count, struct error *error)

@@ -188,7 +188,7 @@ static void newer_store_is_refused_and_left_alone(void **state)
     store_close(open_store(folder));
     snprintf(path, sizeof path, "%s/queue.db", folder->path);
     write_bytes(path, 60, version, sizeof version);
-    assert_refused(folder, "store: written by a newer marchd (version 3, this one reads 1)");
+    assert_refused(folder, "store: written by a newer marchd (version 3, this one reads 2)");
 }
 
 static void database_of_another_program_is_refused(void **state)

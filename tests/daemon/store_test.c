@@ -93,6 +93,7 @@ static void intent_is_loaded_whole(void **state)
     assert_true(loaded.frame.inode == UINT64_MAX - 5);
     assert_true(loaded.frame.size_bytes == 123456789012);
     assert_string_equal(loaded.frame.hash, "00112233445566778899aabbccddeeff");
+    assert_accuracy(&loaded.frame.accuracy);
     store_close(store);
 }
 
@@ -168,6 +169,7 @@ static void reader_sees_what_is_committed(void **state)
     assert_int_equal(rows.frames, 3);
     assert_int_equal(rows.frame.index, 5);
     assert_true(rows.frame.render_s == 1.5 && rows.frame.encode_s == 0.25);
+    assert_accuracy(&rows.frame.accuracy);
     assert_true(store_read_document(reader, 1, &document, &error));
     assert_string_equal(document, "{\"frames\": \"1-3\"}");
     free(document);

@@ -73,6 +73,15 @@ static struct image_exr_header make_header(enum job_pixel pixel, enum job_compre
         .render_seconds = 1.25,
         .rays =
             {.is_known = true, .rays_per_pixel = 5.5, .cut_rays = 0.75, .cut_share = 1.0 / 3.0, .cut_tolerance = 0.01},
+        .sequence_hash = "00000000000000000000000000000001",
+        .audit = {.kind = AUDIT_STEP_HALVING,
+                  .is_pooled = true,
+                  .error = 0.0078125,
+                  .error95 = 0.015625,
+                  .ray_count = 64,
+                  .tolerance = 0.01},
+        .sampling_error = 0.125,
+        .plan = "a grid of light pays",
         .captured = 1000000000,
     };
 
@@ -213,6 +222,61 @@ static void facts_are_read_back_without_the_pixels(void **state)
     assert_true(facts.has_alpha && facts.has_depth && !facts.has_transmittance);
     assert_true(facts.rays.is_known && facts.rays.rays_per_pixel == 5.5 && facts.rays.cut_rays == 0.75);
     assert_true(facts.rays.cut_share == 1.0 / 3.0 && facts.rays.cut_tolerance == 0.01);
+    image_finish(&image);
+    close(fd);
+}
+
+static void audit_and_plan_are_read_back(void **state)
+{
+    struct image image = make_image(5, 4, false, false, 1);
+    struct image_exr_header header = make_header(JOB_PIXEL_HALF, JOB_COMPRESSION_ZIP);
+    struct image_exr_facts facts;
+    int fd = write_image(&image, &header, 1);
+
+    assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
+    assert_int_equal(facts.audit.kind, AUDIT_STEP_HALVING);
+    assert_true(facts.audit.is_pooled);
+    assert_true(facts.audit.error == 0.0078125 && facts.audit.error95 == 0.015625 && facts.audit.tolerance == 0.01);
+    assert_int_equal(facts.audit.ray_count, 64);
+    assert_true(facts.sampling_error == 0.125);
+    assert_string_equal(facts.plan, "a grid of light pays");
+    assert_string_equal(facts.method, "midpoint");
+    assert_true(facts.step == 0.01);
+    assert_string_equal(facts.sequence_hash, header.sequence_hash);
+    close(fd);
+    header.audit.kind = AUDIT_REFERENCE;
+    header.audit.is_pooled = false;
+    fd = write_image(&image, &header, 1);
+    assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
+    assert_int_equal(facts.audit.kind, AUDIT_REFERENCE);
+    assert_false(facts.audit.is_pooled);
+    image_finish(&image);
+    close(fd);
+}
+
+static void a_frame_without_tolerance_says_nothing_of_error(void **state)
+{
+    struct image image = make_image(5, 4, false, false, 1);
+    struct image_exr_header header = make_header(JOB_PIXEL_HALF, JOB_COMPRESSION_ZIP);
+    struct image_exr_facts facts;
+    static const char *const names[] = {"marchd:error", "marchd:audit",         "marchd:tolerance",
+                                        "marchd:plan",  "marchd:samplingError", NULL};
+    size_t size;
+    char *bytes;
+    int fd;
+
+    header.audit = (struct audit_result){0};
+    header.sampling_error = 0.0;
+    header.plan = "";
+    fd = write_image(&image, &header, 1);
+    assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
+    assert_int_equal(facts.audit.kind, AUDIT_NONE);
+    assert_true(isnan(facts.audit.error) && facts.sampling_error == 0.0);
+    assert_string_equal(facts.plan, "");
+    bytes = read_bytes(fd, &size);
+    for (size_t i = 0; names[i]; i++)
+        assert_null(memmem(bytes, size, names[i], strlen(names[i])));
+    free(bytes);
     image_finish(&image);
     close(fd);
 }
@@ -456,6 +520,8 @@ int main(void)
         cmocka_unit_test(thread_count_does_not_change_the_bytes),
         cmocka_unit_test(facts_are_read_back_without_the_pixels),
         cmocka_unit_test(a_scene_without_paths_says_nothing_of_rays),
+        cmocka_unit_test(audit_and_plan_are_read_back),
+        cmocka_unit_test(a_frame_without_tolerance_says_nothing_of_error),
         cmocka_unit_test(standard_attributes_have_their_types_and_values),
         cmocka_unit_test(another_library_reads_the_header),
         cmocka_unit_test(file_cut_anywhere_is_refused_with_a_reason),

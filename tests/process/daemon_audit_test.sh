@@ -1,0 +1,39 @@
+#!/bin/bash
+# What workers say of a frame's error reaches who asks, outlives the daemon, and a frame over its tolerance has one try.
+. "$(dirname "$0")/farm.sh"
+
+accuracy_of()
+{
+    ask job.frames "{\"id\":$1}" | jq -c '[.result.frames[] | [.audit, .measured_error, .error95, .audit_rays, .method, .cut_share]]'
+}
+
+start_daemon --worker-program "$(stub audited:0)"
+id=$(submit "$(job 0-1 '.output.path = "a/a.####.exr"')")
+wait_state "$id" succeeded
+whole='["reference",0.00625,0.0075,64,"cached",0.125]'
+expect "accuracy" "$(accuracy_of "$id")" "[$whole,$whole]"
+row=$("$bin/march" frames "$id" --socket "$socket" | tr -s ' ' | sed -n 2p)
+[[ $row == *" cached 0.62 0.75 12 $scratch/out/a/a.0000.exr"* ]] || fail "the row of march frames: $row"
+"$bin/march" frames "$id" --socket "$socket" | head -n 1 | grep -q 'METHOD  *ERROR %  ERR95 %    CUT %  FILE' || fail "the titles"
+stop_daemon
+
+# Another daemon reads it from the store; of frames of a worker that audits nothing it knows nothing.
+start_daemon --worker-program "$(stub write:0)"
+expect "accuracy after a restart" "$(accuracy_of "$id")" "[$whole,$whole]"
+plain=$(submit "$(job 0 '.output.path = "b/b.####.exr"')")
+wait_state "$plain" succeeded
+expect "no audit" "$(ask job.frames "{\"id\":$plain}" | jq -c '.result.frames[0] | [has("audit"), has("measured_error"), has("cut_share")]')" \
+    "[false,false,false]"
+row=$("$bin/march" frames "$plain" --socket "$socket" | tr -s ' ' | sed -n 2p)
+[[ $row == *" - - - - $scratch/out/b/b.0000.exr"* ]] || fail "the row of a frame without audit: $row"
+stop_daemon
+
+start_daemon --worker-program "$(stub fail:missed)" --max-attempts 3
+id=$(submit "$(job 0-1 '.output.path = "c/c.####.exr"')")
+wait_state "$id" failed
+expect "one try each" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] | [.state, .attempts]]')" '[["failed",1],["failed",1]]'
+id=$(submit "$(job 0-99 '.output.path = "d/d.####.exr"')")
+wait_state "$id" failed
+tries=$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')
+[ "$tries" -lt 20 ] || fail "too many frames were tried: $tries"
+stop_daemon
