@@ -11,6 +11,7 @@ struct gl_context;
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                         \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
+    X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                                                                     \
     X(PFNGLBINDTEXTUREUNITPROC, BindTextureUnit)                                                                       \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
     X(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                   \
@@ -31,6 +32,7 @@ struct gl_context;
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
     X(PFNGLDISABLEPROC, Disable)                                                                                       \
+    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                       \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                 \
     X(PFNGLENABLEPROC, Enable)                                                                                         \
     X(PFNGLFINISHPROC, Finish)                                                                                         \
@@ -42,11 +44,13 @@ struct gl_context;
     X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                     \
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                               \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
+    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                           \
     X(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                       \
     X(PFNGLNAMEDFRAMEBUFFERDRAWBUFFERSPROC, NamedFramebufferDrawBuffers)                                               \
     X(PFNGLNAMEDFRAMEBUFFERREADBUFFERPROC, NamedFramebufferReadBuffer)                                                 \
     X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                                       \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
+    X(PFNGLPROGRAMUNIFORM3IPROC, ProgramUniform3i)                                                                     \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
     X(PFNGLSCISSORPROC, Scissor)                                                                                       \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \

@@ -122,10 +122,9 @@ static int count_samplers(const char *text)
 }
 
 // GL's words for too many images are the driver's, and say neither how many there are nor what they belong to.
-static void tell_link_failure(const struct gl_functions *gl, unsigned program, const char *fragment,
-                              struct error *error)
+static void tell_link_failure(const struct gl_functions *gl, unsigned program, const char *text, struct error *error)
 {
-    int count = count_samplers(fragment);
+    int count = count_samplers(text);
     char log[4096] = "";
     GLint limit = 0;
 
@@ -135,7 +134,7 @@ static void tell_link_failure(const struct gl_functions *gl, unsigned program, c
     if (count > limit)
         error_set(error,
                   "scene: its textures and grids are %d images, of which GL here takes %d; expected fewer objects with "
-                  "a texture or fewer media with a grid",
+                  "a texture, fewer media with a grid or fewer lights with one",
                   count, limit);
     else
         error_set(error, "shader: does not link: %s", log);
@@ -144,25 +143,29 @@ static void tell_link_failure(const struct gl_functions *gl, unsigned program, c
 unsigned gl_program_create(const struct gl_functions *gl, const struct gl_program_params *params, struct error *error)
 {
     static const char *const vertex_name = "fullscreen.vert";
-    unsigned vertex = 0, fragment = 0, program = 0;
+    const char *text = params->compute ? params->compute : params->fragment;
+    unsigned vertex = 0, main = 0, program = 0;
     GLint ok = GL_FALSE;
 
-    vertex = compile(gl, GL_VERTEX_SHADER, params->vertex, &vertex_name, 1, error);
-    if (!vertex) goto out;
-    fragment = compile(gl, GL_FRAGMENT_SHADER, params->fragment, params->module_names, params->module_count, error);
-    if (!fragment) goto out;
+    if (!params->compute) {
+        vertex = compile(gl, GL_VERTEX_SHADER, params->vertex, &vertex_name, 1, error);
+        if (!vertex) goto out;
+    }
+    main = compile(gl, params->compute ? GL_COMPUTE_SHADER : GL_FRAGMENT_SHADER, text, params->module_names,
+                   params->module_count, error);
+    if (!main) goto out;
     program = gl->CreateProgram();
-    gl->AttachShader(program, vertex);
-    gl->AttachShader(program, fragment);
+    if (vertex) gl->AttachShader(program, vertex);
+    gl->AttachShader(program, main);
     gl->LinkProgram(program);
     gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
     if (!ok) {
-        tell_link_failure(gl, program, params->fragment, error);
+        tell_link_failure(gl, program, text, error);
         gl->DeleteProgram(program);
         program = 0;
     }
 out:
     if (vertex) gl->DeleteShader(vertex);
-    if (fragment) gl->DeleteShader(fragment);
+    if (main) gl->DeleteShader(main);
     return program;
 }

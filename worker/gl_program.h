@@ -12,8 +12,9 @@ struct gl_functions;
 enum { GL_PROGRAM_LINE_STRIDE = 10000 };
 
 struct gl_program_params {
-    const char *vertex, *fragment;
-    // Of `fragment`; the vertex shader is the full-screen triangle.
+    const char *vertex, *fragment; // of a picture
+    const char *compute;           // of a program without a picture; NULL: it has one
+    // Of `fragment` or `compute`; the vertex shader is the full-screen triangle.
     const char *const *module_names;
     size_t module_count;
 };

@@ -2,16 +2,18 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
-#include "core/log.h"
 #include "worker/camera_view.h"
+#include "worker/gl_caches.h"
 #include "worker/gl_context.h"
 #include "worker/gl_debug.h"
 #include "worker/gl_functions.h"
 #include "worker/gl_grids.h"
 #include "worker/gl_program.h"
+#include "worker/gl_programs.h"
 #include "worker/gl_target.h"
 #include "worker/gl_textures.h"
 #include "worker/image.h"
+#include "worker/passes.h"
 #include "worker/pixel_samples.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_program.h"
@@ -21,7 +23,6 @@
 #include <time.h>
 
 enum {
-    PROGRAM_LIMIT = 16,
     FIRST_TILE_ROWS = 32,
     SMALLEST_TILE_ROWS = 8,
     TILE_GRAIN_ROWS = 64, // software GL shares out its work in squares of this side
@@ -29,20 +30,6 @@ enum {
 };
 
 static const double tile_seconds = 0.35;
-
-struct kept_program {
-    char hash[HASH_TEXT_SIZE]; // empty: none
-    unsigned name;             // GL's
-    int tile_rows;             // that took about tile_seconds when last seen
-    uint64_t used;             // the greater, the more recently
-};
-
-// What a frame is the mean of: each pass is drawn with a block of uniforms of its own.
-struct passes {
-    unsigned char *blocks; // owned; NULL where the scene has no uniforms
-    size_t block_bytes;
-    int count;
-};
 
 struct renderer {
     const struct gl_context *context; // borrowed; outlives us
@@ -53,8 +40,8 @@ struct renderer {
     struct gl_textures *textures; // owned
     struct scene_files files;     // owned
     struct error unusable;        // why no frame can be rendered at all; empty when all is well
-    struct kept_program programs[PROGRAM_LIMIT];
-    uint64_t use_count;
+    struct gl_programs programs;
+    struct gl_caches *caches; // owned
     unsigned vertex_array, uniform_buffer;
     struct gl_target target;
     // What the target shows: a whole frame of this program with these uniforms.
@@ -84,6 +71,8 @@ struct renderer *renderer_create(struct gl_context *context, const char *shader_
     gl_debug_init(&renderer->debug, &renderer->gl);
     renderer->grids = gl_grids_create(&renderer->gl);
     renderer->textures = gl_textures_create(&renderer->gl);
+    renderer->programs.gl = &renderer->gl;
+    renderer->caches = gl_caches_create(&renderer->gl, &renderer->programs);
     renderer->gl.CreateVertexArrays(1, &renderer->vertex_array);
     renderer->gl.CreateBuffers(1, &renderer->uniform_buffer);
     return renderer;
@@ -97,12 +86,12 @@ void renderer_destroy(struct renderer *renderer)
     gl_textures_destroy(renderer->textures);
     file_hashes_destroy(renderer->files.hashes);
     brick_store_destroy(renderer->files.bricks);
-    for (size_t i = 0; i < PROGRAM_LIMIT; ++i)
-        if (renderer->programs[i].name) renderer->gl.DeleteProgram(renderer->programs[i].name);
+    gl_caches_destroy(renderer->caches);
+    gl_programs_finish(&renderer->programs);
     if (renderer->uniform_buffer) renderer->gl.DeleteBuffers(1, &renderer->uniform_buffer);
     if (renderer->vertex_array) renderer->gl.DeleteVertexArrays(1, &renderer->vertex_array);
     gl_debug_finish(&renderer->debug);
-    free(renderer->shown.blocks);
+    passes_finish(&renderer->shown);
     free(renderer->shader_dir);
     free(renderer);
 }
@@ -123,36 +112,6 @@ static bool check_gl(struct renderer *renderer, struct renderer_result *result, 
     }
     renderer->target_is_whole = false;
     return false;
-}
-
-static struct kept_program *find_or_link_program(struct renderer *renderer, const struct scene_program *scene,
-                                                 struct error *error)
-{
-    struct kept_program *oldest = &renderer->programs[0];
-    double start = now_s();
-    unsigned name;
-
-    for (size_t i = 0; i < PROGRAM_LIMIT; ++i) {
-        struct kept_program *kept = &renderer->programs[i];
-
-        if (kept->name && strcmp(kept->hash, scene->hash) == 0) {
-            kept->used = ++renderer->use_count;
-            return kept;
-        }
-        if (kept->used < oldest->used) oldest = kept;
-    }
-    name = gl_program_create(&renderer->gl,
-                             &(struct gl_program_params){.vertex = scene->vertex,
-                                                         .fragment = scene->fragment,
-                                                         .module_names = scene->module_names,
-                                                         .module_count = scene->module_count},
-                             error);
-    if (!name) return NULL;
-    log_debug("renderer: program %s linked in %.1f ms", scene->hash, 1000 * (now_s() - start));
-    if (oldest->name) renderer->gl.DeleteProgram(oldest->name);
-    *oldest = (struct kept_program){.name = name, .tile_rows = FIRST_TILE_ROWS, .used = ++renderer->use_count};
-    memcpy(oldest->hash, scene->hash, sizeof oldest->hash);
-    return oldest;
 }
 
 static int next_tile_rows(int rows, double seconds)
@@ -195,8 +154,9 @@ static bool draw_tiles(struct renderer *renderer, struct kept_program *program, 
     const struct gl_functions *gl = &renderer->gl;
     int height_px = renderer->target.height_px;
 
+    if (program->rows == 0) program->rows = FIRST_TILE_ROWS;
     for (int row = 0; row < height_px;) {
-        int rows = program->tile_rows < height_px - row ? program->tile_rows : height_px - row;
+        int rows = program->rows < height_px - row ? program->rows : height_px - row;
         double start = now_s(), seconds;
 
         gl->Scissor(0, row, renderer->target.width_px, rows);
@@ -209,7 +169,7 @@ static bool draw_tiles(struct renderer *renderer, struct kept_program *program, 
             return false;
         }
         row += rows;
-        program->tile_rows = next_tile_rows(rows, seconds);
+        program->rows = next_tile_rows(rows, seconds);
         if (on_progress && !on_progress(user, (pass + (double)row / height_px) / renderer->target.pass_count)) {
             result->fault = RENDERER_FAULT_STOPPED;
             error_set(error, "the frame was stopped");
@@ -219,64 +179,94 @@ static bool draw_tiles(struct renderer *renderer, struct kept_program *program, 
     return true;
 }
 
-static bool draw_passes(struct renderer *renderer, struct kept_program *program, const struct passes *passes,
-                        renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
+struct reading {
+    renderer_progress *on_progress;
+    void *user;
+    double done; // share of the frame, in [0, 1]
+    bool is_stopped;
+};
+
+static bool on_slab(void *user)
+{
+    struct reading *reading = user;
+
+    reading->is_stopped = reading->on_progress && !reading->on_progress(reading->user, reading->done);
+    return !reading->is_stopped;
+}
+
+// Fills the caches that the pass samples and that are not as it needs them, and binds all.
+static bool bind_caches(struct renderer *renderer, const struct scene_program *scene, const struct passes *passes,
+                        int pass, struct reading *reading, struct renderer_result *result, struct error *error)
+{
+    const unsigned char *blocks[SCENE_CACHE_LIMIT];
+    enum gl_caches_end end;
+
+    if (scene->cache_count == 0) return true;
+    passes_cache_blocks(passes, scene, pass, blocks);
+    end = gl_caches_bind(renderer->caches,
+                         &(struct gl_caches_request){.caches = scene->caches,
+                                                     .count = scene->cache_count,
+                                                     .blocks = blocks,
+                                                     .files_hash = scene->inputs ? scene->inputs->files_hash : "",
+                                                     .on_strip = on_slab,
+                                                     .user = reading},
+                         error);
+    if (end == GL_CACHES_BOUND) {
+        if (check_gl(renderer, result, error)) return true;
+        gl_caches_clear(renderer->caches);
+        return false;
+    }
+    result->fault = end == GL_CACHES_STOPPED ? RENDERER_FAULT_STOPPED : RENDERER_FAULT_JOB;
+    if (end == GL_CACHES_STOPPED) error_set(error, "the frame was stopped");
+    (void)gl_debug_check(&renderer->debug, NULL);
+    return false;
+}
+
+static void begin_pass(struct renderer *renderer, const struct kept_program *program, const struct passes *passes,
+                       size_t uniform_bytes, int pass)
+{
+    const struct gl_functions *gl = &renderer->gl;
+
+    gl->UseProgram(program->name);
+    if (uniform_bytes == 0) return;
+    gl->NamedBufferData(renderer->uniform_buffer, (GLsizeiptr)uniform_bytes, passes_block(passes, pass),
+                        GL_STREAM_DRAW);
+    gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, renderer->uniform_buffer);
+}
+
+static bool draw_passes(struct renderer *renderer, const struct scene_program *scene, struct kept_program *program,
+                        const struct passes *passes, renderer_progress *on_progress, void *user,
+                        struct renderer_result *result, struct error *error)
 {
     const struct gl_functions *gl = &renderer->gl;
 
     gl_target_begin(&renderer->target);
     gl->Enable(GL_SCISSOR_TEST);
     gl->BindVertexArray(renderer->vertex_array);
-    gl->UseProgram(program->name);
     for (int i = 0; i < passes->count; ++i) {
-        if (passes->block_bytes > 0) {
-            gl->NamedBufferData(renderer->uniform_buffer, (GLsizeiptr)passes->block_bytes,
-                                passes->blocks + (size_t)i * passes->block_bytes, GL_STREAM_DRAW);
-            gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, renderer->uniform_buffer);
-        }
+        struct reading reading = {
+            .on_progress = on_progress, .user = user, .done = (double)i / renderer->target.pass_count};
+
+        if (!bind_caches(renderer, scene, passes, i, &reading, result, error)) return false;
+        begin_pass(renderer, program, passes, scene->uniforms.size_bytes, i);
         if (!check_gl(renderer, result, error)) return false;
         if (!draw_tiles(renderer, program, i, on_progress, user, result, error)) return false;
     }
     return true;
 }
 
-// The passes of a frame; those that would show the same are one.
-static bool plan_passes(struct passes *passes, const struct scene_program *scene, const struct job *job, int32_t frame,
-                        struct error *error)
-{
-    size_t block_bytes = scene->uniforms.size_bytes;
-    bool differ = false;
-
-    *passes = (struct passes){.block_bytes = block_bytes, .count = pixel_samples_count(job)};
-    passes->blocks = xmalloc((size_t)passes->count * block_bytes);
-    for (int i = 0; i < passes->count; ++i) {
-        const struct frame_moment moment = {.time = pixel_samples_time(job, frame, i),
-                                            .frame_seed = pixel_samples_frame_seed(job, frame),
-                                            .sample_index = i};
-        unsigned char *block = passes->blocks + (size_t)i * block_bytes;
-
-        if (!frame_uniforms_pack(&scene->uniforms, &moment, block, error)) return false;
-        if (memcmp(block, passes->blocks, block_bytes) != 0) differ = true;
-    }
-    if (!differ) passes->count = 1;
-    return true;
-}
-
 static bool is_shown(const struct renderer *renderer, const struct scene_program *scene, const struct passes *passes,
                      const struct gl_target_params *target)
 {
-    const struct passes *shown = &renderer->shown;
-
     return renderer->target_is_whole && gl_target_fits(&renderer->target, target) &&
            strcmp(renderer->shown_files, scene->inputs->files_hash) == 0 &&
-           strcmp(renderer->shown_hash, scene->hash) == 0 && shown->block_bytes == passes->block_bytes &&
-           memcmp(shown->blocks, passes->blocks, (size_t)passes->count * passes->block_bytes) == 0;
+           strcmp(renderer->shown_hash, scene->hash) == 0 && passes_are_equal(&renderer->shown, passes);
 }
 
 // Takes the passes over.
 static void note_shown(struct renderer *renderer, const struct scene_program *scene, struct passes *passes)
 {
-    free(renderer->shown.blocks);
+    passes_finish(&renderer->shown);
     renderer->shown = *passes;
     *passes = (struct passes){0};
     memcpy(renderer->shown_hash, scene->hash, sizeof renderer->shown_hash);
@@ -296,20 +286,6 @@ static void tell_cut(const struct renderer *renderer, const struct job *job, str
               "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected %s%s%s%s%sor a GPU",
               renderer->cut_pixel % width, renderer->cut_pixel / width, gl_context_facts(renderer->context)->renderer,
               longer_steps, fewer_paths, code ? "short loops in " : "", code ? code : "", code ? ", " : "");
-}
-
-struct reading {
-    renderer_progress *on_progress;
-    void *user;
-    bool is_stopped;
-};
-
-static bool on_slab(void *user)
-{
-    struct reading *reading = user;
-
-    reading->is_stopped = reading->on_progress && !reading->on_progress(reading->user, 0);
-    return !reading->is_stopped;
 }
 
 // Reads the grids and images that are not in GL yet, and binds all.
@@ -337,7 +313,12 @@ static bool render_scene(struct renderer *renderer, const struct scene_program *
                          const struct gl_target_params *target, renderer_progress *on_progress, void *user,
                          struct renderer_result *result, struct error *error)
 {
-    struct kept_program *program = find_or_link_program(renderer, scene, error);
+    struct kept_program *program = gl_programs_find(&renderer->programs, scene->hash,
+                                                    &(struct gl_program_params){.vertex = scene->vertex,
+                                                                                .fragment = scene->fragment,
+                                                                                .module_names = scene->module_names,
+                                                                                .module_count = scene->module_count},
+                                                    error);
 
     if (!program) {
         result->fault = RENDERER_FAULT_JOB;
@@ -354,7 +335,7 @@ static bool render_scene(struct renderer *renderer, const struct scene_program *
         }
     }
     if (!bind_files(renderer, scene->inputs, on_progress, user, result, error)) return false;
-    if (!draw_passes(renderer, program, passes, on_progress, user, result, error)) return false;
+    if (!draw_passes(renderer, scene, program, passes, on_progress, user, result, error)) return false;
     note_shown(renderer, scene, passes);
     return true;
 }
@@ -393,6 +374,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     struct scene_inputs inputs = {0};
     struct gl_target_params target = {.image = image};
     struct camera_view view;
+    int64_t fills;
     double start;
     bool ok = false;
 
@@ -410,9 +392,10 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     memcpy(result->picture_hash, inputs.picture_hash, sizeof result->picture_hash);
     result->step = inputs.quality.step;
     if (!scene_program_init(&scene, job, &inputs, renderer->shader_dir, error)) goto out;
-    if (!plan_passes(&passes, &scene, job, frame, error)) goto out;
+    if (!passes_plan(&passes, &scene, job, frame, error)) goto out;
     result->fault = RENDERER_FAULT_NONE;
     start = now_s();
+    fills = gl_caches_count_fills(renderer->caches);
     target.pass_count = passes.count;
     target.has_paths = scene.features.has_paths;
     result->is_copy = is_shown(renderer, &scene, &passes, &target);
@@ -425,12 +408,13 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     ray_counts_find_share(&result->ray_counts, image);
     if (!check_gl(renderer, result, error)) goto out;
     result->seconds = now_s() - start;
+    result->cache_fills = gl_caches_count_fills(renderer->caches) - fills;
     result->shader_hash = renderer->shown_hash;
     if (find_cut(renderer, image->rgba, 0, image->height_px)) result->fault = RENDERER_FAULT_ENDLESS;
     ok = result->fault == RENDERER_FAULT_NONE;
 out:
     if (result->fault == RENDERER_FAULT_ENDLESS) tell_cut(renderer, job, error);
-    free(passes.blocks);
+    passes_finish(&passes);
     scene_program_finish(&scene);
     scene_inputs_finish(&inputs);
     return ok;

@@ -38,6 +38,7 @@ void renderer_expect(struct renderer *renderer, const struct job *job, int32_t f
 struct renderer_result {
     enum renderer_fault fault;
     double seconds;                               // GPU work and readback
+    int64_t cache_fills;                          // textures of caches that it made; others were as it needs them
     bool is_copy;                                 // nothing was rendered: the frame before has the same inputs
     const char *shader_hash;                      // borrowed from the renderer until the next call
     char picture_hash[HASH_TEXT_SIZE];            // of what was rendered, as renderer_hash_picture makes it

@@ -283,11 +283,13 @@ static bool assemble(struct scene_program *program, const struct job *job, const
 
 static void hash_texts(struct scene_program *program)
 {
-    char hashes[2][HASH_TEXT_SIZE];
+    char hashes[2 + SCENE_CACHE_LIMIT][HASH_TEXT_SIZE];
 
     hash_bytes(program->vertex, strlen(program->vertex), hashes[0]);
     hash_bytes(program->fragment, strlen(program->fragment), hashes[1]);
-    hash_bytes(hashes, sizeof hashes, program->hash);
+    for (size_t i = 0; i < program->cache_count; ++i)
+        scene_cache_hash(&program->caches[i], hashes[2 + i]);
+    hash_bytes(hashes, (2 + program->cache_count) * sizeof *hashes, program->hash);
 }
 
 bool scene_program_init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
@@ -324,6 +326,8 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
 
 void scene_program_finish(struct scene_program *program)
 {
+    for (size_t i = 0; i < program->cache_count; ++i)
+        scene_cache_finish(&program->caches[i]);
     frame_uniforms_finish(&program->uniforms);
     free(program->vertex);
     free(program->fragment);

@@ -3,6 +3,7 @@
 
 #include "core/hash.h"
 #include "worker/frame_uniforms.h"
+#include "worker/scene_cache.h"
 #include "worker/scene_features.h"
 
 #include <stdbool.h>
@@ -21,7 +22,10 @@ struct scene_program {
     // [0] is "generated", whose lines are those of the whole text; static strings, or borrowed from the job.
     const char *module_names[SCENE_PROGRAM_MODULE_LIMIT];
     size_t module_count;
-    char hash[HASH_TEXT_SIZE]; // of both texts
+    char hash[HASH_TEXT_SIZE]; // of both texts, and of all that the caches follow from but for their uniforms
+    // What the fragment shader samples, each after those that it reads itself.
+    struct scene_cache caches[SCENE_CACHE_LIMIT];
+    size_t cache_count;
     struct scene_features features;
     struct frame_uniforms uniforms;    // refers to the job and the inputs
     const struct scene_inputs *inputs; // borrowed; NULL where the job reads no files
