@@ -4,6 +4,7 @@
 #include "core/hash.h"
 #include "core/scene.h"
 #include "worker/frame_uniforms.h"
+#include "worker/shader_assembly.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,7 +14,6 @@ enum {
     // Those before are the media's and the objects' images. Lights come first.
     SCENE_CACHE_FIRST_UNIT = 48,
     SCENE_CACHE_LIMIT = SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT,
-    SCENE_CACHE_MODULE_LIMIT = 48,
     SCENE_CACHE_GROUP_SIDE = 8 // invocations of a group along x and y
 };
 
@@ -29,7 +29,7 @@ struct scene_cache {
     char name[32]; // of the sampler in shaders that read it
     unsigned unit; // the texture unit where those find it, bound as GL_LINEAR and clamped to the edge
     char *text;    // owned; `#line` numbers it as gl_program.h says
-    const char *module_names[SCENE_CACHE_MODULE_LIMIT]; // as struct scene_program's
+    const char *module_names[SHADER_ASSEMBLY_MODULE_LIMIT]; // as shader_assembly.h has them
     size_t module_count;
     char hash[HASH_TEXT_SIZE];      // of the text
     struct frame_uniforms uniforms; // its own, refers to the job and the inputs

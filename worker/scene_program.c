@@ -4,8 +4,6 @@
 #include "core/job.h"
 #include "worker/camera_view.h"
 #include "worker/density_kind.h"
-#include "worker/gl_program.h"
-#include "worker/scene_bounds.h"
 #include "worker/scene_glue.h"
 #include "worker/scene_glue_gather.h"
 #include "worker/scene_glue_media.h"
@@ -13,87 +11,29 @@
 #include "worker/scene_glue_surface.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_values.h"
+#include "worker/shader_assembly.h"
 #include "worker/shader_sources.h"
 #include "worker/texture_glue.h"
 
-#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct assembly {
     struct scene_program *program;
     const struct job *job;
-    const char *shader_dir;
-    FILE *out;   // the fragment shader's text
-    char **text; // where `out` keeps it, after a flush
-    bool failed; // a module could not be read
-    struct error *error;
+    struct shader_assembly text; // the fragment shader's
 };
 
 static void add_module(struct assembly *assembly, const char *name)
 {
-    struct scene_program *program = assembly->program;
-    char *text;
-    size_t length;
-
-    for (size_t i = 1; i < program->module_count; ++i)
-        if (strcmp(program->module_names[i], name) == 0) return;
-    if (assembly->failed) return;
-    text = shader_sources_load(assembly->shader_dir, name, assembly->error);
-    if (!text) {
-        assembly->failed = true;
-        return;
-    }
-    assert(program->module_count < SCENE_PROGRAM_MODULE_LIMIT);
-    length = strlen(text);
-    fprintf(assembly->out, "#line %zu %zu\n%s%s", program->module_count * GL_PROGRAM_LINE_STRIDE + 1,
-            program->module_count, text, length > 0 && text[length - 1] == '\n' ? "" : "\n");
-    program->module_names[program->module_count++] = name;
-    free(text);
+    shader_assembly_add(&assembly->text, name);
 }
 
-// What follows is generated: its lines are those of the whole text.
-static void begin_generated(struct assembly *assembly)
+// Where generated text goes.
+static FILE *generate(struct assembly *assembly)
 {
-    size_t line = 1;
-
-    fflush(assembly->out);
-    for (const char *at = *assembly->text; (at = strchr(at, '\n')); ++at)
-        ++line;
-    fprintf(assembly->out, "#line %zu 0\n", line + 1);
-}
-
-static void add_text(struct assembly *assembly, const struct density_text *text)
-{
-    struct scene_program *program = assembly->program;
-
-    assert(program->module_count < SCENE_PROGRAM_MODULE_LIMIT);
-    begin_generated(assembly);
-    fprintf(assembly->out, "%s#line %zu %zu\n%s\n", text->before, program->module_count * GL_PROGRAM_LINE_STRIDE + 1,
-            program->module_count, text->text);
-    program->module_names[program->module_count++] = text->name;
-    begin_generated(assembly);
-    fputs(text->after, assembly->out);
-}
-
-static void add_density(struct assembly *assembly, size_t i)
-{
-    const struct density_kind *kind = density_kind_of(&assembly->job->scene.media[i].density);
-    struct density_text text = {0};
-    const struct scene_medium *source = &assembly->job->scene.media[i];
-    const struct density_site site = {
-        .job = assembly->job, .medium = i, .source = source, .inputs = assembly->program->inputs};
-    const char *bounds = scene_bounds_module(&source->density.bounds);
-
-    for (const char *const *name = kind->modules(&site); *name; ++name)
-        add_module(assembly, *name);
-    if (kind->load_text && !assembly->failed) {
-        assembly->failed = !kind->load_text(&site, &text, assembly->error);
-        if (!assembly->failed) add_text(assembly, &text);
-        free(text.before);
-        free(text.after);
-    }
-    if (bounds) add_module(assembly, bounds);
+    shader_assembly_generate(&assembly->text);
+    return assembly->text.out;
 }
 
 static void add_camera(struct assembly *assembly)
@@ -113,13 +53,17 @@ static void add_media(struct assembly *assembly)
     const struct scene_features *features = &assembly->program->features;
 
     for (size_t i = 0; i < features->medium_count; ++i)
-        if (features->media[i].is_seen) add_density(assembly, i);
+        if (features->media[i].is_seen)
+            shader_assembly_add_density(&assembly->text,
+                                        &(struct density_site){.job = assembly->job,
+                                                               .medium = i,
+                                                               .source = &assembly->job->scene.media[i],
+                                                               .inputs = assembly->program->inputs});
     if (features->has_extinction && assembly->job->quality.method != JOB_METHOD_RIEMANN)
         add_module(assembly, "math/segment.glsl");
     if (features->has_extinction && features->has_depth)
         add_module(assembly, features->extinction_is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
-    begin_generated(assembly);
-    scene_glue_write_media(assembly->out, assembly->job, assembly->program);
+    scene_glue_write_media(generate(assembly), assembly->job, assembly->program);
 }
 
 static void add_phase(struct assembly *assembly, const struct scene_medium *medium,
@@ -144,8 +88,7 @@ static void add_placement(struct assembly *assembly)
         if (assembly->program->features.light_is_seen[i])
             add_module(assembly, scene_light_is_inverse_square(&scene->lights[i]) ? "placement/angle.glsl"
                                                                                   : "placement/transmittance.glsl");
-    begin_generated(assembly);
-    scene_glue_write_placed(assembly->out, assembly->job);
+    scene_glue_write_placed(generate(assembly), assembly->job);
 }
 
 static void add_lights(struct assembly *assembly)
@@ -166,17 +109,15 @@ static void add_lights(struct assembly *assembly)
                              : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
                              : features->is_jittered                               ? "transmittance/jittered.glsl"
                                                                                    : "transmittance/midpoint.glsl");
-    begin_generated(assembly);
-    scene_glue_write_lights(assembly->out, assembly->job, assembly->program);
-    if (features->has_objects) scene_glue_write_shadow(assembly->out, assembly->job, assembly->program);
+    scene_glue_write_lights(generate(assembly), assembly->job, assembly->program);
+    if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->job, assembly->program);
 }
 
 static void add_integrator(struct assembly *assembly)
 {
     if (assembly->program->features.places_points) add_placement(assembly);
     if (assembly->program->features.has_roulette) add_module(assembly, "integrator/roulette.glsl");
-    begin_generated(assembly);
-    scene_glue_write_gather(assembly->out, assembly->job, assembly->program);
+    scene_glue_write_gather(generate(assembly), assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
                          : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
                          : assembly->program->features.marches               ? "integrator/midpoint.glsl"
@@ -213,8 +154,7 @@ static void add_texture(struct assembly *assembly, size_t i)
 {
     for (const char *const *name = texture_glue_modules(assembly->job, i); *name; ++name)
         add_module(assembly, *name);
-    begin_generated(assembly);
-    texture_glue_write(assembly->out, assembly->job, assembly->program->inputs, i);
+    texture_glue_write(generate(assembly), assembly->job, assembly->program->inputs, i);
 }
 
 static void add_surfaces(struct assembly *assembly)
@@ -227,8 +167,7 @@ static void add_surfaces(struct assembly *assembly)
     for (size_t i = 0; i < scene->object_count; ++i)
         add_optics(assembly, &scene->objects[i].material, &features->objects[i]);
     add_module(assembly, "surface/crossing.glsl");
-    begin_generated(assembly);
-    scene_glue_write_surfaces(assembly->out, assembly->job, assembly->program);
+    scene_glue_write_surfaces(generate(assembly), assembly->job, assembly->program);
     add_module(assembly, "surface/visible.glsl");
     for (size_t i = 0; i < scene->object_count; ++i)
         if (features->surfaces_are_lit && scene->objects[i].material.texture.file) add_texture(assembly, i);
@@ -238,15 +177,13 @@ static void add_path(struct assembly *assembly)
 {
     const struct scene_features *features = &assembly->program->features;
 
-    begin_generated(assembly);
-    scene_glue_write_seen(assembly->out, assembly->job, assembly->program);
+    scene_glue_write_seen(generate(assembly), assembly->job, assembly->program);
     add_module(assembly, "path/ray.glsl");
     if (features->has_paths) {
         add_module(assembly, features->has_two_paths ? "path/stack.glsl" : "path/single.glsl");
         add_module(assembly, "path/send.glsl");
     }
-    begin_generated(assembly);
-    scene_glue_write_path(assembly->out, assembly->job, assembly->program);
+    scene_glue_write_path(generate(assembly), assembly->job, assembly->program);
     add_module(assembly, "path/follow.glsl");
     if (features->has_paths) add_module(assembly, "path/trace.glsl");
     add_module(assembly, "path/turns.glsl");
@@ -254,31 +191,25 @@ static void add_path(struct assembly *assembly)
 
 static bool assemble(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
 {
-    size_t length = 0;
-    struct assembly assembly = {
-        .program = program, .job = job, .shader_dir = shader_dir, .text = &program->fragment, .error = error};
+    struct assembly assembly = {.program = program, .job = job};
+    struct shader_assembly *text = &assembly.text;
 
-    assembly.out = open_memstream(&program->fragment, &length);
-    if (!assembly.out) {
-        error_set(error, "out of memory");
-        return false;
-    }
-    program->module_names[program->module_count++] = "generated";
-    fputs("#version 450 core\n", assembly.out);
+    if (!shader_assembly_begin(text, shader_dir, error)) return false;
+    fputs("#version 450 core\n", text->out);
     add_module(&assembly, "math/constants.glsl");
     add_module(&assembly, program->features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
-    begin_generated(&assembly);
-    frame_uniforms_declare(&program->uniforms, assembly.out);
+    frame_uniforms_declare(&program->uniforms, generate(&assembly));
     if (program->features.has_media || program->features.has_objects) add_camera(&assembly);
     if (program->features.has_media) add_media(&assembly);
     if (program->features.has_objects) add_surfaces(&assembly);
     if (program->features.has_lights) add_lights(&assembly);
     if (program->features.has_media) add_integrator(&assembly);
     if (program->features.has_objects) add_path(&assembly);
-    begin_generated(&assembly);
-    scene_glue_write_main(assembly.out, job, program);
-    fclose(assembly.out);
-    return !assembly.failed;
+    scene_glue_write_main(generate(&assembly), job, program);
+    memcpy(program->module_names, text->module_names, sizeof program->module_names);
+    program->module_count = text->module_count;
+    program->fragment = shader_assembly_end(text);
+    return program->fragment != NULL;
 }
 
 static void hash_texts(struct scene_program *program)

@@ -5,6 +5,7 @@
 #include "worker/frame_uniforms.h"
 #include "worker/scene_cache.h"
 #include "worker/scene_features.h"
+#include "worker/shader_assembly.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,14 +14,11 @@ struct error;
 struct job;
 struct scene_inputs;
 
-enum { SCENE_PROGRAM_MODULE_LIMIT = 72 };
-
 // The zero value is empty.
 struct scene_program {
     char *vertex;   // owned
     char *fragment; // owned; `#line` numbers it as gl_program.h says, by module_names
-    // [0] is "generated", whose lines are those of the whole text; static strings, or borrowed from the job.
-    const char *module_names[SCENE_PROGRAM_MODULE_LIMIT];
+    const char *module_names[SHADER_ASSEMBLY_MODULE_LIMIT]; // as shader_assembly.h has them
     size_t module_count;
     char hash[HASH_TEXT_SIZE]; // of both texts, and of all that the caches follow from but for their uniforms
     // What the fragment shader samples, each after those that it reads itself.
