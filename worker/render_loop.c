@@ -224,9 +224,26 @@ static bool wait_for_work(struct render_loop *loop, struct request **request)
     return *request || loop->frame;
 }
 
+static bool is_answer_wanted(void *user)
+{
+    struct worker *worker = user;
+    bool is_wanted;
+
+    worker_advance(worker);
+    pthread_mutex_lock(&worker->lock);
+    is_wanted = !worker->is_abandoned;
+    pthread_mutex_unlock(&worker->lock);
+    return is_wanted;
+}
+
 static void work(struct render_loop *loop)
 {
     struct worker *worker = loop->worker;
+    const struct request_tools tools = {.shader_dir = worker->options->shader_dir,
+                                        .context = loop->context,
+                                        .renderer = loop->renderer,
+                                        .is_wanted = is_answer_wanted,
+                                        .user = worker};
     struct request *request;
 
     while (wait_for_work(loop, &request)) {
@@ -234,7 +251,7 @@ static void work(struct render_loop *loop)
             render_frame(loop);
             continue;
         }
-        request_answer(request, worker->options->shader_dir, &worker->connection);
+        request_answer(request, &tools, &worker->connection);
         request_destroy(request);
         worker_advance(worker);
     }

@@ -17,29 +17,30 @@
 
 enum { FILE_LIMIT = 100 * 1000, TILE_WIDTH_LIMIT = 4096, COLUMN_LIMIT = 1000, EXPOSURE_LIMIT_STOPS = 60 };
 
-// Writes the result as one JSON value. On failure `code` says which JSON-RPC error to answer with.
-typedef bool answer_function(const struct json_node *params, const char *shader_dir, struct json_writer *writer,
-                             enum message_code *code, struct error *error);
-
-static bool answer_explain(const struct json_node *params, const char *shader_dir, struct json_writer *writer,
-                           enum message_code *code, struct error *error)
+bool request_read_job(const struct json_node *params, struct job *job, struct error *error)
 {
     struct json_node document = json_node_child(params, "document");
     struct json_node document_root = json_node_root(document.value); // whose places are named as in the job file
     struct json_node output_root = json_node_child(params, "root");
     const char *output_root_path = NULL;
+
+    if (!json_node_is_absent(&output_root) && !json_read_string(&output_root, &output_root_path, error)) return false;
+    if (!job_from_json(job, &document_root, output_root_path, error)) return false;
+    if (job_check_inputs(job, &document_root, error)) return true;
+    job_finish(job);
+    return false;
+}
+
+static bool answer_explain(const struct json_node *params, const struct request_tools *tools,
+                           struct json_writer *writer, enum message_code *code, struct error *error)
+{
     struct job job = {0};
     bool ok;
 
     *code = MESSAGE_CODE_PARAMS;
-    if (!json_node_is_absent(&output_root) && !json_read_string(&output_root, &output_root_path, error)) return false;
-    if (!job_from_json(&job, &document_root, output_root_path, error)) return false;
-    if (!job_check_inputs(&job, &document_root, error)) {
-        job_finish(&job);
-        return false;
-    }
+    if (!request_read_job(params, &job, error)) return false;
     *code = MESSAGE_CODE_INTERNAL;
-    ok = explain_write(&job, shader_dir, writer, error);
+    ok = explain_write(&job, tools->shader_dir, writer, error);
     job_finish(&job);
     return ok;
 }
@@ -91,8 +92,8 @@ static bool read_labels(const struct json_node *params, struct preview_params *p
     return true;
 }
 
-static bool answer_preview(const struct json_node *params, const char *shader_dir, struct json_writer *writer,
-                           enum message_code *code, struct error *error)
+static bool answer_preview(const struct json_node *params, const struct request_tools *tools,
+                           struct json_writer *writer, enum message_code *code, struct error *error)
 {
     struct json_node files = json_node_child(params, "files"), out = json_node_child(params, "out");
     const char **names = NULL, **labels = NULL;
@@ -122,8 +123,8 @@ static bool answer_preview(const struct json_node *params, const char *shader_di
     return ok;
 }
 
-static bool answer_frames_png(const struct json_node *params, const char *shader_dir, struct json_writer *writer,
-                              enum message_code *code, struct error *error)
+static bool answer_frames_png(const struct json_node *params, const struct request_tools *tools,
+                              struct json_writer *writer, enum message_code *code, struct error *error)
 {
     struct json_node files = json_node_child(params, "files"), folder = json_node_child(params, "folder");
     const char **names = NULL;
@@ -159,14 +160,14 @@ static bool answer_frames_png(const struct json_node *params, const char *shader
 
 static const struct {
     const char *method;
-    answer_function *answer;
+    request_function *answer;
 } answers[] = {
     {"worker.explain", answer_explain},
     {"worker.preview", answer_preview},
     {"worker.frames_png", answer_frames_png},
 };
 
-static answer_function *find_answer(const char *method)
+static request_function *find_answer(const char *method)
 {
     for (size_t i = 0; i < sizeof answers / sizeof answers[0]; i++)
         if (!strcmp(method, answers[i].method)) return answers[i].answer;
@@ -203,14 +204,14 @@ void request_destroy_all(struct request *first)
     }
 }
 
-void request_answer(const struct request *request, const char *shader_dir, struct connection *connection)
+void request_answer(const struct request *request, const struct request_tools *tools, struct connection *connection)
 {
     const struct message *message = &request->message;
     struct json_writer result = {0}, writer = {0};
     enum message_code code = MESSAGE_CODE_INTERNAL;
     struct error error = {0};
 
-    if (find_answer(message->method)(&message->body, shader_dir, &result, &code, &error)) {
+    if (find_answer(message->method)(&message->body, tools, &result, &code, &error)) {
         message_begin_result(&writer, message->id);
         json_write_raw(&writer, result.text, result.length);
         message_end(&writer);
