@@ -4,20 +4,15 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "worker/brick_atlas.h"
+#include "worker/nanovdb_load.h"
 #include "worker/sparse_grid.h"
 #include "worker/transfer_function.h"
-#include "worker/vdb_convert.h"
-#include "worker/volume_memory.h"
 #include "worker/volume_nanovdb.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <inttypes.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -55,72 +50,11 @@ struct brick_store {
     pthread_t thread;
 };
 
-static bool is_openvdb(const char *path)
-{
-    size_t length = strlen(path);
-
-    return length > 4 && strcasecmp(path + length - 4, ".vdb") == 0;
-}
-
 static bool is_empty(double min, double max, const void *user)
 {
     const struct brick_source *source = user;
 
     return transfer_function_is_empty(source->points, source->point_count, min, max);
-}
-
-static bool read_all(int fd, char *bytes, size_t size_bytes, struct error *error)
-{
-    for (size_t done = 0; done < size_bytes;) {
-        ssize_t count = read(fd, bytes + done, size_bytes - done);
-
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0) error_set_errno(error, errno, "cannot read");
-        if (count == 0) error_set(error, "it ended after %zu of %zu bytes", done, size_bytes);
-        if (count <= 0) return false;
-        done += (size_t)count;
-    }
-    return true;
-}
-
-// Closes `fd`, which may be -1 after an error. `bytes` are the caller's; empty on failure.
-static bool read_file(int fd, struct nanovdb_bytes *file, struct error *error)
-{
-    struct stat status;
-    char *bytes = NULL;
-    bool ok = false;
-
-    *file = (struct nanovdb_bytes){0};
-    if (fd < 0) return false;
-    if (fstat(fd, &status) < 0) {
-        error_set_errno(error, errno, "cannot open");
-        goto out;
-    }
-    if (!S_ISREG(status.st_mode)) {
-        error_set(error, "expected a file, got %s", S_ISDIR(status.st_mode) ? "a folder" : "a pipe or a device");
-        goto out;
-    }
-    if (!volume_memory_check(status.st_size, volume_memory_limit(), error)) goto out;
-    bytes = malloc(status.st_size > 0 ? (size_t)status.st_size : 1);
-    if (!bytes) {
-        error_set(error, "out of memory for its %" PRId64 " bytes", (int64_t)status.st_size);
-        goto out;
-    }
-    ok = read_all(fd, bytes, (size_t)status.st_size, error);
-    if (ok) *file = (struct nanovdb_bytes){bytes, (size_t)status.st_size};
-out:
-    close(fd);
-    if (!ok) free(bytes);
-    return ok;
-}
-
-static int open_file(const char *path, struct error *error)
-{
-    // Without O_NONBLOCK opening a FIFO would wait for its writer.
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-
-    if (fd < 0) error_set_errno(error, errno, "cannot open");
-    return fd;
 }
 
 static struct brick_atlas *decode(const struct nanovdb_bytes *file, const struct brick_source *source,
@@ -145,7 +79,7 @@ static struct brick_atlas *decode_openvdb(const struct brick_source *source, str
     struct brick_atlas *atlas = NULL;
     struct nanovdb_bytes file;
 
-    if (!read_file(vdb_convert(source->path, VDB_CONVERT_LIMIT_MS, error), &file, error)) return NULL;
+    if (!nanovdb_load_converted(&file, source->path, error)) return NULL;
     atlas = decode(&file, source, error);
     free((void *)file.bytes);
     return atlas;
@@ -162,9 +96,9 @@ static bool read_entry(struct entry *entry, const struct brick_source *source, s
         error_set_errno(error, errno, "cannot open");
         return false;
     }
-    if (!read_file(open_file(source->path, error), &file, error)) return false;
+    if (!nanovdb_load(&file, source->path, error)) return false;
     hash_bytes(file.bytes, file.size_bytes, entry->volume.hash);
-    entry->atlas = is_openvdb(source->path) ? decode_openvdb(source, error) : decode(&file, source, error);
+    entry->atlas = nanovdb_load_is_openvdb(source->path) ? decode_openvdb(source, error) : decode(&file, source, error);
     if (entry->atlas && file_version_find(source->path, &after, error)) {
         ok = file_version_is_same(&entry->volume.version, &after);
         if (!ok) error_set(error, "it changed while it was read");

@@ -49,6 +49,9 @@ struct image_exr_header {
 bool image_exr_write(int fd, const struct image *image, const struct image_exr_header *header, int thread_count,
                      struct error *error);
 
+// A colour's value as a file of such pixels holds it.
+float image_exr_stored(float value, enum job_pixel pixel);
+
 // What was read; the strings live in the struct.
 struct image_exr_facts {
     enum job_compression compression;

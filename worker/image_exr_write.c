@@ -377,3 +377,8 @@ bool image_exr_write(int fd, const struct image *image, const struct image_exr_h
     errno = ok ? 0 : writer.errnum;
     return ok;
 }
+
+float image_exr_stored(float value, enum job_pixel pixel)
+{
+    return pixel == JOB_PIXEL_HALF ? imath_half_to_float(imath_float_to_half(value)) : value;
+}

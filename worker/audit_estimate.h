@@ -1,0 +1,38 @@
+// What measured pixels say of a frame's error, and how sure that is.
+#pragma once
+
+#include <stddef.h>
+
+// A drawn pixel that was measured. All values are means of R, G and B over the pixel's density in the map, relative to the
+// mean square of the frame's values, or absolute where that is black.
+struct audit_sample {
+    double square; // (I - R)^2, without what lots of rough surfaces add; may be negative for that
+    double cross;  // I (I - R)
+    double noise;  // variance of I by lot
+};
+
+// A growing list. The zero value is empty.
+struct audit_samples {
+    struct audit_sample *list; // owned
+    size_t count, capacity;
+};
+
+void audit_samples_append(struct audit_samples *samples, const struct audit_sample *sample);
+void audit_samples_finish(struct audit_samples *samples); // leaves it empty
+
+struct audit_evidence {
+    const struct audit_samples *own; // of this frame
+    const struct audit_samples
+        *pool;                  // of frames of the segment that were made in the same way, small or whole; NULL: none
+    double change, pool_change; // audit_map's, of this frame's own renders and of the pool's; negative: not known
+    int is_black;               // the samples are absolute
+};
+
+struct audit_verdict {
+    double error, error95; // relative to the light itself, not to the frame
+    double sampling_error; // of the frame by lot: the standard error, likewise relative
+    size_t ray_count;      // of samples that the error comes from
+    int is_pooled;
+};
+
+struct audit_verdict audit_estimate(const struct audit_evidence *evidence);
