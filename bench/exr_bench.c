@@ -45,7 +45,7 @@ static bool measure(const struct image *image, enum job_compression compression,
     struct job job = {.width_px = WIDTH, .height_px = HEIGHT, .hash = "bench"};
     struct image_exr_header header = {
         .compression = compression, .fps_numerator = 24, .fps_denominator = 1, .job_hash = "bench"};
-    struct published_file file = {0};
+    struct gate_result result = {0};
     double encode_ms = INFINITY, gate_ms = INFINITY;
 
     for (int run = 0; run < RUNS; run++) {
@@ -58,7 +58,7 @@ static bool measure(const struct image *image, enum job_compression compression,
         ok = ok &&
              gate_check(
                  &(struct gate_params){.fd = fd, .job = &job, .picture_hash = "bench", .thread_count = thread_count},
-                 &file, &error);
+                 &result, &error);
         gate_ms = fmin(gate_ms, now_ms() - encoded);
         encode_ms = fmin(encode_ms, encoded - start);
         close(fd);
@@ -67,7 +67,7 @@ static bool measure(const struct image *image, enum job_compression compression,
         return false;
     }
     printf("%-11s %7d %10.1f %8.1f %10.2f\n", job_compression_name(compression), thread_count, encode_ms, gate_ms,
-           (double)file.size_bytes / 1e6);
+           (double)result.file.size_bytes / 1e6);
     return true;
 }
 

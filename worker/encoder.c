@@ -1,7 +1,6 @@
 #include "worker/encoder.h"
 
 #include "core/error.h"
-#include "core/frame_accuracy.h"
 #include "worker/audit_names.h"
 #include "worker/gate.h"
 #include "worker/image_exr.h"
@@ -11,7 +10,6 @@
 #include "worker/worker.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -62,7 +60,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
 }
 
 // Leaves a whole, gated file or none.
-static bool write_part(struct worker *worker, const struct picture *picture, struct published_file *file,
+static bool write_part(struct worker *worker, const struct picture *picture, struct gate_result *result,
                        enum report_fault *fault, struct error *error)
 {
     struct image_exr_header header = make_header(worker, picture);
@@ -86,7 +84,7 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
                                               .picture_hash = picture->hash,
                                               .frame = picture->frame->frame,
                                               .thread_count = worker->options->encode_threads},
-                        file, error);
+                        result, error);
         if (!ok) error_prefix(error, "the file written does not verify");
     }
     close(fd);
@@ -107,15 +105,10 @@ static bool check_picture(const struct picture *picture, enum report_fault *faul
 
 static struct frame_accuracy find_accuracy(const struct picture *picture)
 {
-    struct frame_accuracy accuracy = {.has_cut_share = picture->ray_counts.is_known,
-                                      .cut_share = picture->ray_counts.cut_share};
+    struct frame_accuracy accuracy = audit_accuracy(&picture->audit, job_method_name(picture->method));
 
-    if (picture->audit.kind == AUDIT_NONE) return accuracy;
-    snprintf(accuracy.audit, sizeof accuracy.audit, "%s", audit_name(picture->audit.kind));
-    snprintf(accuracy.method, sizeof accuracy.method, "%s", job_method_name(picture->method));
-    accuracy.error = picture->audit.error;
-    accuracy.error95 = picture->audit.error95;
-    accuracy.audit_rays = picture->audit.ray_count;
+    accuracy.has_cut_share = picture->ray_counts.is_known;
+    accuracy.cut_share = picture->ray_counts.cut_share;
     return accuracy;
 }
 
@@ -123,7 +116,7 @@ static void encode(struct worker *worker, struct picture *picture)
 {
     struct assignment_frame *frame = picture->frame;
     enum report_fault fault;
-    struct published_file file;
+    struct gate_result result;
     struct frame_accuracy accuracy = find_accuracy(picture);
     struct error error = {0};
     double start_s = now_s();
@@ -132,7 +125,7 @@ static void encode(struct worker *worker, struct picture *picture)
         worker_drop_frame(worker, frame);
         return;
     }
-    if (!check_picture(picture, &fault, &error) || !write_part(worker, picture, &file, &fault, &error)) {
+    if (!check_picture(picture, &fault, &error) || !write_part(worker, picture, &result, &fault, &error)) {
         report_frame_failed(&worker->connection, frame, fault, error.message);
         worker_end_frame(worker, frame);
         return;
@@ -145,7 +138,7 @@ static void encode(struct worker *worker, struct picture *picture)
     report_finished(
         &worker->connection, frame,
         &(struct report_result){
-            .file = &file, .accuracy = &accuracy, .render_s = picture->render_s, .encode_s = now_s() - start_s});
+            .file = &result.file, .accuracy = &accuracy, .render_s = picture->render_s, .encode_s = now_s() - start_s});
     worker_end_frame(worker, frame);
 }
 

@@ -4,10 +4,10 @@
 #include "core/hash.h"
 #include "core/job.h"
 #include "worker/image.h"
-#include "worker/image_exr.h"
 #include "worker/scene_features.h"
 
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -40,6 +40,28 @@ static bool check_rays(const struct image_exr_facts *facts, const struct job *jo
     return false;
 }
 
+// NaN, of a damaged file, is not within a tolerance, nor is it one.
+static bool check_audit(const struct audit_result *audit, const struct job *job, struct error *error)
+{
+    double tolerance = job->quality.tolerance;
+
+    if (audit->kind == AUDIT_NONE) {
+        if (tolerance <= 0.0) return true;
+        error_set(error, "marchd:error: expected the frame's measured error, at most %g (tolerance), got nothing",
+                  tolerance);
+        return false;
+    }
+    if (tolerance <= 0.0 || audit->tolerance < tolerance) tolerance = audit->tolerance;
+    if (!(audit->error >= 0.0 && audit->error <= tolerance)) {
+        error_set(error, "marchd:error: expected at most %g (tolerance), got %g", tolerance, audit->error);
+        return false;
+    }
+    if (isfinite(audit->error95)) return true;
+    error_set(error, "marchd:error95: expected what the error is below with a confidence of 95 %%, got %g",
+              audit->error95);
+    return false;
+}
+
 static bool check_facts(const struct image_exr_facts *facts, const struct gate_params *params, struct error *error)
 {
     const struct job *job = params->job;
@@ -62,7 +84,8 @@ static bool check_facts(const struct image_exr_facts *facts, const struct gate_p
         error_set(error, "pixel: expected %s, got %s", pixel_name(job->output.pixel), pixel_name(facts->pixel));
         return false;
     }
-    return check_rays(facts, job, error) && check_channel("A", facts->has_alpha, true, error) &&
+    return check_rays(facts, job, error) && check_audit(&facts->audit, job, error) &&
+           check_channel("A", facts->has_alpha, true, error) &&
            check_channel("Z", facts->has_depth, job->output.has_depth, error) &&
            check_channel("transmittance", facts->has_transmittance, job->output.has_transmittance, error);
 }
@@ -79,17 +102,19 @@ static bool describe_file(int fd, struct published_file *file, struct error *err
     return hash_file(fd, file->hash, &file->size_bytes, error);
 }
 
-bool gate_check(const struct gate_params *params, struct published_file *file, struct error *error)
+bool gate_check(const struct gate_params *params, struct gate_result *result, struct error *error)
 {
+    struct gate_result unwanted;
     struct image image = {0};
-    struct image_exr_facts facts;
     int fd = params->fd;
     bool ok;
 
+    if (!result) result = &unwanted;
     // The header first: it is cheap, and a file of another job need not be read whole.
-    ok = image_exr_read(fd, NULL, &facts, 1, error) && check_facts(&facts, params, error) &&
+    *result = (struct gate_result){0};
+    ok = image_exr_read(fd, NULL, &result->facts, 1, error) && check_facts(&result->facts, params, error) &&
          image_exr_read(fd, &image, NULL, params->thread_count, error) && image_is_finite(&image, false, error) &&
-         (!file || describe_file(fd, file, error));
+         describe_file(fd, &result->file, error);
     image_finish(&image);
     return ok;
 }

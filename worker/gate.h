@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/publish.h"
+#include "worker/image_exr.h"
 
 #include <stdbool.h>
 
@@ -16,7 +17,14 @@ struct gate_params {
     int thread_count; // that read; 0: one
 };
 
-// Reads the file back: EXR, this job's size and channels, the picture's hash in the header, frame number, every value finite, and that
-// cut rays took no larger share of its light than the job allows, where it has such. On success
-// `file` (may be NULL) says inode, size and hash.
-bool gate_check(const struct gate_params *params, struct published_file *file, struct error *error);
+struct gate_result {
+    struct image_exr_facts facts; // once the header could be read, even of a file that is refused; else zero
+    struct published_file file;   // of a file that passed: inode, size and hash
+};
+
+// Reads the file back: EXR, this job's size and channels, the picture's hash in the header, frame number, every value finite,
+// that cut rays took no larger share of its light than the job allows, where it has such, and that its error was measured,
+// where the job states a tolerance. A measured error is within the tolerance: the job's and the one that the header claims.
+// It is the estimate that is held to it, as when a frame is rendered again; its 95 % bound has only to be there.
+// `result` may be NULL.
+bool gate_check(const struct gate_params *params, struct gate_result *result, struct error *error);

@@ -2,8 +2,10 @@
 
 #include "core/error.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -58,16 +60,6 @@ static bool row_is_within(const float *row, size_t width, size_t components, siz
     return !outside;
 }
 
-static void report(const char *channel, size_t x, size_t y, float value, bool half, struct error *error)
-{
-    if (isfinite(value) && half)
-        error_set(error, "channel %s at pixel (%zu, %zu) is %g: half holds at most 65504, ask for \"pixel\": \"float\"",
-                  channel, x, y, (double)value);
-    else
-        error_set(error, "channel %s at pixel (%zu, %zu) is %s: expected a finite number", channel, x, y,
-                  isnan(value) ? "NaN" : "infinite");
-}
-
 struct plane {
     const float *values;
     size_t components; // a pixel
@@ -76,7 +68,30 @@ struct plane {
     bool half;
 };
 
-static bool plane_is_finite(const struct plane *plane, size_t width, size_t height, struct error *error)
+struct faults {
+    int64_t nan_count, infinite_count, large_count;
+    // The first of them:
+    const char *channel; // NULL: there is none
+    size_t x, y;
+    float value;
+};
+
+static void count_fault(struct faults *faults, const char *channel, size_t x, size_t y, float value)
+{
+    if (isnan(value))
+        faults->nan_count++;
+    else if (isinf(value))
+        faults->infinite_count++;
+    else
+        faults->large_count++;
+    if (faults->channel) return;
+    faults->channel = channel;
+    faults->x = x;
+    faults->y = y;
+    faults->value = value;
+}
+
+static void count_plane(struct faults *faults, const struct plane *plane, size_t width, size_t height)
 {
     float largest = plane->half ? HALF_LARGEST : 3.40282347e38f;
 
@@ -87,12 +102,26 @@ static bool plane_is_finite(const struct plane *plane, size_t width, size_t heig
         for (size_t i = 0; i < width * plane->components; i++) {
             size_t component = i % plane->components;
 
-            if (component >= plane->used || is_within(row[i], largest)) continue;
-            report(plane->names[component], i / plane->components, y, row[i], plane->half, error);
-            return false;
+            if (component < plane->used && !is_within(row[i], largest))
+                count_fault(faults, plane->names[component], i / plane->components, y, row[i]);
         }
     }
-    return true;
+}
+
+static void report(const struct faults *faults, struct error *error)
+{
+    char counts[128];
+
+    snprintf(counts, sizeof counts,
+             "of the frame's values %" PRId64 " are NaN, %" PRId64 " infinite, %" PRId64 " too large for half",
+             faults->nan_count, faults->infinite_count, faults->large_count);
+    if (isfinite(faults->value))
+        error_set(error,
+                  "channel %s at pixel (%zu, %zu) is %g: half holds at most 65504, ask for \"pixel\": \"float\"; %s",
+                  faults->channel, faults->x, faults->y, (double)faults->value, counts);
+    else
+        error_set(error, "channel %s at pixel (%zu, %zu) is %s: expected a finite number; %s", faults->channel,
+                  faults->x, faults->y, isnan(faults->value) ? "NaN" : "infinite", counts);
 }
 
 bool image_is_finite(const struct image *image, bool half, struct error *error)
@@ -102,10 +131,11 @@ bool image_is_finite(const struct image *image, bool half, struct error *error)
         {image->transmittance, 4, 3, {"transmittance.R", "transmittance.G", "transmittance.B"}, half},
         {image->depth, 1, 1, {"Z"}, false},
     };
+    struct faults faults = {0};
 
-    for (size_t i = 0; i < sizeof planes / sizeof planes[0]; i++) {
-        if (!planes[i].values) continue;
-        if (!plane_is_finite(&planes[i], (size_t)image->width_px, (size_t)image->height_px, error)) return false;
-    }
-    return true;
+    for (size_t i = 0; i < sizeof planes / sizeof planes[0]; i++)
+        if (planes[i].values) count_plane(&faults, &planes[i], (size_t)image->width_px, (size_t)image->height_px);
+    if (!faults.channel) return true;
+    report(&faults, error);
+    return false;
 }

@@ -35,7 +35,7 @@ static bool is_regular(int fd)
 }
 
 enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, const char *picture_hash,
-                                                int folder_fd, struct published_file *file, struct error *error)
+                                                int folder_fd, struct gate_result *found, struct error *error)
 {
     const struct job *job = &frame->job->job;
     enum part_file_existing existing = PART_FILE_RENDER;
@@ -55,8 +55,8 @@ enum part_file_existing part_file_find_existing(const struct assignment_frame *f
     if (fd < 0 || !is_regular(fd))
         log_info("%s is no file of ours: rendered again", name);
     else if (gate_check(
-                 &(struct gate_params){.fd = fd, .job = job, .picture_hash = picture_hash, .frame = frame->frame}, file,
-                 &reason))
+                 &(struct gate_params){.fd = fd, .job = job, .picture_hash = picture_hash, .frame = frame->frame},
+                 found, &reason))
         existing = PART_FILE_SKIP;
     else
         log_info("%s is rendered again: %s", name, reason.message);

@@ -2,6 +2,8 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
+#include "worker/audit_names.h"
+#include "worker/gate.h"
 #include "worker/gl_context.h"
 #include "worker/options.h"
 #include "worker/part_file.h"
@@ -153,13 +155,24 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
     if (result.fault == RENDERER_FAULT_CONTEXT) worker_exit(loop->worker, 1);
 }
 
+// The file's own header says how exact it is.
+static void tell_skipped(struct render_loop *loop, const struct gate_result *found)
+{
+    struct frame_accuracy accuracy = audit_accuracy(&found->facts.audit, found->facts.method);
+
+    accuracy.has_cut_share = found->facts.rays.is_known;
+    accuracy.cut_share = found->facts.rays.cut_share;
+    report_skipped(&loop->worker->connection, loop->frame,
+                   &(struct report_result){.file = &found->file, .accuracy = &accuracy});
+}
+
 static void render_frame(struct render_loop *loop)
 {
     struct connection *connection = &loop->worker->connection;
     const struct held_job *job = loop->frame->job;
     char picture_hash[HASH_TEXT_SIZE];
     enum renderer_fault fault;
-    struct published_file file;
+    struct gate_result found;
     struct error error = {0};
     struct picture *picture;
     int folder_fd;
@@ -182,9 +195,9 @@ static void render_frame(struct render_loop *loop)
         fail_frame(loop, REPORT_FAULT_OUTPUT, error.message);
         return;
     }
-    switch (part_file_find_existing(loop->frame, picture_hash, folder_fd, &file, &error)) {
+    switch (part_file_find_existing(loop->frame, picture_hash, folder_fd, &found, &error)) {
     case PART_FILE_SKIP:
-        report_skipped(connection, loop->frame, &file);
+        tell_skipped(loop, &found);
         worker_end_frame(loop->worker, loop->frame);
         break;
     case PART_FILE_REFUSE:

@@ -104,13 +104,14 @@ void report_finished(struct connection *connection, const struct assignment_fram
 }
 
 void report_skipped(struct connection *connection, const struct assignment_frame *frame,
-                    const struct published_file *file)
+                    const struct report_result *result)
 {
     struct json_writer writer = {0};
 
     begin_frame(&writer, "frame.skipped", frame->job->id, frame->frame, frame->attempt);
-    json_write_integer_member(&writer, "size_bytes", (int64_t)file->size_bytes);
-    json_write_string_member(&writer, "hash", file->hash);
+    json_write_integer_member(&writer, "size_bytes", (int64_t)result->file->size_bytes);
+    json_write_string_member(&writer, "hash", result->file->hash);
+    frame_accuracy_write(result->accuracy, &writer);
     send_and_finish(connection, &writer);
 }
 

@@ -24,8 +24,9 @@ struct report_result {
 
 void report_finished(struct connection *connection, const struct assignment_frame *frame,
                      const struct report_result *result);
+// Without seconds: nothing was rendered.
 void report_skipped(struct connection *connection, const struct assignment_frame *frame,
-                    const struct published_file *file);
+                    const struct report_result *result);
 void report_dropped(struct connection *connection, const struct assignment_dropped *dropped);
 
 enum report_fault {

@@ -24,13 +24,14 @@ static struct job make_job(void)
 }
 
 // Frame 7 of make_job, `spoilt` at channel G of pixel (3, 2).
-static int make_file_with_rays(float spoilt, struct image_exr_rays rays)
+static int make_measured_file(float spoilt, struct image_exr_rays rays, struct audit_result audit)
 {
     struct image_exr_header header = {.compression = JOB_COMPRESSION_ZIP,
                                       .fps_numerator = 24,
                                       .fps_denominator = 1,
                                       .job_hash = "0123456789abcdef0123456789abcdef",
                                       .rays = rays,
+                                      .audit = audit,
                                       .frame = 7};
     struct image image;
     int fd = memfd_create("frame", MFD_CLOEXEC);
@@ -47,9 +48,22 @@ static int make_file_with_rays(float spoilt, struct image_exr_rays rays)
     return fd;
 }
 
+static int make_file_with_rays(float spoilt, struct image_exr_rays rays)
+{
+    return make_measured_file(spoilt, rays, (struct audit_result){0});
+}
+
 static int make_file(float spoilt)
 {
     return make_file_with_rays(spoilt, (struct image_exr_rays){0});
+}
+
+static int make_audited_file(double error, double error95, double tolerance)
+{
+    return make_measured_file(
+        0, (struct image_exr_rays){0},
+        (struct audit_result){
+            .kind = AUDIT_REFERENCE, .error = error, .error95 = error95, .ray_count = 64, .tolerance = tolerance});
 }
 
 static void assert_refused(int fd, const struct job *job, int32_t frame, const char *reason)
@@ -65,7 +79,7 @@ static void assert_refused(int fd, const struct job *job, int32_t frame, const c
 static void whole_frame_passes_and_is_described(void **state)
 {
     struct job job = make_job();
-    struct published_file file;
+    struct gate_result result;
     struct error error = {0};
     struct stat status;
     char hash[HASH_TEXT_SIZE];
@@ -73,13 +87,13 @@ static void whole_frame_passes_and_is_described(void **state)
 
     if (!gate_check(
             &(struct gate_params){.fd = fd, .job = &job, .picture_hash = job.hash, .frame = 7, .thread_count = 2},
-            &file, &error))
+            &result, &error))
         fail_msg("%s", error.message);
     assert_int_equal(fstat(fd, &status), 0);
-    assert_int_equal(file.inode, status.st_ino);
-    assert_int_equal(file.size_bytes, status.st_size);
+    assert_int_equal(result.file.inode, status.st_ino);
+    assert_int_equal(result.file.size_bytes, status.st_size);
     assert_true(hash_file(fd, hash, NULL, NULL));
-    assert_string_equal(file.hash, hash);
+    assert_string_equal(result.file.hash, hash);
     close(fd);
 }
 
@@ -153,6 +167,44 @@ static void frame_with_little_cut_passes(void **state)
     close(fd);
 }
 
+static void frame_over_its_tolerance_is_refused(void **state)
+{
+    struct job job = make_job();
+
+    job.quality.tolerance = 0.01;
+    assert_refused(make_audited_file(0.0101, 0.02, 0.01), &job, 7,
+                   "marchd:error: expected at most 0.01 (tolerance), got 0.0101");
+    assert_refused(make_audited_file(0.006, 0.02, 0.005), &job, 7, "expected at most 0.005 (tolerance), got 0.006");
+    assert_refused(make_audited_file(NAN, 0.02, 0.01), &job, 7, "marchd:error: expected at most 0.01");
+    assert_refused(make_audited_file(0.001, INFINITY, 0.01), &job, 7, "marchd:error95");
+    job.quality.tolerance = 0.0;
+    assert_refused(make_audited_file(0.0101, 0.02, 0.01), &job, 7, "expected at most 0.01 (tolerance), got 0.0101");
+    assert_refused(make_audited_file(0.0101, 0.02, NAN), &job, 7, "marchd:error: expected at most nan");
+}
+
+static void frame_without_an_audit_is_refused_where_a_tolerance_is_stated(void **state)
+{
+    struct job job = make_job();
+
+    job.quality.tolerance = 0.01;
+    assert_refused(make_file(0), &job, 7,
+                   "marchd:error: expected the frame's measured error, at most 0.01 (tolerance), got nothing");
+}
+
+static void frame_within_its_tolerance_passes(void **state)
+{
+    struct job job = make_job();
+    int fd = make_audited_file(0.0078125, 0.015625, 0.0078125);
+    struct gate_result result;
+
+    job.quality.tolerance = 0.01;
+    assert_true(
+        gate_check(&(struct gate_params){.fd = fd, .job = &job, .picture_hash = job.hash, .frame = 7}, &result, NULL));
+    assert_int_equal(result.facts.audit.kind, AUDIT_REFERENCE);
+    assert_true(result.facts.audit.error95 == 0.015625);
+    close(fd);
+}
+
 static void cut_or_foreign_file_is_refused(void **state)
 {
     struct job job = make_job();
@@ -170,10 +222,17 @@ static void cut_or_foreign_file_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(whole_frame_passes_and_is_described), cmocka_unit_test(values_that_are_not_finite_are_refused),
-        cmocka_unit_test(frame_of_another_number_is_refused),  cmocka_unit_test(frame_of_another_job_is_refused),
-        cmocka_unit_test(frame_of_another_shape_is_refused),   cmocka_unit_test(cut_or_foreign_file_is_refused),
-        cmocka_unit_test(frame_with_too_much_cut_is_refused),  cmocka_unit_test(frame_with_little_cut_passes),
+        cmocka_unit_test(whole_frame_passes_and_is_described),
+        cmocka_unit_test(values_that_are_not_finite_are_refused),
+        cmocka_unit_test(frame_of_another_number_is_refused),
+        cmocka_unit_test(frame_of_another_job_is_refused),
+        cmocka_unit_test(frame_of_another_shape_is_refused),
+        cmocka_unit_test(cut_or_foreign_file_is_refused),
+        cmocka_unit_test(frame_with_too_much_cut_is_refused),
+        cmocka_unit_test(frame_with_little_cut_passes),
+        cmocka_unit_test(frame_over_its_tolerance_is_refused),
+        cmocka_unit_test(frame_without_an_audit_is_refused_where_a_tolerance_is_stated),
+        cmocka_unit_test(frame_within_its_tolerance_passes),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -89,7 +89,7 @@ static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
     struct image_exr_facts facts;
     struct worker_child child;
     struct message message;
-    struct published_file file;
+    struct gate_result found;
     struct error error = {0};
     struct job job;
     char document[2048], path[256];
@@ -106,11 +106,12 @@ static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
     assert_true(fd >= 0);
     format_document(document, sizeof document, 33, 20, 0.02, "verify");
     assert_true(job_parse(&job, document, strlen(document), child.root, NULL));
-    if (!gate_check(&(struct gate_params){.fd = fd, .job = &job, .picture_hash = job.hash, .frame = 12}, &file, &error))
+    if (!gate_check(&(struct gate_params){.fd = fd, .job = &job, .picture_hash = job.hash, .frame = 12}, &found,
+                    &error))
         fail_msg("%s", error.message);
-    assert_int_equal(strtoull(worker_child_text_of(&message, "inode"), NULL, 10), file.inode);
-    assert_int_equal(worker_child_integer_of(&message, "size_bytes"), file.size_bytes);
-    assert_string_equal(worker_child_text_of(&message, "hash"), file.hash);
+    assert_int_equal(strtoull(worker_child_text_of(&message, "inode"), NULL, 10), found.file.inode);
+    assert_int_equal(worker_child_integer_of(&message, "size_bytes"), found.file.size_bytes);
+    assert_string_equal(worker_child_text_of(&message, "hash"), found.file.hash);
     assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
     assert_true(facts.render_seconds > 0 && number_of(&message, "encode_s") > 0);
     assert_true(number_of(&message, "render_s") == facts.render_seconds);
