@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "worker/audit_names.h"
 #include "worker/image.h"
+#include "worker/image_exr_zip.h"
 
 #define IMATH_HALF_NO_LOOKUP_TABLE
 #include <Imath/half.h>
@@ -17,12 +18,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum {
-    CHANNEL_LIMIT = 8,
-    THREAD_LIMIT = 64,
-    // zlib's own default, 6, takes almost half as long again and saves 3 % of the bytes (bench/exr_bench).
-    ZIP_LEVEL = 4
-};
+enum { CHANNEL_LIMIT = 8, THREAD_LIMIT = 64 };
 
 struct channel {
     const char *name;
@@ -38,6 +34,7 @@ struct writer {
     size_t channel_count;
     size_t width, height;
     size_t line_bytes;
+    bool is_zip;
     int lines_per_chunk, chunk_count;
 
     pthread_mutex_t lock; // guards what follows, and the library's writing calls
@@ -239,10 +236,52 @@ static void pack_lines(const struct writer *writer, size_t first_line, size_t li
         }
 }
 
-// Fills the pipeline with the chunk that starts at line `y`. exr_encoding_run would do the same but packs under the
-// context's lock, which serializes the threads, so its stages are called one by one.
-static exr_result_t encode_chunk(struct writer *writer, exr_encode_pipeline_t *pipeline, int y)
+// What a thread packs chunks with.
+struct packer {
+    exr_encode_pipeline_t pipeline;
+    struct image_exr_zip *zip; // owned; NULL: the library compresses, if anyone does
+    const void *bytes;         // of the chunk, as the file will have it; borrowed from the packer
+    uint64_t size_bytes;
+};
+
+static exr_result_t compress_zip(const struct writer *writer, struct packer *packer)
 {
+    const exr_encode_pipeline_t *pipeline = &packer->pipeline;
+    const void *zipped;
+    size_t size_bytes;
+
+    if (!packer->zip) packer->zip = image_exr_zip_create(writer->line_bytes * (size_t)writer->lines_per_chunk);
+    if (!packer->zip) return EXR_ERR_OUT_OF_MEMORY;
+    size_bytes = image_exr_zip_pack(packer->zip, pipeline->packed_buffer, pipeline->packed_bytes, &zipped);
+    if (size_bytes > 0) {
+        packer->bytes = zipped;
+        packer->size_bytes = size_bytes;
+    }
+    return EXR_ERR_SUCCESS;
+}
+
+// A reader takes a chunk of the packed size for an uncompressed one, but the library compresses even then.
+static exr_result_t compress(const struct writer *writer, struct packer *packer)
+{
+    exr_encode_pipeline_t *pipeline = &packer->pipeline;
+    exr_result_t result;
+
+    packer->bytes = pipeline->packed_buffer;
+    packer->size_bytes = pipeline->packed_bytes;
+    if (writer->is_zip) return compress_zip(writer, packer);
+    if (!pipeline->compress_fn) return EXR_ERR_SUCCESS;
+    result = pipeline->compress_fn(pipeline);
+    if (result || pipeline->compressed_bytes >= pipeline->packed_bytes) return result;
+    packer->bytes = pipeline->compressed_buffer;
+    packer->size_bytes = pipeline->compressed_bytes;
+    return EXR_ERR_SUCCESS;
+}
+
+// Packs the chunk that starts at line `y`. exr_encoding_run would do the same but packs under the
+// context's lock, which serializes the threads, so its stages are called one by one.
+static exr_result_t encode_chunk(struct writer *writer, struct packer *packer, int y)
+{
+    exr_encode_pipeline_t *pipeline = &packer->pipeline;
     exr_chunk_info_t chunk;
     exr_result_t result = exr_write_scanline_chunk_info(writer->context, 0, y, &chunk);
 
@@ -262,17 +301,7 @@ static exr_result_t encode_chunk(struct writer *writer, exr_encode_pipeline_t *p
     pipeline->packed_bytes = chunk.unpacked_size;
     assert(pipeline->packed_bytes <= pipeline->packed_alloc_size);
     pack_lines(writer, (size_t)y, (size_t)chunk.height, pipeline->packed_buffer);
-    return pipeline->compress_fn ? pipeline->compress_fn(pipeline) : EXR_ERR_SUCCESS;
-}
-
-// A reader takes a chunk of the packed size for an uncompressed one, but the library stores a compressed one even then.
-static exr_result_t write_chunk(struct writer *writer, const exr_encode_pipeline_t *pipeline, int y)
-{
-    bool is_smaller = pipeline->compress_fn && pipeline->compressed_bytes < pipeline->packed_bytes;
-
-    return exr_write_scanline_chunk(writer->context, 0, y,
-                                    is_smaller ? pipeline->compressed_buffer : pipeline->packed_buffer,
-                                    is_smaller ? pipeline->compressed_bytes : pipeline->packed_bytes);
+    return compress(writer, packer);
 }
 
 static void fail_chunk(struct writer *writer, exr_result_t result, int y)
@@ -288,7 +317,7 @@ static void fail_chunk(struct writer *writer, exr_result_t result, int y)
 static void *write_chunks(void *user)
 {
     struct writer *writer = user;
-    exr_encode_pipeline_t pipeline = {0};
+    struct packer packer = {0};
 
     pthread_mutex_lock(&writer->lock);
     while (!writer->failed && writer->next_taken < writer->chunk_count) {
@@ -297,18 +326,19 @@ static void *write_chunks(void *user)
         exr_result_t result;
 
         pthread_mutex_unlock(&writer->lock);
-        result = encode_chunk(writer, &pipeline, y);
+        result = encode_chunk(writer, &packer, y);
         pthread_mutex_lock(&writer->lock);
         while (!writer->failed && writer->next_written < index)
             pthread_cond_wait(&writer->turn, &writer->lock);
         if (writer->failed) break;
-        if (!result) result = write_chunk(writer, &pipeline, y);
+        if (!result) result = exr_write_scanline_chunk(writer->context, 0, y, packer.bytes, packer.size_bytes);
         if (result) fail_chunk(writer, result, y);
         writer->next_written++;
         pthread_cond_broadcast(&writer->turn);
     }
     pthread_mutex_unlock(&writer->lock);
-    if (pipeline.context) exr_encoding_destroy(writer->context, &pipeline);
+    if (packer.pipeline.context) exr_encoding_destroy(writer->context, &packer.pipeline);
+    image_exr_zip_destroy(packer.zip);
     return NULL;
 }
 
@@ -336,7 +366,6 @@ static bool write_file(struct writer *writer, const struct image_exr_header *hea
     initializer.error_handler_fn = on_library_error;
     initializer.user_data = writer;
     initializer.write_fn = on_write;
-    initializer.zip_level = ZIP_LEVEL;
     // The name is of no use with a write_fn, but the library wants one.
     result = exr_start_write(&writer->context, "frame.exr", EXR_WRITE_FILE_DIRECTLY, &initializer);
     if (!result) result = write_header(writer, header);
@@ -368,6 +397,7 @@ bool image_exr_write(int fd, const struct image *image, const struct image_exr_h
 
     pthread_mutex_init(&writer.lock, NULL);
     pthread_cond_init(&writer.turn, NULL);
+    writer.is_zip = header->compression == JOB_COMPRESSION_ZIP || header->compression == JOB_COMPRESSION_ZIPS;
     add_channels(&writer, image, header->pixel);
     ok = write_file(&writer, header, thread_count, error);
     // Finishing writes nothing: the table of chunks went out with the last chunk.
