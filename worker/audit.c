@@ -3,21 +3,17 @@
 #include "core/alloc.h"
 #include "core/job.h"
 #include "worker/audit_map.h"
-#include "worker/image.h"
-#include "worker/image_exr.h"
-#include "worker/truth.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <time.h>
 
-// Pixels that are measured between two looks at the clock, at most.
+// Pixels that are measured at once, at most; how many times the least number are enough in any case.
 enum { BATCH = 64, RAY_MAX_FACTOR = 16 };
 
 // The reference's error beside the tolerance, and how dark a pixel is, beside the frame's RMS, whose error is no longer seen.
 static const double REFERENCE_SHARE = 0.05, DARK_SHARE = 0.1;
-static const double FINEST = 1e-4, COARSEST = 0.01; // accuracies of the reference
-static const double BLACK = 1e-6;                   // below it everywhere a frame counts as black
+static const double FINEST = 1e-4, COARSEST = 0.01, LEAST_FLOOR = 1e-6; // accuracies of the reference
 
 struct audit {
     const struct audit_params *params;
@@ -25,7 +21,7 @@ struct audit {
     struct audit_samples samples;
     struct integrate_accuracy accuracy;
     double start_s;
-    bool is_black, is_stopped;
+    bool is_stopped;
 };
 
 static double now_s(void)
@@ -40,25 +36,6 @@ void audit_pool_finish(struct audit_pool *pool)
 {
     audit_samples_finish(&pool->samples);
     *pool = (struct audit_pool){0};
-}
-
-static struct audit_sample compare(const struct audit *audit, struct truth_place place, const struct truth_pixel *pixel)
-{
-    const struct image *image = audit->params->image;
-    const float *seen = &image->rgba[4 * ((size_t)place.y * (size_t)image->width_px + (size_t)place.x)];
-    double weight =
-        1.0 / (3.0 * audit_map_density(&audit->map, place) * (audit->is_black ? 1.0 : audit->map.mean_square));
-    struct audit_sample sample = {0};
-
-    for (int c = 0; c < 3; c++) {
-        double value = image_exr_stored(seen[c], audit->map.pixel), apart = value - pixel->rgb[c];
-
-        // The frame's own lot adds its variance, and the reference, a mean of two, half of it.
-        sample.square += weight * (apart * apart - 1.5 * pixel->variance[c]);
-        sample.cross += weight * value * apart;
-        sample.noise += weight * pixel->variance[c];
-    }
-    return sample;
 }
 
 // False when it was stopped.
@@ -78,7 +55,7 @@ static bool measure(struct audit *audit, size_t count)
                                                                       .on_progress = params->on_progress,
                                                                       .user = params->user});
     for (size_t i = 0; i < measured; i++) {
-        struct audit_sample sample = compare(audit, places[i], &pixels[i]);
+        struct audit_sample sample = audit_map_compare(&audit->map, places[i], &pixels[i]);
 
         audit_samples_append(&audit->samples, &sample);
     }
@@ -92,38 +69,49 @@ static struct audit_verdict judge(const struct audit *audit)
     return audit_estimate(&(struct audit_evidence){.own = &audit->samples,
                                                    .pool = pool ? &pool->samples : NULL,
                                                    .change = audit->params->is_own ? audit->map.change : -1.0,
-                                                   .pool_change = pool ? pool->change : 0.0,
-                                                   .is_black = audit->is_black});
+                                                   .pool_change = pool ? pool->change : -1.0,
+                                                   .resolution = audit->accuracy.relative,
+                                                   .is_black = audit_map_is_black(&audit->map)});
 }
 
 // More pixels are worth their time only while it is open on which side of the tolerance the frame is.
-static bool is_plain(const struct audit *audit)
+static bool is_plain(const struct audit *audit, const struct audit_verdict *verdict)
 {
-    struct audit_verdict verdict = judge(audit);
+    return verdict->error95 <= audit->params->tolerance || verdict->error > 2.0 * audit->params->tolerance;
+}
 
-    return verdict.error95 <= audit->params->tolerance || verdict.error > 2.0 * audit->params->tolerance;
+// How many more pixels are to be measured; 0: enough. Each time as many as there are, so that there are few looks at the verdict,
+// each of which may be wrong.
+static size_t find_next_count(const struct audit *audit)
+{
+    const struct audit_params *params = audit->params;
+    size_t done = audit->samples.count, least = params->ray_min > 0 ? (size_t)params->ray_min : AUDIT_RAYS_MIN;
+    size_t most = params->ray_max > 0 ? (size_t)params->ray_max : RAY_MAX_FACTOR * least;
+    size_t pooled = least < AUDIT_RAYS_POOLED ? least : AUDIT_RAYS_POOLED;
+    struct audit_verdict verdict;
+    double spent_s, affordable;
+
+    if (params->pool && done < pooled) return pooled - done;
+    if (done == 0) return least;
+    verdict = judge(audit);
+    if (!verdict.is_pooled && done < least) return least - done;
+    spent_s = now_s() - audit->start_s;
+    affordable = (params->budget_s - spent_s) / (spent_s / (double)done);
+    if (is_plain(audit, &verdict) || done >= most || affordable < 1.0) return 0;
+    if (affordable < (double)done) return (size_t)affordable;
+    return done < most - done ? done : most - done;
 }
 
 static void measure_enough(struct audit *audit)
 {
-    const struct audit_params *params = audit->params;
-    int least = params->ray_min > 0 ? params->ray_min : params->pool ? AUDIT_RAYS_POOLED : AUDIT_RAYS_MIN;
-    int most = params->ray_max > 0 ? params->ray_max : RAY_MAX_FACTOR * least;
+    size_t left;
 
-    while (audit->samples.count < (size_t)most) {
-        size_t done = audit->samples.count, left = (size_t)(done < (size_t)least ? least : most) - done;
-        double spent_s = now_s() - audit->start_s;
-
-        if (done >= (size_t)least) {
-            double affordable = (params->budget_s - spent_s) / (spent_s / (double)done);
-
-            if (affordable < 1.0 || is_plain(audit)) break;
-            if (affordable < (double)left) left = (size_t)affordable;
+    while ((left = find_next_count(audit)) > 0) {
+        for (size_t count; left > 0 && !audit->is_stopped; left -= count) {
+            count = left < BATCH ? left : BATCH;
+            audit->is_stopped = !measure(audit, count);
         }
-        if (!measure(audit, left < BATCH ? left : BATCH)) {
-            audit->is_stopped = true;
-            break;
-        }
+        if (audit->is_stopped) break;
     }
 }
 
@@ -145,20 +133,21 @@ static void begin(struct audit *audit, const struct audit_params *params)
                                                            .coarser = params->coarser,
                                                            .is_own = params->is_own});
     rms = sqrt(audit->map.mean_square);
-    audit->is_black = rms < BLACK;
     audit->accuracy.relative = fmin(fmax(REFERENCE_SHARE * params->tolerance, FINEST), COARSEST);
-    audit->accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, BLACK) : BLACK;
+    audit->accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, LEAST_FLOOR) : LEAST_FLOOR;
 }
 
 bool audit_frame(const struct audit_params *params, struct audit_result *result)
 {
+    struct audit_verdict verdict = {.error = INFINITY, .error95 = INFINITY};
     struct audit audit;
-    struct audit_verdict verdict;
-    bool is_stopped;
 
     begin(&audit, params);
-    measure_enough(&audit);
-    verdict = judge(&audit);
+    if (isfinite(audit.map.mean_square)) {
+        measure_enough(&audit);
+        verdict = judge(&audit);
+        if (params->gathered) gather(&audit, params->gathered);
+    }
     *result = (struct audit_result){.kind = AUDIT_REFERENCE,
                                     .is_pooled = verdict.is_pooled,
                                     .error = verdict.error,
@@ -167,9 +156,7 @@ bool audit_frame(const struct audit_params *params, struct audit_result *result)
                                     .tolerance = params->tolerance,
                                     .seconds = now_s() - audit.start_s,
                                     .sampling_error = verdict.sampling_error};
-    if (params->gathered) gather(&audit, params->gathered);
-    is_stopped = audit.is_stopped;
     audit_samples_finish(&audit.samples);
     audit_map_finish(&audit.map);
-    return !is_stopped;
+    return !audit.is_stopped;
 }

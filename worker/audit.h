@@ -61,7 +61,8 @@ struct audit_params {
     void *user;
 };
 
-// Measures pixels against the reference until the budget is spent or it is plain on which side of the tolerance the frame is.
+// Measures pixels against the reference until the budget is spent or it is plain on which side of the tolerance the frame is. A
+// frame with a pool begins with AUDIT_RAYS_POOLED pixels and, when these show it to be unlike the pool, goes on by itself.
 // False when on_progress stopped it.
 bool audit_frame(const struct audit_params *params, struct audit_result *result);
 

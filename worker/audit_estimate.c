@@ -3,8 +3,11 @@
 #include "core/alloc.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
+
+static const double LOG_OF_20 = 2.995732273553991; // of 1 / (1 - 0.95)
+// The light's RMS is not taken for a smaller share of the frame's: then the frame is no picture of it at all.
+static const double LEAST_LIGHT = 0.1;
 
 void audit_samples_append(struct audit_samples *samples, const struct audit_sample *sample)
 {
@@ -18,33 +21,71 @@ void audit_samples_finish(struct audit_samples *samples)
     *samples = (struct audit_samples){0};
 }
 
+// Of the light's RMS so much is there at least, where errors are too large for the triangle inequality to say more.
+static const double SURE_LIGHT = 0.4;
+// Standard errors.
+static const double UNLIKE = 2.0;
+
 struct moments {
+    size_t count;
     double square, cross, noise; // means
-    double deviation;            // of the squares
+    double deviation, largest;   // of the squares
 };
 
-static struct moments find_moments(const struct audit_samples *samples)
+static void add_sums(struct moments *moments, const struct audit_samples *samples)
+{
+    for (size_t i = 0; i < samples->count; i++) {
+        const struct audit_sample *sample = &samples->list[i];
+
+        moments->square += sample->square;
+        moments->cross += sample->cross;
+        moments->noise += sample->noise;
+        moments->largest = fmax(moments->largest, sample->square);
+    }
+    moments->count += samples->count;
+}
+
+static double squares_about(const struct audit_samples *samples, double mean)
+{
+    double sum = 0.0;
+
+    for (size_t i = 0; i < samples->count; i++)
+        sum += (samples->list[i].square - mean) * (samples->list[i].square - mean);
+    return sum;
+}
+
+// Of one list, or of two together.
+static struct moments find_moments(const struct audit_samples *a, const struct audit_samples *b)
 {
     struct moments moments = {0};
-    double count = (double)samples->count, sum = 0.0;
+    double sum;
 
-    for (size_t i = 0; i < samples->count; i++) {
-        moments.square += samples->list[i].square / count;
-        moments.cross += samples->list[i].cross / count;
-        moments.noise += samples->list[i].noise / count;
-    }
-    for (size_t i = 0; i < samples->count; i++) {
-        double off = samples->list[i].square - moments.square;
-
-        sum += off * off;
-    }
-    moments.deviation = samples->count > 1 ? sqrt(sum / (count - 1.0)) : INFINITY;
+    add_sums(&moments, a);
+    if (b) add_sums(&moments, b);
+    if (moments.count == 0) return moments;
+    moments.square /= (double)moments.count;
+    moments.cross /= (double)moments.count;
+    moments.noise /= (double)moments.count;
+    sum = squares_about(a, moments.square) + (b ? squares_about(b, moments.square) : 0.0);
+    moments.deviation = sqrt(sum / fmax((double)moments.count - 1.0, 1.0));
     return moments;
 }
 
-static double upper_square(const struct audit_samples *samples, const struct moments *moments)
+static double bernstein_bound(const struct moments *moments)
 {
-    return fmax(moments->square, 0.0) + 3.0 * moments->deviation / sqrt((double)samples->count);
+    double count = (double)moments->count;
+
+    if (moments->count < 2) return INFINITY;
+    return fmax(moments->square, 0.0) + moments->deviation * sqrt(2.0 * LOG_OF_20 / count) +
+           7.0 * LOG_OF_20 * moments->largest / (3.0 * (count - 1.0));
+}
+
+// How many times the pool's squared error the frame's may be.
+static double growth_over_pool(const struct audit_evidence *evidence)
+{
+    double growth = evidence->change / evidence->pool_change;
+
+    return evidence->change > 0.0 && evidence->pool_change > 0.0 && growth > 1.0 ? growth * growth : 1.0;
 }
 
 // RMS of the light over that of the frame, whose errors' RMS is `error`: by the triangle inequality from 1 - error to 1 + error.
@@ -52,21 +93,44 @@ static double light_over_frame(const struct moments *moments, double error)
 {
     double estimate = sqrt(fmax(1.0 - 2.0 * moments->cross + moments->square, 0.0));
 
-    return fmin(fmax(estimate, fmax(1.0 - error, 0.1)), 1.0 + error);
+    return fmin(fmax(estimate, fmax(1.0 - error, LEAST_LIGHT)), 1.0 + error);
+}
+
+// False where the frame's squares have a larger one than the pool's, or a larger mean than so few of the pool's would have.
+static bool is_like_pool(const struct audit_evidence *evidence, const struct moments *own)
+{
+    double growth = growth_over_pool(evidence);
+    struct moments pool;
+
+    if (!evidence->pool || evidence->pool->count == 0) return false;
+    if (own->count == 0) return true;
+    pool = find_moments(evidence->pool, NULL);
+    return own->largest <= growth * pool.largest &&
+           own->square <= growth * (pool.square + UNLIKE * pool.deviation / sqrt((double)own->count));
 }
 
 struct audit_verdict audit_estimate(const struct audit_evidence *evidence)
 {
-    bool is_pooled = evidence->pool && evidence->pool->count > 0;
-    const struct audit_samples *samples = is_pooled ? evidence->pool : evidence->own;
-    struct audit_verdict verdict = {.ray_count = samples->count, .is_pooled = is_pooled};
-    struct moments moments = find_moments(samples);
-    double error = sqrt(fmax(moments.square, 0.0)), upper = sqrt(upper_square(samples, &moments)), light = 1.0;
+    struct moments moments = find_moments(evidence->own, NULL);
+    struct audit_verdict verdict = {.is_pooled = is_like_pool(evidence, &moments)};
+    double growth = 1.0, error, upper, light;
 
-    if (evidence->change > 0.0) upper = fmax(upper, evidence->change);
-    if (!evidence->is_black) light = light_over_frame(&moments, error);
+    if (verdict.is_pooled) {
+        moments = find_moments(evidence->pool, evidence->own);
+        growth = growth_over_pool(evidence);
+    }
+    verdict.ray_count = moments.count;
+    // fmax passes over what is not a number.
+    if (!isfinite(moments.square)) {
+        verdict.error = verdict.error95 = INFINITY;
+        return verdict;
+    }
+    error = sqrt(growth * fmax(moments.square, 0.0));
+    upper = sqrt(growth * bernstein_bound(&moments));
+    upper = fmax(upper, fmax(evidence->change, evidence->resolution));
+    light = evidence->is_black ? 1.0 : light_over_frame(&moments, error);
     verdict.error = error / light;
-    verdict.error95 = upper / fmin(light, 1.0);
+    verdict.error95 = upper / (evidence->is_black ? 1.0 : fmin(light, fmax(1.0 - upper, SURE_LIGHT * light)));
     verdict.sampling_error = sqrt(fmax(moments.noise, 0.0)) / light;
     return verdict;
 }

@@ -8,8 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const float BLACK = 1e-6f;
+
 // Of a map that has them all.
-static const double SHARES[AUDIT_WAY_COUNT] = {0.25, 0.2, 0.35, 0.2};
+static const double SHARES[AUDIT_WAY_COUNT] = {0.25, 0.15, 0.1, 0.3, 0.2};
 
 static double square_of(const struct audit_map *map, size_t i)
 {
@@ -26,13 +28,21 @@ static double square_of(const struct audit_map *map, size_t i)
 static void sum_rows(struct audit_map *map)
 {
     size_t width = (size_t)map->image->width_px, height = (size_t)map->image->height_px;
-    double sum = 0.0;
+    double sum = 0.0, sum_of_squares = 0.0;
 
-    map->rows = xcalloc(height, sizeof *map->rows);
+    map->sums[AUDIT_WAY_BRIGHT] = xcalloc(height, sizeof(double));
+    map->sums[AUDIT_WAY_GLARING] = xcalloc(height, sizeof(double));
     for (size_t y = 0; y < height; y++) {
-        for (size_t x = 0; x < width; x++)
-            sum += square_of(map, y * width + x);
-        map->rows[y] = sum;
+        for (size_t x = 0; x < width; x++) {
+            double square = square_of(map, y * width + x);
+
+            for (size_t c = 0; c < 3; c++)
+                map->brightest = fmaxf(map->brightest, map->image->rgba[4 * (y * width + x) + c]);
+            sum += square;
+            sum_of_squares += square * square;
+        }
+        map->sums[AUDIT_WAY_BRIGHT][y] = sum;
+        map->sums[AUDIT_WAY_GLARING][y] = sum_of_squares;
     }
     map->mean_square = sum / ((double)width * (double)height);
 }
@@ -96,44 +106,99 @@ static float *find_block_means(const struct audit_map *map)
     return means;
 }
 
-// A block weighs by the pictures' difference there and, as that is known at one point alone, around it.
-static void weigh_blocks(struct audit_map *map, enum audit_way way, const float *a, const float *b)
+static bool find_neighbour(const struct audit_map *map, int column, int row, int k, size_t *at)
+{
+    int i = column + k % 3 - 1, j = row + k / 3 - 1;
+
+    if (i < 0 || i >= map->columns_count || j < 0 || j >= map->rows_count) return false;
+    *at = (size_t)j * (size_t)map->columns_count + (size_t)i;
+    return true;
+}
+
+// By the two renders' difference in a block and, as that is known at one point of it alone, around it.
+static double weigh_halving(const struct audit_map *map, int column, int row, const float *finer, const float *coarser)
+{
+    double weight = 0.0;
+    size_t at;
+
+    for (int k = 0; k < 9; k++)
+        if (find_neighbour(map, column, row, k, &at))
+            weight += squared_difference(&finer[4 * at], &coarser[4 * at]) * (k == 4 ? 0.5 : 0.0625);
+    return weight;
+}
+
+// Edges, which a mean and a point show differently, lie within the range of values around.
+static double weigh_odd(const struct audit_map *map, int column, int row, const float *finer, const float *means)
+{
+    const float *mean = &means[4 * ((size_t)row * (size_t)map->columns_count + (size_t)column)];
+    double weight = 0.0;
+    size_t at;
+
+    for (int c = 0; c < 3; c++) {
+        double low = INFINITY, high = -INFINITY, off;
+
+        for (int k = 0; k < 9; k++) {
+            if (!find_neighbour(map, column, row, k, &at)) continue;
+            low = fmin(low, finer[4 * at + (size_t)c]);
+            high = fmax(high, finer[4 * at + (size_t)c]);
+        }
+        off = fmax(fmax(low - mean[c], mean[c] - high), 0.0);
+        weight += off * off / 3.0;
+    }
+    return weight;
+}
+
+typedef double block_weight(const struct audit_map *map, int column, int row, const float *a, const float *b);
+
+static void sum_blocks(struct audit_map *map, enum audit_way way, block_weight *weigh, const float *a, const float *b)
 {
     int columns = map->columns_count, rows = map->rows_count;
     double sum = 0.0;
 
-    map->blocks[way] = xcalloc((size_t)columns * (size_t)rows, sizeof *map->blocks[way]);
+    map->sums[way] = xcalloc((size_t)columns * (size_t)rows, sizeof(double));
     for (int row = 0; row < rows; row++) {
         for (int column = 0; column < columns; column++) {
-            double weight = 0.0;
-
-            for (int k = 0; k < 9; k++) {
-                int i = column + k % 3 - 1, j = row + k / 3 - 1;
-                size_t at = (size_t)j * (size_t)columns + (size_t)i;
-
-                if (i < 0 || i >= columns || j < 0 || j >= rows) continue;
-                weight += squared_difference(&a[4 * at], &b[4 * at]) * (k == 4 ? 0.5 : 0.0625);
-            }
-            sum += weight * block_pixels(map, column, row);
-            map->blocks[way][(size_t)row * (size_t)columns + (size_t)column] = sum;
+            sum += weigh(map, column, row, a, b) * block_pixels(map, column, row);
+            map->sums[way][(size_t)row * (size_t)columns + (size_t)column] = sum;
         }
     }
-    if (sum > 0.0 && isfinite(sum)) return;
-    free(map->blocks[way]);
-    map->blocks[way] = NULL;
 }
 
-static void find_change(struct audit_map *map, const struct image *finer, const struct image *coarser)
+static double mean_square_of(const struct image *a, const struct image *b)
 {
-    double difference = 0.0, square = 0.0;
+    static const float NONE[3];
+    size_t count = (size_t)a->width_px * (size_t)a->height_px;
+    double sum = 0.0;
 
-    for (size_t i = 0; i < (size_t)finer->width_px * (size_t)finer->height_px; i++) {
-        static const float BLACK[3];
+    for (size_t i = 0; i < count; i++)
+        sum += squared_difference(&a->rgba[4 * i], b ? &b->rgba[4 * i] : NONE) / (double)count;
+    return sum;
+}
 
-        difference += squared_difference(&finer->rgba[4 * i], &coarser->rgba[4 * i]);
-        square += squared_difference(&finer->rgba[4 * i], BLACK);
+static void weigh_renders(struct audit_map *map, const struct audit_map_params *params)
+{
+    const struct image *finer = params->finer, *coarser = params->coarser;
+    double square = mean_square_of(finer, NULL);
+
+    map->columns_count = finer->width_px;
+    map->rows_count = finer->height_px;
+    sum_blocks(map, AUDIT_WAY_HALVING, weigh_halving, finer->rgba, coarser->rgba);
+    map->change = square > 0.0 ? sqrt(mean_square_of(finer, coarser) / square) : 0.0;
+    if (params->is_own) {
+        float *means = find_block_means(map);
+
+        sum_blocks(map, AUDIT_WAY_ODD, weigh_odd, finer->rgba, means);
+        free(means);
     }
-    map->change = square > 0.0 ? sqrt(difference / square) : 0.0;
+}
+
+// Of a way's running sums.
+static double whole_of(const struct audit_map *map, enum audit_way way)
+{
+    bool is_of_rows = way == AUDIT_WAY_BRIGHT || way == AUDIT_WAY_GLARING;
+    size_t count = is_of_rows ? (size_t)map->image->height_px : (size_t)map->columns_count * (size_t)map->rows_count;
+
+    return map->sums[way] ? map->sums[way][count - 1] : 0.0;
 }
 
 static void share_out(struct audit_map *map)
@@ -141,10 +206,10 @@ static void share_out(struct audit_map *map)
     double sum = 0.0;
 
     for (int way = 0; way < AUDIT_WAY_COUNT; way++) {
-        bool is_there =
-            way == AUDIT_WAY_UNIFORM || (way == AUDIT_WAY_BRIGHT && map->mean_square > 0.0) || map->blocks[way] != NULL;
+        double whole = way == AUDIT_WAY_UNIFORM ? 1.0 : whole_of(map, (enum audit_way)way);
 
-        map->share[way] = is_there ? SHARES[way] : 0.0;
+        // Nothing is drawn by sums that are 0 or, of a frame that is broken, not finite.
+        map->share[way] = whole > 0.0 && isfinite(whole) ? SHARES[way] : 0.0;
         sum += map->share[way];
     }
     for (int way = 0; way < AUDIT_WAY_COUNT; way++)
@@ -155,26 +220,14 @@ void audit_map_init(struct audit_map *map, const struct audit_map_params *params
 {
     *map = (struct audit_map){.image = params->image, .pixel = params->pixel, .change = -1.0};
     sum_rows(map);
-    if (params->finer && params->coarser) {
-        map->columns_count = params->finer->width_px;
-        map->rows_count = params->finer->height_px;
-        weigh_blocks(map, AUDIT_WAY_HALVING, params->finer->rgba, params->coarser->rgba);
-        find_change(map, params->finer, params->coarser);
-        if (params->is_own) {
-            float *means = find_block_means(map);
-
-            weigh_blocks(map, AUDIT_WAY_ODD, means, params->finer->rgba);
-            free(means);
-        }
-    }
+    if (params->finer && params->coarser) weigh_renders(map, params);
     share_out(map);
 }
 
 void audit_map_finish(struct audit_map *map)
 {
-    free(map->rows);
     for (int way = 0; way < AUDIT_WAY_COUNT; way++)
-        free(map->blocks[way]);
+        free(map->sums[way]);
     *map = (struct audit_map){0};
 }
 
@@ -183,26 +236,59 @@ static double step_at(const double *sums, size_t i)
     return sums[i] - (i > 0 ? sums[i - 1] : 0.0);
 }
 
+bool audit_map_is_black(const struct audit_map *map)
+{
+    return map->brightest < BLACK;
+}
+
 double audit_map_density(const struct audit_map *map, struct truth_place place)
 {
     const struct image *image = map->image;
-    size_t pixel = (size_t)place.y * (size_t)image->width_px + (size_t)place.x, block = 0, last = 0;
+    double square = square_of(map, (size_t)place.y * (size_t)image->width_px + (size_t)place.x);
     double density = map->share[AUDIT_WAY_UNIFORM], count = (double)image->width_px * image->height_px;
-    int column, row;
+    size_t block = 0;
+    int pixels = 1;
 
-    if (map->share[AUDIT_WAY_BRIGHT] > 0.0)
-        density += map->share[AUDIT_WAY_BRIGHT] * square_of(map, pixel) / map->mean_square;
-    if (map->columns_count == 0) return density;
-    column = block_of(place.x, map->columns_count, image->width_px);
-    row = block_of(place.y, map->rows_count, image->height_px);
-    block = (size_t)row * (size_t)map->columns_count + (size_t)column;
-    last = (size_t)map->columns_count * (size_t)map->rows_count - 1;
-    for (int way = AUDIT_WAY_HALVING; way < AUDIT_WAY_COUNT; way++) {
-        if (!map->blocks[way]) continue;
-        density += map->share[way] * count * step_at(map->blocks[way], block) /
-                   (map->blocks[way][last] * block_pixels(map, column, row));
+    if (map->columns_count > 0) {
+        int column = block_of(place.x, map->columns_count, image->width_px);
+        int row = block_of(place.y, map->rows_count, image->height_px);
+
+        block = (size_t)row * (size_t)map->columns_count + (size_t)column;
+        pixels = block_pixels(map, column, row);
+    }
+    for (int way = AUDIT_WAY_BRIGHT; way < AUDIT_WAY_COUNT; way++) {
+        double own;
+
+        if (map->share[way] == 0.0) continue;
+        if (way == AUDIT_WAY_BRIGHT)
+            own = square;
+        else if (way == AUDIT_WAY_GLARING)
+            own = square * square;
+        else
+            own = step_at(map->sums[way], block) / pixels;
+        density += map->share[way] * count * own / whole_of(map, (enum audit_way)way);
     }
     return density;
+}
+
+struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_place place,
+                                      const struct truth_pixel *pixel)
+{
+    const struct image *image = map->image;
+    const float *seen = &image->rgba[4 * ((size_t)place.y * (size_t)image->width_px + (size_t)place.x)];
+    double unit = audit_map_is_black(map) ? 1.0 : map->mean_square;
+    double weight = 1.0 / (3.0 * audit_map_density(map, place) * unit);
+    struct audit_sample sample = {0};
+
+    for (int c = 0; c < 3; c++) {
+        double value = image_exr_stored(seen[c], map->pixel), apart = value - pixel->rgb[c];
+
+        // The frame's own lot adds its variance, and the reference, a mean of two, half of it.
+        sample.square += weight * (apart * apart - 1.5 * pixel->variance[c]);
+        sample.cross += weight * value * apart;
+        sample.noise += weight * pixel->variance[c];
+    }
+    return sample;
 }
 
 // Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
@@ -249,13 +335,16 @@ static int draw_between(int begin, int end, uint64_t *state)
     return at < end ? at : end - 1;
 }
 
-static struct truth_place draw_bright(const struct audit_map *map, uint64_t *state)
+static struct truth_place draw_bright(const struct audit_map *map, enum audit_way way, uint64_t *state)
 {
-    int width = map->image->width_px, row = find_step(map->rows, map->image->height_px, draw(state)), x = 0;
-    double wanted = draw(state) * step_at(map->rows, (size_t)row), sum = 0.0;
+    const double *rows = map->sums[way];
+    int width = map->image->width_px, row = find_step(rows, map->image->height_px, draw(state)), x = 0;
+    double wanted = draw(state) * step_at(rows, (size_t)row), sum = 0.0;
 
     for (x = 0; x < width - 1; x++) {
-        sum += square_of(map, (size_t)row * (size_t)width + (size_t)x);
+        double square = square_of(map, (size_t)row * (size_t)width + (size_t)x);
+
+        sum += way == AUDIT_WAY_GLARING ? square * square : square;
         if (sum > wanted) break;
     }
     return (struct truth_place){x, row};
@@ -264,20 +353,31 @@ static struct truth_place draw_bright(const struct audit_map *map, uint64_t *sta
 static struct truth_place draw_in_block(const struct audit_map *map, enum audit_way way, uint64_t *state)
 {
     int width = map->image->width_px, height = map->image->height_px, columns = map->columns_count;
-    int block = find_step(map->blocks[way], columns * map->rows_count, draw(state));
+    int block = find_step(map->sums[way], columns * map->rows_count, draw(state));
     int column = block % columns, row = block / columns;
+    int left = block_begin(column, columns, width), right = block_begin(column + 1, columns, width);
+    int top = block_begin(row, map->rows_count, height), bottom = block_begin(row + 1, map->rows_count, height);
 
-    return (struct truth_place){
-        draw_between(block_begin(column, columns, width), block_begin(column + 1, columns, width), state),
-        draw_between(block_begin(row, map->rows_count, height), block_begin(row + 1, map->rows_count, height), state)};
+    return (struct truth_place){draw_between(left, right, state), draw_between(top, bottom, state)};
 }
 
 static struct truth_place draw_place(const struct audit_map *map, enum audit_way way, uint64_t *state)
 {
-    if (way == AUDIT_WAY_BRIGHT) return draw_bright(map, state);
-    if (way != AUDIT_WAY_UNIFORM) return draw_in_block(map, way, state);
-    return (struct truth_place){draw_between(0, map->image->width_px, state),
-                                draw_between(0, map->image->height_px, state)};
+    struct truth_place place = {0};
+
+    switch (way) {
+    case AUDIT_WAY_BRIGHT:
+    case AUDIT_WAY_GLARING:
+        return draw_bright(map, way, state);
+    case AUDIT_WAY_HALVING:
+    case AUDIT_WAY_ODD:
+        return draw_in_block(map, way, state);
+    default:
+        break;
+    }
+    place.x = draw_between(0, map->image->width_px, state);
+    place.y = draw_between(0, map->image->height_px, state);
+    return place;
 }
 
 // The ways follow one another so that any run of draws has their shares nearly: multiples of the golden ratio fill the unit
