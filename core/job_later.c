@@ -7,7 +7,6 @@ const struct job_later job_later_table[] = {
     {.key = "method", .text = "adaptive"},
     {.key = "method", .text = "gauss"},
     {.key = "method", .text = "cached"},
-    {.key = "method", .text = "preintegrated"},
     {.key = "method", .text = "tracking"},
     {.key = "method", .text = "auto"},
     {0},

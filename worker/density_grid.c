@@ -1,3 +1,4 @@
+#include "core/job.h"
 #include "worker/affine.h"
 #include "worker/gl_grid.h"
 #include "worker/grid_look.h"
@@ -72,8 +73,21 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
     grid_look_add_values(uniforms, site);
 }
 
+static bool has_table(const struct scene_density *density)
+{
+    return density->grid.point_count > 0 && !density->grid.is_nearest;
+}
+
+static bool is_tabled(const struct density_site *site)
+{
+    return site->job->quality.method == JOB_METHOD_PREINTEGRATED && has_table(&site->source->density);
+}
+
 static const char *const *modules(const struct density_site *site)
 {
+    static const char *const tabled[] = {"density/grid.glsl",        "density/grid_linear.glsl",
+                                         "density/grid_bricks.glsl", "transfer/piecewise.glsl",
+                                         "transfer/table.glsl",      NULL};
     static const char *const names[2][2][5] = {
         {{"density/grid.glsl", "density/grid_linear.glsl", "density/grid_bricks.glsl", NULL},
          {"density/grid.glsl", "density/grid_linear.glsl", "density/grid_bricks.glsl", "transfer/piecewise.glsl",
@@ -83,7 +97,7 @@ static const char *const *modules(const struct density_site *site)
           NULL}}};
     const struct scene_grid *grid = &site->source->density.grid;
 
-    return names[grid->is_nearest][grid->point_count > 0];
+    return is_tabled(site) ? tabled : names[grid->is_nearest][grid->point_count > 0];
 }
 
 static void write_grid(FILE *out, const struct scene_input *input, size_t i)
@@ -119,6 +133,19 @@ static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
             i, i, i, i, i);
 }
 
+// A value beyond the outer voxel centres is that of the nearest one, as everywhere.
+static void write_table(FILE *out, const struct scene_grid *grid, size_t i)
+{
+    grid_look_write_table(out, grid, i);
+    fprintf(out,
+            "TransferEnd medium_%zu_end(vec3 p)\n{\n"
+            "    return medium_%zu_end_at(medium_%zu_place(medium_%zu_value(density_grid_index(medium_%zu_grid(), "
+            "p))));\n}\n"
+            "float medium_%zu_clear(vec3 p, vec3 direction)\n{\n"
+            "    return medium_%zu_skip(density_grid_index(medium_%zu_grid(), p), direction);\n}\n",
+            i, i, i, i, i, i, i, i);
+}
+
 static void write_scale(FILE *out, size_t i)
 {
     fprintf(out,
@@ -136,10 +163,9 @@ static void write(FILE *out, const struct density_site *site)
     const struct scene_grid *grid = &site->source->density.grid;
 
     write_grid(out, input_of(site), site->medium);
-    if (grid->point_count > 0)
-        write_transfer(out, grid, site->medium);
-    else
-        write_scale(out, site->medium);
+    if (grid->point_count > 0) write_transfer(out, grid, site->medium);
+    if (is_tabled(site)) write_table(out, grid, site->medium);
+    if (grid->point_count == 0) write_scale(out, site->medium);
     fprintf(out,
             "float medium_%zu_distance(vec3 field)\n{\n"
             "    return field.y > 0.0 ? field.y : field.x > 0.0 ? -1.0 : 0.0;\n}\n",
@@ -153,6 +179,7 @@ const struct density_kind density_kind_grid = {
     .takes_direction = true,
     .is_zero = grid_look_is_zero,
     .has_color = grid_look_has_color,
+    .has_table = has_table,
     .add_values = add_values,
     .modules = modules,
     .write = write,

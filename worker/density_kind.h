@@ -40,6 +40,9 @@ struct density_kind {
     bool (*is_zero)(const struct scene_density *density);
     // A transfer function: its density is the extinction coefficient itself, and `write` emits medium_I_color. NULL: never.
     bool (*has_color)(const struct scene_density *density);
+    // A transfer function of values that are linear between voxels: with JOB_METHOD_PREINTEGRATED `write` emits what is said
+    // of tables. NULL: never.
+    bool (*has_table)(const struct scene_density *density);
     // Frame values that `write` uses. Those of the bounds, medium_I_bounds_center among them, are there without it.
     void (*add_values)(struct frame_uniforms *uniforms, const struct density_site *site);
     // Shader modules it uses, in order, ends in NULL; static strings.
@@ -54,6 +57,9 @@ struct density_kind {
     // - float medium_I_distance(FIELD field): negative where there may be density; else there is none before that distance
     //   along the ray, on which nothing but this is asked: 0 when nothing is known.
     // - vec3 medium_I_color(FIELD field) (has_color): source per density.
+    // - TransferEnd medium_I_end(vec3 p), also outside of the support, TransferEnd medium_I_end_at(float place), and
+    //   float medium_I_clear(vec3 p, vec3 direction): how far along the ray there is none, 0 when nothing is known; and
+    //   medium_I_density and medium_I_color of a vec4, which is what transfer_mean gives (has_table).
     // - vec3 medium_I_glow(vec3 p) (the medium has a blackbody): source per density.
     // Opaque types (textures) it declares itself, at bindings 4 I to 4 I + 3.
     void (*write)(FILE *out, const struct density_site *site);

@@ -9,6 +9,7 @@
 #include "worker/gl_functions.h"
 #include "worker/scene_inputs.h"
 #include "worker/transfer_function.h"
+#include "worker/transfer_table.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -30,6 +31,11 @@ struct kept_distances {
     unsigned texture;
 };
 
+struct kept_table {
+    char hash[HASH_TEXT_SIZE]; // of the transfer function's points; empty: none
+    unsigned texture;
+};
+
 struct kept_bricks {
     char hash[HASH_TEXT_SIZE]; // of the input; empty: none
     struct gl_bricks bricks;
@@ -40,6 +46,7 @@ struct gl_grids {
     uint64_t frame_count;
     struct kept_grid grids[GRID_LIMIT];
     struct kept_distances distances[SCENE_MEDIUM_LIMIT];
+    struct kept_table tables[SCENE_MEDIUM_LIMIT];
     struct kept_bricks bricks[SCENE_MEDIUM_LIMIT];
     unsigned blackbody; // its table; 0: nothing has glowed yet
 };
@@ -65,9 +72,12 @@ void gl_grids_clear(struct gl_grids *grids)
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         if (grids->distances[i].texture) grids->gl->DeleteTextures(1, &grids->distances[i].texture);
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+        if (grids->tables[i].texture) grids->gl->DeleteTextures(1, &grids->tables[i].texture);
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         gl_bricks_finish(&grids->bricks[i].bricks);
     if (grids->blackbody) grids->gl->DeleteTextures(1, &grids->blackbody);
     memset(grids->distances, 0, sizeof grids->distances);
+    memset(grids->tables, 0, sizeof grids->tables);
     memset(grids->bricks, 0, sizeof grids->bricks);
     grids->blackbody = 0;
 }
@@ -177,18 +187,41 @@ static bool bind_distances(struct gl_grids *grids, const struct scene_input *inp
     return true;
 }
 
-static unsigned make_blackbody(const struct gl_functions *gl)
+// A row of RGBA.
+static unsigned make_row(const struct gl_functions *gl, int size, float (*table)[4])
 {
-    static float table[BLACKBODY_TABLE_SIZE][4];
     unsigned texture;
 
-    blackbody_fill_table(table);
     gl->CreateTextures(GL_TEXTURE_2D, 1, &texture);
-    gl->TextureStorage2D(texture, 1, GL_RGBA32F, BLACKBODY_TABLE_SIZE, 1);
-    gl->TextureSubImage2D(texture, 0, 0, 0, BLACKBODY_TABLE_SIZE, 1, GL_RGBA, GL_FLOAT, table);
+    gl->TextureStorage2D(texture, 1, GL_RGBA32F, size, 1);
+    gl->TextureSubImage2D(texture, 0, 0, 0, size, 1, GL_RGBA, GL_FLOAT, table);
     gl->TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl->TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     return texture;
+}
+
+static unsigned make_blackbody(const struct gl_functions *gl)
+{
+    static float table[BLACKBODY_TABLE_SIZE][4];
+
+    blackbody_fill_table(table);
+    return make_row(gl, BLACKBODY_TABLE_SIZE, table);
+}
+
+static void bind_table(struct gl_grids *grids, const struct scene_grid *source, size_t medium)
+{
+    struct kept_table *kept = &grids->tables[medium];
+    static float table[TRANSFER_TABLE_SIZE][4];
+    char hash[HASH_TEXT_SIZE];
+
+    hash_bytes(source->points, source->point_count * sizeof *source->points, hash);
+    if (strcmp(hash, kept->hash) != 0) {
+        if (kept->texture) grids->gl->DeleteTextures(1, &kept->texture);
+        transfer_table_fill(source->points, source->point_count, table);
+        kept->texture = make_row(grids->gl, TRANSFER_TABLE_SIZE, table);
+        memcpy(kept->hash, hash, sizeof kept->hash);
+    }
+    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium + 2), kept->texture);
 }
 
 static bool bind_bricks(struct gl_grids *grids, const struct scene_input *input, size_t medium, struct error *error)
@@ -214,7 +247,7 @@ static bool bind_bricks(struct gl_grids *grids, const struct scene_input *input,
     return true;
 }
 
-static bool bind_medium(struct gl_grids *grids, const struct scene_input *input, size_t medium,
+static bool bind_medium(struct gl_grids *grids, const struct scene_input *input, size_t medium, bool is_tabled,
                         gl_grid_progress *on_progress, void *user, struct error *error)
 {
     struct kept_grid *kept;
@@ -225,12 +258,15 @@ static bool bind_medium(struct gl_grids *grids, const struct scene_input *input,
     if (!kept) return false;
     kept->used = grids->frame_count;
     grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium), kept->grid.voxels);
+    if (is_tabled) bind_table(grids, input->source, medium);
     return bind_distances(grids, input, &kept->grid, medium, error);
 }
 
 bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
                    struct error *error)
 {
+    bool is_tabled = inputs->quality.method == JOB_METHOD_PREINTEGRATED;
+
     grids->frame_count++;
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
         struct kept_grid *kept = inputs->media[i].source ? find(grids, inputs->media[i].hash) : NULL;
@@ -241,7 +277,9 @@ bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl
         char place[64];
 
         if (!inputs->media[i].source || inputs->is_unneeded[i]) continue;
-        if (bind_medium(grids, &inputs->media[i], i, on_progress, user, error)) continue;
+        if (bind_medium(grids, &inputs->media[i], i, is_tabled && inputs->media[i].source->point_count > 0, on_progress,
+                        user, error))
+            continue;
         scene_format_medium_place(inputs->scene, i, place, sizeof place);
         error_prefix(error, "%s.density.file", place);
         return false;

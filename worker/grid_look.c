@@ -4,6 +4,7 @@
 #include "worker/scene_inputs.h"
 #include "worker/timeline_value.h"
 #include "worker/transfer_function.h"
+#include "worker/transfer_table.h"
 
 #include <math.h>
 
@@ -59,4 +60,19 @@ void grid_look_write_transfer(FILE *out, const struct scene_grid *grid, size_t i
             "    return transfer_extinction(field.x, medium_%zu_unit_distance);\n}\n"
             "vec3 medium_%zu_color(vec3 field)\n{\n    return medium_%zu_rgb(field.z);\n}\n",
             i, i, i, i);
+}
+
+void grid_look_write_table(FILE *out, const struct scene_grid *grid, size_t i)
+{
+    double first = grid->points[0].value, last = grid->points[grid->point_count - 1].value;
+
+    fprintf(out,
+            "layout(binding = %zu) uniform sampler2D medium_%zu_table;\n"
+            "float medium_%zu_place(float value)\n{\n    return (value - %.9e) * %.9e + 1.0;\n}\n"
+            "TransferEnd medium_%zu_end_at(float place)\n{\n    return transfer_end(medium_%zu_table, place);\n}\n",
+            4 * i + 2, i, i, first, TRANSFER_TABLE_CELLS / (last - first), i, i);
+    fprintf(out,
+            "float medium_%zu_density(vec4 mean)\n{\n    return mean.a / medium_%zu_unit_distance;\n}\n"
+            "vec3 medium_%zu_color(vec4 mean)\n{\n    return mean.rgb / max(mean.a, 1e-30);\n}\n",
+            i, i, i);
 }

@@ -48,13 +48,23 @@ bool medium_features_have_column(const struct medium_features *medium)
     return medium->scatters || medium->absorbs;
 }
 
-static void add_medium(struct scene_features *features, const struct scene_medium *source, size_t i)
+static bool has_table(const struct scene_density *density)
+{
+    const struct density_kind *kind = density_kind_of(density);
+
+    return kind->has_table && kind->has_table(density);
+}
+
+static void add_medium(struct scene_features *features, const struct scene_medium *source, enum job_method method,
+                       size_t i)
 {
     struct medium_features *medium = &features->media[i];
 
     *medium = medium_features_of(source);
+    medium->is_tabled = medium->is_seen && method == JOB_METHOD_PREINTEGRATED && has_table(&source->density);
     if (!medium->is_seen) return;
     features->has_media = true;
+    features->is_tabled |= medium->is_tabled;
     features->has_emission |= medium->emits || medium->glows || medium->has_color;
     features->has_extinction |= medium_features_have_column(medium);
     features->takes_time |= density_kind_of(&source->density)->takes_time;
@@ -112,7 +122,8 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     bool scatters = false;
 
     for (size_t i = 0; i < scene->medium_count; ++i) {
-        if (!is_unneeded || !is_unneeded[i]) add_medium(&features, &scene->media[i], i);
+        if (!is_unneeded || !is_unneeded[i])
+            add_medium(&features, &scene->media[i], job->quality.method, i);
         scatters |= features.media[i].scatters;
     }
     for (size_t i = 0; i < scene->object_count; ++i)

@@ -19,6 +19,7 @@ struct medium_features {
     bool is_seen; // it scatters, absorbs or emits
     bool scatters, absorbs, emits;
     bool has_color; // a transfer function gives extinction and source
+    bool is_tabled; // of its values at both ends of a segment
     bool glows;     // as a black body
     bool has_falloff;
     bool is_even;                              // its density is the same throughout its region
@@ -51,6 +52,7 @@ struct scene_features {
     bool has_samples;  // each pixel has several
     bool has_roulette; // rays with little left end by lot
     bool is_jittered;  // each segment is looked at somewhere in it
+    bool is_tabled;    // some medium is
     bool is_random;    // something is drawn by lot
 };
 

@@ -260,6 +260,8 @@ void scene_glue_write_integrator(FILE *out, const struct job *job, const struct 
 {
     if (program->features.is_jittered)
         fputs("    integrator_jittered(IntegratorJittered(quality_step)", out);
+    else if (program->features.is_tabled)
+        fputs("    integrator_preintegrated(IntegratorPreintegrated(quality_step)", out);
     else if (program->features.marches)
         fputs("    integrator_midpoint(IntegratorMidpoint(quality_step)", out);
     else // n spans have 2 n ends

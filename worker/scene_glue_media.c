@@ -13,6 +13,17 @@ static bool is_seen(const struct medium_features *medium)
     return medium->is_seen;
 }
 
+// Its field is of places, not of a segment's ends.
+static bool is_placed(const struct medium_features *medium)
+{
+    return medium->is_seen && !medium->is_tabled;
+}
+
+static bool is_tabled(const struct medium_features *medium)
+{
+    return medium->is_tabled;
+}
+
 static bool marches_to_lights(const struct medium_features *medium)
 {
     return !medium->is_even && medium_features_have_column(medium);
@@ -182,7 +193,7 @@ static void write_least_outside(FILE *out, const char *target, bool is_first, si
 static void write_field_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
 {
     const struct density_kind *kind = density_kind_of(&job->scene.media[i].density);
-    bool is_first = next(program, is_seen, 0) == i, is_tested = needs_test(job, program, is_seen, i);
+    bool is_first = next(program, is_placed, 0) == i, is_tested = needs_test(job, program, is_seen, i);
     const char *indent = begin_inside(out, is_tested, i);
     char bound[96];
 
@@ -201,18 +212,114 @@ static void write_field_part(FILE *out, const struct job *job, const struct scen
     write_least_outside(out, "field.distance", is_first, i);
 }
 
+static const char *field_type(const struct job *job, const struct scene_program *program, size_t i)
+{
+    return program->features.media[i].is_tabled ? "vec4" : density_kind_of(&job->scene.media[i].density)->field_type;
+}
+
+// What a table's medium has is set later, from a segment's ends: here only whether, and with which falloff.
+static void write_tabled_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    bool is_tested = needs_test(job, program, is_seen, i);
+
+    fprintf(out, "    field.medium_%zu = vec4(0.0);\n", i);
+    if (!has_share(job, program, i)) return;
+    fprintf(out, "    field.medium_%zu_share = ", i);
+    if (is_tested) fprintf(out, "!span_has(spans.medium_%zu, at) ? 0.0 : ", i);
+    if (program->features.media[i].has_falloff)
+        fprintf(out, "medium_%zu_falloff(p);\n", i);
+    else
+        fputs("1.0;\n", out);
+}
+
+static void write_clear(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    bool is_first = true;
+
+    fputs("// How far along the ray there is nothing of the media that have tables.\n"
+          "float media_clear(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n    float clear;\n",
+          out);
+    FOR_EACH_MEDIUM (program, is_tabled) {
+        bool is_tested = needs_test(job, program, is_seen, i);
+        const char *indent = begin_inside(out, is_tested, i);
+        char bound[96];
+
+        snprintf(bound, sizeof bound, "medium_%zu_clear(p, direction)", i);
+        write_least(out, indent, "clear", is_first, bound);
+        if (is_tested) {
+            fputs("    } else {\n", out);
+            write_least_outside(out, "clear", is_first, i);
+        }
+        is_first = false;
+    }
+    fputs("    return clear;\n}\n", out);
+}
+
+// All members of a MediaEnds, each as BEFORE I MIDDLE I AFTER.
+static void write_ends(FILE *out, const struct scene_program *program, const char *declaration, const char *format)
+{
+    const char *separator = "";
+
+    fprintf(out, "MediaEnds %s\n{\n    return MediaEnds(", declaration);
+    FOR_EACH_MEDIUM (program, is_tabled) {
+        fputs(separator, out);
+        for (const char *at = format; *at; ++at)
+            if (*at == '#')
+                fprintf(out, "%zu", i);
+            else
+                fputc(*at, out);
+        separator = ", ";
+    }
+    fputs(");\n}\n", out);
+}
+
+static void write_tables(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const char *separator = "";
+    bool is_alone = next(program, is_placed, 0) >= program->features.medium_count;
+
+    fprintf(out, "const float MEDIA_CLEAR_END = %s;\nconst bool MEDIA_ARE_LIT = %s;\n", is_alone ? "FAR_AWAY" : "0.0",
+            program->features.media_are_lit ? "true" : "false");
+    fputs("struct MediaEnds {", out);
+    FOR_EACH_MEDIUM (program, is_tabled)
+        fprintf(out, " TransferEnd medium_%zu;", i);
+    fputs(" };\n", out);
+    write_ends(out, program, "media_ends(vec3 p)", "medium_#_end(p)");
+    write_ends(out, program, "media_ends_between(MediaEnds from, MediaEnds to, float share)",
+               "medium_#_end_at(mix(from.medium_#.place, to.medium_#.place, share))");
+    fputs("void media_set_slopes(inout MediaEnds to, MediaEnds from, float length)\n{\n", out);
+    FOR_EACH_MEDIUM (program, is_tabled)
+        fprintf(out, "    to.medium_%zu.slope = (to.medium_%zu.place - from.medium_%zu.place) / length;\n", i, i, i);
+    fputs("}\nvoid media_set_means(inout MediaField field, MediaEnds from, MediaEnds to, float bend)\n{\n", out);
+    FOR_EACH_MEDIUM (program, is_tabled)
+        fprintf(out, "    field.medium_%zu = transfer_mean(from.medium_%zu, to.medium_%zu, bend);\n", i, i, i);
+    fputs("}\n// Of those with tables, per metre.\nfloat media_depth(MediaField field)\n{\n    return ", out);
+    FOR_EACH_MEDIUM (program, is_tabled) {
+        fputs(separator, out);
+        scene_glue_write_density(out, job, program, i);
+        separator = " + ";
+    }
+    fputs(";\n}\n", out);
+    write_clear(out, job, program);
+}
+
 static void write_field(FILE *out, const struct job *job, const struct scene_program *program)
 {
     fputs("struct MediaField {", out);
     FOR_EACH_MEDIUM (program, is_seen) {
-        fprintf(out, " %s medium_%zu;", density_kind_of(&job->scene.media[i].density)->field_type, i);
+        fprintf(out, " %s medium_%zu;", field_type(job, program, i), i);
         if (has_share(job, program, i)) fprintf(out, " float medium_%zu_share;", i);
     }
     fputs(" float distance; };\nMediaField media_field(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n"
           "    MediaField field;\n",
           out);
-    FOR_EACH_MEDIUM (program, is_seen)
-        write_field_part(out, job, program, i);
+    if (next(program, is_placed, 0) >= program->features.medium_count) fputs("    field.distance = FAR_AWAY;\n", out);
+    FOR_EACH_MEDIUM (program, is_seen) {
+        if (program->features.media[i].is_tabled)
+            write_tabled_part(out, job, program, i);
+        else
+            write_field_part(out, job, program, i);
+    }
     fputs("    return field;\n}\n", out);
 }
 
@@ -295,6 +402,7 @@ void scene_glue_write_media(FILE *out, const struct job *job, const struct scene
     write_spans(out, program);
     if (program->features.has_objects) write_spans_in(out, &job->scene, program);
     write_field(out, job, program);
+    if (program->features.is_tabled) write_tables(out, job, program);
     if (!program->features.has_lights || !program->features.has_extinction) return;
     write_column(out, job, program);
     if (program->features.marches_to_lights) write_column_march(out, job, program);

@@ -120,6 +120,7 @@ static void add_integrator(struct assembly *assembly)
     scene_glue_write_gather(generate(assembly), assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
                          : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
+                         : assembly->program->features.is_tabled             ? "integrator/preintegrated.glsl"
                          : assembly->program->features.marches               ? "integrator/midpoint.glsl"
                                                                              : "integrator/stretches.glsl");
 }
