@@ -122,8 +122,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     bool scatters = false;
 
     for (size_t i = 0; i < scene->medium_count; ++i) {
-        if (!is_unneeded || !is_unneeded[i])
-            add_medium(&features, &scene->media[i], job->quality.method, i);
+        if (!is_unneeded || !is_unneeded[i]) add_medium(&features, &scene->media[i], job->quality.method, i);
         scatters |= features.media[i].scatters;
     }
     for (size_t i = 0; i < scene->object_count; ++i)

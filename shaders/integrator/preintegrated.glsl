@@ -5,7 +5,7 @@
 struct IntegratorPreintegrated { float step; };
 
 // A segment is homogeneous in itself: one of more optical depth is several, between which values are linear.
-const float PREINTEGRATED_DEPTH = 1.5;
+const float PREINTEGRATED_DEPTH = 1.0;
 const float PREINTEGRATED_PIECES = 16.0;
 // Rounding may leave a ray just before the face it was to reach: the share of a step that it moves at least.
 const float PREINTEGRATED_LEAST = 1.0 / 64.0;

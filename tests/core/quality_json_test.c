@@ -51,17 +51,22 @@ static void qualities_are_read(void **state)
     job_finish(&fog);
 }
 
-// Its parameters are midpoint's.
-static void jittered_is_read(void **state)
+// Their parameters are midpoint's.
+static void jittered_and_preintegrated_are_read(void **state)
 {
-    char *text = json_edit_set(job_text_noise, "quality.method", "\"jittered\"");
-    struct job job = parse(text);
+    static const char *const names[] = {"\"jittered\"", "\"preintegrated\""};
+    static const enum job_method methods[] = {JOB_METHOD_JITTERED, JOB_METHOD_PREINTEGRATED};
 
-    assert_int_equal(job.quality.method, JOB_METHOD_JITTERED);
-    assert_true(job.quality.step == 0.05 && job.quality.light_step == 0.1 && job.quality.roulette_below == 0.125);
-    assert_string_equal(job_method_name(job.quality.method), "jittered");
-    job_finish(&job);
-    free(text);
+    for (int i = 0; i < 2; i++) {
+        char *text = json_edit_set(job_text_noise, "quality.method", names[i]);
+        struct job job = parse(text);
+
+        assert_int_equal(job.quality.method, methods[i]);
+        assert_true(job.quality.step == 0.05 && job.quality.light_step == 0.1 && job.quality.roulette_below == 0.125);
+        assert_memory_equal(job_method_name(job.quality.method), names[i] + 1, strlen(names[i]) - 2);
+        job_finish(&job);
+        free(text);
+    }
 }
 
 static void wrong_qualities_are_refused_by_place(void **state)
@@ -96,7 +101,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(qualities_are_read),
-        cmocka_unit_test(jittered_is_read),
+        cmocka_unit_test(jittered_and_preintegrated_are_read),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };
 

@@ -4,10 +4,10 @@
 #include "core/job_json.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/load_grid.h"
+#include "tests/support/lobes.h"
 #include "tests/support/render_frame.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/true_light.h"
-#include "tests/support/volume_maker.h"
 #include "worker/image.h"
 
 #include <math.h>
@@ -25,62 +25,6 @@ enum { WIDTH_PX = 24, HEIGHT_PX = 16 };
 
 #define SKEWED_AXES "space directions: (0.031,-0.006,0.001) (0.004,0.03,0.003) (-0.002,0.005,-0.055)\n"
 #define PLAIN_AXES "space directions: (0.04,0,0) (0,0.04,0) (0,0,0.04)\n"
-
-// Soft lobes with none alike under any mirror or exchange of axes; 0 in more than half of the box.
-static double lobe(double x, double y, double z, const double center[3], double radius)
-{
-    double square = pow(x - center[0], 2) + pow(y - center[1], 2) + pow(z - center[2], 2);
-    double inside = fmax(1 - square / (radius * radius), 0);
-
-    return inside * inside;
-}
-
-static double value_at(double x, double y, double z)
-{
-    static const double centers[3][3] = {{0.3, 0.35, 0.4}, {0.7, 0.3, 0.6}, {0.35, 0.75, 0.75}};
-    static const double radii[3] = {0.3, 0.22, 0.16}, heights[3] = {1, 0.7, 0.85};
-    double value = 0;
-
-    for (int i = 0; i < 3; i++)
-        value += heights[i] * lobe(x, y, z, centers[i], radii[i]);
-    return value;
-}
-
-// An NRRD file of float voxels with its middle at the origin.
-static void write_lobes(const char *path, const int size[3], const char *axes)
-{
-    size_t count = (size_t)size[0] * (size_t)size[1] * (size_t)size[2], at = 0;
-    double directions[3][3];
-    char header[512];
-    size_t length;
-    char *bytes;
-
-    assert_int_equal(sscanf(axes, "space directions: (%lf,%lf,%lf) (%lf,%lf,%lf) (%lf,%lf,%lf)", &directions[0][0],
-                            &directions[0][1], &directions[0][2], &directions[1][0], &directions[1][1],
-                            &directions[1][2], &directions[2][0], &directions[2][1], &directions[2][2]),
-                     9);
-    snprintf(
-        header, sizeof header,
-        "NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: %d %d %d\n%sspace origin: (%.17g,%.17g,"
-        "%.17g)\nendian: little\nencoding: raw\n\n",
-        size[0], size[1], size[2], axes,
-        -0.5 * ((size[0] - 1) * directions[0][0] + (size[1] - 1) * directions[1][0] + (size[2] - 1) * directions[2][0]),
-        -0.5 * ((size[0] - 1) * directions[0][1] + (size[1] - 1) * directions[1][1] + (size[2] - 1) * directions[2][1]),
-        -0.5 *
-            ((size[0] - 1) * directions[0][2] + (size[1] - 1) * directions[1][2] + (size[2] - 1) * directions[2][2]));
-    length = strlen(header);
-    bytes = calloc(1, length + count * sizeof(float));
-    memcpy(bytes, header, length);
-    for (int k = 0; k < size[2]; k++)
-        for (int j = 0; j < size[1]; j++)
-            for (int i = 0; i < size[0]; i++, at++) {
-                float value = (float)value_at((i + 0.5) / size[0], (j + 0.5) / size[1], (k + 0.5) / size[2]);
-
-                memcpy(bytes + length + at * sizeof value, &value, sizeof value);
-            }
-    volume_maker_write(path, bytes, length + count * sizeof(float));
-    free(bytes);
-}
 
 #define OUTSIDE "\"position\": [0.9, 1.1, 0.7], \"target\": [0, 0, 0], \"up\": [0, 0, 1], \"fov\": 45"
 #define INSIDE "\"position\": [0.02, 0.05, -0.1], \"target\": [0.3, -0.4, 0.5], \"up\": [0, 0, 1], \"fov\": 70"
@@ -140,7 +84,7 @@ static void transfer_function_on_both_backends(void **state)
     struct picture picture = {path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")};
     struct true_light light;
 
-    write_lobes(path, SIZE, PLAIN_AXES);
+    lobes_write(path, SIZE, PLAIN_AXES);
     assert_true_light(&picture, 1e-3);
     light = compare(&picture, GL_BACKEND_EGL);
     assert_true(true_light_is_within(&light, 1e-3));
@@ -150,7 +94,7 @@ static void oblique_flat_mirrored_voxels(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
-    write_lobes(path, SIZE, SKEWED_AXES);
+    lobes_write(path, SIZE, SKEWED_AXES);
     assert_true_light(
         &(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")},
         1e-3);
@@ -160,7 +104,7 @@ static void camera_inside_the_box(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
-    write_lobes(path, SIZE, SKEWED_AXES);
+    lobes_write(path, SIZE, SKEWED_AXES);
     assert_true_light(
         &(struct picture){path, SMOOTH_TRANSFER, .camera = INSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")}, 1e-3);
 }
@@ -170,7 +114,7 @@ static void nearest_voxels(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
-    write_lobes(path, SIZE, SKEWED_AXES);
+    lobes_write(path, SIZE, SKEWED_AXES);
     assert_true_light(&(struct picture){path, SMOOTH_TRANSFER ", \"interpolation\": \"nearest\"", .camera = OUTSIDE,
                                         .quality = MIDPOINT("\"step_voxels\": 0.02")},
                       2e-3);
@@ -181,7 +125,7 @@ static void steep_transfer_function(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
-    write_lobes(path, SIZE, PLAIN_AXES);
+    lobes_write(path, SIZE, PLAIN_AXES);
     assert_true_light(
         &(struct picture){path, STEEP_TRANSFER, .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.004")},
         2e-3);
@@ -191,7 +135,7 @@ static void moved_and_respaced(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
-    write_lobes(path, SIZE, SKEWED_AXES);
+    lobes_write(path, SIZE, SKEWED_AXES);
     assert_true_light(&(struct picture){path,
                                         SMOOTH_TRANSFER ", \"spacing\": [0.03, 0.05, 0.02], \"center\": "
                                                         "{ \"start\": [0, 0.1, 0], \"rate\": [0.2, -0.3, 0.1] }",
@@ -203,7 +147,7 @@ static void lit_scan(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
-    write_lobes(path, SIZE, SKEWED_AXES);
+    lobes_write(path, SIZE, SKEWED_AXES);
     assert_true_light(
         &(struct picture){path, "\"scale\": 20",
                           ", \"sigma_s\": [0.5, 0.8, 1], \"sigma_a\": 0.2, \"phase\": [{\"g\": 0.4}]", OUTSIDE,
@@ -218,7 +162,7 @@ static void grids_of_one_and_two_voxels(void **state)
     const char *path = temp_folder_path(state, "tiny.nrrd");
 
     for (int i = 1; i <= 2; i++) {
-        write_lobes(path, (int[]){i, 1, 1}, "space directions: (0.3,0.05,0) (0,0.4,0) (0,0,0.5)\n");
+        lobes_write(path, (int[]){i, 1, 1}, "space directions: (0.3,0.05,0) (0,0.4,0) (0,0,0.5)\n");
         assert_true_light(&(struct picture){path, "\"scale\": 30", ", \"sigma_a\": 1, \"emission\": [1, 2, 3]", OUTSIDE,
                                             .quality = MIDPOINT("\"step_voxels\": 0.01")},
                           1e-3);
@@ -233,7 +177,7 @@ static void opacity_does_not_depend_on_the_step(void **state)
     const char *path = temp_folder_path(state, "lobes.nrrd");
     double error[3];
 
-    write_lobes(path, SIZE, PLAIN_AXES);
+    lobes_write(path, SIZE, PLAIN_AXES);
     for (int i = 0; i < 3; i++)
         error[i] =
             compare(&(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = steps[i]}, GL_BACKEND_OSMESA)
@@ -246,7 +190,7 @@ static void riemann_sums_know_the_box_too(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
-    write_lobes(path, SIZE, SKEWED_AXES);
+    lobes_write(path, SIZE, SKEWED_AXES);
     assert_true_light(&(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE ", \"clip\": [0.5, 3]",
                                         .quality = "\"method\": \"riemann\", \"step\": 0.001, \"light_steps\": 1"},
                       0.01);
@@ -257,7 +201,7 @@ static void two_grids_overlap(void **state)
     const char *path = temp_folder_path(state, "lobes.nrrd");
     char density[1024];
 
-    write_lobes(path, SIZE, SKEWED_AXES);
+    lobes_write(path, SIZE, SKEWED_AXES);
     // The second one is a member of the list of media that the first one's end is written into.
     snprintf(density, sizeof density,
              SMOOTH_TRANSFER
@@ -274,7 +218,7 @@ static void bounds_fall_off_inside_a_grid(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
-    write_lobes(path, SIZE, SKEWED_AXES);
+    lobes_write(path, SIZE, SKEWED_AXES);
     assert_true_light(
         &(struct picture){path,
                           "\"scale\": 20, \"bounds\": { \"kind\": \"sphere\", \"center\": [-0.1, 0.05, 0.1],"
@@ -294,7 +238,7 @@ static void depth_of_a_coloured_scan(void **state)
     struct job job = {0};
     int found = 0;
 
-    write_lobes(path, SIZE, PLAIN_AXES);
+    lobes_write(path, SIZE, PLAIN_AXES);
     parse(&job,
           &(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")});
     render_frame_zero(&job, &image);
