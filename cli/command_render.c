@@ -2,6 +2,7 @@
 #include "cli/interrupt.h"
 #include "cli/job_document.h"
 #include "cli/options.h"
+#include "cli/output_root.h"
 #include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/render_session.h"
@@ -10,12 +11,10 @@
 #include "core/job.h"
 #include "core/json_write.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 // What is told while frames end, and at the end.
 struct telling {
@@ -145,46 +144,6 @@ static void print_end(struct telling *telling, const char *root)
     json_writer_finish(&writer);
 }
 
-static bool make_folders(const char *folder, struct error *error)
-{
-    char *path = xstrdup(folder);
-    bool ok = true;
-
-    for (char *slash = path + 1; ok; slash++) {
-        char kept = *slash;
-
-        if (kept && kept != '/') continue;
-        *slash = 0;
-        ok = mkdir(path, 0777) == 0 || errno == EEXIST;
-        if (!ok) error_set_errno(error, errno, "--out: folder %s", path);
-        *slash = kept;
-        if (!kept) break;
-    }
-    free(path);
-    return ok;
-}
-
-// Everything is written below the root: the current folder, or the one that an absolute --out names. Sets output.path.
-static char *choose_root(const char *out, char **document, struct error *error)
-{
-    const char *slash = out ? strrchr(out, '/') : NULL;
-    char *folder = NULL, *root = NULL;
-
-    if (!out || *out != '/') {
-        if (out && !job_document_set_text(document, "output.path", out, error)) return NULL;
-        root = realpath(".", NULL);
-        if (!root) error_set_errno(error, errno, "the current folder");
-        return root;
-    }
-    folder = slash == out ? xstrdup("/") : xstrndup(out, (size_t)(slash - out));
-    if (make_folders(folder, error) && job_document_set_text(document, "output.path", slash + 1, error)) {
-        root = realpath(folder, NULL);
-        if (!root) error_set_errno(error, errno, "--out: folder %s", folder);
-    }
-    free(folder);
-    return root;
-}
-
 static enum exit_status render(const struct options *options, const struct job *job, const char *document,
                                const char *root, struct error *error)
 {
@@ -222,7 +181,7 @@ enum exit_status command_render(const struct options *options, struct error *err
 
     if (!document) goto out;
     if (options->range && !job_document_set_text(&document, "frames", options->range, error)) goto out;
-    root = choose_root(options->out, &document, error);
+    root = output_root_choose(options->out, true, &document, error);
     if (root && job_document_check(path, document, root, &job, error))
         status = render(options, &job, document, root, error);
 out:

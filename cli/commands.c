@@ -51,6 +51,9 @@ static const struct command commands[] = {
      WORKER | BIT(FRAMES) | BIT(OUT) | BIT(COLUMNS) | BIT(TILE_WIDTH) | BIT(EXPOSURE) | BIT(FPS),
      "Makes a contact sheet (.png) or a film (.mp4) of a sequence, one exposure for all of it.",
      "march preview cloud/cloud.####.exr --out sheet.png", command_preview},
+    {"verify", "DIR|JOB", 1, 1, WORKER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(TOLERANCE),
+     "Checks files: complete, whole, of one job, and their error measured and within its tolerance; 1 when not.",
+     "march verify cloud --frames 0-239", command_verify},
     {"version", "", 0, 0, EVERY, "Prints the version.", "march version", command_version},
     {"help", "[VERB]", 0, 1, EVERY, "Explains a verb.", "march help submit", command_help},
 };

@@ -56,6 +56,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_EXPOSURE] = {"exposure", KIND_NUMBER, FIELD(exposure), "STOPS", 0, 0,
                          "default: chosen once for all pictures"},
     [OPTION_FPS] = {"fps", KIND_NUMBER, FIELD(fps), "N", 0, 0, "frames a second of a film (default 24)"},
+    [OPTION_TOLERANCE] = {"tolerance", KIND_NUMBER, FIELD(tolerance), "E", 0, 0,
+                          "largest relative RMSE of a frame (default: what its job states)"},
 };
 
 static bool find_rule(const char *name, size_t length, uint64_t accepted, enum option *found)
@@ -192,7 +194,7 @@ bool options_parse(struct options *options, uint64_t accepted, const char *const
 
     *options = (struct options){
         .priority = -1, .frame = -1, .encode_threads = -1, .progress_limit_s = -1, .columns = -1, .tile_width_px = -1};
-    options->exposure = options->fps = NAN;
+    options->exposure = options->fps = options->tolerance = NAN;
     options->sets = xcalloc(count + 1, sizeof *options->sets);
     options->operands = xcalloc(count + 1, sizeof *options->operands);
     for (size_t i = 0; i < count; i++) {

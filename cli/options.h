@@ -34,6 +34,7 @@ enum option {
     OPTION_TILE_WIDTH,
     OPTION_EXPOSURE,
     OPTION_FPS,
+    OPTION_TOLERANCE,
     OPTION_COUNT
 };
 
@@ -44,7 +45,7 @@ struct options {
     bool help, json, wait, watch, dry_run, paused, shader;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px;
-    double exposure, fps;
+    double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE
     size_t set_count;
     const char **operands; // owned array; what is no option

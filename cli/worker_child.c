@@ -189,6 +189,27 @@ static void find_last_words(struct worker_child *child, struct error *error)
     }
 }
 
+bool worker_child_start_without_gl(struct worker_child *child, const struct options *options,
+                                   struct interrupt *interrupt, struct error *error)
+{
+    return start(child, options, "none", interrupt, error);
+}
+
+enum exit_status worker_child_call(struct worker_child *child, const char *method, const char *params,
+                                   struct message *reply, struct error *error)
+{
+    enum exit_status status = EXIT_STATUS_DONE;
+
+    if (connection_call(child->connection, method, params, reply, error)) return status;
+    status = connection_failure(child->connection);
+    if (status == EXIT_STATUS_NO_DAEMON) {
+        status = EXIT_STATUS_FAILED;
+        worker_child_explain_end(child, error);
+        find_last_words(child, error);
+    }
+    return status;
+}
+
 enum exit_status worker_child_ask(const struct options *options, const char *method, const char *params,
                                   struct message *reply, struct error *error)
 {
@@ -197,19 +218,10 @@ enum exit_status worker_child_ask(const struct options *options, const char *met
     enum exit_status status = EXIT_STATUS_FAILED;
 
     interrupt_init(&interrupt);
-    if (!start(&child, options, "none", &interrupt, error)) goto out;
-    if (connection_call(child.connection, method, params, reply, error)) {
-        status = EXIT_STATUS_DONE;
-    } else {
-        status = connection_failure(child.connection);
-        if (status == EXIT_STATUS_NO_DAEMON) {
-            status = EXIT_STATUS_FAILED;
-            worker_child_explain_end(&child, error);
-            find_last_words(&child, error);
-        }
+    if (worker_child_start_without_gl(&child, options, &interrupt, error)) {
+        status = worker_child_call(&child, method, params, reply, error);
+        worker_child_stop(&child, status != EXIT_STATUS_DONE);
     }
-    worker_child_stop(&child, status != EXIT_STATUS_DONE);
-out:
     interrupt_finish(&interrupt);
     return status;
 }

@@ -27,6 +27,13 @@ void worker_child_stop(struct worker_child *child, bool at_once);
 // Replaces `error` by how the child ended when its end is why the connection broke. Call it after CONNECTION_CLOSED.
 void worker_child_explain_end(struct worker_child *child, struct error *error);
 
+// One that needs no GL.
+bool worker_child_start_without_gl(struct worker_child *child, const struct options *options,
+                                   struct interrupt *interrupt, struct error *error);
+// A request to it, as connection_call has it; how the child ended is told where that is why there is no answer.
+enum exit_status worker_child_call(struct worker_child *child, const char *method, const char *params,
+                                   struct message *reply, struct error *error);
+
 // One request, of a kind that needs no GL, to a worker started for it and stopped after it; `params` and `reply` as connection_call has them.
 enum exit_status worker_child_ask(const struct options *options, const char *method, const char *params,
                                   struct message *reply, struct error *error);

@@ -40,10 +40,10 @@ static bool check_rays(const struct image_exr_facts *facts, const struct job *jo
     return false;
 }
 
-// NaN, of a damaged file, is not within a tolerance, nor is it one.
-static bool check_audit(const struct audit_result *audit, const struct job *job, struct error *error)
+bool gate_check_audit(const struct audit_result *audit, double job_tolerance, double given_tolerance,
+                      struct error *error)
 {
-    double tolerance = job->quality.tolerance;
+    double tolerance = given_tolerance > 0.0 ? given_tolerance : job_tolerance;
 
     if (audit->kind == AUDIT_NONE) {
         if (tolerance <= 0.0) return true;
@@ -51,7 +51,9 @@ static bool check_audit(const struct audit_result *audit, const struct job *job,
                   tolerance);
         return false;
     }
-    if (tolerance <= 0.0 || audit->tolerance < tolerance) tolerance = audit->tolerance;
+    if (given_tolerance <= 0.0 && (job_tolerance <= 0.0 || audit->tolerance < job_tolerance))
+        tolerance = audit->tolerance;
+    // NaN, of a damaged file, is not within a tolerance, nor is it one.
     if (!(audit->error >= 0.0 && audit->error <= tolerance)) {
         error_set(error, "marchd:error: expected at most %g (tolerance), got %g", tolerance, audit->error);
         return false;
@@ -84,7 +86,8 @@ static bool check_facts(const struct image_exr_facts *facts, const struct gate_p
         error_set(error, "pixel: expected %s, got %s", pixel_name(job->output.pixel), pixel_name(facts->pixel));
         return false;
     }
-    return check_rays(facts, job, error) && check_audit(&facts->audit, job, error) &&
+    return check_rays(facts, job, error) &&
+           gate_check_audit(&facts->audit, job->quality.tolerance, params->tolerance, error) &&
            check_channel("A", facts->has_alpha, true, error) &&
            check_channel("Z", facts->has_depth, job->output.has_depth, error) &&
            check_channel("transmittance", facts->has_transmittance, job->output.has_transmittance, error);

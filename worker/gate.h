@@ -15,6 +15,7 @@ struct gate_params {
     const char *picture_hash; // of the job and of what the frame's files hold
     int32_t frame;
     int thread_count; // that read; 0: one
+    double tolerance; // in place of the job's and of the one that the header claims; 0: none is
 };
 
 struct gate_result {
@@ -28,3 +29,8 @@ struct gate_result {
 // It is the estimate that is held to it, as when a frame is rendered again; its 95 % bound has only to be there.
 // `result` may be NULL.
 bool gate_check(const struct gate_params *params, struct gate_result *result, struct error *error);
+
+// The part of it that is about a measured error. `job_tolerance` is 0 where the job states none, `given_tolerance`
+// as struct gate_params has it.
+bool gate_check_audit(const struct audit_result *audit, double job_tolerance, double given_tolerance,
+                      struct error *error);

@@ -9,6 +9,7 @@
 #include "worker/connection.h"
 #include "worker/explain.h"
 #include "worker/preview.h"
+#include "worker/request_verify.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -165,6 +166,7 @@ static const struct {
     {"worker.explain", answer_explain},
     {"worker.preview", answer_preview},
     {"worker.frames_png", answer_frames_png},
+    {"worker.verify", request_answer_verify},
 };
 
 static request_function *find_answer(const char *method)

@@ -1,4 +1,4 @@
-// Questions that are answered rather than rendered: explain, preview, frames_png.
+// Questions that are answered rather than rendered: explain, preview, frames_png, verify.
 #pragma once
 
 #include "core/message.h"

@@ -1,0 +1,13 @@
+// Tells what verifying found: a table of what is wrong and a line a sequence, or JSON.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct verify_list;
+struct verify_sequence;
+
+// `sequences` are `count`.
+bool verify_print_is_good(const struct verify_sequence *sequences, size_t count);
+void verify_print_text(const struct verify_list *list, const struct verify_sequence *sequences, size_t count);
+void verify_print_json(const struct verify_list *list, const struct verify_sequence *sequences, size_t count);
