@@ -25,26 +25,55 @@ static double square_of(const struct audit_map *map, size_t i)
     return sum;
 }
 
+// What stands out among pixels so near is an edge neither way: a thin line at most, or a mistake.
+static double spike_of(const struct audit_map *map, size_t i)
+{
+    const struct image *image = map->image;
+    size_t width = (size_t)image->width_px, x = i % width, y = i / width, near[4];
+    double sum = 0.0;
+    int count = 0;
+
+    if (x >= 2) near[count++] = i - 2;
+    if (x + 2 < width) near[count++] = i + 2;
+    if (y >= 2) near[count++] = i - 2 * width;
+    if (y + 2 < (size_t)image->height_px) near[count++] = i + 2 * width;
+    for (size_t c = 0; count > 0 && c < 3; c++) {
+        float own = image->rgba[4 * i + c], low = INFINITY, high = -INFINITY;
+        double off;
+
+        for (int k = 0; k < count; k++) {
+            low = fminf(low, image->rgba[4 * near[k] + c]);
+            high = fmaxf(high, image->rgba[4 * near[k] + c]);
+        }
+        off = fmaxf(fmaxf(low - own, own - high), 0.0f);
+        sum += off * off / 3.0;
+    }
+    return sum;
+}
+
+static double weight_of(const struct audit_map *map, enum audit_way way, size_t pixel)
+{
+    return way == AUDIT_WAY_SPIKE ? spike_of(map, pixel) : square_of(map, pixel);
+}
+
 static void sum_rows(struct audit_map *map)
 {
     size_t width = (size_t)map->image->width_px, height = (size_t)map->image->height_px;
-    double sum = 0.0, sum_of_squares = 0.0;
+    double squares = 0.0, spikes = 0.0;
 
     map->sums[AUDIT_WAY_BRIGHT] = xcalloc(height, sizeof(double));
-    map->sums[AUDIT_WAY_GLARING] = xcalloc(height, sizeof(double));
+    map->sums[AUDIT_WAY_SPIKE] = xcalloc(height, sizeof(double));
     for (size_t y = 0; y < height; y++) {
-        for (size_t x = 0; x < width; x++) {
-            double square = square_of(map, y * width + x);
-
+        for (size_t i = y * width; i < (y + 1) * width; i++) {
+            squares += square_of(map, i);
+            spikes += spike_of(map, i);
             for (size_t c = 0; c < 3; c++)
-                map->brightest = fmaxf(map->brightest, map->image->rgba[4 * (y * width + x) + c]);
-            sum += square;
-            sum_of_squares += square * square;
+                map->brightest = fmaxf(map->brightest, map->image->rgba[4 * i + c]);
         }
-        map->sums[AUDIT_WAY_BRIGHT][y] = sum;
-        map->sums[AUDIT_WAY_GLARING][y] = sum_of_squares;
+        map->sums[AUDIT_WAY_BRIGHT][y] = squares;
+        map->sums[AUDIT_WAY_SPIKE][y] = spikes;
     }
-    map->mean_square = sum / ((double)width * (double)height);
+    map->mean_square = squares / ((double)width * (double)height);
 }
 
 // Pixels with their centres in block i of `count` blocks begin here.
@@ -195,7 +224,7 @@ static void weigh_renders(struct audit_map *map, const struct audit_map_params *
 // Of a way's running sums.
 static double whole_of(const struct audit_map *map, enum audit_way way)
 {
-    bool is_of_rows = way == AUDIT_WAY_BRIGHT || way == AUDIT_WAY_GLARING;
+    bool is_of_rows = way == AUDIT_WAY_BRIGHT || way == AUDIT_WAY_SPIKE;
     size_t count = is_of_rows ? (size_t)map->image->height_px : (size_t)map->columns_count * (size_t)map->rows_count;
 
     return map->sums[way] ? map->sums[way][count - 1] : 0.0;
@@ -244,9 +273,8 @@ bool audit_map_is_black(const struct audit_map *map)
 double audit_map_density(const struct audit_map *map, struct truth_place place)
 {
     const struct image *image = map->image;
-    double square = square_of(map, (size_t)place.y * (size_t)image->width_px + (size_t)place.x);
+    size_t pixel = (size_t)place.y * (size_t)image->width_px + (size_t)place.x, block = 0;
     double density = map->share[AUDIT_WAY_UNIFORM], count = (double)image->width_px * image->height_px;
-    size_t block = 0;
     int pixels = 1;
 
     if (map->columns_count > 0) {
@@ -260,10 +288,8 @@ double audit_map_density(const struct audit_map *map, struct truth_place place)
         double own;
 
         if (map->share[way] == 0.0) continue;
-        if (way == AUDIT_WAY_BRIGHT)
-            own = square;
-        else if (way == AUDIT_WAY_GLARING)
-            own = square * square;
+        if (way == AUDIT_WAY_BRIGHT || way == AUDIT_WAY_SPIKE)
+            own = weight_of(map, (enum audit_way)way, pixel);
         else
             own = step_at(map->sums[way], block) / pixels;
         density += map->share[way] * count * own / whole_of(map, (enum audit_way)way);
@@ -342,9 +368,7 @@ static struct truth_place draw_bright(const struct audit_map *map, enum audit_wa
     double wanted = draw(state) * step_at(rows, (size_t)row), sum = 0.0;
 
     for (x = 0; x < width - 1; x++) {
-        double square = square_of(map, (size_t)row * (size_t)width + (size_t)x);
-
-        sum += way == AUDIT_WAY_GLARING ? square * square : square;
+        sum += weight_of(map, way, (size_t)row * (size_t)width + (size_t)x);
         if (sum > wanted) break;
     }
     return (struct truth_place){x, row};
@@ -367,7 +391,7 @@ static struct truth_place draw_place(const struct audit_map *map, enum audit_way
 
     switch (way) {
     case AUDIT_WAY_BRIGHT:
-    case AUDIT_WAY_GLARING:
+    case AUDIT_WAY_SPIKE:
         return draw_bright(map, way, state);
     case AUDIT_WAY_HALVING:
     case AUDIT_WAY_ODD:

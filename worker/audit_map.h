@@ -24,7 +24,7 @@ struct audit_map_params {
 enum audit_way {
     AUDIT_WAY_UNIFORM,
     AUDIT_WAY_BRIGHT,  // by the square of the frame's values
-    AUDIT_WAY_GLARING, // by the square of that: single pixels that outshine all others
+    AUDIT_WAY_SPIKE,   // by how far a pixel is from all values two pixels beside, above and below it, squared
     AUDIT_WAY_HALVING, // by the squared difference of the two renders
     AUDIT_WAY_ODD,     // by how far the frame is from all values that the finer render has around a place, squared
     AUDIT_WAY_COUNT
