@@ -1,9 +1,14 @@
 #include "core/alloc.h"
 #include "core/error.h"
+#include "worker/density_bake.h"
 #include "worker/density_kind.h"
 #include "worker/glsl_names.h"
+#include "worker/glsl_scanner.h"
+#include "worker/scene_bounds.h"
+#include "worker/scene_values.h"
 #include "worker/timeline_value.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -107,17 +112,116 @@ static bool load_text(const struct density_site *site, struct density_text *text
     return true;
 }
 
+// The name of the second parameter where the scanner stands before a parameter list; length 0: it has none.
+static struct glsl_token read_second_parameter(struct glsl_scanner *scanner)
+{
+    struct glsl_token token = glsl_scanner_next(scanner), name = {0};
+    int words = 0, commas = 0;
+
+    while (token.kind != GLSL_TOKEN_END && !glsl_token_is(&token, ")")) {
+        if (glsl_token_is(&token, ",")) {
+            commas++;
+            words = 0;
+        } else if (commas == 1 && token.kind == GLSL_TOKEN_WORD && ++words > 1) {
+            name = token; // of "const in float t" as well
+        }
+        token = glsl_scanner_next(scanner);
+    }
+    if (name.length == 5 && glsl_token_is(&name, "float")) name.length = 0;
+    return name;
+}
+
+// Scans the body of a function, if it has one: true when the word is in it.
+static bool body_has(struct glsl_scanner *scanner, const struct glsl_token *word)
+{
+    struct glsl_token token = glsl_scanner_next(scanner);
+    bool is_found = false;
+    int depth = 0;
+
+    if (!glsl_token_is(&token, "{")) return false;
+    for (depth = 1; depth > 0 && token.kind != GLSL_TOKEN_END;) {
+        token = glsl_scanner_next(scanner);
+        depth += glsl_token_is(&token, "{") - glsl_token_is(&token, "}");
+        is_found |=
+            word->length > 0 && token.length == word->length && memcmp(token.text, word->text, word->length) == 0;
+    }
+    return is_found;
+}
+
+// False only where the text's density certainly is the same at all times. Macros might hide anything.
+static bool uses_time(const struct scene_glsl *glsl)
+{
+    struct glsl_scanner scanner;
+    struct glsl_token token = {0}, before = {0}, type;
+
+    glsl_scanner_init(&scanner, glsl->source);
+    do {
+        type = before;
+        before = token;
+        token = glsl_scanner_next(&scanner);
+        if (token.kind == GLSL_TOKEN_HASH || token.kind == GLSL_TOKEN_BROKEN || glsl_token_is(&token, "time_s"))
+            return true;
+        if (glsl_token_is(&token, "(") && glsl_token_is(&before, "density") && glsl_token_is(&type, "float")) {
+            struct glsl_token name = read_second_parameter(&scanner);
+
+            if (body_has(&scanner, &name)) return true;
+            token = (struct glsl_token){.kind = GLSL_TOKEN_MARK};
+        }
+    } while (token.kind != GLSL_TOKEN_END);
+    return false;
+}
+
 static void write(FILE *out, const struct density_site *site)
 {
+    struct density_bake bake;
+    bool is_baked = density_bake_find(&bake, site->job, site->medium);
     size_t i = site->medium;
 
     fprintf(out, "DensityOwn medium_%zu_settings()\n{\n    return DensityOwn(medium_%zu_scale, %.9e);\n}\n", i, i,
             site->source->density.glsl.lipschitz);
-    fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    return medium_%zu_own_density(p, time_s);\n}\n", i, i);
+    if (is_baked) {
+        density_bake_write_look(out, site);
+        fprintf(out,
+                "float medium_%zu_field(vec3 p)\n{\n    return medium_%zu_baked(p - medium_%zu_bounds_center);\n}\n", i,
+                i, i);
+    } else {
+        fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    return medium_%zu_own_density(p, time_s);\n}\n", i, i);
+    }
     fprintf(out, "float medium_%zu_density(float field)\n{\n", i);
     fprintf(out, "    return density_own_at(medium_%zu_settings(), field);\n}\n", i);
     fprintf(out, "float medium_%zu_distance(float field)\n{\n", i);
-    fprintf(out, "    return density_own_distance(medium_%zu_settings(), field);\n}\n", i);
+    if (!is_baked) {
+        fprintf(out, "    return density_own_distance(medium_%zu_settings(), field);\n}\n", i);
+        return;
+    }
+    // Values are means over corners, which are on the average no farther from there than half a cell's diagonal.
+    fprintf(out, "    float distance = density_own_distance(medium_%zu_settings(), field);\n", i);
+    fprintf(out, "    return distance < 0.0 ? distance : max(distance - %.9e, 0.0);\n}\n", 0.5 * sqrt(3) * bake.cell_m);
+}
+
+static bool find_box(const struct density_site *site, double half_size[static 3])
+{
+    return density_bake_find_bounds(half_size, site);
+}
+
+static void add_baked_values(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    const struct scene_density *density = &site->source->density;
+
+    frame_uniforms_add(uniforms,
+                       timeline_value(&density->bounds.center, FRAME_VALUE_VEC3, value_range_any, "bounds.center"),
+                       "medium_%zu_bounds_center", site->medium);
+    if (uses_time(&density->glsl)) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
+}
+
+static void write_baked(FILE *out, const struct density_site *site)
+{
+    size_t i = site->medium;
+
+    fprintf(
+        out,
+        "float medium_%zu_baked(vec3 p)\n{\n    return medium_%zu_own_density(p + medium_%zu_bounds_center, %s);\n}\n",
+        i, i, i, uses_time(&site->source->density.glsl) ? "time_s" : "0.0");
 }
 
 const struct density_kind density_kind_glsl = {
@@ -129,4 +233,7 @@ const struct density_kind density_kind_glsl = {
     .modules = modules,
     .load_text = load_text,
     .write = write,
+    .find_box = find_box,
+    .add_baked_values = add_baked_values,
+    .write_baked = write_baked,
 };

@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+struct density_bake;
 struct error;
 struct frame_uniforms;
 struct job;
@@ -18,6 +19,7 @@ struct density_site {
     size_t medium;
     const struct scene_medium *source; // job->scene.media[medium]
     const struct scene_inputs *inputs; // the frame's open files; NULL when the job has none
+    bool fills_grid; // for the program that fills the medium's grid (density_bake.h), not for one that looks into it
 };
 
 // Code of the job's own: a module between generated lines.
@@ -63,6 +65,17 @@ struct density_kind {
     // - vec3 medium_I_glow(vec3 p) (the medium has a blackbody): source per density.
     // Opaque types (textures) it declares itself, at bindings 4 I to 4 I + 3.
     void (*write)(FILE *out, const struct density_site *site);
+    // What follows is of kinds that may be baked (density_bake.h); else find_box is NULL.
+    // Half the sides of a box around the bounds' centre that holds the medium throughout the job, in axes that stand still
+    // for the field: the grid's. False where there is none.
+    bool (*find_box)(const struct density_site *site, double half_size[static 3]);
+    // False when a look into such a grid is no cheaper than the field. NULL: it always is.
+    bool (*pays_baked)(const struct density_site *site, const struct density_bake *bake);
+    // Where the site fills a grid: the frame values that write_baked uses. The medium is baked, so that `add_values` and
+    // `write` are for programs that have density_bake_write_look.
+    void (*add_baked_values)(struct frame_uniforms *uniforms, const struct density_site *site);
+    // Emits float medium_I_baked(vec3 p): what is put into the grid; p is in metres from the bounds' centre along its axes.
+    void (*write_baked)(FILE *out, const struct density_site *site);
 };
 
 extern const struct density_kind density_kind_fold_fractal, density_kind_homogeneous, density_kind_noise,

@@ -1,15 +1,27 @@
 #include "core/job.h"
+#include "worker/density_bake.h"
 #include "worker/density_kind.h"
 #include "worker/timeline_value.h"
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
+
+// One octave is as fast as a look into a grid. With seven cells for each of the finest octave's, a sum of five is known to a
+// hundredth of its own spread; octaves with fewer are added to what is looked up.
+enum { LEAST_BAKED_OCTAVES = 2 };
+static const double CELLS_PER_LATTICE_CELL = 3.5;
 
 // Where a point lies in the noise, in lattice cells: q = frequency R (p - center) + offset, taken apart into a linear part
 // and what is added, so that a centre costs the shader nothing.
 static bool is_turned(const struct scene_noise *noise)
 {
     return !timeline_value_is_zero(&noise->angle);
+}
+
+static bool rotation_is_fixed(const struct scene_noise *noise)
+{
+    return timeline_is_constant(&noise->axis) && timeline_is_constant(&noise->angle);
 }
 
 static bool is_centered(const struct scene_density *density)
@@ -22,27 +34,36 @@ static bool is_shifted(const struct scene_density *density)
     return !is_centered(density) || !timeline_value_is_zero(&density->noise.offset);
 }
 
-// frequency R, column-major; Rodrigues' formula.
-static void evaluate_turn(const void *source, double time, double value[static 9])
+// R, column-major; Rodrigues' formula.
+static void find_rotation(const struct scene_noise *noise, double time, double value[static 9])
 {
-    const struct scene_noise *noise = source;
-    double frequency[9] = {0}, axis[9] = {0}, angle[9] = {0}, c, s;
+    double axis[9] = {0}, angle[9] = {0}, c, s;
 
-    timeline_value_evaluate(&noise->frequency, time, frequency);
     timeline_value_evaluate_unit(&noise->axis, time, axis);
     timeline_value_evaluate(&noise->angle, time, angle);
     c = cos(angle[0] * M_PI / 180);
     s = sin(angle[0] * M_PI / 180);
     for (int column = 0; column < 3; ++column)
         for (int row = 0; row < 3; ++row)
-            value[3 * column + row] = frequency[0] * ((1 - c) * axis[row] * axis[column] + (row == column ? c : 0));
+            value[3 * column + row] = (1 - c) * axis[row] * axis[column] + (row == column ? c : 0);
     for (int i = 0; i < 3; ++i) {
         int next = (i + 1) % 3, last = (i + 2) % 3;
-        double sine = frequency[0] * s * axis[i];
 
-        value[3 * next + last] += sine;
-        value[3 * last + next] -= sine;
+        value[3 * next + last] += s * axis[i];
+        value[3 * last + next] -= s * axis[i];
     }
+}
+
+// frequency R.
+static void evaluate_turn(const void *source, double time, double value[static 9])
+{
+    const struct scene_noise *noise = source;
+    double frequency[9] = {0};
+
+    timeline_value_evaluate(&noise->frequency, time, frequency);
+    find_rotation(noise, time, value);
+    for (int i = 0; i < 9; ++i)
+        value[i] *= frequency[0];
 }
 
 static void evaluate_shift(const void *source, double time, double value[static 9])
@@ -85,8 +106,7 @@ static void evaluate_exponent(const void *source, double time, double value[stat
 static void add_place(struct frame_uniforms *uniforms, const struct scene_density *density, size_t i)
 {
     const struct scene_noise *noise = &density->noise;
-    bool turn_is_fixed = timeline_is_constant(&noise->frequency) && timeline_is_constant(&noise->axis) &&
-                         timeline_is_constant(&noise->angle);
+    bool turn_is_fixed = timeline_is_constant(&noise->frequency) && rotation_is_fixed(noise);
     bool shift_is_fixed = timeline_is_constant(&noise->offset) &&
                           (is_centered(density) || (turn_is_fixed && timeline_is_constant(&density->bounds.center)));
 
@@ -136,13 +156,76 @@ static void add_octaves(struct frame_uniforms *uniforms, const struct scene_nois
                        "medium_%zu_gain", i);
 }
 
+// What takes metres to lattice cells; a place that is not turned has the frequency itself.
+static void add_lattice(struct frame_uniforms *uniforms, const struct density_site *site, bool has_frequency)
+{
+    const struct scene_noise *noise = &site->source->density.noise;
+
+    if (has_frequency)
+        frame_uniforms_add(
+            uniforms, timeline_value(&noise->frequency, FRAME_VALUE_FLOAT, value_range_positive, "density.frequency"),
+            "medium_%zu_frequency", site->medium);
+    frame_uniforms_add(uniforms, timeline_value(&noise->offset, FRAME_VALUE_VEC3, value_range_any, "density.offset"),
+                       "medium_%zu_offset", site->medium);
+}
+
+// Of octaves that have CELLS_PER_LATTICE_CELL cells of the grid for each cell of theirs.
+static int count_resolved(const struct density_site *site, const struct density_bake *bake)
+{
+    const struct scene_noise *noise = &site->source->density.noise;
+    struct timeline_span span = job_time_span(site->job);
+    double least[3], frequency[3], lacunarity[3];
+    int count = 0;
+
+    timeline_find_bounds(&noise->frequency, span, least, frequency);
+    timeline_find_bounds(&noise->lacunarity, span, least, lacunarity);
+    while (count < noise->octaves &&
+           frequency[0] * pow(lacunarity[0], count) * bake->cell_m * CELLS_PER_LATTICE_CELL <= 1)
+        count++;
+    return count;
+}
+
+static bool pays_baked(const struct density_site *site, const struct density_bake *bake)
+{
+    return count_resolved(site, bake) >= LEAST_BAKED_OCTAVES;
+}
+
+// Octaves that are looked up together; 0 where none is.
+static int count_baked(const struct density_site *site)
+{
+    struct density_bake bake;
+
+    return density_bake_find(&bake, site->job, site->medium) ? count_resolved(site, &bake) : 0;
+}
+
+// Noise that turns stands still in axes that turn with it.
+static bool find_box(const struct density_site *site, double half_size[static 3])
+{
+    const struct scene_density *density = &site->source->density;
+    double turn[9], half[3];
+
+    if (!density_bake_find_bounds(half_size, site)) return false;
+    if (!is_turned(&density->noise) || density->bounds.kind == SCENE_BOUNDS_SPHERE) return true;
+    if (!rotation_is_fixed(&density->noise)) {
+        half_size[0] = half_size[1] = half_size[2] = hypot(hypot(half_size[0], half_size[1]), half_size[2]);
+        return true;
+    }
+    memcpy(half, half_size, sizeof half);
+    find_rotation(&density->noise, 0, turn);
+    for (int row = 0; row < 3; ++row)
+        half_size[row] = fabs(turn[row]) * half[0] + fabs(turn[3 + row]) * half[1] + fabs(turn[6 + row]) * half[2];
+    return true;
+}
+
 static void add_values(struct frame_uniforms *uniforms, const struct density_site *site)
 {
     const struct scene_density *density = &site->source->density;
     const struct scene_noise *noise = &density->noise;
+    int baked = count_baked(site);
 
     add_place(uniforms, density, site->medium);
-    if (noise->octaves > 1) add_octaves(uniforms, noise, site->medium);
+    if (baked > 0) add_lattice(uniforms, site, is_turned(noise));
+    if (noise->octaves > 1 && baked < noise->octaves) add_octaves(uniforms, noise, site->medium);
     if (!timeline_value_is_zero(&noise->bias))
         frame_uniforms_add(uniforms,
                            (struct frame_value){.type = FRAME_VALUE_FLOAT,
@@ -191,28 +274,54 @@ static bool may_overflow(const struct density_site *site)
     return farthest * (frequency[0] + 1) * pow(lacunarity[0], noise->octaves - 1) > 1e37;
 }
 
-// Octaves are written out one by one: as a loop they cost a fifth more, and turns of the marches around them.
-static void write_field(FILE *out, const struct density_site *site)
+static void write_power(FILE *out, const char *type, const char *name, const char *value, size_t medium, int power)
 {
-    const struct scene_density *density = &site->source->density;
-    const struct scene_noise *noise = &density->noise;
+    fprintf(out, "    %s %s = medium_%zu_%s", type, name, medium, value);
+    for (int k = 1; k < power; ++k)
+        fprintf(out, " * medium_%zu_%s", medium, value);
+    fputs(";\n", out);
+}
+
+// Adds octaves from `first` on, before `end`, to `sum`, which is there if they are not the first; q is that of octave 0. They
+// are written out one by one: as a loop they cost a fifth more, and turns of the marches around them.
+static void write_octaves(FILE *out, const struct density_site *site, int first, int end)
+{
+    const struct scene_noise *noise = &site->source->density.noise;
     const char *octave =
         noise->mode == SCENE_NOISE_ABSOLUTE ? "density_noise_absolute(density_noise(q))" : "density_noise(q)";
     bool has_gain = !timeline_value_is_zero(&noise->hurst), is_clamped = may_overflow(site);
     size_t i = site->medium;
 
-    fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    vec3 q = medium_%zu_%s * p", i, i,
-            is_turned(noise) ? "turn" : "frequency");
-    if (is_shifted(density)) fprintf(out, " + medium_%zu_shift", i);
-    fprintf(out, ";\n    float sum = %s;\n", octave);
-    for (int k = 1; k < noise->octaves; ++k) {
-        fprintf(out, "    q *= medium_%zu_lacunarity;\n", i);
+    if (first == 0) fprintf(out, "    float sum = %s;\n", octave);
+    for (int k = first == 0 ? 1 : first; k < end; ++k) {
+        if (k == first) {
+            write_power(out, "float", "scale", "lacunarity", i, k);
+            if (has_gain) write_power(out, "float", "gain", "gain", i, k);
+        }
+        fprintf(out, k == first ? "    q *= scale;\n" : "    q *= medium_%zu_lacunarity;\n", i);
         if (is_clamped) fputs("    q = clamp(q, -1e30, 1e30);\n", out);
-        if (has_gain)
+        if (has_gain && k > first)
             fprintf(out, k == 1 ? "    float gain = medium_%zu_gain;\n" : "    gain *= medium_%zu_gain;\n", i);
         fprintf(out, "    sum += %s%s;\n", has_gain ? "gain * " : "", octave);
     }
     fputs("    return sum;\n}\n", out);
+}
+
+static void write_field(FILE *out, const struct density_site *site)
+{
+    const struct scene_density *density = &site->source->density;
+    const struct scene_noise *noise = &density->noise;
+    int baked = count_baked(site);
+    size_t i = site->medium;
+
+    if (baked > 0) density_bake_write_look(out, site);
+    fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    vec3 q = medium_%zu_%s * p", i, i,
+            is_turned(noise) ? "turn" : "frequency");
+    if (is_shifted(density)) fprintf(out, " + medium_%zu_shift", i);
+    fputs(";\n", out);
+    if (baked > 0)
+        fprintf(out, "    float sum = medium_%zu_baked((q - medium_%zu_offset) / medium_%zu_frequency);\n", i, i, i);
+    write_octaves(out, site, baked, noise->octaves);
 }
 
 static void write(FILE *out, const struct density_site *site)
@@ -234,6 +343,22 @@ static void write(FILE *out, const struct density_site *site)
     fprintf(out, "float medium_%zu_distance(float field)\n{\n    return %s > 0.0 ? -1.0 : 0.0;\n}\n", i, shape);
 }
 
+static void add_baked_values(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    add_lattice(uniforms, site, true);
+    add_octaves(uniforms, &site->source->density.noise, site->medium);
+}
+
+// The sum of octaves, which is smooth; what makes a density of it has edges, and comes after the look.
+static void write_baked(FILE *out, const struct density_site *site)
+{
+    size_t i = site->medium;
+
+    fprintf(out, "float medium_%zu_baked(vec3 p)\n{\n    vec3 q = medium_%zu_frequency * p + medium_%zu_offset;\n", i,
+            i, i);
+    write_octaves(out, site, 0, count_baked(site));
+}
+
 const struct density_kind density_kind_noise = {
     .name = "noise",
     .field_type = "float",
@@ -241,4 +366,8 @@ const struct density_kind density_kind_noise = {
     .add_values = add_values,
     .modules = modules,
     .write = write,
+    .find_box = find_box,
+    .pays_baked = pays_baked,
+    .add_baked_values = add_baked_values,
+    .write_baked = write_baked,
 };

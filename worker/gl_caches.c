@@ -246,10 +246,55 @@ static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_
     return GL_CACHES_BOUND;
 }
 
+// Whether the cache has to be there: a step is wanted while one that reads it, and that is wanted, is not.
+static uint64_t find_wanted(struct gl_caches *caches, const struct gl_caches_request *request,
+                            char (*keys)[HASH_TEXT_SIZE])
+{
+    uint64_t wanted = 0, filled = 0;
+
+    for (size_t i = request->count; i-- > 0;) {
+        uint64_t bit = (uint64_t)1 << i;
+        bool is_there = find(caches, keys[i]) != NULL;
+
+        for (size_t k = i + 1; k < request->count; ++k)
+            if (filled >> k & 1 && request->caches[k].reads & bit) wanted |= bit;
+        if (!request->caches[i].is_step) wanted |= bit;
+        if (wanted & bit && !is_there) filled |= bit;
+    }
+    return wanted;
+}
+
+static void drop_steps(struct gl_caches *caches, const struct gl_caches_request *request, char (*keys)[HASH_TEXT_SIZE])
+{
+    for (size_t i = 0; i < request->count; ++i) {
+        struct kept_cache *kept = request->caches[i].is_step ? find(caches, keys[i]) : NULL;
+
+        if (kept) drop(caches, kept);
+    }
+}
+
+static enum gl_caches_end bind_wanted(struct gl_caches *caches, const struct gl_caches_request *request,
+                                      char (*keys)[HASH_TEXT_SIZE], struct error *error)
+{
+    uint64_t wanted = find_wanted(caches, request, keys);
+
+    for (size_t i = 0; i < request->count; ++i) {
+        struct kept_cache *kept = find(caches, keys[i]);
+        enum gl_caches_end end;
+
+        if (!(wanted >> i & 1)) continue;
+        end = kept ? GL_CACHES_BOUND : make(caches, request, i, keys[i], &kept, error);
+        if (end != GL_CACHES_BOUND) return end;
+        caches->gl->BindTextureUnit(request->caches[i].unit, kept->texture);
+    }
+    return GL_CACHES_BOUND;
+}
+
 enum gl_caches_end gl_caches_bind(struct gl_caches *caches, const struct gl_caches_request *request,
                                   struct error *error)
 {
     char keys[SCENE_CACHE_LIMIT][HASH_TEXT_SIZE];
+    enum gl_caches_end end;
 
     caches->bind_count++;
     for (size_t i = 0; i < request->count; ++i) {
@@ -259,12 +304,7 @@ enum gl_caches_end gl_caches_bind(struct gl_caches *caches, const struct gl_cach
         kept = find(caches, keys[i]);
         if (kept) kept->used = caches->bind_count;
     }
-    for (size_t i = 0; i < request->count; ++i) {
-        struct kept_cache *kept = find(caches, keys[i]);
-        enum gl_caches_end end = kept ? GL_CACHES_BOUND : make(caches, request, i, keys[i], &kept, error);
-
-        if (end != GL_CACHES_BOUND) return end;
-        caches->gl->BindTextureUnit(request->caches[i].unit, kept->texture);
-    }
-    return GL_CACHES_BOUND;
+    end = bind_wanted(caches, request, keys, error);
+    drop_steps(caches, request, keys);
+    return end;
 }

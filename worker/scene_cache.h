@@ -13,7 +13,7 @@
 enum {
     // Those before are the media's and the objects' images. Lights come first.
     SCENE_CACHE_FIRST_UNIT = 48,
-    SCENE_CACHE_LIMIT = SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT,
+    SCENE_CACHE_LIMIT = SCENE_LIGHT_LIMIT + 2 * SCENE_MEDIUM_LIMIT,
     SCENE_CACHE_GROUP_SIDE = 8 // invocations of a group along x and y
 };
 
@@ -36,6 +36,7 @@ struct scene_cache {
     enum scene_cache_format format;
     int size[3];        // texels
     int invocations[3]; // at most `size`
+    bool is_step;       // only other caches read it: it is there while they are filled, no longer
     bool reads_files;   // its values depend on the frame's files
     uint64_t reads;     // bit i: it samples cache i of the program, which comes before it
 };

@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "worker/camera_view.h"
+#include "worker/density_bake.h"
 #include "worker/density_kind.h"
 #include "worker/scene_glue.h"
 #include "worker/scene_glue_gather.h"
@@ -213,6 +214,21 @@ static bool assemble(struct scene_program *program, const struct job *job, const
     return program->fragment != NULL;
 }
 
+// Grids that the picture's own media are looked up in.
+static bool add_baked(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+{
+    struct density_bake bake;
+
+    for (size_t i = 0; i < job->scene.medium_count; ++i) {
+        const struct density_site site = {
+            .job = job, .medium = i, .source = &job->scene.media[i], .inputs = program->inputs};
+
+        if (!program->features.media[i].is_seen || !density_bake_find(&bake, job, i)) continue;
+        if (!density_bake_add_caches(program->caches, &program->cache_count, &site, shader_dir, error)) return false;
+    }
+    return true;
+}
+
 static void hash_texts(struct scene_program *program)
 {
     char hashes[2 + SCENE_CACHE_LIMIT][HASH_TEXT_SIZE];
@@ -248,7 +264,7 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
         return false;
     scene_values_add(&program->uniforms, job, inputs, &program->features);
     program->vertex = shader_sources_load(shader_dir, "fullscreen.vert", error);
-    if (!program->vertex || !assemble(program, job, shader_dir, error)) {
+    if (!program->vertex || !add_baked(program, job, shader_dir, error) || !assemble(program, job, shader_dir, error)) {
         scene_program_finish(program);
         return false;
     }

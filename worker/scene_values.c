@@ -229,6 +229,15 @@ static void add_steps(struct frame_uniforms *uniforms, const struct job *job, co
         add_number(uniforms, job, &quality->min_transmittance, "quality_min_transmittance");
 }
 
+struct frame_value scene_values_time(void)
+{
+    return (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                .evaluate = evaluate_time,
+                                .min = value_range_any.min,
+                                .max = value_range_any.max,
+                                .meaning = "the frame's time"};
+}
+
 void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
                       const struct scene_features *features)
 {
@@ -236,14 +245,7 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
     const struct scene *scene = &job->scene;
 
     if (features->has_media || features->has_objects) add_camera(uniforms, job);
-    if (features->takes_time)
-        frame_uniforms_add(uniforms,
-                           (struct frame_value){.type = FRAME_VALUE_FLOAT,
-                                                .evaluate = evaluate_time,
-                                                .min = value_range_any.min,
-                                                .max = value_range_any.max,
-                                                .meaning = "the frame's time"},
-                           "time_s");
+    if (features->takes_time) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
     for (size_t i = 0; i < scene->medium_count; ++i) {
         const struct scene_medium *medium = &scene->media[i];
 

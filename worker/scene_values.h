@@ -1,7 +1,8 @@
 // Which numbers a scene's shader needs, and how each follows from the job.
 #pragma once
 
-struct frame_uniforms;
+#include "worker/frame_uniforms.h"
+
 struct job;
 struct scene_features;
 struct scene_inputs;
@@ -11,3 +12,5 @@ struct scene_inputs;
 // the sun). `job` and `inputs` (as for scene_program_init) outlive `uniforms`.
 void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
                       const struct scene_features *features);
+// The frame's time: "time_s" in shaders that ask for it.
+struct frame_value scene_values_time(void);

@@ -1,6 +1,7 @@
 #include "worker/shader_assembly.h"
 
 #include "core/error.h"
+#include "worker/density_bake.h"
 #include "worker/density_kind.h"
 #include "worker/gl_program.h"
 #include "worker/scene_bounds.h"
@@ -71,11 +72,14 @@ void shader_assembly_add_density(struct shader_assembly *assembly, const struct 
     const struct scene_density *density = &site->source->density;
     const struct density_kind *kind = density_kind_of(density);
     struct density_text text = {0};
+    struct density_bake bake;
     const char *bounds = scene_bounds_module(&density->bounds);
 
     for (const char *const *name = kind->modules(site); *name; ++name)
         shader_assembly_add(assembly, *name);
-    if (kind->load_text && !assembly->has_failed) {
+    // What is looked up was computed by the program that fills the grid.
+    if (kind->load_text && (site->fills_grid || !density_bake_find(&bake, site->job, site->medium)) &&
+        !assembly->has_failed) {
         assembly->has_failed = !kind->load_text(site, &text, assembly->error);
         if (!assembly->has_failed) add_text(assembly, &text);
         free(text.before);

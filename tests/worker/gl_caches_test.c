@@ -210,14 +210,11 @@ static void what_stays_is_not_filled_again(void **state)
     scene_cache_finish(&cache);
 }
 
-static void a_cache_follows_the_one_that_it_reads(void **state)
+// The second one has twice what is in the first.
+static void make_pair(struct scene_cache caches[2])
 {
-    struct stage stage;
-    struct scene_cache caches[2] = {cache_of(of_rays, 1),
-                                    cache_of("    imageStore(cache_image, at, vec4(7.0));\n", DEPTH)};
-
-    (void)state;
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    caches[0] = cache_of(of_rays, 1);
+    caches[1] = cache_of("    imageStore(cache_image, at, vec4(7.0));\n", DEPTH);
     frame_uniforms_finish(&caches[1].uniforms); // time is nothing to it
     free(caches[1].text);
     caches[1].text = xstrdup("#version 450 core\nlayout(local_size_x = 8, local_size_y = 8) in;\n"
@@ -228,6 +225,16 @@ static void a_cache_follows_the_one_that_it_reads(void **state)
                              "    imageStore(cache_image, at, 2.0 * texelFetch(places, at, 0));\n}\n");
     hash_bytes(caches[1].text, strlen(caches[1].text), caches[1].hash);
     caches[1].unit = UNIT + 1;
+}
+
+static void a_cache_follows_the_one_that_it_reads(void **state)
+{
+    struct stage stage;
+    struct scene_cache caches[2];
+
+    (void)state;
+    open_stage(&stage, GL_BACKEND_OSMESA);
+    make_pair(caches);
     bind_at(&stage, caches, 2, 1, "", NULL);
     bind_at(&stage, caches, 2, 2, "", NULL);
     assert_int_equal(gl_caches_count_fills(stage.caches), 3);
@@ -238,6 +245,36 @@ static void a_cache_follows_the_one_that_it_reads(void **state)
     assert_int_equal(gl_caches_count_fills(stage.caches), 7);
     caches[1].unit = UNIT; // where the test looks
     bind_at(&stage, &caches[1], 1, 4, "", NULL);
+    for (size_t i = 0; i < 2; i++)
+        scene_cache_finish(&caches[i]);
+    close_stage(&stage);
+}
+
+static void a_step_is_there_while_another_is_filled(void **state)
+{
+    struct stage stage;
+    struct scene_cache caches[2];
+    struct image image;
+
+    (void)state;
+    open_stage(&stage, GL_BACKEND_OSMESA);
+    make_pair(caches);
+    caches[0].is_step = true;
+    caches[1].reads = 1;
+    caches[1].unit = UNIT; // once the step has served, the other takes its place
+    bind_at(&stage, caches, 2, 1, "", NULL);
+    bind_at(&stage, caches, 2, 1, "", NULL);
+    assert_int_equal(gl_caches_count_fills(stage.caches), 2);
+    read_texels(&stage, &image);
+    assert_near(image.rgba[4], 2.0 * (1 + 1), 0.01); // the texel at (1, 0, 0)
+    image_finish(&image);
+    bind_at(&stage, caches, 2, 2, "", NULL);
+    assert_int_equal(gl_caches_count_fills(stage.caches), 4);
+    bind_at(&stage, caches, 1, 2, "", NULL); // nobody reads it
+    assert_int_equal(gl_caches_count_fills(stage.caches), 4);
+    caches[0].is_step = false;
+    bind_at(&stage, caches, 1, 2, "", NULL); // nothing was kept of it
+    assert_int_equal(gl_caches_count_fills(stage.caches), 5);
     for (size_t i = 0; i < 2; i++)
         scene_cache_finish(&caches[i]);
     close_stage(&stage);
@@ -292,6 +329,7 @@ int main(void)
         cmocka_unit_test(every_texel_is_filled_on_egl),
         cmocka_unit_test(what_stays_is_not_filled_again),
         cmocka_unit_test(a_cache_follows_the_one_that_it_reads),
+        cmocka_unit_test(a_step_is_there_while_another_is_filled),
         cmocka_unit_test(a_program_that_does_not_compile_is_told_by_its_module),
         cmocka_unit_test(filling_can_be_stopped),
     };
