@@ -92,7 +92,7 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
     return ok;
 }
 
-// What is not worth encoding: a value that no file holds, too much light that may be missing, an error over the tolerance.
+// What is not worth encoding: a value that no file holds, or too much light that may be missing.
 static bool check_picture(const struct picture *picture, enum report_fault *fault, struct error *error)
 {
     const struct job *job = &picture->frame->job->job;
@@ -100,9 +100,7 @@ static bool check_picture(const struct picture *picture, enum report_fault *faul
     *fault = REPORT_FAULT_FRAME;
     if (!image_is_finite(&picture->image, job->output.pixel == JOB_PIXEL_HALF, error)) return false;
     *fault = REPORT_FAULT_CUT;
-    if (!ray_counts_check(&picture->ray_counts, &job->quality, error)) return false;
-    *fault = REPORT_FAULT_MISSED;
-    return picture->audit.kind == AUDIT_NONE || gate_check_audit(&picture->audit, job->quality.tolerance, 0.0, error);
+    return ray_counts_check(&picture->ray_counts, &job->quality, error);
 }
 
 static struct frame_accuracy find_accuracy(const struct picture *picture)

@@ -9,6 +9,7 @@ struct gl_context;
 
 #define GL_FUNCTIONS(X)                                                                                                \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
+    X(PFNGLBEGINQUERYPROC, BeginQuery)                                                                                 \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                                                         \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
     X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                                                                     \
@@ -21,6 +22,7 @@ struct gl_context;
     X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                                           \
     X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                                                                 \
     X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
+    X(PFNGLCREATEQUERIESPROC, CreateQueries)                                                                           \
     X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
     X(PFNGLCREATETEXTURESPROC, CreateTextures)                                                                         \
     X(PFNGLCREATEVERTEXARRAYSPROC, CreateVertexArrays)                                                                 \
@@ -28,6 +30,7 @@ struct gl_context;
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                                           \
     X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                                                 \
     X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                                           \
+    X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                                                           \
     X(PFNGLDELETESHADERPROC, DeleteShader)                                                                             \
     X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                                                 \
@@ -35,12 +38,14 @@ struct gl_context;
     X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                                                                       \
     X(PFNGLDRAWARRAYSPROC, DrawArrays)                                                                                 \
     X(PFNGLENABLEPROC, Enable)                                                                                         \
+    X(PFNGLENDQUERYPROC, EndQuery)                                                                                     \
     X(PFNGLFINISHPROC, Finish)                                                                                         \
     X(PFNGLGETERRORPROC, GetError)                                                                                     \
     X(PFNGLGETGRAPHICSRESETSTATUSPROC, GetGraphicsResetStatus)                                                         \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
+    X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                                                               \
     X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                     \
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                               \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \

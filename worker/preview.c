@@ -7,6 +7,7 @@
 #include "worker/image_exr.h"
 #include "worker/image_png.h"
 #include "worker/pixel_font.h"
+#include "worker/srgb.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -37,15 +38,6 @@ static bool read_file(const char *path, struct image *image, struct error *error
     if (!ok) error_prefix(error, "%s", path);
     close(fd);
     return ok;
-}
-
-static unsigned char encode_srgb(float linear, float gain)
-{
-    float value = linear * gain;
-
-    if (!(value > 0)) return 0; // NaN too
-    value = value <= 0.0031308f ? value * 12.92f : 1.055f * powf(value, 1.0f / 2.4f) - 0.055f;
-    return value >= 1.0f ? 255 : (unsigned char)lroundf(value * 255.0f);
 }
 
 // What one output pixel gathers of a row or column of input: [first, end) with the share of each.
@@ -197,7 +189,7 @@ static void draw_tile(struct sheet *sheet, size_t index, float gain)
         unsigned char *row = sheet->rgb + ((size_t)(top + y) * (size_t)sheet->width + (size_t)left) * 3;
 
         for (int i = 0; i < sheet->tile_width * 3; i++)
-            row[i] = encode_srgb(*tile++, gain);
+            row[i] = srgb_encode_byte(*tile++ * gain);
     }
     if (params->labels && params->labels[index]) {
         char *label = xasprintf("%.*s", pixel_font_count(sheet->tile_width, scale), params->labels[index]);
@@ -268,7 +260,7 @@ static bool write_frame(const struct image *image, float gain, const char *folde
         return false;
     }
     for (size_t i = 0; i < count * 3; i++)
-        rgb[i] = encode_srgb(image->rgba[i / 3 * 4 + i % 3], gain);
+        rgb[i] = srgb_encode_byte(image->rgba[i / 3 * 4 + i % 3] * gain);
     preview_format_name(index, name);
     path = xasprintf("%s/%s", folder, name);
     ok = image_png_write(path, rgb, image->width_px, image->height_px, error);

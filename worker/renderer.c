@@ -366,6 +366,12 @@ void renderer_expect(struct renderer *renderer, const struct job *job, int32_t f
     scene_inputs_expect(job, frame, &renderer->files);
 }
 
+void renderer_forget(struct renderer *renderer)
+{
+    renderer->target_is_whole = false;
+    if (renderer->caches) gl_caches_clear(renderer->caches);
+}
+
 bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,
                      renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
 {

@@ -35,6 +35,9 @@ bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int
 // Has what the frame will need from files read in the background, as far as that can be; nothing of it is kept of the job.
 void renderer_expect(struct renderer *renderer, const struct job *job, int32_t frame);
 
+// The next frame is rendered whole, with all that its own textures hold made anew; programs, grids and images stay.
+void renderer_forget(struct renderer *renderer);
+
 struct renderer_result {
     enum renderer_fault fault;
     double seconds;                               // GPU work and readback

@@ -8,6 +8,7 @@
 #include "core/json_write.h"
 #include "worker/connection.h"
 #include "worker/explain.h"
+#include "worker/measure_requests.h"
 #include "worker/preview.h"
 #include "worker/request_verify.h"
 
@@ -163,10 +164,10 @@ static const struct {
     const char *method;
     request_function *answer;
 } answers[] = {
-    {"worker.explain", answer_explain},
-    {"worker.preview", answer_preview},
-    {"worker.frames_png", answer_frames_png},
-    {"worker.verify", request_answer_verify},
+    {"worker.explain", answer_explain},           {"worker.preview", answer_preview},
+    {"worker.frames_png", answer_frames_png},     {"worker.reach", measure_answer_reach},
+    {"worker.truth", measure_answer_truth},       {"worker.measure", measure_answer_setting},
+    {"worker.error_strip", measure_answer_strip}, {"worker.verify", request_answer_verify},
 };
 
 static request_function *find_answer(const char *method)

@@ -222,16 +222,23 @@ static bool check_steps(const char *key, const char *place, double length, doubl
     return false;
 }
 
-// Steps told in voxels become metres; only now is it known how many a ray needs.
-static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, struct error *error)
+double scene_inputs_find_voxel(const struct scene_inputs *inputs)
 {
-    const struct scene_camera *camera = &job->scene.camera;
-    struct job_quality *quality = &inputs->quality;
     double shortest = INFINITY;
 
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         for (int axis = 0; inputs->media[i].source && axis < 3; ++axis)
             shortest = fmin(shortest, edge_of(&inputs->media[i].header, axis));
+    return shortest;
+}
+
+// Steps told in voxels become metres; only now is it known how many a ray needs.
+static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, struct error *error)
+{
+    const struct scene_camera *camera = &job->scene.camera;
+    struct job_quality *quality = &inputs->quality;
+    double shortest = scene_inputs_find_voxel(inputs);
+
     if (quality->step_voxels > 0) quality->step = quality->step_voxels * shortest;
     if (quality->light_step_voxels > 0) quality->light_step = quality->light_step_voxels * shortest;
     if (!job_method_takes_steps(quality->method)) return true;

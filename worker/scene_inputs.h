@@ -64,6 +64,9 @@ void scene_inputs_expect(const struct job *job, int32_t frame, const struct scen
 // False, with the reason, when a file of the input is no longer what was hashed.
 bool scene_input_check(const struct scene_input *input, struct error *error);
 
+// The shortest edge of the finest grid's voxels, m; INFINITY where no medium has a grid.
+double scene_inputs_find_voxel(const struct scene_inputs *inputs);
+
 // Opens the input's voxels for reading.
 bool scene_input_open_volume(const struct scene_input *input, struct volume **volume, struct error *error);
 // Metres of voxel (i, j, k)'s centre at a time, row-major 3x4, with the grid's middle where the job wants it.

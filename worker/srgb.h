@@ -3,3 +3,5 @@
 
 // Linear light of a stored value; both in [0, 1].
 double srgb_decode(double value);
+// What a byte of a picture is for linear light; NaN is black.
+unsigned char srgb_encode_byte(float linear);

@@ -1,0 +1,6 @@
+// Questions about speed and accuracy that a chart is made from; what they ask and answer is in docs/protocol.md.
+#pragma once
+
+#include "worker/request.h"
+
+request_function measure_answer_reach, measure_answer_truth, measure_answer_setting, measure_answer_strip;
