@@ -26,6 +26,8 @@ static const double FIRST_REST = 0.02;
 // Truth is known to some 1e-4 of itself a pixel, less in the mean.
 static const double FLOOR = 3e-5;
 static const double STALE_GAIN = 0.85;
+// How far over the limit a picture must be expected to be for it not to be tried.
+static const double FAR_BEYOND = 1.5;
 
 typedef void write_function(struct json_writer *out, int rung, const struct chart_scale *scale);
 
@@ -184,9 +186,17 @@ static double find_least(const struct chart_points *points, const char *series, 
     return least;
 }
 
-int chart_ladder_next(const struct chart_points *points, size_t series)
+// Each rung takes as much longer as the one before did.
+static bool is_next_too_slow(const struct chart_point *before, const struct chart_point *point, double limit_s)
+{
+    return before && point->seconds > before->seconds &&
+           point->seconds * point->seconds / before->seconds > FAR_BEYOND * limit_s;
+}
+
+int chart_ladder_next(const struct chart_points *points, size_t series, double limit_s)
 {
     const char *name = all_series[series].name;
+    const struct chart_point *before = NULL;
     int refused = 0, measured = 0;
 
     for (int rung = 0; rung < CHART_RUNG_LIMIT; rung++) {
@@ -200,7 +210,8 @@ int chart_ladder_next(const struct chart_points *points, size_t series)
         }
         measured++;
         refused = 0;
-        if (point->error < FLOOR) return -1;
+        if (point->error < FLOOR || is_next_too_slow(before, point, limit_s)) return -1;
+        before = point;
         if (measured > STALE_COUNT &&
             find_least(points, name, rung + 1) > STALE_GAIN * find_least(points, name, rung + 1 - STALE_COUNT))
             return -1;
@@ -263,16 +274,17 @@ void chart_choice_finish(struct chart_choice *choice)
     *choice = (struct chart_choice){0};
 }
 
-int chart_choice_next(const struct chart_choice *choice, const struct chart_points *points, size_t series)
+int chart_choice_next(const struct chart_choice *choice, const struct chart_points *points, size_t series,
+                      double limit_s)
 {
     const struct series *of = &all_series[series];
 
-    if (choice->count == 0) return chart_ladder_next(points, series);
+    if (choice->count == 0) return chart_ladder_next(points, series, limit_s);
     for (size_t i = 0; i < choice->count; i++) {
         const struct chart_choice_name *name = &choice->names[i];
 
         if (strcmp(name->name, of->name) != 0 && strcmp(name->name, of->method) != 0) continue;
-        if (name->rung < 0) return chart_ladder_next(points, series);
+        if (name->rung < 0) return chart_ladder_next(points, series, limit_s);
         if (!chart_points_find(points, of->name, name->rung)) return name->rung;
     }
     return -1;

@@ -26,9 +26,9 @@ bool chart_ladder_needs_clip(size_t series);
 // The quality of a rung as JSON, owned by the caller. `quality` is the job's own, or absent: what it says of samples and paths
 // is kept.
 char *chart_ladder_quality(size_t series, int rung, const struct chart_scale *scale, const struct json_node *quality);
-// The rung to try next; -1 when the climb is over: it took too long, became as exact as truth is known, stopped becoming
-// more exact, or was refused behind rungs that were not.
-int chart_ladder_next(const struct chart_points *points, size_t series);
+// The rung to try next; -1 when the climb is over: the next picture would take far longer than `limit_s`, or the last one did, it
+// became as exact as truth is known, stopped becoming more exact, or was refused behind rungs that were not.
+int chart_ladder_next(const struct chart_points *points, size_t series, double limit_s);
 
 // What --methods asks for; the zero value asks for all.
 struct chart_choice {
@@ -43,4 +43,5 @@ struct chart_choice {
 bool chart_choice_parse(struct chart_choice *choice, const char *text, struct error *error);
 void chart_choice_finish(struct chart_choice *choice);
 // The rung to try next, as chart_ladder_next has it, of what is chosen.
-int chart_choice_next(const struct chart_choice *choice, const struct chart_points *points, size_t series);
+int chart_choice_next(const struct chart_choice *choice, const struct chart_points *points, size_t series,
+                      double limit_s);

@@ -253,7 +253,7 @@ static void write_legend(const struct drawing *drawing)
     }
     if (line == 0) return;
     fprintf(out, "<path class=\"front\" d=\"M%d %dh24\"/>\n", LEGEND_X + 4, TOP + 10 + line * LEGEND_STEP);
-    write_legend_text(out, line++, "none faster and as exact");
+    write_legend_text(out, line++, "Pareto front");
     if (drawing->mark->seconds > 0.0) {
         write_star(out, LEGEND_X + 16, TOP + 10 + line * LEGEND_STEP, "star");
         write_legend_text(out, line++, "the planner's choice");

@@ -58,6 +58,12 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_FPS] = {"fps", KIND_NUMBER, FIELD(fps), "N", 0, 0, "frames a second of a film (default 24)"},
     [OPTION_TOLERANCE] = {"tolerance", KIND_NUMBER, FIELD(tolerance), "E", 0, 0,
                           "largest relative RMSE of a frame (default: what its job states)"},
+    [OPTION_METHODS] = {"methods", KIND_TEXT, FIELD(methods), "NAME[,NAME]", 0, 0,
+                        "only these; NAME:N is rung N of its ladder alone"},
+    [OPTION_SIZE] = {"size", KIND_TEXT, FIELD(size), "WIDTHxHEIGHT", 0, 0, "pixels (default 320x180)"},
+    [OPTION_QUICK] = {"quick", KIND_FLAG, FIELD(quick), NULL, 0, 0, "end within 5 minutes"},
+    [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
+                            "no picture may take longer (default 60; with --quick 8)"},
 };
 
 static bool find_rule(const char *name, size_t length, uint64_t accepted, enum option *found)
@@ -192,8 +198,13 @@ bool options_parse(struct options *options, uint64_t accepted, const char *const
 {
     bool has_ended = false;
 
-    *options = (struct options){
-        .priority = -1, .frame = -1, .encode_threads = -1, .progress_limit_s = -1, .columns = -1, .tile_width_px = -1};
+    *options = (struct options){.priority = -1,
+                                .frame = -1,
+                                .encode_threads = -1,
+                                .progress_limit_s = -1,
+                                .columns = -1,
+                                .tile_width_px = -1,
+                                .point_limit_s = -1};
     options->exposure = options->fps = options->tolerance = NAN;
     options->sets = xcalloc(count + 1, sizeof *options->sets);
     options->operands = xcalloc(count + 1, sizeof *options->operands);

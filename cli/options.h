@@ -35,6 +35,10 @@ enum option {
     OPTION_EXPOSURE,
     OPTION_FPS,
     OPTION_TOLERANCE,
+    OPTION_METHODS,
+    OPTION_SIZE,
+    OPTION_QUICK,
+    OPTION_POINT_LIMIT,
     OPTION_COUNT
 };
 
@@ -42,9 +46,9 @@ enum option {
 
 // Strings are borrowed from argv. Integers are -1 and numbers NAN when not given.
 struct options {
-    bool help, json, wait, watch, dry_run, paused, shader;
-    const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir;
-    int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px;
+    bool help, json, wait, watch, dry_run, paused, shader, quick;
+    const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size;
+    int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s;
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE
     size_t set_count;

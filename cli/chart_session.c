@@ -1,0 +1,332 @@
+#include "cli/chart_session.h"
+
+#include "cli/chart_csv.h"
+#include "cli/chart_ladder.h"
+#include "cli/chart_query.h"
+#include "cli/interrupt.h"
+#include "cli/options.h"
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/job_json.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+// Seconds. A quick chart leaves the rest of its five minutes to the picture of the errors.
+static const double QUICK_TRUTH = 40, TRUTH = 120, QUICK_POINTS = 200, QUICK_LIMIT = 8, LIMIT = 60;
+static const double STRIP_ERROR = 0.01; // about which pictures are shown
+// Of a job that does not state one.
+static const double TOLERANCE = 0.01;
+
+struct session {
+    const struct chart_session_params *params; // borrowed
+    struct chart_points *points;               // borrowed
+    struct chart_choice choice;
+    struct chart_query query;
+    struct chart_scale scale;
+    double limit_s, end_s;
+    double tolerance;
+    struct cJSON *root; // owned; the document
+    bool is_changed;    // points were added
+};
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static struct json_node job_quality(const struct session *session, struct json_node *job)
+{
+    *job = json_node_root(session->root);
+    return json_node_child(job, "quality");
+}
+
+// The job with the quality of a rung, as text; NULL, with the reason, when that is no job.
+static char *make_document(const struct session *session, size_t series, const char *quality, struct error *error)
+{
+    return chart_query_document(session->params->document, quality,
+                                chart_ladder_needs_clip(series) ? &session->scale : NULL, error);
+}
+
+static char *rung_quality(const struct session *session, size_t series, int rung)
+{
+    struct json_node job, quality = job_quality(session, &job);
+
+    return chart_ladder_quality(series, rung, &session->scale, &quality);
+}
+
+static int samples_of(const char *quality)
+{
+    const char *samples = strstr(quality, "\"samples\":");
+
+    return samples ? (int)strtol(samples + strlen("\"samples\":"), NULL, 10) : 1;
+}
+
+// Of the first method that serves the scene, two settings that tell where errors are.
+static bool make_map_documents(const struct session *session, int samples, char **finer, char **coarser,
+                               struct error *error)
+{
+    enum { FINER = 3, COARSER = 2 };
+
+    *finer = *coarser = NULL;
+    for (size_t series = 0; series < chart_ladder_count(); series++) {
+        struct error local = {{0}};
+
+        if (chart_ladder_needs_clip(series)) continue;
+        for (int i = 0; i < 2; i++) {
+            char *quality = rung_quality(session, series, i ? COARSER : FINER);
+            char *text = chart_query_with_samples(quality, samples), **document = i ? coarser : finer;
+
+            free(*document);
+            *document = make_document(session, series, text, &local);
+            free(text);
+            free(quality);
+        }
+        if (*finer && *coarser) return true;
+        if (!error->message[0]) *error = local;
+    }
+    free(*finer);
+    free(*coarser);
+    error_prefix(error, "no method can render it");
+    return false;
+}
+
+static enum exit_status find_truth(struct session *session, int samples, struct chart_truth_facts *facts,
+                                   struct error *error)
+{
+    double seconds = session->params->options->quick ? QUICK_TRUTH : TRUTH;
+    enum exit_status status = EXIT_STATUS_USAGE;
+    char *finer, *coarser;
+
+    if (!make_map_documents(session, samples, &finer, &coarser, error)) return status;
+    status = chart_query_truth(&session->query, finer, coarser, samples, seconds, facts, error);
+    free(finer);
+    free(coarser);
+    return status;
+}
+
+static bool keep(struct session *session, struct chart_point *point, struct error *error)
+{
+    const struct chart_point *before = chart_points_find(session->points, point->series, point->rung - 1);
+    bool is_news = !before || point->outcome != CHART_REFUSED || before->outcome != CHART_REFUSED;
+
+    chart_points_add(session->points, point);
+    session->is_changed |= point->outcome == CHART_MEASURED;
+    if (is_news) session->params->on_point(session->params->user, point);
+    return chart_csv_save(session->points, session->params->csv_path, error);
+}
+
+// Takes `quality` over. A worker that ends over a setting is replaced, and the setting counts as refused.
+static enum exit_status measure_quality(struct session *session, size_t series, int rung, char *quality,
+                                        struct error *error)
+{
+    struct chart_point point = {.rung = rung, .quality = quality, .outcome = CHART_REFUSED};
+    enum exit_status status = EXIT_STATUS_DONE;
+    struct error reason = {{0}};
+    char *document = make_document(session, series, quality, &reason);
+
+    snprintf(point.series, sizeof point.series, "%s", chart_ladder_name(series));
+    if (document) {
+        struct chart_truth_facts facts;
+
+        status = find_truth(session, samples_of(quality), &facts, error);
+        if (status == EXIT_STATUS_DONE)
+            status = chart_query_point(&session->query, document, &facts, samples_of(quality), session->limit_s, &point,
+                                       &reason);
+        if (status == EXIT_STATUS_NO_DAEMON) status = chart_query_restart(&session->query, error);
+    }
+    free(document);
+    if (status != EXIT_STATUS_DONE) {
+        if (!error->message[0]) *error = reason;
+        free(quality);
+        return status;
+    }
+    if (point.outcome == CHART_REFUSED)
+        snprintf(point.reason, sizeof point.reason, "%.*s", CHART_TEXT_SIZE - 1, reason.message);
+    return keep(session, &point, error) ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;
+}
+
+// Rung by rung over all series, so that a chart that is ended early shows as much of each.
+static enum exit_status climb(struct session *session, struct error *error)
+{
+    bool has_climbed = true;
+
+    while (has_climbed) {
+        has_climbed = false;
+        for (size_t series = 0; series < chart_ladder_count() && now_s() < session->end_s; series++) {
+            int rung = chart_choice_next(&session->choice, session->points, series, session->limit_s);
+            enum exit_status status;
+
+            if (rung < 0) continue;
+            status = measure_quality(session, series, rung, rung_quality(session, series, rung), error);
+            if (status != EXIT_STATUS_DONE) return status;
+            has_climbed = true;
+        }
+    }
+    return EXIT_STATUS_DONE;
+}
+
+// The point of a series that is nearest to what the strip shows; NULL when none was measured.
+static const struct chart_point *find_shown(const struct session *session, size_t series)
+{
+    const struct chart_point *shown = NULL;
+
+    for (size_t i = 0; i < session->points->count; i++) {
+        const struct chart_point *point = &session->points->list[i];
+
+        if (point->outcome != CHART_MEASURED || !isfinite(point->error) || point->error <= 0 ||
+            strcmp(point->series, chart_ladder_name(series)) != 0)
+            continue;
+        if (!shown || fabs(log(point->error / STRIP_ERROR)) < fabs(log(shown->error / STRIP_ERROR))) shown = point;
+    }
+    return shown;
+}
+
+static const struct chart_point *find_most_exact(const struct session *session, size_t *series)
+{
+    const struct chart_point *best = NULL;
+
+    for (size_t i = 0; i < session->points->count; i++) {
+        const struct chart_point *point = &session->points->list[i];
+
+        if (point->outcome == CHART_MEASURED && (!best || point->error < best->error)) best = point;
+    }
+    for (size_t i = 0; best && i < chart_ladder_count(); i++)
+        if (strcmp(chart_ladder_name(i), best->series) == 0) *series = i;
+    return best;
+}
+
+static bool add_to_strip(struct session *session, struct chart_strip *strip, const struct chart_point *point,
+                         size_t series, const char *what, struct error *error)
+{
+    char *document = make_document(session, series, point->quality, error);
+
+    if (!document) return false;
+    chart_strip_add(strip, document, xasprintf("%s%s %.2g", what, point->series, point->error));
+    return true;
+}
+
+static enum exit_status draw_strip(struct session *session, struct error *error)
+{
+    struct chart_strip strip = {0};
+    size_t best_series = 0;
+    const struct chart_point *best = find_most_exact(session, &best_series);
+    enum exit_status status = EXIT_STATUS_FAILED;
+    bool ok = true;
+
+    if (!best) return EXIT_STATUS_DONE;
+    for (size_t series = 0; ok && series < chart_ladder_count(); series++) {
+        const struct chart_point *shown = find_shown(session, series);
+
+        if (shown && shown != best) ok = add_to_strip(session, &strip, shown, series, "", error);
+    }
+    ok = ok && add_to_strip(session, &strip, best, best_series, "against ", error);
+    if (ok) status = chart_query_strip(&session->query, &strip, session->params->png_path, error);
+    chart_strip_finish(&strip);
+    return status;
+}
+
+// True when it is what the ladder of today has there, and what it was refused for may not be gone: what never reached a worker
+// is asked again.
+static bool is_current(const struct session *session, const struct chart_point *point)
+{
+    bool is_same = false;
+
+    if (point->outcome == CHART_REFUSED && !point->truth[0]) return false;
+    for (size_t series = 0; series < chart_ladder_count(); series++) {
+        char *quality;
+
+        if (strcmp(chart_ladder_name(series), point->series) != 0) continue;
+        quality = rung_quality(session, series, point->rung);
+        is_same = strcmp(quality, point->quality) == 0;
+        free(quality);
+    }
+    return is_same;
+}
+
+static bool load_points(struct session *session, struct error *error)
+{
+    struct chart_points *points = session->points;
+    size_t kept = 0;
+
+    if (!chart_csv_load(points, session->params->csv_path, error)) return false;
+    for (size_t i = 0; i < points->count; i++) {
+        if (is_current(session, &points->list[i]))
+            points->list[kept++] = points->list[i];
+        else
+            free(points->list[i].quality);
+    }
+    points->count = kept;
+    return true;
+}
+
+static bool read_tolerance(struct session *session, struct error *error)
+{
+    struct json_node job, quality, tolerance;
+
+    if (!json_parse(&session->root, session->params->document, strlen(session->params->document), error)) return false;
+    quality = job_quality(session, &job);
+    tolerance = json_node_child(&quality, "tolerance");
+    if (!json_read_number(&tolerance, 0, 1, &session->tolerance, NULL)) session->tolerance = TOLERANCE;
+    return true;
+}
+
+static enum exit_status run(struct session *session, struct chart_svg_mark *mark, struct error *error)
+{
+    const struct chart_session_params *params = session->params;
+    struct chart_truth_facts facts;
+    struct json_node job, quality = job_quality(session, &job);
+    char *text = json_node_is_absent(&quality) ? xstrdup("{}") : json_format(&quality);
+    int samples = samples_of(text);
+    enum exit_status status;
+
+    free(text);
+    status = chart_query_reach(&session->query, params->document, &session->scale, error);
+    if (status == EXIT_STATUS_DONE) status = find_truth(session, samples, &facts, error);
+    if (status != EXIT_STATUS_DONE) return status;
+    session->points->facts = facts.facts;
+    chart_query_set_name(&job, &session->points->facts);
+    if (!load_points(session, error)) return EXIT_STATUS_USAGE;
+    *mark = (struct chart_svg_mark){.tolerance = session->tolerance};
+    status = climb(session, error);
+    if (!chart_svg_save(session->points, mark, params->svg_path, status == EXIT_STATUS_DONE ? error : NULL) &&
+        status == EXIT_STATUS_DONE)
+        status = EXIT_STATUS_FAILED;
+    if (status == EXIT_STATUS_DONE && (session->is_changed || !chart_query_is_there(params->png_path)))
+        status = draw_strip(session, error);
+    return status;
+}
+
+enum exit_status chart_session_run(const struct chart_session_params *params, struct chart_points *points,
+                                   struct chart_svg_mark *mark, struct error *error)
+{
+    const struct options *options = params->options;
+    struct session session = {.params = params, .points = points, .end_s = INFINITY};
+    enum exit_status status = EXIT_STATUS_USAGE;
+    struct interrupt interrupt;
+
+    session.limit_s = options->point_limit_s > 0 ? (double)options->point_limit_s
+                      : options->quick           ? QUICK_LIMIT
+                                                 : LIMIT;
+    if (options->quick) session.end_s = now_s() + QUICK_POINTS;
+    if (options->methods && !chart_choice_parse(&session.choice, options->methods, error)) return status;
+    interrupt_init(&interrupt);
+    session.query = (struct chart_query){
+        .options = options, .interrupt = &interrupt, .frame = params->frame, .truth_path = params->truth_path};
+    if (read_tolerance(&session, error)) {
+        status = chart_query_start(&session.query, error);
+        if (status == EXIT_STATUS_DONE) status = run(&session, mark, error);
+    }
+    if (status == EXIT_STATUS_NO_DAEMON) status = EXIT_STATUS_FAILED;
+    chart_query_stop(&session.query, status != EXIT_STATUS_DONE);
+    interrupt_finish(&interrupt);
+    json_delete(session.root);
+    chart_choice_finish(&session.choice);
+    return status;
+}

@@ -1,0 +1,87 @@
+#!/bin/sh
+# `march chart`: what it measures, writes, refuses, and how it goes on from where it was.
+set -u
+PATH=$PROGRAM_FOLDER:$PATH
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_chart_test.XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch" || exit 1
+unset MARCH_WORKER
+jobs=$PROJECT_ROOT/jobs
+. "$PROJECT_ROOT/tests/process/march.sh"
+
+chart() {
+    job=$1
+    shift
+    march chart "$job" --backend osmesa --size 16x9 --quick "$@"
+}
+
+expect 0 chart "$jobs/cloud.json" --frame 48 --out cloud --methods riemann:2,midpoint:1,midpoint:3,equiangular:2
+[ "$(ls cloud)" = "cloud.csv
+cloud.svg
+cloud.truth
+cloud_error.png" ] || fail "the chart's files: $(ls cloud)"
+[ "$(wc -l <cloud/cloud.csv)" -eq 5 ] || fail "a line a point below one of titles"
+grep -q '^cloud,[0-9a-f]*,48,16,9,osmesa,.*,riemann,2,"{""method"":""riemann"".*,measured,.*,wall,.*,reference,' \
+    cloud/cloud.csv || fail "a measured point"
+grep -q ',equiangular,2,.*,refused,.*homogeneous' cloud/cloud.csv || fail "a refused point has its reason"
+grep -q '</svg>' cloud/cloud.svg || fail "a picture"
+[ "$(head -c 4 cloud/cloud_error.png | tail -c 3)" = PNG ] || fail "a picture of the errors"
+grep -q '^midpoint  *[0-9.]* ' out || fail "a table of times"
+
+# Finer is more exact, and riemann worse than midpoint.
+error_of() { awk -F'measured,' -v series=",$1," 'index($0, series) { split($2, a, ","); print a[4] }' cloud/cloud.csv; }
+awk -v coarse="$(error_of midpoint,1)" -v fine="$(error_of midpoint,3)" -v plain="$(error_of riemann,2)" \
+    'BEGIN { exit !(fine > 0 && fine < coarse / 4 && plain > fine && coarse < 1) }' ||
+    fail "errors: midpoint $(error_of midpoint,1), $(error_of midpoint,3), riemann $(error_of riemann,2)"
+
+# What is there is not measured again; what is new is added.
+before=$(grep measured cloud/cloud.csv)
+expect 0 chart "$jobs/cloud.json" --frame 48 --out cloud --methods riemann:2,midpoint:1,midpoint:2,midpoint:3
+[ "$(grep measured cloud/cloud.csv | grep -v ',midpoint,2,')" = "$before" ] || fail "points are measured once"
+grep -q ',midpoint,2,.*,measured,' cloud/cloud.csv || fail "a new point"
+grep -q '^midpoint  *2 ' err || fail "a new point is told"
+! grep -q '^midpoint  *[13] ' err || fail "an old point is not told"
+
+expect 2 chart "$jobs/cloud.json" --frame 49 --out cloud --methods midpoint:1
+grep -q "another scene, frame, size or backend" err || fail "points of another frame"
+expect 0 chart "$jobs/cloud.json" --frame 48 --out cloud --methods midpoint:1 --json
+grep -q '"name":"cloud","frame":48,"width_px":16,' out || fail "facts in JSON"
+grep -q '"times":\[{"series":"riemann","seconds":\[' out || fail "times in JSON"
+[ "$(wc -l <out)" -eq 1 ] || fail "JSON is one line"
+
+# A scene of GLSL has no twin: the finest march is its truth.
+expect 0 chart "$jobs/custom.json" --out custom --methods midpoint:1,midpoint:2
+[ "$(grep -c ',measured,.*,midpoint,144,' custom/custom.csv)" -eq 2 ] || fail "the truth of GLSL is named"
+grep -q "finest midpoint march" custom/custom.svg || fail "the picture names the truth of GLSL"
+
+# Riemann's clip is made of the media's reach where the job has none; scenes with objects it cannot render.
+expect 0 chart "$jobs/fog.json" --out fog --methods riemann:2
+grep -q ',riemann,2,.*,measured,' fog/fog.csv || fail "riemann in a job without camera.clip"
+expect 0 chart "$jobs/glass.json" --out glass --methods riemann:2,equiangular:0 --set quality.samples=1
+grep -q ',riemann,2,.*,refused,' glass/glass.csv || fail "riemann among objects"
+grep -q ',equiangular,0,.*,measured,' glass/glass.csv || fail "equiangular among objects"
+
+expect 2 chart "$jobs/cloud.json" --methods magic
+grep -q 'no ladder is called "magic"' err || fail "an unknown method"
+expect 2 chart "$jobs/cloud.json" --size 0x9
+expect 2 chart "$jobs/cloud.json" --size 16x9x
+grep -q -- "--size: expected WIDTHxHEIGHT" err || fail "a wrong size"
+expect 2 chart "$jobs/cloud.json" --frame 240
+grep -q "a frame of the job" err || fail "a frame that the job has not"
+expect 2 chart "$jobs/cloud.json" --out "$jobs/cloud.json"
+expect 2 march chart
+[ ! -e cloud.csv ] || fail "a chart that was refused leaves no file"
+
+# Interrupted, it ends with 130 and keeps its points.
+march chart "$jobs/cloud.json" --backend osmesa --size 32x18 --frame 48 --out stopped >out 2>err &
+pid=$!
+tries=0
+until [ -s stopped/cloud.csv ] || [ $tries -ge 400 ]; do
+    sleep 0.1
+    tries=$((tries + 1))
+done
+kill -TERM "$pid"
+wait "$pid"
+[ $? -eq 130 ] || fail "an interrupted chart ends with 130"
+
+[ "$failures" -eq 0 ]
