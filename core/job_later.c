@@ -4,8 +4,6 @@
 
 const struct job_later job_later_table[] = {
     {.key = "tolerance"},
-    {.key = "method", .text = "adaptive"},
-    {.key = "method", .text = "gauss"},
     {.key = "method", .text = "cached"},
     {.key = "method", .text = "tracking"},
     {.key = "method", .text = "auto"},

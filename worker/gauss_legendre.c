@@ -33,3 +33,27 @@ void gauss_legendre(int count, double *points, double *weights)
         weights[i] = 1 / ((1 - x * x) * slope * slope);
     }
 }
+
+// The polynomial that is 1 at point k and 0 at the others.
+static double lagrange(const double *points, int count, int k, double x)
+{
+    double product = 1;
+
+    for (int i = 0; i < count; ++i)
+        if (i != k) product *= (x - points[i]) / (points[k] - points[i]);
+    return product;
+}
+
+void gauss_legendre_partials(int count, double *partials)
+{
+    double points[GAUSS_LEGENDRE_PARTIAL_LIMIT], weights[GAUSS_LEGENDRE_PARTIAL_LIMIT];
+
+    assert(count <= GAUSS_LEGENDRE_PARTIAL_LIMIT);
+    gauss_legendre(count, points, weights);
+    for (int i = 0; i < count; ++i)
+        for (int k = 0; k < count; ++k) {
+            partials[i * count + k] = 0;
+            for (int n = 0; n < count; ++n)
+                partials[i * count + k] += points[i] * weights[n] * lagrange(points, count, k, points[i] * points[n]);
+        }
+}

@@ -134,6 +134,8 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
                                                (job_method_takes_steps(job->quality.method) && features.media_are_lit));
     features.is_jittered = features.marches && job->quality.method == JOB_METHOD_JITTERED;
+    features.is_adaptive = features.marches && features.has_extinction && job->quality.method == JOB_METHOD_ADAPTIVE;
+    features.is_gauss = features.marches && job->quality.method == JOB_METHOD_GAUSS;
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);
     features.has_samples = (features.has_media || features.has_objects) && job->quality.samples > 1;

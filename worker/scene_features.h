@@ -53,6 +53,8 @@ struct scene_features {
     bool has_roulette; // rays with little left end by lot
     bool is_jittered;  // each segment is looked at somewhere in it
     bool is_tabled;    // some medium is
+    bool is_adaptive;  // segments are bounded by their optical depth
+    bool is_gauss;     // segments are looked at in several nodes
     bool is_random;    // something is drawn by lot
 };
 

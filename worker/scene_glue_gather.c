@@ -3,6 +3,7 @@
 #include "core/job.h"
 #include "worker/gauss_legendre.h"
 #include "worker/scene_glue_media.h"
+#include "worker/scene_glue_steps.h"
 #include "worker/scene_program.h"
 
 static void write_gathered(FILE *out, const struct job *job, const struct scene_features *features)
@@ -37,6 +38,10 @@ void scene_glue_write_transmittance(FILE *out, const struct job *job, const stru
         fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d)", job->quality.light_steps);
     else if (program->features.is_jittered)
         fputs("transmittance_jittered(TransmittanceJittered(quality_light_step)", out);
+    else if (program->features.is_adaptive)
+        fputs("transmittance_adaptive(TransmittanceAdaptive(quality_light_step, quality_depth_step)", out);
+    else if (program->features.is_gauss)
+        fputs("transmittance_gauss(TransmittanceGauss(quality_light_step)", out);
     else
         fputs("transmittance_midpoint(TransmittanceMidpoint(quality_light_step)", out);
     fprintf(out, ", %s, point, light.direction, %s)", spans, distance);
@@ -186,16 +191,9 @@ static void write_sigma_t(FILE *out, const struct scene_program *program)
     fputs(";\n", out);
 }
 
-static void write_extinction(FILE *out, const struct job *job, const struct scene_features *features, bool has_source)
+// A segment of `length` leaves `after` of what came to it.
+static void write_passed(FILE *out, const struct job *job, const struct scene_features *features)
 {
-    bool is_riemann = job->quality.method == JOB_METHOD_RIEMANN;
-
-    if (!is_riemann) fputs("    Segment part = segment(sigma_t * length);\n", out);
-    if (has_source)
-        fprintf(out, "    gathered.radiance += gathered.transmittance * source * %slength;\n",
-                is_riemann ? "" : "part.escape * ");
-    fprintf(out, "    Spectrum after = gathered.transmittance * %s;\n",
-            is_riemann ? "exp(-sigma_t * length)" : "part.transmittance");
     if (features->has_depth)
         fprintf(out,
                 "    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5%s)\n"
@@ -206,6 +204,19 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
                 job->quality.roulette_below, job->quality.roulette_survive);
     else
         fputs("    gathered.transmittance = after;\n", out);
+}
+
+static void write_extinction(FILE *out, const struct job *job, const struct scene_features *features, bool has_source)
+{
+    bool is_riemann = job->quality.method == JOB_METHOD_RIEMANN;
+
+    if (!is_riemann) fputs("    Segment part = segment(sigma_t * length);\n", out);
+    if (has_source)
+        fprintf(out, "    gathered.radiance += gathered.transmittance * source * %slength;\n",
+                is_riemann ? "" : "part.escape * ");
+    fprintf(out, "    Spectrum after = gathered.transmittance * %s;\n",
+            is_riemann ? "exp(-sigma_t * length)" : "part.transmittance");
+    write_passed(out, job, features);
 }
 
 static void write_source(FILE *out, const struct medium_features *medium, size_t i)
@@ -226,6 +237,53 @@ static void write_sources(FILE *out, const struct job *job, const struct scene_p
     if (features->media_are_lit && !features->places_points) write_scattering(out, job, program);
 }
 
+static void write_densities(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        if (program->features.media[i].is_seen) {
+            fprintf(out, "    float density_%zu = ", i);
+            scene_glue_write_density(out, job, program, i);
+            fputs(";\n", out);
+        }
+}
+
+// What a node of a segment has, per metre.
+static void write_gather_node(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+
+    fputs("void gather_node(Gathered gathered, MediaField field, vec3 point, vec3 direction, out Spectrum extinction, "
+          "out Spectrum light_source)\n{\n"
+          "    extinction = spectrum(0.0);\n    light_source = spectrum(0.0);\n"
+          "    if (field.distance >= 0.0) return;\n",
+          out);
+    write_densities(out, job, program);
+    if (features->has_emission || features->media_are_lit) {
+        write_sources(out, job, program);
+        fputs("    light_source = source;\n", out);
+    }
+    if (features->has_extinction) {
+        write_sigma_t(out, program);
+        fputs("    extinction = sigma_t;\n", out);
+    }
+    fputs("}\n", out);
+}
+
+// Adds a segment that sends `light` forward.
+static void write_gather_segment(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    fprintf(out,
+            "void gather_segment(inout Gathered gathered, Spectrum light, Spectrum optical_depth, float at, float "
+            "length)\n{\n    gathered.radiance += %slight;\n",
+            features->has_throughput ? "gathered.transmittance * " : "");
+    if (features->has_extinction) {
+        fputs("    Spectrum after = gathered.transmittance * segment(optical_depth).transmittance;\n", out);
+        if (features->has_depth) fputs("    Spectrum sigma_t = optical_depth / length;\n", out);
+        write_passed(out, job, features);
+    }
+    fputs("}\n", out);
+}
+
 void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
@@ -233,17 +291,17 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
     bool has_source = features->has_emission || (features->media_are_lit && !features->places_points);
 
     write_gathered(out, job, features);
+    if (features->is_gauss) {
+        write_gather_node(out, job, program);
+        write_gather_segment(out, job, features);
+        return;
+    }
     fprintf(out,
             "// `at` is where the segment begins, `point` %s.\n"
             "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
             "length)\n{\n",
             features->marches ? "where the field was taken" : "is there");
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        if (features->media[i].is_seen) {
-            fprintf(out, "    float density_%zu = ", i);
-            scene_glue_write_density(out, job, program, i);
-            fputs(";\n", out);
-        }
+    write_densities(out, job, program);
     if (has_source) write_sources(out, job, program);
     if (features->has_extinction) write_sigma_t(out, program);
     if (features->places_points) write_all_placed(out, scene, program);
@@ -262,6 +320,10 @@ void scene_glue_write_integrator(FILE *out, const struct job *job, const struct 
         fputs("    integrator_jittered(IntegratorJittered(quality_step)", out);
     else if (program->features.is_tabled)
         fputs("    integrator_preintegrated(IntegratorPreintegrated(quality_step)", out);
+    else if (program->features.is_adaptive)
+        fputs("    integrator_adaptive(IntegratorAdaptive(quality_step, quality_depth_step)", out);
+    else if (program->features.is_gauss)
+        fputs("    integrator_gauss(IntegratorGauss(quality_step)", out);
     else if (program->features.marches)
         fputs("    integrator_midpoint(IntegratorMidpoint(quality_step)", out);
     else // n spans have 2 n ends

@@ -9,6 +9,7 @@
 #include "worker/scene_glue_gather.h"
 #include "worker/scene_glue_media.h"
 #include "worker/scene_glue_path.h"
+#include "worker/scene_glue_steps.h"
 #include "worker/scene_glue_surface.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_values.h"
@@ -65,6 +66,7 @@ static void add_media(struct assembly *assembly)
     if (features->has_extinction && features->has_depth)
         add_module(assembly, features->extinction_is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
     scene_glue_write_media(generate(assembly), assembly->job, assembly->program);
+    scene_glue_write_steps(assembly->text.out, assembly->job, assembly->program);
 }
 
 static void add_phase(struct assembly *assembly, const struct scene_medium *medium,
@@ -109,6 +111,8 @@ static void add_lights(struct assembly *assembly)
         add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
                              : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
                              : features->is_jittered                               ? "transmittance/jittered.glsl"
+                             : features->is_adaptive                               ? "transmittance/adaptive.glsl"
+                             : features->is_gauss                                  ? "transmittance/gauss.glsl"
                                                                                    : "transmittance/midpoint.glsl");
     scene_glue_write_lights(generate(assembly), assembly->job, assembly->program);
     if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->job, assembly->program);
@@ -118,10 +122,16 @@ static void add_integrator(struct assembly *assembly)
 {
     if (assembly->program->features.places_points) add_placement(assembly);
     if (assembly->program->features.has_roulette) add_module(assembly, "integrator/roulette.glsl");
+    if (assembly->program->features.is_gauss) {
+        add_module(assembly, "math/segment.glsl");
+        add_module(assembly, "math/gauss.glsl");
+    }
     scene_glue_write_gather(generate(assembly), assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
                          : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
                          : assembly->program->features.is_tabled             ? "integrator/preintegrated.glsl"
+                         : assembly->program->features.is_adaptive           ? "integrator/adaptive.glsl"
+                         : assembly->program->features.is_gauss              ? "integrator/gauss.glsl"
                          : assembly->program->features.marches               ? "integrator/midpoint.glsl"
                                                                              : "integrator/stretches.glsl");
 }

@@ -225,6 +225,7 @@ static void add_steps(struct frame_uniforms *uniforms, const struct job *job, co
 
     if (features->marches) add_number(uniforms, job, &quality->step, "quality_step");
     if (features->marches_to_lights) add_number(uniforms, job, &quality->light_step, "quality_light_step");
+    if (features->is_adaptive) add_number(uniforms, job, &quality->depth_step, "quality_depth_step");
     if (features->has_media && (features->has_objects || quality->min_transmittance > 0.0))
         add_number(uniforms, job, &quality->min_transmittance, "quality_min_transmittance");
 }

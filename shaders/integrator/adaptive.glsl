@@ -1,0 +1,46 @@
+// Segments that are homogeneous with the media of their middle, as the midpoint method's, each as long as takes about
+// `depth_step` of optical depth, by its strongest colour, but no longer than `step`. What the last one had is the guess
+// for the next; one that proves too thick is shortened and looked at again, as a look costs little beside what is
+// gathered. The error of a segment counts by the light that gets to the camera, so that segments grow as less of it does.
+struct IntegratorAdaptive { float step, depth_step; };
+
+// Distances are counted from where the media begin, so that a far camera leaves them their digits.
+void integrator_adaptive(IntegratorAdaptive method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
+                         inout Gathered gathered)
+{
+    const float TOO_THICK = 1.5; // times what was asked for
+    const float THIN = 1e-6;     // optical depth: empty, as far as steps go
+    const float LEAST_LEFT = 1e-6;
+    vec3 entry = origin + interval.x * direction;
+    MediaSpans ahead = media_spans_from(spans, interval.x);
+    float end = interval.y - interval.x;
+    float at = 0.0;
+    float reach = method.step;
+    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+        // Of second order, errors of segments in balance are as the cubes of their lengths.
+        float wanted = method.depth_step * pow(max(spectrum_max(gathered.transmittance), LEAST_LEFT), -1.0 / 3.0);
+        float half_length = 0.0;
+        float depth = 0.0;
+        MediaField field;
+        // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
+        for (; turn < MARCH_LIMIT && at < end; ++turn) {
+            half_length = 0.5 * min(reach, media_next_edge(ahead, at, end) - at);
+            float middle = at + half_length;
+            field = media_field(ahead, entry + middle * direction, direction, middle);
+            if (field.distance < 0.0) {
+                depth = 2.0 * half_length * spectrum_max(media_extinction(field));
+                if (depth <= TOO_THICK * wanted) break;
+                reach = 2.0 * half_length * wanted / depth;
+            } else {
+                at += half_length + max(half_length, field.distance);
+                reach = method.step;
+            }
+        }
+        if (at >= end) break;
+        gather(gathered, field, entry + (at + half_length) * direction, direction, interval.x + at, 2.0 * half_length);
+        at += 2.0 * half_length;
+        reach = min(method.step, 2.0 * half_length * wanted / max(depth, THIN * wanted));
+        if (gathered_is_over(gathered)) break;
+    }
+    if (at < end && !gathered_is_over(gathered)) march_was_cut = true;
+}

@@ -1,0 +1,41 @@
+// Segments of `step`, the last one before an edge of a medium's span ending exactly there, each looked at in the nodes of
+// Gauss and Legendre's rule: of order 2 GAUSS_ORDER where all is smooth. Segments that the media's bounds show to be empty
+// are stepped over.
+struct IntegratorGauss { float step; };
+
+// Distances are counted from where the media begin, so that a far camera leaves them their digits.
+void integrator_gauss(IntegratorGauss method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
+                      inout Gathered gathered)
+{
+    vec3 entry = origin + interval.x * direction;
+    MediaSpans ahead = media_spans_from(spans, interval.x);
+    float end = interval.y - interval.x;
+    float at = 0.0;
+    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+        float length = 0.0;
+        MediaField field;
+        // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
+        for (; turn < MARCH_LIMIT && at < end; ++turn) {
+            length = min(method.step, media_next_edge(ahead, at, end) - at);
+            float first = GAUSS_NODES[0] * length;
+            field = media_field(ahead, entry + (at + first) * direction, direction, at + first);
+            if (field.distance < length - first) break;
+            at += max(length, first + field.distance);
+        }
+        if (at >= end) break;
+        Spectrum sigma_t[GAUSS_ORDER];
+        Spectrum source[GAUSS_ORDER];
+        for (int i = 0; i < GAUSS_ORDER; ++i) {
+            float place = at + GAUSS_NODES[i] * length;
+            vec3 point = entry + place * direction;
+            if (i > 0) field = media_field(ahead, point, direction, place);
+            gather_node(gathered, field, point, direction, sigma_t[i], source[i]);
+        }
+        Spectrum optical_depth;
+        Spectrum light = gauss_segment(sigma_t, source, length, optical_depth);
+        gather_segment(gathered, light, optical_depth, interval.x + at, length);
+        at += length;
+        if (gathered_is_over(gathered)) break;
+    }
+    if (at < end && !gathered_is_over(gathered)) march_was_cut = true;
+}

@@ -1,0 +1,16 @@
+// Writes what marches of other rules than the midpoint's ask of the media.
+#pragma once
+
+#include <stdio.h>
+
+struct job;
+struct scene_program;
+
+// After the media's own functions. Where segments are bounded by their optical depth:
+//   media_extinction(field)     what the media there extinguish per metre
+//   media_column_none()         a column of nothing
+//   media_column_extend(column, rate, length)     adds `length` of what `rate` has a metre
+//   media_column_thickness(column)      its optical depth by the strongest colour
+// and where they are looked at in several nodes, the rule:
+//   GAUSS_ORDER, GAUSS_NODES, GAUSS_WEIGHTS, GAUSS_PARTIALS     as gauss_legendre.h has them
+void scene_glue_write_steps(FILE *out, const struct job *job, const struct scene_program *program);
