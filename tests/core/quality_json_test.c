@@ -69,6 +69,29 @@ static void jittered_and_preintegrated_are_read(void **state)
     }
 }
 
+static void steps_by_depth_and_by_rule_are_read(void **state)
+{
+    char *text = json_edit_set(job_text_noise, "quality",
+                               "{\"method\":\"adaptive\",\"step\":0.5,\"light_step\":1,\"depth_step\":0.125}");
+    struct job adaptive = parse(text), gauss;
+
+    assert_int_equal(adaptive.quality.method, JOB_METHOD_ADAPTIVE);
+    assert_true(adaptive.quality.step == 0.5 && adaptive.quality.depth_step == 0.125);
+    free(text);
+    text = json_edit_set(job_text_noise, "quality", "{\"method\":\"gauss\",\"step\":0.5,\"light_step\":1,\"order\":3}");
+    gauss = parse(text);
+    assert_int_equal(gauss.quality.method, JOB_METHOD_GAUSS);
+    assert_int_equal(gauss.quality.order, 3);
+    job_finish(&gauss);
+    free(text);
+    text = json_edit_set(job_text_noise, "quality", "{\"method\":\"gauss\",\"step\":0.5,\"light_step\":1}");
+    gauss = parse(text);
+    assert_int_equal(gauss.quality.order, 2);
+    job_finish(&gauss);
+    free(text);
+    job_finish(&adaptive);
+}
+
 static void wrong_qualities_are_refused_by_place(void **state)
 {
     static const struct {
@@ -84,6 +107,10 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.light_step_voxels: expected light_step or light_step_voxels, got both"},
         {"quality", "{\"method\":\"midpoint\",\"step_voxels\":1,\"light_step\":1}",
          "quality.step_voxels: expected a density of kind \"grid\" to take the voxels of, got none"},
+        {"quality", "{\"method\":\"adaptive\",\"step\":1,\"light_step\":1}",
+         "quality.depth_step: expected a number from 0.0001 to 100, got nothing"},
+        {"quality", "{\"method\":\"gauss\",\"step\":1,\"light_step\":1,\"order\":5}",
+         "quality.order: expected an integer from 2 to 4, got 5"},
         {"quality", "{\"method\":\"equiangular\"}", "quality.points: expected an integer from 1 to 1000, got nothing"},
         {"quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4,\"roulette\":{}}",
          "quality: unknown key \"roulette\" beside method \"riemann\""},
@@ -102,6 +129,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(qualities_are_read),
         cmocka_unit_test(jittered_and_preintegrated_are_read),
+        cmocka_unit_test(jittered_is_read),
+        cmocka_unit_test(steps_by_depth_and_by_rule_are_read),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };
 
