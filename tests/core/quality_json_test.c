@@ -129,7 +129,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(qualities_are_read),
         cmocka_unit_test(jittered_and_preintegrated_are_read),
-        cmocka_unit_test(jittered_is_read),
         cmocka_unit_test(steps_by_depth_and_by_rule_are_read),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };
