@@ -115,7 +115,7 @@ static size_t number_sequences(struct verify_list *list, const struct places *pl
 size_t verify_names_sort(struct verify_list *list)
 {
     struct places places = {0};
-    const struct place **best = xcalloc(list->count + 1, sizeof *best);
+    const struct place **best = xcalloc(list->count + 1, sizeof(const struct place *));
     size_t sequence_count;
 
     for (size_t i = 0; i < list->count; i++)
