@@ -144,4 +144,15 @@ says "1 wrong, 0 missing"
 [ ! -e fog ] || fail "verifying makes no folder"
 expect 2 march verify job.json --set quality.stp=1
 
+# A file that is there is left when its error is within what it claims, and tells of it; else it is rendered again.
+hash=$(march validate job.json --json | sed 's/.*"hash":"\([0-9a-f]*\)".*/\1/')
+exr-make moved/fog.0003.exr frame=3 "hash=$hash" error=0.005
+expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr"
+says "fog.0003.exr  was there already  error 0.5 % (95 %: below 0.75 %)  cached"
+expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr" --json
+says '"audit":"reference","measured_error":0.005,"error95":0.0075,"audit_rays":64,"method":"cached"}'
+exr-make moved/fog.0003.exr frame=3 "hash=$hash" error=0.0101
+expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr"
+says "fog.0003.exr  rendered"
+
 [ "$failures" -eq 0 ]

@@ -1,4 +1,4 @@
-// What surfaces cost, one feature after the other: surface_bench IMAGE. A frame of 960x540 each, medians of several.
+// What parts of a scene cost, one feature after the other: feature_bench IMAGE. A frame of 960x540 each, medians of several.
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"
@@ -6,6 +6,8 @@
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
+#include "worker/scene_inputs.h"
+#include "worker/scene_program.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,11 +35,42 @@ enum { WIDTH = 960, HEIGHT = 540, RUNS = 5 };
     "\"scale\": 4,"                                                                                                    \
     " \"bounds\": {\"kind\": \"sphere\", \"radius\": 1}}, \"sigma_s\": 1}"
 
+#define HOT "\"bounds\": {\"kind\": \"sphere\", \"radius\": 1}}"
+#define EVEN(coefficients) "{\"density\": {\"kind\": \"homogeneous\", " HOT ", " coefficients "}"
+#define NOISE "\"kind\": \"noise\", \"frequency\": 2, \"octaves\": 3, \"mode\": \"clip\", \"scale\": 4, "
+#define CLOUD(coefficients) "{\"density\": {" NOISE HOT ", " coefficients "}"
+#define SOFT                                                                                                           \
+    "{\"density\": {" NOISE "\"bounds\": {\"kind\": \"sphere\", \"radius\": 1, \"falloff\": 0.2}}, \"sigma_s\": 1}"
+#define ASIDE                                                                                                          \
+    "{\"density\": {" NOISE                                                                                            \
+    "\"bounds\": {\"kind\": \"sphere\", \"center\": [9, -9, 0], \"radius\": 1}}, \"sigma_a\": 1}"
+#define SECOND                                                                                                         \
+    "{\"density\": {" NOISE                                                                                            \
+    "\"bounds\": {\"kind\": \"sphere\", \"center\": [0.8, 0, 0], \"radius\": 0.7}}, \"sigma_s\": 1}"
+#define OTHER_LAMP                                                                                                     \
+    "{\"kind\": \"point\", \"intensity\": 20, \"position\": {\"start\": [-2, 1, 2], \"rate\": [0.01, 0, 0]}}"
+#define DARK_LAMP "{\"kind\": \"point\", \"intensity\": 0, \"position\": [0, 3, 0]}"
+#define LOBES "\"phase\": [{\"g\": 0.6, \"weight\": 0.7}, {\"g\": -0.2, \"weight\": 0.3}, {\"g\": 0.9, \"weight\": 0}]"
+
 struct feature {
     const char *name, *lights, *media, *objects, *quality;
 };
 
 static const struct feature features[] = {
+    {"even ball that absorbs", "", EVEN("\"sigma_a\": 1"), "", POINTS},
+    {"and glows", "", EVEN("\"sigma_a\": 1, \"emission\": {\"start\": 1, \"rate\": 0.01}"), "", POINTS},
+    {"and scatters a lamp's light", LAMP, EVEN("\"sigma_s\": 1"), "", POINTS},
+    {"two lamps", LAMP ", " OTHER_LAMP, EVEN("\"sigma_s\": 1"), "", POINTS},
+    {"noise that glows", "", CLOUD("\"sigma_a\": 1, \"emission\": {\"start\": 1, \"rate\": 0.01}"), "", MARCH},
+    {"and scatters a lamp's light", LAMP, CLOUD("\"sigma_s\": 1"), "", MARCH},
+    {"two lobes, a third of weight 0", LAMP, CLOUD("\"sigma_s\": 1, " LOBES), "", MARCH},
+    {"three colours", LAMP, CLOUD("\"sigma_s\": [1, 0.9, 0.8], " LOBES), "", MARCH},
+    {"two lamps, a third one dark", LAMP ", " OTHER_LAMP ", " DARK_LAMP, CLOUD("\"sigma_s\": 1"), "", MARCH},
+    {"a soft edge", LAMP, SOFT, "", MARCH},
+    {"a second medium", LAMP, CLOUD("\"sigma_s\": 1") ", " SECOND, "", MARCH},
+    {"the second out of the view", LAMP, CLOUD("\"sigma_s\": 1") ", " ASIDE, "", MARCH},
+    {"roulette", LAMP, CLOUD("\"sigma_s\": 1"), "", MARCH ", \"roulette\": {\"below\": 0.1, \"survive\": 0.5}"},
+    {"four samples a pixel", LAMP, CLOUD("\"sigma_s\": 1"), "", MARCH ", \"samples\": 4"},
     {"floor, nothing shines on it", "", "", GREY, POINTS},
     {"and a lamp", LAMP, "", GREY, POINTS},
     {"and its image", LAMP, "", TILED, POINTS},
@@ -92,6 +125,24 @@ static int compare(const void *a, const void *b)
     return (*left > *right) - (*left < *right);
 }
 
+// KiB of the first frame's fragment shader; 0 when there is none.
+static double text_kib(const struct job *job)
+{
+    struct scene_files files = {.hashes = file_hashes_create(), .bricks = brick_store_create()};
+    struct scene_inputs inputs = {0};
+    struct scene_program program = {0};
+    double kib = 0.0;
+
+    if (scene_inputs_open(&inputs, job, 0, &files, NULL, NULL) &&
+        scene_program_init(&program, job, &inputs, NULL, NULL))
+        kib = (double)strlen(program.fragment) / 1024.0;
+    scene_program_finish(&program);
+    scene_inputs_finish(&inputs);
+    file_hashes_destroy(files.hashes);
+    brick_store_destroy(files.bricks);
+    return kib;
+}
+
 static bool measure(struct gl_context *context, const struct feature *feature, const char *path, struct error *error)
 {
     char *text = job_text(feature, path);
@@ -111,8 +162,9 @@ static bool measure(struct gl_context *context, const struct feature *feature, c
     }
     if (ok) {
         qsort(seconds + 1, RUNS, sizeof *seconds, compare);
-        printf("%-28s %10.1f %10.1f %12.2f %12.1e\n", feature->name, 1e3 * seconds[1 + RUNS / 2], 1e3 * seconds[0],
-               result.ray_counts.is_known ? result.ray_counts.rays : 1.0, result.ray_counts.cut_share);
+        printf("%-30s %10.1f %10.1f %10.1f %12.2f %12.1e\n", feature->name, text_kib(&job), 1e3 * seconds[1 + RUNS / 2],
+               1e3 * seconds[0], result.ray_counts.is_known ? result.ray_counts.rays : 1.0,
+               result.ray_counts.cut_share);
     }
     renderer_destroy(renderer);
     image_finish(&image);
@@ -129,11 +181,12 @@ int main(int argc, char *argv[])
     int failures = !context || !image;
 
     if (!context) printf("%s\n", error.message);
-    if (!image) printf("usage: surface_bench IMAGE\n");
-    if (!failures) printf("%-28s %10s %10s %12s %12s\n", "scene", "ms", "first ms", "rays a pixel", "cut share");
+    if (!image) printf("usage: feature_bench IMAGE\n");
+    if (!failures)
+        printf("%-30s %10s %10s %10s %12s %12s\n", "scene", "text KiB", "ms", "first ms", "rays a pixel", "cut share");
     for (size_t i = 0; !failures && i < sizeof features / sizeof *features; i++)
         if (!measure(context, &features[i], image, &error)) {
-            printf("%-28s %s\n", features[i].name, error.message);
+            printf("%-30s %s\n", features[i].name, error.message);
             ++failures;
         }
     if (context) gl_context_destroy(context);
