@@ -1,6 +1,7 @@
 #include "cli/commands.h"
 #include "cli/job_document.h"
 #include "cli/options.h"
+#include "cli/plan_report.h"
 #include "cli/print.h"
 #include "cli/worker_child.h"
 #include "core/error.h"
@@ -51,9 +52,10 @@ static void print_modules(const struct json_node *result)
 
 static void print_explanation(const struct json_node *result)
 {
-    struct json_node bytes = json_node_child(result, "uniform_bytes");
+    struct json_node bytes = json_node_child(result, "uniform_bytes"), plan = json_node_child(result, "plan");
     int64_t uniform_bytes = 0;
 
+    if (!json_node_is_absent(&plan)) plan_report_print(&plan);
     print_features(result, "modelled", "Modelled");
     print_features(result, "not_modelled", "Not modelled");
     print_modules(result);
@@ -62,7 +64,9 @@ static void print_explanation(const struct json_node *result)
            text_of(result, "shader_hash"), strlen(text_of(result, "shader")), uniform_bytes);
 }
 
-static enum exit_status explain(const struct options *options, const char *document, struct error *error)
+// Only what a tolerance comes down to has to be tried.
+static enum exit_status explain(const struct options *options, const struct job *job, const char *document,
+                                struct error *error)
 {
     struct json_writer params = {0};
     enum exit_status status;
@@ -73,7 +77,11 @@ static enum exit_status explain(const struct options *options, const char *docum
     json_write_raw(&params, document, strlen(document));
     json_write_string_member(&params, "root", "/");
     json_write_end_object(&params);
-    status = worker_child_ask(options, "worker.explain", params.text, &reply, error);
+    status = worker_child_ask(options,
+                              &(struct worker_question){.method = "worker.explain",
+                                                        .params = params.text,
+                                                        .needs_gl = job->quality.method == JOB_METHOD_AUTO},
+                              &reply, error);
     json_writer_finish(&params);
     if (status != EXIT_STATUS_DONE) return status;
     if (options->json)
@@ -93,7 +101,7 @@ enum exit_status command_explain(const struct options *options, struct error *er
     struct job job = {0};
 
     if (document && job_document_check(options->operands[0], document, "/", &job, error))
-        status = explain(options, document, error);
+        status = explain(options, &job, document, error);
     job_finish(&job);
     free(document);
     return status;

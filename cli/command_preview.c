@@ -94,7 +94,8 @@ static enum exit_status make_sheet(const struct options *options, const struct s
     if (options->tile_width_px > 0) json_write_integer_member(&params, "tile_width_px", options->tile_width_px);
     json_write_string_member(&params, "out", out);
     json_write_end_object(&params);
-    status = worker_child_ask(options, "worker.preview", params.text, &reply, error);
+    status = worker_child_ask(options, &(struct worker_question){.method = "worker.preview", .params = params.text},
+                              &reply, error);
     json_writer_finish(&params);
     if (status != EXIT_STATUS_DONE) return status;
     print_made(options, out, &reply.body);
@@ -118,7 +119,8 @@ static enum exit_status make_film(const struct options *options, const struct se
     write_sequence(&params, options, sequence);
     json_write_string_member(&params, "folder", folder);
     json_write_end_object(&params);
-    status = worker_child_ask(options, "worker.frames_png", params.text, &reply, error);
+    status = worker_child_ask(options, &(struct worker_question){.method = "worker.frames_png", .params = params.text},
+                              &reply, error);
     json_writer_finish(&params);
     if (status == EXIT_STATUS_DONE) {
         if (film_encode(folder, fps, out, error))

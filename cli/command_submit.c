@@ -7,10 +7,12 @@
 #include "cli/job_summary.h"
 #include "cli/json_set.h"
 #include "cli/options.h"
+#include "cli/plan_report.h"
 #include "cli/print.h"
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"
+#include "core/json_read.h"
 #include "core/json_write.h"
 
 #include <inttypes.h>
@@ -31,20 +33,45 @@ static char *load_document(const struct options *options, struct error *error)
     return edited;
 }
 
-static enum exit_status tell_plan(const struct options *options, const struct job *job)
+static void print_plan(const struct options *options, const struct job *job, const struct json_node *foretold)
 {
     struct json_writer writer = {0};
 
     if (!options->json) {
         job_summary_print(job);
-        return EXIT_STATUS_DONE;
+        if (foretold) plan_report_print(foretold);
+        return;
     }
     json_write_begin_object(&writer);
     json_write_bool_member(&writer, "dry_run", true);
     job_summary_write_members(job, &writer);
+    if (foretold) {
+        char *text = json_format(foretold);
+
+        json_write_key(&writer, "plan");
+        json_write_raw(&writer, text, strlen(text));
+        free(text);
+    }
     json_write_end_object(&writer);
     print_json_text(&writer);
     json_writer_finish(&writer);
+}
+
+// A job that says itself how it is rendered needs nothing to be tried.
+static enum exit_status tell_plan(const struct options *options, const struct job *job, const char *document,
+                                  struct error *error)
+{
+    enum exit_status status;
+    struct message reply;
+
+    if (job->quality.method != JOB_METHOD_AUTO) {
+        print_plan(options, job, NULL);
+        return EXIT_STATUS_DONE;
+    }
+    status = plan_report_ask(options, document, &reply, error);
+    if (status != EXIT_STATUS_DONE) return status;
+    print_plan(options, job, &reply.body);
+    message_finish(&reply);
     return EXIT_STATUS_DONE;
 }
 
@@ -139,7 +166,7 @@ enum exit_status command_submit(const struct options *options, struct error *err
     struct job job = {0};
 
     if (!document || !job_document_check(options->operands[0], document, "/", &job, error)) goto out;
-    status = options->dry_run ? tell_plan(options, &job) : submit(options, document, error);
+    status = options->dry_run ? tell_plan(options, &job, document, error) : submit(options, document, error);
 out:
     job_finish(&job);
     free(document);

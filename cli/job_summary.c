@@ -76,7 +76,10 @@ static void print_quality(const struct job *job)
 {
     const struct job_quality *quality = &job->quality;
 
-    printf("%-10s %s", "quality", job_method_name(quality->method));
+    if (quality->method == JOB_METHOD_AUTO)
+        printf("%-10s tolerance %g", "quality", quality->tolerance);
+    else
+        printf("%-10s %s", "quality", job_method_name(quality->method));
     print_step("step", quality->step, quality->step_voxels);
     print_step("light step", quality->light_step, quality->light_step_voxels);
     if (quality->light_steps > 0)
@@ -127,6 +130,7 @@ void job_summary_write_members(const struct job *job, struct json_writer *writer
     json_write_integer_member(writer, "lights", (int64_t)job->scene.light_count);
     json_write_bool_member(writer, "moves", !scene_is_constant(&job->scene));
     json_write_string_member(writer, "method", job_method_name(job->quality.method));
+    if (job->quality.tolerance > 0.0) json_write_number_member(writer, "tolerance", job->quality.tolerance);
     if (job->quality.step > 0.0) json_write_number_member(writer, "step", job->quality.step);
     if (job->quality.step_voxels > 0.0) json_write_number_member(writer, "step_voxels", job->quality.step_voxels);
     json_write_integer_member(writer, "samples", job->quality.samples);

@@ -210,16 +210,17 @@ enum exit_status worker_child_call(struct worker_child *child, const char *metho
     return status;
 }
 
-enum exit_status worker_child_ask(const struct options *options, const char *method, const char *params,
+enum exit_status worker_child_ask(const struct options *options, const struct worker_question *question,
                                   struct message *reply, struct error *error)
 {
+    const char *backend = !question->needs_gl ? "none" : options->backend ? options->backend : "auto";
     struct interrupt interrupt;
     struct worker_child child;
     enum exit_status status = EXIT_STATUS_FAILED;
 
     interrupt_init(&interrupt);
-    if (worker_child_start_without_gl(&child, options, &interrupt, error)) {
-        status = worker_child_call(&child, method, params, reply, error);
+    if (start(&child, options, backend, &interrupt, error)) {
+        status = worker_child_call(&child, question->method, question->params, reply, error);
         worker_child_stop(&child, status != EXIT_STATUS_DONE);
     }
     interrupt_finish(&interrupt);

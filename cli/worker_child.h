@@ -34,6 +34,11 @@ bool worker_child_start_without_gl(struct worker_child *child, const struct opti
 enum exit_status worker_child_call(struct worker_child *child, const char *method, const char *params,
                                    struct message *reply, struct error *error);
 
-// One request, of a kind that needs no GL, to a worker started for it and stopped after it; `params` and `reply` as connection_call has them.
-enum exit_status worker_child_ask(const struct options *options, const char *method, const char *params,
+struct worker_question {
+    const char *method, *params; // as connection_call has them
+    bool needs_gl;               // else the worker makes no context
+};
+
+// One request to a worker started for it and stopped after it; `reply` is as connection_call has it.
+enum exit_status worker_child_ask(const struct options *options, const struct worker_question *question,
                                   struct message *reply, struct error *error);

@@ -259,17 +259,26 @@ static bool check_voxels(const struct check *check)
     return true;
 }
 
+static bool media_are_even(const struct scene *scene)
+{
+    bool is_even = true;
+
+    for (size_t i = 0; i < scene->medium_count; i++)
+        is_even = is_even && scene_density_is_even(&scene->media[i].density);
+    return is_even;
+}
+
+// Of a method that takes steps; auto has none of its own yet.
 static bool check_midpoint(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
     const struct job_quality *quality = &check->job->quality;
     struct json_node light_step = json_node_child(check->quality, "light_step");
-    bool is_even = true;
+    bool is_even = media_are_even(scene);
 
-    for (size_t i = 0; i < scene->medium_count; i++)
-        is_even = is_even && scene_density_is_even(&scene->media[i].density);
     if (!check_voxels(check)) return false;
-    if (!is_even && scene->light_count > 0 && quality->light_step == 0.0 && quality->light_step_voxels == 0.0)
+    if (!is_even && quality->method != JOB_METHOD_AUTO && scene->light_count > 0 && quality->light_step == 0.0 &&
+        quality->light_step_voxels == 0.0)
         return json_fail_expected(&light_step, check->error, "a number of metres, as light marches through media");
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct scene_density *density = &scene->media[i].density;
@@ -352,8 +361,22 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
         return check_midpoint(&check);
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
-    case JOB_METHOD_AUTO:
-        return true;
+    case JOB_METHOD_AUTO: // of even media alone nothing has to march
+        return media_are_even(&job->scene) || check_midpoint(&check);
     }
     return false;
+}
+
+double step_longest_way(const struct job *job)
+{
+    const struct check check = {.job = job, .span = job_time_span(job)};
+    double clip = job->scene.camera.clip_far - job->scene.camera.clip_near, longest = 0.0;
+
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const struct scene_medium *medium = &job->scene.media[i];
+
+        if (medium->density.kind != SCENE_DENSITY_GRID)
+            longest = fmax(longest, fmin(medium_diameter(&check, medium), clip));
+    }
+    return longest;
 }

@@ -58,6 +58,7 @@ static void free_job_if_done(struct assignment *assignment, struct held_job *job
 void assignment_add_job(struct assignment *assignment, struct held_job *job)
 {
     assignment_forget_job(assignment, job->id);
+    job->serial = ++assignment->job_count;
     job->next = assignment->jobs;
     assignment->jobs = job;
 }

@@ -10,8 +10,9 @@
 // A job the worker was told of. Only its list of frames changes once it is added.
 struct held_job {
     int64_t id, epoch;
-    char *root;  // owned
-    char *owner; // owned
+    int64_t serial; // that no other job has which the worker was told of; 0 until it is added
+    char *root;     // owned
+    char *owner;    // owned
     struct job job;
     char *fault;           // owned; why no frame of it can work, NULL if they can
     size_t frame_count;    // of its frames in hand
@@ -35,6 +36,7 @@ struct assignment_frame {
 struct assignment {
     struct held_job *jobs;           // owned
     struct assignment_frame *frames; // owned; in the order to render them
+    int64_t job_count;               // that were ever added
 };
 
 void assignment_finish(struct assignment *assignment);

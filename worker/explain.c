@@ -346,7 +346,8 @@ static void write_list(struct listing listing, const char *key, bool of_modelled
     json_write_end_array(listing.writer);
 }
 
-bool explain_write(const struct job *job, const char *shader_dir, struct json_writer *writer, struct error *error)
+bool explain_write(const struct job *job, const char *shader_dir, const struct json_writer *plan,
+                   struct json_writer *writer, struct error *error)
 {
     struct scene_program program = {0};
     struct scene_inputs inputs = {0};
@@ -358,6 +359,10 @@ bool explain_write(const struct job *job, const char *shader_dir, struct json_wr
         return false;
     }
     json_write_begin_object(writer);
+    if (plan) {
+        json_write_key(writer, "plan");
+        json_write_raw(writer, plan->text, plan->length);
+    }
     write_list(listing, "modelled", true);
     write_list(listing, "not_modelled", false);
     json_write_key(writer, "modules");

@@ -10,6 +10,7 @@
 #include "worker/renderer.h"
 #include "worker/report.h"
 #include "worker/request.h"
+#include "worker/tolerance.h"
 #include "worker/worker.h"
 
 #include <stdio.h>
@@ -21,6 +22,7 @@ struct render_loop {
     struct worker *worker;
     struct gl_context *context;     // NULL with --backend none
     struct renderer *renderer;      // likewise
+    struct tolerance *tolerance;    // likewise
     struct assignment_frame *frame; // being rendered
     // The frame whose files are being read ahead; its job -1: none.
     int64_t expected_job;
@@ -72,6 +74,7 @@ static bool make_renderer(struct render_loop *loop)
         return false;
     }
     loop->renderer = renderer_create(loop->context, options->shader_dir);
+    loop->tolerance = tolerance_create(loop->renderer);
     facts = gl_context_facts(loop->context);
     snprintf(worker->backend, sizeof worker->backend, "%s", facts->backend);
     snprintf(worker->renderer, sizeof worker->renderer, "%s", facts->renderer);
@@ -89,6 +92,8 @@ static enum report_fault fault_of(enum renderer_fault fault)
         return REPORT_FAULT_ENDLESS;
     case RENDERER_FAULT_CONTEXT:
         return REPORT_FAULT_WORKER;
+    case RENDERER_FAULT_MISSED:
+        return REPORT_FAULT_MISSED;
     default:
         return REPORT_FAULT_FRAME;
     }
@@ -126,33 +131,50 @@ static struct picture *make_picture(struct assignment_frame *frame, struct error
     return NULL;
 }
 
+static void fill_picture(struct picture *picture, const struct tolerance_result *result)
+{
+    const struct renderer_result *render = &result->render;
+
+    picture->render_s = render->seconds;
+    memcpy(picture->world_to_camera, render->world_to_camera, sizeof picture->world_to_camera);
+    memcpy(picture->world_to_ndc, render->world_to_ndc, sizeof picture->world_to_ndc);
+    snprintf(picture->shader_hash, sizeof picture->shader_hash, "%s", render->shader_hash ? render->shader_hash : "");
+    memcpy(picture->hash, render->picture_hash, sizeof picture->hash);
+    picture->method = result->quality.method;
+    picture->step = render->step;
+    picture->ray_counts = render->ray_counts;
+    picture->audit = result->audit;
+    picture->sampling_error = result->audit.sampling_error;
+    memcpy(picture->plan, result->reason, sizeof picture->plan);
+}
+
 // Takes over `folder_fd`.
 static void render_picture(struct render_loop *loop, int folder_fd, struct picture *picture)
 {
-    struct renderer_result result = {0};
+    const struct tolerance_params params = {.job = &loop->frame->job->job,
+                                            .serial = loop->frame->job->serial,
+                                            .frame = loop->frame->frame,
+                                            .image = &picture->image,
+                                            .on_progress = on_progress,
+                                            .user = loop};
+    struct tolerance_result result;
     struct error error = {0};
+    enum renderer_fault fault;
 
     picture->folder_fd = folder_fd;
-    if (renderer_render(loop->renderer, &loop->frame->job->job, loop->frame->frame, &picture->image, on_progress, loop,
-                        &result, &error)) {
-        picture->render_s = result.seconds;
-        memcpy(picture->world_to_camera, result.world_to_camera, sizeof picture->world_to_camera);
-        memcpy(picture->world_to_ndc, result.world_to_ndc, sizeof picture->world_to_ndc);
-        snprintf(picture->shader_hash, sizeof picture->shader_hash, "%s", result.shader_hash ? result.shader_hash : "");
-        memcpy(picture->hash, result.picture_hash, sizeof picture->hash);
-        picture->method = loop->frame->job->job.quality.method;
-        picture->step = result.step;
-        picture->ray_counts = result.ray_counts;
+    if (tolerance_render(loop->tolerance, &params, &result, &error)) {
+        fill_picture(picture, &result);
         hand_over(loop, picture);
         return;
     }
+    fault = result.render.fault;
     picture_destroy(picture);
-    if (result.fault == RENDERER_FAULT_STOPPED) {
+    if (fault == RENDERER_FAULT_STOPPED) {
         worker_drop_frame(loop->worker, loop->frame);
         return;
     }
-    fail_frame(loop, fault_of(result.fault), error.message);
-    if (result.fault == RENDERER_FAULT_CONTEXT) worker_exit(loop->worker, 1);
+    fail_frame(loop, fault_of(fault), error.message);
+    if (fault == RENDERER_FAULT_CONTEXT) worker_exit(loop->worker, 1);
 }
 
 // The file's own header says how exact it is.
@@ -279,6 +301,7 @@ void *render_loop_run(void *user)
         work(&loop);
     else
         worker_exit(worker, 1);
+    tolerance_destroy(loop.tolerance);
     if (loop.renderer) renderer_destroy(loop.renderer);
     if (loop.context) gl_context_destroy(loop.context);
     pthread_mutex_lock(&worker->lock);

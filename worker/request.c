@@ -9,6 +9,8 @@
 #include "worker/connection.h"
 #include "worker/explain.h"
 #include "worker/measure_requests.h"
+#include "worker/plan.h"
+#include "worker/plan_answer.h"
 #include "worker/preview.h"
 #include "worker/request_verify.h"
 
@@ -36,13 +38,41 @@ bool request_read_job(const struct json_node *params, struct job *job, struct er
 static bool answer_explain(const struct json_node *params, const struct request_tools *tools,
                            struct json_writer *writer, enum message_code *code, struct error *error)
 {
-    struct job job = {0};
+    struct json_writer foretold = {0};
+    struct job job = {0}, planned;
+    struct plan plan;
     bool ok;
 
     *code = MESSAGE_CODE_PARAMS;
     if (!request_read_job(params, &job, error)) return false;
     *code = MESSAGE_CODE_INTERNAL;
-    ok = explain_write(&job, tools->shader_dir, writer, error);
+    if (job.quality.method == JOB_METHOD_AUTO) {
+        ok = plan_answer_write(&job, tools, &foretold, &plan, error);
+        if (ok) planned = plan_apply(&plan, &job);
+        ok = ok && explain_write(&planned, tools->shader_dir, &foretold, writer, error);
+    } else {
+        ok = explain_write(&job, tools->shader_dir, NULL, writer, error);
+    }
+    json_writer_finish(&foretold);
+    job_finish(&job);
+    return ok;
+}
+
+static bool answer_plan(const struct json_node *params, const struct request_tools *tools, struct json_writer *writer,
+                        enum message_code *code, struct error *error)
+{
+    struct job job = {0};
+    bool ok;
+
+    *code = MESSAGE_CODE_PARAMS;
+    if (!request_read_job(params, &job, error)) return false;
+    ok = job.quality.method == JOB_METHOD_AUTO;
+    if (!ok) {
+        error_set(error, "quality: expected a tolerance, as other jobs say themselves how they are rendered");
+    } else {
+        *code = MESSAGE_CODE_INTERNAL;
+        ok = plan_answer_write(&job, tools, writer, NULL, error);
+    }
     job_finish(&job);
     return ok;
 }
@@ -164,10 +194,15 @@ static const struct {
     const char *method;
     request_function *answer;
 } answers[] = {
-    {"worker.explain", answer_explain},           {"worker.preview", answer_preview},
-    {"worker.frames_png", answer_frames_png},     {"worker.reach", measure_answer_reach},
-    {"worker.truth", measure_answer_truth},       {"worker.measure", measure_answer_setting},
-    {"worker.error_strip", measure_answer_strip}, {"worker.verify", request_answer_verify},
+    {"worker.explain", answer_explain},
+    {"worker.preview", answer_preview},
+    {"worker.frames_png", answer_frames_png},
+    {"worker.reach", measure_answer_reach},
+    {"worker.truth", measure_answer_truth},
+    {"worker.measure", measure_answer_setting},
+    {"worker.error_strip", measure_answer_strip},
+    {"worker.verify", request_answer_verify},
+    {"worker.plan", answer_plan},
 };
 
 static request_function *find_answer(const char *method)

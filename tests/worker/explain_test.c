@@ -28,7 +28,7 @@ static void explain(struct explanation *explanation, const struct job *job)
     struct error error = {{0}};
 
     *explanation = (struct explanation){0};
-    if (!explain_write(job, NULL, &explanation->writer, &error) ||
+    if (!explain_write(job, NULL, NULL, &explanation->writer, &error) ||
         !json_parse(&explanation->root, explanation->writer.text, explanation->writer.length, &error))
         fail_msg("%s", error.message);
     explanation->node = json_node_root(explanation->root);
@@ -261,7 +261,7 @@ static void a_missing_camera_view_is_an_error(void **state)
 
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     job.scene.camera.target = job.scene.camera.position;
-    assert_false(explain_write(&job, NULL, &writer, &error));
+    assert_false(explain_write(&job, NULL, NULL, &writer, &error));
     assert_non_null(strstr(error.message, "camera.target"));
     assert_int_equal(writer.length, 0);
     json_writer_finish(&writer);

@@ -1,0 +1,228 @@
+#include "worker/plan.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/log.h"
+#include "worker/plan_family.h"
+#include "worker/plan_pilot.h"
+#include "worker/plan_time.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { FINEST_RUNGS = 6 };
+
+static const double SHARE = 0.6; // of the tolerance that a plan is to use
+// Relative RMSE of rounding to half: of an even spread of digits, 2^-11 / sqrt(3) of the value's power of two.
+static const double HALF_ROUNDING = 2.0e-4;
+
+// A search in one family.
+struct attempt {
+    const struct plan_family *family;
+    const struct plan_scene *scene;
+    struct plan_pilot *pilot;
+    bool is_half;
+};
+
+static double find_work(void *user, const struct plan_point *point)
+{
+    const struct attempt *attempt = user;
+    struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, point);
+
+    return plan_family_work(attempt->scene, &quality);
+}
+
+static double with_rounding(double error, bool is_half)
+{
+    return is_half ? hypot(error, HALF_ROUNDING) : error;
+}
+
+static enum plan_measured measure(void *user, const struct plan_point *point, double *error)
+{
+    struct attempt *attempt = user;
+    struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, point);
+    struct plan_errors errors;
+    enum plan_measured measured = plan_pilot_measure(attempt->pilot, &quality, &errors);
+
+    *error = with_rounding(errors.largest, attempt->is_half);
+    if (measured == PLAN_MEASURED)
+        log_debug("plan: %s step %g %g, light %g %g grid %d points %d least %g: error %.2e, work %.0f",
+                  attempt->family->name, quality.step, quality.step_voxels, quality.light_step,
+                  quality.light_step_voxels, quality.light_grid, quality.points, quality.min_transmittance, *error,
+                  plan_family_work(attempt->scene, &quality));
+    return measured;
+}
+
+// Where a walk begins: with steps that would keep the tolerance if all were alike.
+static int start_rung(enum plan_axis axis, int level)
+{
+    switch (axis) {
+    case PLAN_AXIS_STEP:
+    case PLAN_AXIS_LIGHT_STEP:
+        return 2 * level;
+    case PLAN_AXIS_DEPTH_STEP:
+        return 6;
+    case PLAN_AXIS_POINTS:
+        return 2 * level + 3;
+    case PLAN_AXIS_LIGHT_GRID:
+        return 4;
+    case PLAN_AXIS_DENSITY_GRID:
+        return 6;
+    case PLAN_AXIS_MIN_TRANSMITTANCE:
+        return 5;
+    case PLAN_AXIS_PATHS:
+        break;
+    }
+    return 0;
+}
+
+static struct plan_finding search(struct attempt *attempt, double target, double work_limit)
+{
+    struct plan_search search = {
+        .target = target, .work_limit = work_limit, .work = find_work, .measure = measure, .user = attempt};
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+
+    search.axis_count = plan_family_axes(attempt->family, attempt->scene, axes);
+    for (int i = 0; i < search.axis_count; i++) {
+        int rung = start_rung(axes[i], plan_pilot_start_level(attempt->pilot));
+
+        search.last_rung[i] = plan_axis_last_rung(axes[i], attempt->scene);
+        search.start.rungs[i] = rung < search.last_rung[i] ? rung : search.last_rung[i];
+    }
+    return plan_search_run(&search);
+}
+
+// What is known of the families that were tried.
+struct choice {
+    struct plan_finding finding;
+    size_t family;
+    bool is_found;
+    char tried[160]; // names and work
+};
+
+static void note_tried(struct choice *choice, const struct plan_family *family, const struct plan_finding *finding)
+{
+    size_t length = strlen(choice->tried);
+
+    snprintf(choice->tried + length, sizeof choice->tried - length, "%s%s %s%.0f", length > 0 ? ", " : "", family->name,
+             finding->found == PLAN_TOO_DEAR ? "over " : "", finding->work);
+}
+
+static bool is_better(const struct choice *choice, const struct plan_finding *finding)
+{
+    if (finding->found == PLAN_FOUND) return true; // less work than the one before, or it would be too dear
+    return !choice->is_found && finding->error < choice->finding.error;
+}
+
+// False when it was stopped.
+static bool choose(struct plan_pilot *pilot, const struct job *job, struct choice *choice)
+{
+    const struct plan_scene *scene = plan_pilot_scene(pilot);
+
+    *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count};
+    for (size_t i = 0; i < plan_family_count; i++) {
+        struct attempt attempt = {&plan_families[i], scene, pilot, job->output.pixel == JOB_PIXEL_HALF};
+        struct plan_finding finding;
+
+        if (!plan_family_serves(attempt.family, scene)) continue;
+        finding = search(&attempt, SHARE * job->quality.tolerance, choice->is_found ? choice->finding.work : INFINITY);
+        if (finding.found == PLAN_GAVE_UP) return false;
+        note_tried(choice, attempt.family, &finding);
+        if (!is_better(choice, &finding)) continue;
+        choice->finding = finding;
+        choice->family = i;
+        choice->is_found = finding.found == PLAN_FOUND;
+    }
+    return true;
+}
+
+static void describe(struct plan *plan, const struct job *job, const struct choice *choice)
+{
+    const char *name = plan_families[plan->family].name;
+
+    if (!choice->is_found)
+        snprintf(plan->reason, sizeof plan->reason, "%s comes nearest to %g: nothing that was tried keeps it", name,
+                 job->quality.tolerance);
+    else if (!strchr(choice->tried, ','))
+        snprintf(plan->reason, sizeof plan->reason, "%s alone serves this scene", name);
+    else
+        snprintf(plan->reason, sizeof plan->reason, "%s does the least work for %g of the tolerance, looks a pixel: %s",
+                 name, SHARE, choice->tried);
+}
+
+static void force(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
+{
+    if (params->choice == PLAN_CHOICE_COARSEST) {
+        plan->point = (struct plan_point){{0}};
+        plan->quality = plan_family_quality(&plan_families[plan->family], scene, &plan->point);
+    }
+    if (params->choice == PLAN_CHOICE_FINEST) (void)plan_refine(plan, params->job, FINEST_RUNGS);
+    plan->work = plan_family_work(scene, &plan->quality);
+}
+
+static bool finish(struct plan *plan, const struct plan_params *params, struct plan_pilot *pilot,
+                   const struct choice *choice)
+{
+    const struct plan_scene *scene = plan_pilot_scene(pilot);
+    struct plan_errors errors;
+
+    *plan = (struct plan){.family = choice->family, .point = choice->finding.point};
+    plan->quality = plan_family_quality(&plan_families[plan->family], scene, &plan->point);
+    describe(plan, params->job, choice);
+    force(plan, params, scene);
+    if (plan_pilot_measure(pilot, &plan->quality, &errors) != PLAN_MEASURED) return false;
+    plan->predicted_error = with_rounding(errors.mean, params->job->output.pixel == JOB_PIXEL_HALF);
+    if (params->evidence) plan_pilot_give(pilot, params->evidence);
+    log_debug("plan: segment %d: %s; predicted error %.2e of %g, %d small renders", (int)params->segment.index,
+              plan->reason, plan->predicted_error, params->job->quality.tolerance, plan_pilot_count_renders(pilot));
+    return true;
+}
+
+bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error)
+{
+    struct plan_pilot *pilot = plan_pilot_create(&(struct plan_pilot_params){.renderer = params->renderer,
+                                                                             .job = params->job,
+                                                                             .segment = params->segment,
+                                                                             .on_progress = params->on_progress,
+                                                                             .user = params->user},
+                                                 fault, error);
+    struct choice choice;
+    bool ok;
+
+    if (!pilot) return false;
+    ok = choose(pilot, params->job, &choice) && choice.family < plan_family_count &&
+         finish(plan, params, pilot, &choice);
+    if (!ok) *fault = plan_pilot_fault(pilot, error);
+    plan_pilot_destroy(pilot);
+    return ok && (!params->is_timed || plan_time_predict(plan, params, fault, error));
+}
+
+bool plan_refine(struct plan *plan, const struct job *job, int rungs)
+{
+    const struct plan_family *family = &plan_families[plan->family];
+    struct plan_scene scene;
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    bool moved = false;
+    int count;
+
+    plan_scene_init(&scene, job);
+    count = plan_family_axes(family, &scene, axes);
+    for (int i = 0; i < count; i++) {
+        int last = plan_axis_last_rung(axes[i], &scene), rung = plan->point.rungs[i] + rungs;
+
+        if (rung > last) rung = last;
+        moved |= rung != plan->point.rungs[i];
+        plan->point.rungs[i] = rung;
+    }
+    plan->quality = plan_family_quality(family, &scene, &plan->point);
+    return moved;
+}
+
+struct job plan_apply(const struct plan *plan, const struct job *job)
+{
+    struct job planned = *job;
+
+    planned.quality = plan->quality;
+    return planned;
+}

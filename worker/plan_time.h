@@ -1,0 +1,14 @@
+// How long a frame of a plan takes: from frames that are rendered in two sizes.
+#pragma once
+
+#include "worker/renderer.h"
+
+#include <stdbool.h>
+
+struct error;
+struct plan;
+struct plan_params;
+
+// Sets predicted_s. On failure `fault` is as the renderer's.
+bool plan_time_predict(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                       struct error *error);
