@@ -3,10 +3,8 @@
 #include <string.h>
 
 const struct job_later job_later_table[] = {
-    {.key = "tolerance"},
     {.key = "method", .text = "cached"},
     {.key = "method", .text = "tracking"},
-    {.key = "method", .text = "auto"},
     {0},
 };
 

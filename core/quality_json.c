@@ -183,9 +183,9 @@ static bool read_method(const struct json_node *object, struct job_quality *qual
     static const char *const methods[] = {"riemann", "midpoint",      "equiangular", "jittered", "adaptive", "gauss",
                                           "cached",  "preintegrated", "tracking",    "auto",     NULL};
     struct json_node method = json_node_child(object, "method");
-    int choice;
+    int choice = JOB_METHOD_AUTO;
 
-    if (!json_read_enum(&method, methods, &choice, error)) return false;
+    if (!json_node_is_absent(&method) && !json_read_enum(&method, methods, &choice, error)) return false;
     quality->method = (enum job_method)choice;
     switch (quality->method) {
     case JOB_METHOD_RIEMANN:
@@ -227,8 +227,14 @@ bool quality_from_json(struct job_quality *quality, const struct json_node *docu
 {
     struct json_node object = json_node_child(document, "quality"), samples = json_node_child(&object, "samples");
 
-    *quality = (struct job_quality){
-        .samples = 1, .max_depth = JOB_DEPTH_DEFAULT, .min_throughput = MIN_THROUGHPUT, .max_cut = MAX_CUT};
+    *quality = (struct job_quality){.method = JOB_METHOD_AUTO,
+                                    .tolerance = TOLERANCE_DEFAULT,
+                                    .samples = 1,
+                                    .max_depth = JOB_DEPTH_DEFAULT,
+                                    .min_throughput = MIN_THROUGHPUT,
+                                    .max_cut = MAX_CUT};
+    if (json_node_is_absent(&object)) return true;
+    quality->tolerance = 0.0;
     return json_check_object(&object, error) && job_later_check(&object, error) &&
            read_method(&object, quality, error) &&
            (json_node_is_absent(&samples) ||

@@ -196,7 +196,6 @@ static void each_required_key_is_named_when_it_is_missing(void **state)
     assert_edit_refused("resolution", NULL, "resolution: expected [width, height] in pixels, got nothing");
     assert_edit_refused("camera", NULL, "camera: expected an object, got nothing");
     assert_edit_refused("camera.fov", NULL, "camera.fov: expected a number in (0, 180), got nothing");
-    assert_edit_refused("quality", NULL, "quality: expected an object, got nothing");
     assert_edit_refused("quality.light_step", NULL,
                         "quality.light_step: expected a number of metres, as light marches through media, got nothing");
     assert_edit_refused("output", NULL, "output: expected an object, got nothing");

@@ -92,6 +92,26 @@ static void steps_by_depth_and_by_rule_are_read(void **state)
     job_finish(&adaptive);
 }
 
+static void assert_tolerance(const char *quality, double tolerance, int samples)
+{
+    char *text = json_edit_set(job_text_noise, "quality", quality);
+    struct job job = parse(text);
+
+    assert_int_equal(job.quality.method, JOB_METHOD_AUTO);
+    assert_true(job.quality.tolerance == tolerance && job.quality.step == 0.0 && job.quality.light_step == 0.0);
+    assert_int_equal(job.quality.samples, samples);
+    job_finish(&job);
+    free(text);
+}
+
+static void without_a_method_there_is_a_tolerance(void **state)
+{
+    assert_tolerance(NULL, 0.01, 1);
+    assert_tolerance("{}", 0.01, 1);
+    assert_tolerance("{\"tolerance\":0.125}", 0.125, 1);
+    assert_tolerance("{\"method\":\"auto\",\"tolerance\":0.0001,\"samples\":4}", 1e-4, 4);
+}
+
 static void wrong_qualities_are_refused_by_place(void **state)
 {
     static const struct {
@@ -111,6 +131,9 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.depth_step: expected a number from 0.0001 to 100, got nothing"},
         {"quality", "{\"method\":\"gauss\",\"step\":1,\"light_step\":1,\"order\":5}",
          "quality.order: expected an integer from 2 to 4, got 5"},
+        {"quality.tolerance", "0.1", "quality: unknown key \"tolerance\" beside method \"midpoint\""},
+        {"quality", "{\"tolerance\":0.6}", "quality.tolerance: expected a number from 0.0001 to 0.5, got 0.6"},
+        {"quality", "{\"tolerance\":0.1,\"step\":1}", "quality: unknown key \"step\""},
         {"quality", "{\"method\":\"equiangular\"}", "quality.points: expected an integer from 1 to 1000, got nothing"},
         {"quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4,\"roulette\":{}}",
          "quality: unknown key \"roulette\" beside method \"riemann\""},
@@ -130,6 +153,7 @@ int main(void)
         cmocka_unit_test(qualities_are_read),
         cmocka_unit_test(jittered_and_preintegrated_are_read),
         cmocka_unit_test(steps_by_depth_and_by_rule_are_read),
+        cmocka_unit_test(without_a_method_there_is_a_tolerance),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };
 

@@ -24,6 +24,14 @@ static void schema_and_code_agree_on_every_change_of_cloud(void **state)
 }
 
 // Elsewhere it is as the cloud.
+static void schema_and_code_agree_on_changes_of_a_tolerance(void **state)
+{
+    char *text = json_edit_set(job_text_full, "quality", "{\"method\":\"auto\",\"tolerance\":0.125,\"samples\":2}");
+
+    schema_agreement_check_places(text, "quality");
+    free(text);
+}
+
 static void schema_and_code_agree_on_changes_of_cloud_seeds_quality(void **state)
 {
     char *text = job_text_load("cloud_seed.json");
@@ -126,6 +134,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_cloud),
         cmocka_unit_test(schema_and_code_agree_on_changes_of_cloud_seeds_quality),
+        cmocka_unit_test(schema_and_code_agree_on_changes_of_a_tolerance),
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_a_job_with_every_key),
         cmocka_unit_test(schema_and_code_agree_on_limits_of_counts),
         cmocka_unit_test(schema_refuses_what_is_not_there_yet),

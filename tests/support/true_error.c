@@ -1,0 +1,47 @@
+#include "tests/support/true_error.h"
+
+#include "core/alloc.h"
+#include "core/error.h"
+#include "core/job.h"
+#include "worker/image.h"
+#include "worker/image_exr.h"
+#include "worker/truth.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+double true_error_measure(const struct job *job, int32_t frame, const struct image *image)
+{
+    static const double BLACK = 1e-6;
+    const struct integrate_accuracy accuracy = {.relative = 2e-4};
+    struct error error = {{0}};
+    struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = frame}, &error);
+    size_t count = (size_t)job->width_px * (size_t)job->height_px;
+    struct truth_place *places = xcalloc(count, sizeof *places);
+    struct truth_pixel *pixels = xcalloc(count, sizeof *pixels);
+    double apart = 0.0, light = 0.0;
+
+    if (!truth) fail_msg("%s", error.message);
+    for (size_t i = 0; i < count; ++i)
+        places[i] = (struct truth_place){(int)(i % (size_t)job->width_px), (int)(i / (size_t)job->width_px)};
+    truth_measure_many(truth,
+                       &(struct truth_many){.places = places, .pixels = pixels, .count = count, .accuracy = &accuracy});
+    for (size_t i = 0; i < 3 * count; ++i) {
+        double known = pixels[i / 3].rgb[i % 3];
+        double seen = image_exr_stored(image->rgba[4 * (i / 3) + i % 3], job->output.pixel);
+
+        apart += (seen - known) * (seen - known);
+        light += known * known;
+    }
+    truth_close(truth);
+    free(places);
+    free(pixels);
+    light /= 3.0 * (double)count;
+    apart /= 3.0 * (double)count;
+    return sqrt(light > BLACK * BLACK ? apart / light : apart);
+}

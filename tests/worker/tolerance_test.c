@@ -1,0 +1,365 @@
+// Frames of jobs that state a tolerance: planned, audited, rendered again, given up.
+#include "worker/tolerance.h"
+
+#include "core/error.h"
+#include "tests/support/ball_job.h"
+#include "tests/support/example_job.h"
+#include "tests/support/keep_libraries.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/true_error.h"
+#include "worker/gl_context.h"
+#include "worker/image.h"
+#include "worker/plan_family.h"
+#include "worker/shader_sources.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <cmocka.h>
+
+struct stage {
+    struct gl_context *context;
+    struct renderer *renderer;
+    struct tolerance *tolerance;
+};
+
+static struct stage open_stage(const char *shader_dir)
+{
+    struct error error = {{0}};
+    struct stage stage = {.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error)};
+
+    if (!stage.context) fail_msg("%s", error.message);
+    keep_libraries();
+    stage.renderer = renderer_create(stage.context, shader_dir);
+    stage.tolerance = tolerance_create(stage.renderer);
+    return stage;
+}
+
+static void close_stage(struct stage stage)
+{
+    tolerance_destroy(stage.tolerance);
+    renderer_destroy(stage.renderer);
+    gl_context_destroy(stage.context);
+}
+
+static struct job cloud_job(double tolerance)
+{
+    struct job job;
+
+    example_job_load(&job, "cloud");
+    job.width_px = 32;
+    job.height_px = 18;
+    job.quality = (struct job_quality){
+        .method = JOB_METHOD_AUTO, .tolerance = tolerance, .samples = 1, .max_depth = 8, .max_cut = 1.0};
+    return job;
+}
+
+static struct image make_image(const struct job *job)
+{
+    struct image image;
+
+    assert_true(
+        image_init(&image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance, NULL));
+    return image;
+}
+
+static bool render(struct stage stage, const struct job *job, int32_t frame, struct image *image,
+                   struct tolerance_result *result, struct error *error)
+{
+    *image = make_image(job);
+    return tolerance_render(stage.tolerance,
+                            &(struct tolerance_params){.job = job, .serial = 1, .frame = frame, .image = image}, result,
+                            error);
+}
+
+static void frames_keep_their_tolerance(void **state)
+{
+    static const double tolerances[] = {0.1, 0.03, 0.01};
+    struct stage stage = open_stage(NULL);
+
+    for (size_t i = 0; i < sizeof tolerances / sizeof *tolerances; i++) {
+        struct job job = cloud_job(tolerances[i]);
+        struct tolerance_result result;
+        struct error error = {{0}};
+        struct image image;
+        double truly;
+
+        // Of another segment than the last.
+        if (!render(stage, &job, 48 * (int32_t)i + 5, &image, &result, &error)) fail_msg("%s", error.message);
+        truly = true_error_measure(&job, 48 * (int32_t)i + 5, &image);
+        print_message("tolerance %g: truly %.2e, audited %.2e (at most %.2e): %s\n", tolerances[i], truly,
+                      result.audit.error, result.audit.error95, result.reason);
+        assert_true(truly <= tolerances[i]);
+        assert_true(result.audit.kind == AUDIT_REFERENCE && result.audit.ray_count >= AUDIT_RAYS_MIN);
+        assert_true(result.audit.tolerance == tolerances[i] && result.reason[0] != 0);
+        // What is better by far took too long.
+        assert_true(truly >= 0.1 * tolerances[i]);
+        image_finish(&image);
+        job_finish(&job);
+    }
+    close_stage(stage);
+}
+
+static void equal_renderers_make_equal_frames(void **state)
+{
+    struct job job = cloud_job(0.05);
+    size_t size_bytes = 16 * (size_t)job.width_px * (size_t)job.height_px;
+    struct tolerance_result results[2];
+    struct image images[2];
+
+    for (int i = 0; i < 2; i++) {
+        struct stage stage = open_stage(NULL);
+        struct image other;
+
+        // One has rendered another frame of the segment before.
+        if (i == 1) {
+            assert_true(render(stage, &job, 11, &other, &results[i], NULL));
+            image_finish(&other);
+        }
+        assert_true(render(stage, &job, 10, &images[i], &results[i], NULL));
+        close_stage(stage);
+    }
+    assert_memory_equal(images[0].rgba, images[1].rgba, size_bytes);
+    assert_memory_equal(&results[0].quality, &results[1].quality, sizeof results[0].quality);
+    image_finish(&images[0]);
+    image_finish(&images[1]);
+    job_finish(&job);
+}
+
+static struct plan make_plan(struct stage stage, const struct job *job, enum plan_choice choice)
+{
+    enum renderer_fault fault;
+    struct error error = {{0}};
+    struct plan plan;
+
+    if (!plan_make(&plan,
+                   &(struct plan_params){
+                       .renderer = stage.renderer, .job = job, .segment = plan_segment_of(job, 0), .choice = choice},
+                   &fault, &error))
+        fail_msg("%s", error.message);
+    return plan;
+}
+
+// Of rays that are three deep, all through the scene.
+static double work_of(const struct job *job, const struct job_quality *quality)
+{
+    static const float DEPTH = 3.0F;
+    struct plan_scene scene;
+
+    plan_scene_init(&scene, job);
+    scene.depths = &DEPTH;
+    scene.depth_count = 1;
+    scene.met = 1.0;
+    return plan_family_work(&scene, quality);
+}
+
+static const struct plan_family *find_family(enum job_method method)
+{
+    size_t i = 0;
+
+    while (plan_families[i].method != method)
+        ++i;
+    return &plan_families[i];
+}
+
+// What a user would take who halves all steps until the frames of the pilot keep the tolerance.
+static double work_by_halving(struct stage stage, const struct job *job)
+{
+    static const int32_t frames[] = {0, 23, 47};
+    const struct plan_family *family = find_family(JOB_METHOD_MIDPOINT);
+    struct plan_scene scene;
+    bool is_within = false;
+    double work = 0.0;
+
+    plan_scene_init(&scene, job);
+    for (int level = 0; !is_within && level < 8; ++level) {
+        struct plan_point point = {{2 * level, 2 * level, 6}};
+        struct job planned = *job;
+
+        planned.quality = plan_family_quality(family, &scene, &point);
+        work = work_of(job, &planned.quality);
+        is_within = true;
+        for (size_t i = 0; is_within && i < sizeof frames / sizeof *frames; ++i) {
+            struct image image = make_image(job);
+            struct renderer_result result;
+
+            assert_true(renderer_render(stage.renderer, &planned, frames[i], &image, NULL, NULL, &result, NULL));
+            is_within = true_error_measure(&planned, frames[i], &image) <= job->quality.tolerance;
+            image_finish(&image);
+        }
+    }
+    assert_true(is_within);
+    return work;
+}
+
+static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
+{
+    struct stage stage = open_stage(NULL);
+    struct job job = cloud_job(0.02);
+    double halving = work_by_halving(stage, &job);
+    struct plan plan = make_plan(stage, &job, PLAN_CHOICE_CHEAPEST);
+    struct plan finest = make_plan(stage, &job, PLAN_CHOICE_FINEST);
+
+    print_message("looks a pixel: %.0f by halving, %.0f by plan, %.0f at the finest\n", halving,
+                  work_of(&job, &plan.quality), work_of(&job, &finest.quality));
+    // A plan keeps to six tenths of the tolerance.
+    assert_true(work_of(&job, &plan.quality) <= 1.5 * halving);
+    assert_true(work_of(&job, &finest.quality) > 1.5 * halving);
+    assert_true(finest.predicted_error < plan.predicted_error);
+    job_finish(&job);
+    close_stage(stage);
+}
+
+static void the_coarsest_setting_fails_the_audit(void **state)
+{
+    struct stage stage = open_stage(NULL);
+    struct job job = cloud_job(0.01);
+    struct image image = make_image(&job);
+    struct tolerance_result result;
+    struct error error = {{0}};
+
+    assert_false(
+        tolerance_render(stage.tolerance,
+                         &(struct tolerance_params){
+                             .job = &job, .serial = 1, .frame = 3, .image = &image, .choice = PLAN_CHOICE_COARSEST},
+                         &result, &error));
+    print_message("%s\n", error.message);
+    assert_int_equal(result.render.fault, RENDERER_FAULT_MISSED);
+    assert_true(result.is_second);
+    assert_non_null(strstr(error.message, "quality.tolerance: expected an error of at most 0.01, got "));
+    image_finish(&image);
+    job_finish(&job);
+    close_stage(stage);
+}
+
+// A shader whose phase function scatters backwards what goes forwards.
+static void break_phase(const char *folder)
+{
+    char path[4096], *text;
+
+    snprintf(path, sizeof path, "%s/phase", folder);
+    mkdir(folder, 0700);
+    mkdir(path, 0700);
+    text = shader_sources_load(NULL, "phase/henyey_greenstein.glsl", NULL);
+    assert_non_null(text);
+    snprintf(path, sizeof path, "%s/phase/henyey_greenstein.glsl", folder);
+    {
+        FILE *out = fopen(path, "w");
+        char *place = strstr(text, "incoming - sign");
+
+        assert_non_null(out);
+        assert_non_null(place);
+        place[strlen("incoming ")] = '+';
+        fputs(text, out);
+        fclose(out);
+    }
+    free(text);
+}
+
+static void a_broken_frame_is_rendered_again_and_given_up(void **state)
+{
+    const char *folder = temp_folder_path(state, "shaders");
+    struct job job = cloud_job(0.05);
+    struct tolerance_result result;
+    struct error error = {{0}};
+    struct stage stage;
+    struct image image;
+
+    break_phase(folder);
+    stage = open_stage(folder);
+    assert_false(render(stage, &job, 3, &image, &result, &error));
+    print_message("%s\n", error.message);
+    assert_int_equal(result.render.fault, RENDERER_FAULT_MISSED);
+    assert_true(result.is_second && result.audit.error > 0.05);
+    image_finish(&image);
+    job_finish(&job);
+    close_stage(stage);
+}
+
+static void equal_frames_are_copied_with_their_audit(void **state)
+{
+    struct stage stage = open_stage(NULL);
+    struct tolerance_result first, second;
+    struct image images[2];
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", \"quality\": {\"tolerance\": 0.02}");
+    assert_true(render(stage, &job, 0, &images[0], &first, NULL));
+    assert_true(render(stage, &job, 1, &images[1], &second, NULL));
+    assert_true(first.audit.seconds > 0.0);
+    assert_true(second.render.is_copy);
+    assert_true(second.audit.kind == AUDIT_REFERENCE && second.audit.error == first.audit.error);
+    assert_true(second.audit.ray_count == first.audit.ray_count && second.audit.seconds == 0.0);
+    image_finish(&images[0]);
+    image_finish(&images[1]);
+    job_finish(&job);
+    close_stage(stage);
+}
+
+static bool stop_later(void *user, double done)
+{
+    return --*(int *)user > 0;
+}
+
+static void a_pilot_can_be_stopped(void **state)
+{
+    struct stage stage = open_stage(NULL);
+    struct job job = cloud_job(0.05);
+    struct image image = make_image(&job);
+
+    for (int after = 1; after < 60; after *= 3) {
+        struct tolerance_result result;
+        int left = after;
+
+        assert_false(tolerance_render(
+            stage.tolerance,
+            &(struct tolerance_params){
+                .job = &job, .serial = 1, .frame = 3, .image = &image, .on_progress = stop_later, .user = &left},
+            &result, NULL));
+        assert_int_equal(result.render.fault, RENDERER_FAULT_STOPPED);
+    }
+    image_finish(&image);
+    job_finish(&job);
+    close_stage(stage);
+}
+
+static void a_job_that_says_how_is_not_audited(void **state)
+{
+    struct stage stage = open_stage(NULL);
+    struct tolerance_result result;
+    struct image image;
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    assert_true(render(stage, &job, 0, &image, &result, NULL));
+    assert_true(result.audit.kind == AUDIT_NONE && result.reason[0] == 0);
+    assert_int_equal(result.quality.method, JOB_METHOD_MIDPOINT);
+    image_finish(&image);
+    job_finish(&job);
+    close_stage(stage);
+}
+
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_keep_their_tolerance),
+        cmocka_unit_test(equal_renderers_make_equal_frames),
+        cmocka_unit_test(a_plan_is_as_cheap_as_halving_and_the_finest_is_not),
+        cmocka_unit_test(the_coarsest_setting_fails_the_audit),
+        cmocka_unit_test_setup_teardown(a_broken_frame_is_rendered_again_and_given_up, temp_folder_create,
+                                        temp_folder_destroy),
+        cmocka_unit_test(equal_frames_are_copied_with_their_audit),
+        cmocka_unit_test(a_pilot_can_be_stopped),
+        cmocka_unit_test(a_job_that_says_how_is_not_audited),
+    };
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
