@@ -2,6 +2,7 @@
 
 #include "core/job.h"
 #include "core/json_write.h"
+#include "worker/density_bake.h"
 #include "worker/density_kind.h"
 #include "worker/pixel_samples.h"
 #include "worker/scene_inputs.h"
@@ -129,6 +130,17 @@ static void list_owner(const struct listing *listing, size_t i)
     say_of_medium(listing, i, true, "interior", why);
 }
 
+static void list_grid(const struct listing *listing, size_t i)
+{
+    struct density_bake bake;
+    char why[128];
+
+    if (!density_bake_find(&bake, listing->job, i)) return;
+    snprintf(why, sizeof why, "its field is looked up between %d x %d x %d points, %.3g m apart", bake.corners[0],
+             bake.corners[1], bake.corners[2], bake.cell_m);
+    say_of_medium(listing, i, true, "baked", why);
+}
+
 static void list_medium(const struct listing *listing, size_t i)
 {
     const struct scene_features *features = &listing->program->features;
@@ -145,6 +157,7 @@ static void list_medium(const struct listing *listing, size_t i)
     if (!is_seen) return;
     list_owner(listing, i);
     list_voxels(listing, i);
+    list_grid(listing, i);
     list_region(listing, i);
     list_coefficients(listing, i);
     if (features->media[i].scatters && features->has_lights) list_phase(listing, i);

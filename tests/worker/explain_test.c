@@ -96,6 +96,21 @@ static void the_cloud_is_explained(void **state)
     job_finish(&job);
 }
 
+static void a_grid_of_the_density_is_explained(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    example_job_load(&job, "noise");
+    job.quality.method = JOB_METHOD_CACHED;
+    job.quality.light_grid = 8;
+    job.quality.density_grid = 100;
+    explain(&explanation, &job);
+    assert_non_null(strstr(find_why(&explanation, "modelled", "medium 0: baked"), "101 x 101 x 101"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
 static void fog_is_explained(void **state)
 {
     struct explanation explanation;
@@ -327,6 +342,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cloud_is_explained),
+        cmocka_unit_test(a_grid_of_the_density_is_explained),
         cmocka_unit_test(fog_is_explained),
         cmocka_unit_test(a_light_that_nothing_scatters_is_not_modelled),
         cmocka_unit_test(the_shader_is_shown_with_its_modules_and_hash),
