@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { PIECE_LIMIT = 128, HALVING_LIMIT = 5, ROOT_HALVINGS = 24 };
+enum { PIECE_LIMIT = 128, HALVING_LIMIT = 5, ROOT_STEPS = 24 };
 
 // His table.
 static const unsigned char PERMUTATION[256] = {
@@ -22,7 +22,7 @@ static const unsigned char PERMUTATION[256] = {
 };
 
 // Towards the middles of a cube's edges; four of the twelve come twice.
-static const signed char GRADIENT[16][3] = {
+static const double GRADIENT[16][3] = {
     {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, //
     {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1}, //
     {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, //
@@ -40,10 +40,10 @@ static double smooth(double t)
     return ((6.0 * t - 15.0) * t + 10.0) * t * t * t;
 }
 
-// Along one axis: the lattice points on either side and the way from each.
+// Along one axis: the lattice points on either side, the way from the lower one and the weight of the upper one.
 struct sides {
-    int point[2];
-    double away[2], weight[2];
+    int point;
+    double away, weight;
 };
 
 static struct sides sides_of(double coordinate)
@@ -52,28 +52,40 @@ static struct sides sides_of(double coordinate)
     // Exact: 256 is a power of two.
     int point = (int)(whole - 256.0 * floor(whole / 256.0));
 
-    return (struct sides){{point, point + 1}, {part, part - 1.0}, {1.0 - smooth(part), smooth(part)}};
+    return (struct sides){point, part, smooth(part)};
 }
 
-// Each corner of the cell has a weight for itself.
+static double ramp(int point, double x, double y, double z)
+{
+    const double *gradient = GRADIENT[permuted(point) % 16];
+
+    return gradient[0] * x + gradient[1] * y + gradient[2] * z;
+}
+
+// What the corners along an edge in z give.
+static double blend_edge(int column, const struct sides *z, double x, double y)
+{
+    double below = ramp(column + z->point, x, y, z->away);
+    double above = ramp(column + z->point + 1, x, y, z->away - 1.0);
+
+    return below + z->weight * (above - below);
+}
+
+static double blend_face(int plane, const struct sides *y, const struct sides *z, double x)
+{
+    double below = blend_edge(permuted(plane + y->point), z, x, y->away);
+    double above = blend_edge(permuted(plane + y->point + 1), z, x, y->away - 1.0);
+
+    return below + y->weight * (above - below);
+}
+
 double density_noise_octave(struct vec3 q)
 {
     struct sides x = sides_of(q.x), y = sides_of(q.y), z = sides_of(q.z);
-    double sum = 0.0;
+    double below = blend_face(permuted(x.point), &y, &z, x.away);
+    double above = blend_face(permuted(x.point + 1), &y, &z, x.away - 1.0);
 
-    for (int i = 0; i < 2; i++) {
-        for (int j = 0; j < 2; j++) {
-            int column = permuted(permuted(x.point[i]) + y.point[j]);
-
-            for (int k = 0; k < 2; k++) {
-                const signed char *gradient = GRADIENT[permuted(column + z.point[k]) % 16];
-                double ramp = gradient[0] * x.away[i] + gradient[1] * y.away[j] + gradient[2] * z.away[k];
-
-                sum += x.weight[i] * y.weight[j] * z.weight[k] * ramp;
-            }
-        }
-    }
-    return sum;
+    return below + x.weight * (above - below);
 }
 
 // Rodrigues' formula; `image` turns counter-clockwise seen from the axis' tip.
@@ -145,31 +157,51 @@ static double at(const void *field, struct vec3 position)
     return density_noise(field, position);
 }
 
+// The sum of what the octaves weigh, each as many times as `growth` to the power of its number.
+static double sum_weights(const struct density_noise *noise, double growth)
+{
+    double sum = 0.0, weight = 1.0;
+
+    for (int k = 0; k < noise->octaves; k++) {
+        sum += weight;
+        weight *= noise->gain * growth;
+    }
+    return sum;
+}
+
 // The base changes by no more than this per metre.
 static double steepness_of(const struct density_noise *noise)
 {
     // Of one octave, per lattice cell: not proven, the steepest of ten million random places was 3.39.
     const double of_octave = 4.0;
-    double sum = 0.0, weight = 1.0;
 
-    for (int k = 0; k < noise->octaves; k++) {
-        sum += weight;
-        weight *= noise->gain * noise->lacunarity;
-    }
-    return of_octave * noise->frequency * sum * (noise->mode == SCENE_NOISE_REMAP ? 0.5 : 1.0);
+    return of_octave * noise->frequency * sum_weights(noise, noise->lacunarity) *
+           (noise->mode == SCENE_NOISE_REMAP ? 0.5 : 1.0);
+}
+
+// The base is no larger than this: eight ramps, each below 2 in its cell, of weights that sum to 1.
+static double highest_of(const struct density_noise *noise)
+{
+    return 2.0 * sum_weights(noise, 1.0);
 }
 
 struct search {
     const struct density_noise *noise;
     const struct ray *ray;
     double steepness;
-    double begin; // of the piece that is searched
+    double highest;         // what the base cannot exceed in size
+    double last, last_base; // the last place that was asked for, where often the next stretch begins
+    double begin;           // of the piece that is searched
     struct span_list *spans;
 };
 
-static bool is_positive(const struct search *search, double distance)
+static double base_at(struct search *search, double distance)
 {
-    return base(search->noise, ray_at(search->ray, distance)) > 0.0;
+    if (distance != search->last) {
+        search->last_base = base(search->noise, ray_at(search->ray, distance));
+        search->last = distance;
+    }
+    return search->last_base;
 }
 
 // Stretches that meet within a piece are one.
@@ -184,39 +216,61 @@ static void append(const struct search *search, double begin, double end)
     }
 }
 
-// Appends the positive side of a stretch so short that the base passes 0 at most once.
-static void append_side(const struct search *search, double begin, double end)
+// Where the base passes 0, on the side where it is positive. The method of false position in Illinois' form: Dowell and Jarratt,
+// BIT 11, 1971.
+static double find_root(struct search *search, double begin, double at_begin, double end, double at_end)
 {
-    bool starts_positive = is_positive(search, begin);
-    double low = begin, high = end;
+    bool is_rising = at_end > 0.0;
+    double low = begin, high = end, sliver = (end - begin) * 0x1p-24;
 
-    if (is_positive(search, end) == starts_positive) {
-        if (starts_positive) append(search, begin, end);
-        return;
-    }
-    for (int i = 0; i < ROOT_HALVINGS; i++) {
-        double middle = 0.5 * (low + high);
+    for (int i = 0; i < ROOT_STEPS && high - low > sliver; i++) {
+        double middle = low + (high - low) * at_begin / (at_begin - at_end), value;
 
-        if (is_positive(search, middle) == starts_positive) {
-            low = middle;
-        } else {
+        // Half a sliver beyond, the other side follows.
+        middle = fmin(fmax(middle, low + 0.5 * sliver), high - 0.5 * sliver);
+        value = base_at(search, middle);
+        if ((value > 0.0) == is_rising) {
             high = middle;
+            at_end = value;
+            at_begin *= 0.5;
+        } else {
+            low = middle;
+            at_begin = value;
+            at_end *= 0.5;
         }
     }
-    if (starts_positive) {
-        append(search, begin, high);
+    return is_rising ? high : low;
+}
+
+// Appends the positive side of a stretch so short that the base passes 0 at most once.
+static void append_side(struct search *search, double begin, double end)
+{
+    double at_begin = base_at(search, begin), at_end = base_at(search, end), root;
+
+    if ((at_begin > 0.0) == (at_end > 0.0)) {
+        if (at_begin > 0.0) append(search, begin, end);
+        return;
+    }
+    root = find_root(search, begin, at_begin, end, at_end);
+    search->last = end;
+    search->last_base = at_end;
+    if (at_begin > 0.0) {
+        append(search, begin, root);
     } else {
-        append(search, low, end);
+        append(search, root, end);
     }
 }
 
 // A bump between two nodes would be missed however fine the accuracy: where a stretch's middle is farther from 0 than the
 // base can change there is none; elsewhere it is looked for in halves.
-static void find_positive(const struct search *search, double begin, double end, int halvings_left)
+static void find_positive(struct search *search, double begin, double end, int halvings_left)
 {
-    double middle = 0.5 * (begin + end), value = base(search->noise, ray_at(search->ray, middle));
+    double middle = 0.5 * (begin + end), reach = search->steepness * 0.5 * (end - begin), value = 0.0;
+    // No value is farther from 0 than the highest.
+    bool is_looked_at = halvings_left > 0 && reach <= search->highest;
 
-    if (fabs(value) >= search->steepness * 0.5 * (end - begin)) {
+    if (is_looked_at) value = base(search->noise, ray_at(search->ray, middle));
+    if (is_looked_at && fabs(value) >= reach) {
         if (value > 0.0) append(search, begin, end);
     } else if (halvings_left == 0) {
         append_side(search, begin, end);
@@ -230,7 +284,12 @@ static void find_positive(const struct search *search, double begin, double end,
 static void find_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
 {
     const struct density_noise *noise = field;
-    struct search search = {.noise = noise, .ray = ray, .steepness = steepness_of(noise), .spans = spans};
+    struct search search = {.noise = noise,
+                            .ray = ray,
+                            .steepness = steepness_of(noise),
+                            .highest = highest_of(noise),
+                            .last = NAN,
+                            .spans = spans};
     double half_cell = 0.5 / noise->frequency;
     double pieces = isfinite(far - near) ? fmin(ceil((far - near) / half_cell), PIECE_LIMIT) : 1.0;
 

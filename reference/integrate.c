@@ -14,7 +14,7 @@ static const double DEFAULT_FLOOR = 1e-6;
 enum { DEFAULT_HALVING_LIMIT = 30 };
 
 // Behind so much extinction no scattered light is looked for.
-static const double DARKNESS = 1e-12;
+static const double DARKNESS = 1e-12, LOOSE_DARKNESS = 1e-3; // the latter times the accuracy
 
 // A cell of more optical depth may hide its bright front from every node, and two halvings agree on black.
 static const double THICKEST_CELL = 2.0;
@@ -29,6 +29,8 @@ struct gatherer {
     double relative;          // accuracy of the radiance
     double shadow_tolerance;  // of optical depths
     double radiance_tolerance[3], share_tolerance;
+    double darkness; // throughput of what nobody sees
+    bool is_loose;   // one agreement is enough
     bool hit_limit;
 };
 
@@ -132,7 +134,7 @@ static bool agree(const struct gatherer *gatherer, const double throughput[stati
                   const struct cell_light *b, double slack)
 {
     for (int c = 0; c < 3; c++) {
-        if (throughput[c] > DARKNESS && b->optical_depth[c] > THICKEST_CELL) return false;
+        if (throughput[c] > gatherer->darkness && b->optical_depth[c] > THICKEST_CELL) return false;
     }
     for (int c = 0; c < 3; c++) {
         double radiance_change = throughput[c] * fabs(a->radiance[c] - b->radiance[c]);
@@ -144,9 +146,11 @@ static bool agree(const struct gatherer *gatherer, const double throughput[stati
     return true;
 }
 
-static bool is_dark(const double throughput[static 3])
+static bool is_dark(const struct gatherer *gatherer, const double throughput[static 3])
 {
-    return throughput[0] < DARKNESS && throughput[1] < DARKNESS && throughput[2] < DARKNESS;
+    double darkness = gatherer->darkness;
+
+    return throughput[0] < darkness && throughput[1] < darkness && throughput[2] < darkness;
 }
 
 // Halves the cell until two halvings in a row change little and the second nothing that matters: one alone may do so by
@@ -156,14 +160,14 @@ static struct cell_light refine(struct gatherer *gatherer, struct cell cell, con
 {
     double middle = 0.5 * (cell.begin + cell.end);
     struct cell left = {cell.begin, middle}, right = {middle, cell.end};
-    struct cell_light left_light = light_of_cell(gatherer, left, is_dark(throughput));
+    struct cell_light left_light = light_of_cell(gatherer, left, is_dark(gatherer, throughput));
     double throughput_right[3];
     struct cell_light right_light, halved;
     bool agrees;
 
     for (int c = 0; c < 3; c++)
         throughput_right[c] = throughput[c] * exp(-left_light.optical_depth[c]);
-    right_light = light_of_cell(gatherer, right, is_dark(throughput_right));
+    right_light = light_of_cell(gatherer, right, is_dark(gatherer, throughput_right));
     halved = follow(&left_light, &right_light);
     if (agreed_before && agree(gatherer, throughput, whole, &halved, 1.0)) return halved;
     agrees = agree(gatherer, throughput, whole, &halved, LITTLE);
@@ -241,7 +245,8 @@ static struct cell_light gather(struct gatherer *gatherer, const struct span_lis
             gatherer->radiance_tolerance[c] =
                 gatherer->relative / 3.0 * (brightness[c] / (double)spans->count + expected[i].radiance[c]);
         }
-        light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &expected[i].rough, false, halving_limit);
+        light = refine(gatherer, cell_of(&spans->spans[i]), throughput, &expected[i].rough, gatherer->is_loose,
+                       halving_limit);
         for (int c = 0; c < 3; c++)
             expected[i].radiance[c] = throughput[c] * light.radiance[c];
         total = follow(&total, &light);
@@ -255,9 +260,14 @@ static struct cell_light expect(const struct gatherer *gatherer, const struct sp
     struct cell_light total = {0};
 
     for (size_t i = 0; i < spans->count; i++) {
-        expected[i].rough = light_of_cell(gatherer, cell_of(&spans->spans[i]), false);
+        double throughput[3];
+
         for (int c = 0; c < 3; c++)
-            expected[i].radiance[c] = exp(-total.optical_depth[c]) * expected[i].rough.radiance[c];
+            throughput[c] = exp(-total.optical_depth[c]);
+        expected[i].rough =
+            light_of_cell(gatherer, cell_of(&spans->spans[i]), gatherer->is_loose && is_dark(gatherer, throughput));
+        for (int c = 0; c < 3; c++)
+            expected[i].radiance[c] = throughput[c] * expected[i].rough.radiance[c];
         total = follow(&total, &expected[i].rough);
     }
     return total;
@@ -300,7 +310,9 @@ struct integrate_result integrate_stretch(const struct still *still, const struc
                                 .ray = &stretch->ray,
                                 .media = still_media(still, stretch->region),
                                 .relative = relative,
-                                .shadow_tolerance = 0.1 * relative};
+                                .shadow_tolerance = 0.1 * relative,
+                                .darkness = relative >= INTEGRATE_LOOSE ? LOOSE_DARKNESS * relative : DARKNESS,
+                                .is_loose = relative >= INTEGRATE_LOOSE};
     struct span_list spans = {0};
     struct cell_light light;
     double far;

@@ -5,6 +5,9 @@
 
 #include <stdbool.h>
 
+// A relative accuracy from which on one agreement is taken for no accident, and light behind a thousandth of it for none.
+#define INTEGRATE_LOOSE 2e-4
+
 // Zero means the default.
 struct integrate_accuracy {
     double relative;   // error of the radiance against itself, of the transmittance against 1, per channel; 1e-4
@@ -25,7 +28,8 @@ struct integrate_stretch {
     size_t region;
 };
 
-// Each smooth stretch is halved until two halvings in a row agree to its share of the accuracy. `accuracy` may be NULL.
+// Each smooth stretch is halved until two halvings in a row agree to its share of the accuracy; one is enough where less than
+// INTEGRATE_LOOSE is asked for, as by audits, whose error is a mean over many pixels. `accuracy` may be NULL.
 struct integrate_result integrate_stretch(const struct still *still, const struct integrate_stretch *stretch,
                                           const struct integrate_accuracy *accuracy);
 // The same through air alone.

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-// Of optical depths: below any accuracy that is asked for.
-static const double SHADOW_TOLERANCE = 1e-6;
+// Of optical depths, beside the accuracy.
+static const double SHADOW_SHARE = 0.01, DEFAULT_RELATIVE = 1e-4;
 
 struct tracer {
     const struct still *still;
@@ -108,6 +108,8 @@ static void find_albedo(const struct objects *objects, const struct hit *hit, do
 static void add_lights(struct tracer *tracer, const struct light_ray *ray, const struct hit *hit, double rest)
 {
     const struct still *still = tracer->still;
+    const struct integrate_accuracy *accuracy = tracer->accuracy;
+    double tolerance = SHADOW_SHARE * (accuracy && accuracy->relative > 0.0 ? accuracy->relative : DEFAULT_RELATIVE);
     double albedo[3];
 
     find_albedo(&still->objects, hit, albedo);
@@ -117,7 +119,7 @@ static void add_lights(struct tracer *tracer, const struct light_ray *ray, const
         double cosine = -vec3_dot(arrival.travel, hit->normal), share[3];
 
         if (!(cosine > 0.0)) continue;
-        light_walk(still, &way, arrival.distance, SHADOW_TOLERANCE, share);
+        light_walk(still, &way, arrival.distance, tolerance, share);
         for (int c = 0; c < 3; c++)
             tracer->result->radiance[c] +=
                 ray->throughput[c] * rest * albedo[c] / M_PI * arrival.irradiance[c] * cosine * share[c];

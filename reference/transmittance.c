@@ -14,6 +14,7 @@ static const double FARTHEST = 0x1p60;
 
 // One smooth stretch of a ray through a field.
 struct stretch {
+    bool is_loose; // one agreement is enough
     double (*at)(const void *field, struct vec3 position);
     const void *field;
     struct ray ray;
@@ -45,15 +46,15 @@ static double refine(const struct stretch *stretch, struct cell cell, double who
     double left_column = column_of_cell(stretch, left), right_column = column_of_cell(stretch, right);
     double change = fabs(left_column + right_column - whole);
     double quotient = fmin(fmax(change_before / change, 1.0), 16.0);
-    bool agreed_before = change_before >= 0.0 && change_before <= 16.0 * tolerance;
+    bool agreed_before = stretch->is_loose || (change_before >= 0.0 && change_before <= 16.0 * tolerance);
 
     if (halvings_left == 0 || (agreed_before && change <= tolerance * quotient)) return left_column + right_column;
     return refine(stretch, left, left_column, change, tolerance, halvings_left - 1) +
            refine(stretch, right, right_column, change, tolerance, halvings_left - 1);
 }
 
-double transmittance_density_column(const struct density *density, const struct ray *ray, double near, double far,
-                                    double tolerance)
+static double integrate_column(const struct density *density, const struct ray *ray, double near, double far,
+                               double tolerance, bool is_loose)
 {
     struct span_list spans = {0};
     double column = 0.0;
@@ -62,7 +63,7 @@ double transmittance_density_column(const struct density *density, const struct 
     density->spans(density->field, ray, near, far, &spans);
     for (size_t i = 0; i < spans.count; i++) {
         const struct span *span = &spans.spans[i];
-        struct stretch stretch = {density->at, density->field, *ray};
+        struct stretch stretch = {is_loose, density->at, density->field, *ray};
         struct cell cell;
 
         if (density->at_image) {
@@ -75,6 +76,12 @@ double transmittance_density_column(const struct density *density, const struct 
     }
     span_list_finish(&spans);
     return column;
+}
+
+double transmittance_density_column(const struct density *density, const struct ray *ray, double near, double far,
+                                    double tolerance)
+{
+    return integrate_column(density, ray, near, far, tolerance, false);
 }
 
 static bool is_endless(const struct density *density, const struct ray *ray)
@@ -110,7 +117,8 @@ static double least_extinction(const struct medium *medium)
     return least;
 }
 
-static double find_column(const struct medium *medium, const struct ray *ray, double near, double far, double tolerance)
+static double find_column(const struct medium *medium, const struct ray *ray, double near, double far, double tolerance,
+                          bool is_loose)
 {
     const struct density *density = &medium->density;
     double end;
@@ -118,7 +126,7 @@ static double find_column(const struct medium *medium, const struct ray *ray, do
     if (isinf(far) && !density->column && is_endless(density, ray)) {
         return follow_to_darkness(density, ray, near, DARK_DEPTH / least_extinction(medium), tolerance, &end);
     }
-    return transmittance_density_column(density, ray, near, far, tolerance);
+    return integrate_column(density, ray, near, far, tolerance, is_loose);
 }
 
 void transmittance(const struct medium *media, size_t medium_count, const struct ray *ray, double near, double far,
@@ -135,7 +143,8 @@ void transmittance(const struct medium *media, size_t medium_count, const struct
             largest = fmax(largest, sigma_t[c]);
         }
         if (largest == 0.0) continue;
-        column = find_column(medium, ray, near, far, optical_depth_tolerance / (largest * (double)medium_count));
+        column = find_column(medium, ray, near, far, optical_depth_tolerance / (largest * (double)medium_count),
+                             optical_depth_tolerance >= TRANSMITTANCE_LOOSE);
         for (int c = 0; c < 3; c++) {
             // The column may be infinite, and what takes nothing still takes nothing.
             if (sigma_t[c] > 0.0) optical_depth[c] += sigma_t[c] * column;

@@ -9,6 +9,9 @@
 double transmittance_density_column(const struct density *density, const struct ray *ray, double near, double far,
                                     double tolerance);
 
+// A tolerance of optical depths from which on one agreement of halvings is taken for no accident, see INTEGRATE_LOOSE.
+#define TRANSMITTANCE_LOOSE 1.5e-5
+
 // `optical_depth_tolerance` bounds the relative error of a share that is not nearly 0.
 void transmittance(const struct medium *media, size_t medium_count, const struct ray *ray, double near, double far,
                    double optical_depth_tolerance, double share[static 3]);

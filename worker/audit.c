@@ -11,9 +11,12 @@
 // Pixels that are measured at once, at most; how many times the least number are enough in any case.
 enum { BATCH = 64, RAY_MAX_FACTOR = 16 };
 
-// The reference's error beside the tolerance, and how dark a pixel is, beside the frame's RMS, whose error is no longer seen.
-static const double REFERENCE_SHARE = 0.05, DARK_SHARE = 0.1;
-static const double FINEST = 1e-4, COARSEST = 0.01, LEAST_FLOOR = 1e-6; // accuracies of the reference
+// The accuracy asked of the reference beside the tolerance: it is off by a tenth of that at most, see docs/rendering.md. And how
+// dark a pixel is, beside the frame's RMS, whose error is no longer seen.
+static const double REFERENCE_SHARE = 0.5, DARK_SHARE = 0.1;
+// Beside the tolerance: what so accurate a reference is off.
+static const double RESOLUTION_SHARE = 0.05;
+static const double FINEST = 1e-4, COARSEST = 0.05, LEAST_FLOOR = 1e-6; // accuracies of the reference
 
 struct audit {
     const struct audit_params *params;
@@ -70,7 +73,7 @@ static struct audit_verdict judge(const struct audit *audit)
                                                    .pool = pool ? &pool->samples : NULL,
                                                    .change = audit->params->is_own ? audit->map.change : -1.0,
                                                    .pool_change = pool ? pool->change : -1.0,
-                                                   .resolution = audit->accuracy.relative,
+                                                   .resolution = RESOLUTION_SHARE * audit->params->tolerance,
                                                    .is_black = audit_map_is_black(&audit->map)});
 }
 

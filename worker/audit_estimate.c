@@ -103,7 +103,7 @@ static bool is_like_pool(const struct audit_evidence *evidence, const struct mom
     struct moments pool;
 
     if (!evidence->pool || evidence->pool->count == 0) return false;
-    if (own->count == 0) return true;
+    if (own->count == 0 || own->square <= evidence->resolution * evidence->resolution) return true;
     pool = find_moments(evidence->pool, NULL);
     return own->largest <= growth * pool.largest &&
            own->square <= growth * (pool.square + UNLIKE * pool.deviation / sqrt((double)own->count));
