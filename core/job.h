@@ -22,7 +22,8 @@ enum {
     JOB_SAMPLE_LIMIT = 1024,           // a pixel
     JOB_DEPTH_LIMIT = 32,
     JOB_ORDER_LIMIT = 4,
-    JOB_GRID_LIMIT = 512, // cells along a side of what a frame keeps in a grid
+    JOB_GRID_LIMIT = 512,        // cells along a side of what a frame keeps in a grid
+    JOB_CACHED_MEDIUM_LIMIT = 4, // whose density varies: channels of a texel
     JOB_DEPTH_DEFAULT = 8
 };
 

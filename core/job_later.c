@@ -3,7 +3,6 @@
 #include <string.h>
 
 const struct job_later job_later_table[] = {
-    {.key = "method", .text = "cached"},
     {.key = "method", .text = "tracking"},
     {0},
 };

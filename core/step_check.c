@@ -268,6 +268,41 @@ static bool media_are_even(const struct scene *scene)
     return is_even;
 }
 
+// Each light that is seen has a grid around the media that vary, a channel for each of these.
+static bool check_light_grids(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    struct json_node method = json_node_child(check->quality, "method");
+    size_t count = 0;
+
+    if (scene->object_count > 0) return json_fail(&method, check->error, "cached is not for scenes with objects yet");
+    for (size_t i = 0; i < scene->medium_count && scene->light_count > 0; i++) {
+        const struct scene_density *density = &scene->media[i].density;
+        struct density_nodes nodes;
+
+        if (scene_density_is_even(density)) continue;
+        if (++count > JOB_CACHED_MEDIUM_LIMIT)
+            return json_fail(&method, check->error, "expected at most %d media whose density varies with cached",
+                             JOB_CACHED_MEDIUM_LIMIT);
+        if (density->kind != SCENE_DENSITY_GRID && isinf(density_diameter(density, check->span)))
+            return json_fail(find_density(check, i, &nodes), check->error,
+                             "expected bounds (a sphere or a box): with cached each light has a grid around it");
+    }
+    return true;
+}
+
+static bool check_cached(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+
+    if (!check_voxels(check) || !check_light_grids(check)) return false;
+    for (size_t i = 0; i < scene->medium_count; i++)
+        if (scene->media[i].density.kind != SCENE_DENSITY_GRID && (scene->light_count > 0 || !media_are_even(scene)) &&
+            !check_march(check, i))
+            return false;
+    return true;
+}
+
 // Of a method that takes steps; auto has none of its own yet.
 static bool check_midpoint(const struct check *check)
 {
@@ -355,10 +390,11 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
     case JOB_METHOD_JITTERED:
     case JOB_METHOD_ADAPTIVE:
     case JOB_METHOD_GAUSS:
-    case JOB_METHOD_CACHED:
     case JOB_METHOD_PREINTEGRATED:
     case JOB_METHOD_TRACKING:
         return check_midpoint(&check);
+    case JOB_METHOD_CACHED:
+        return check_cached(&check);
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
     case JOB_METHOD_AUTO: // of even media alone nothing has to march

@@ -4,6 +4,7 @@
 #include "core/json_write.h"
 #include "worker/density_bake.h"
 #include "worker/density_kind.h"
+#include "worker/light_grid.h"
 #include "worker/pixel_samples.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_program.h"
@@ -315,6 +316,20 @@ static void list_samples(const struct listing *listing)
         say(listing, true, "motion blur", "%d moments of the %g frames that the shutter is open", samples, shutter);
 }
 
+static void list_light_grids(const struct listing *listing)
+{
+    for (size_t i = 0; i < listing->program->light_grid_count; ++i) {
+        const struct light_grid *grid = &listing->program->light_grids[i];
+        char name[64];
+
+        snprintf(name, sizeof name, "light %zu: grid", grid->light);
+        say(listing, true, name, "%d cells a side, %s; a column of %zu medi%s at each node", grid->cells,
+            grid->kind == LIGHT_GRID_BEAM ? "along its beam" : "all around the light", grid->medium_count,
+            grid->medium_count == 1 ? "um" : "a");
+    }
+    say(listing, false, "marching to lights", "columns are looked up in the grids of lights, each made once a frame");
+}
+
 static void list_method(const struct listing *listing)
 {
     const struct job_quality *quality = &listing->job->quality;
@@ -327,7 +342,9 @@ static void list_method(const struct listing *listing)
         say(listing, false, "marching", "%s",
             has_media ? "density changes at faces only: each stretch between them is one segment"
                       : "no medium is seen");
-    if (features->has_lights)
+    if (features->has_light_grids)
+        list_light_grids(listing);
+    else if (features->has_lights)
         say(listing, features->marches_to_lights, "marching to lights", "%s",
             features->marches_to_lights ? "density varies from place to place" : "columns have a closed form");
     if (features->places_points)

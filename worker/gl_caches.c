@@ -183,6 +183,7 @@ static bool run_strips(const struct gl_functions *gl, struct kept_program *progr
     int most = has_layers ? count[2] : rows;
 
     if (program->rows == 0) program->rows = FIRST_STRIP_ROWS;
+    gl->ProgramUniform3i(program->name, 1, count[0], count[1], count[2]);
     for (int first = 0; first < most;) {
         int strip = program->rows < most - first ? program->rows : most - first;
         double start = now_s();

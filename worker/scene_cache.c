@@ -33,15 +33,14 @@ size_t scene_cache_size_bytes(const struct scene_cache *cache)
 
 void scene_cache_begin(const struct scene_cache *cache, FILE *out)
 {
-    const int *count = cache->invocations;
-
     fprintf(out,
             "#version 450 core\n"
             "layout(local_size_x = %d, local_size_y = %d) in;\n"
             "layout(%s, binding = 0) writeonly uniform image3D cache_image;\n"
             "layout(location = 0) uniform ivec3 cache_first;\n"
+            "layout(location = 1) uniform ivec3 cache_invocations;\n"
             "bool cache_find_invocation(out ivec3 at)\n{\n"
             "    at = cache_first + ivec3(gl_GlobalInvocationID);\n"
-            "    return all(lessThan(at, ivec3(%d, %d, %d)));\n}\n",
-            SCENE_CACHE_GROUP_SIDE, SCENE_CACHE_GROUP_SIDE, formats[cache->format].name, count[0], count[1], count[2]);
+            "    return all(lessThan(at, cache_invocations));\n}\n",
+            SCENE_CACHE_GROUP_SIDE, SCENE_CACHE_GROUP_SIDE, formats[cache->format].name);
 }

@@ -48,6 +48,11 @@ bool medium_features_have_column(const struct medium_features *medium)
     return medium->scatters || medium->absorbs;
 }
 
+bool medium_features_march_to_lights(const struct medium_features *medium)
+{
+    return !medium->is_even && medium_features_have_column(medium);
+}
+
 static bool has_table(const struct scene_density *density)
 {
     const struct density_kind *kind = density_kind_of(density);
@@ -69,7 +74,7 @@ static void add_medium(struct scene_features *features, const struct scene_mediu
     features->has_extinction |= medium_features_have_column(medium);
     features->takes_time |= density_kind_of(&source->density)->takes_time;
     features->marches |= !medium->is_even;
-    features->marches_to_lights |= !medium->is_even && medium_features_have_column(medium);
+    features->marches_to_lights |= medium_features_march_to_lights(medium);
     features->is_rgb |= !medium_is_grey(source, medium);
     features->extinction_is_rgb |= !extinction_is_grey(source, medium);
 }
@@ -129,12 +134,13 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
         add_object(&features, &scene->objects[i], i);
     add_lights(&features, scene, scatters);
     features.marches_to_lights &= features.has_lights;
+    features.has_light_grids = features.marches_to_lights && job->quality.method == JOB_METHOD_CACHED;
     features.places_points = features.media_are_lit && job->quality.method == JOB_METHOD_EQUIANGULAR;
     // A Riemann sum is defined by its samples.
     features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
                                                (job_method_takes_steps(job->quality.method) && features.media_are_lit));
     features.is_jittered = features.marches && job->quality.method == JOB_METHOD_JITTERED;
-    features.is_adaptive = features.marches && features.has_extinction && job->quality.method == JOB_METHOD_ADAPTIVE;
+    features.is_adaptive = features.marches && features.has_extinction && job->quality.depth_step > 0;
     features.is_gauss = features.marches && job->quality.method == JOB_METHOD_GAUSS;
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);

@@ -40,6 +40,7 @@ struct scene_features {
     bool takes_time;        // some medium's density is given the time
     bool marches;           // camera rays take steps; else each stretch between edges of media is one segment
     bool marches_to_lights; // so do shadow rays; else columns are known in closed form
+    bool has_light_grids;   // instead of shadow rays: their columns are looked up in a grid of each light
     bool places_points;     // light of a whole stretch is gathered at points placed for each light
     bool is_rgb;            // something seen has a colour
     bool extinction_is_rgb; // media take more of one colour than of another
@@ -65,3 +66,5 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
 size_t scene_features_count_lights(const struct scene_features *features); // those that are seen
 // True when something of it attenuates light.
 bool medium_features_have_column(const struct medium_features *medium);
+// True when the way of light through it has no closed form.
+bool medium_features_march_to_lights(const struct medium_features *medium);

@@ -75,6 +75,20 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_pr
     fputs(";\n", out);
 }
 
+// Each light's columns are looked up in a grid of its own.
+static void write_cached_scattering(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    for (size_t i = 0; i < job->scene.light_count; ++i) {
+        if (!program->features.light_is_seen[i]) continue;
+        fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", i);
+        write_scattered(out, "        ", program);
+        fprintf(out,
+                "        source += scattered * light.irradiance * media_transmittance(light_%zu_column(point, "
+                "light));\n    }\n",
+                i);
+    }
+}
+
 // Several lights take turns, so that the march to them is compiled once: drivers copy functions to where they are called.
 static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program)
 {
@@ -234,7 +248,11 @@ static void write_sources(FILE *out, const struct job *job, const struct scene_p
     fputs("    Spectrum source = spectrum(0.0);\n", out);
     for (size_t i = 0; i < scene->medium_count; ++i)
         write_source(out, &features->media[i], i);
-    if (features->media_are_lit && !features->places_points) write_scattering(out, job, program);
+    if (!features->media_are_lit || features->places_points) return;
+    if (features->has_light_grids)
+        write_cached_scattering(out, job, program);
+    else
+        write_scattering(out, job, program);
 }
 
 static void write_densities(FILE *out, const struct job *job, const struct scene_program *program)

@@ -24,11 +24,6 @@ static bool is_tabled(const struct medium_features *medium)
     return medium->is_tabled;
 }
 
-static bool marches_to_lights(const struct medium_features *medium)
-{
-    return !medium->is_even && medium_features_have_column(medium);
-}
-
 // The first medium from `i` on that is chosen; medium_count when there is none left.
 static size_t next(const struct scene_program *program, choose_medium *choose, size_t i)
 {
@@ -342,8 +337,8 @@ static void write_column_sum(FILE *out, const struct scene_program *program, con
 static void write_column_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
 {
     const struct density_kind *kind = density_kind_of(&job->scene.media[i].density);
-    bool is_first = next(program, marches_to_lights, 0) == i;
-    bool is_tested = needs_test(job, program, marches_to_lights, i);
+    bool is_first = next(program, medium_features_march_to_lights, 0) == i;
+    bool is_tested = needs_test(job, program, medium_features_march_to_lights, i);
     const char *indent = begin_inside(out, is_tested, i);
     char bound[96];
 
@@ -361,14 +356,19 @@ static void write_column_part(FILE *out, const struct job *job, const struct sce
 
 static void write_column_march(FILE *out, const struct job *job, const struct scene_program *program)
 {
-    write_interval(out, program, marches_to_lights, "media_column_interval");
-    write_next_edge(out, program, marches_to_lights, "media_column_next_edge");
+    write_interval(out, program, medium_features_march_to_lights, "media_column_interval");
+    write_next_edge(out, program, medium_features_march_to_lights, "media_column_next_edge");
     fputs("float media_column_add(inout MediaColumn column, MediaSpans spans, vec3 p, vec3 direction, float at, "
           "float length)\n{\n    float empty;\n",
           out);
-    FOR_EACH_MEDIUM (program, marches_to_lights)
+    FOR_EACH_MEDIUM (program, medium_features_march_to_lights)
         write_column_part(out, job, program, i);
-    fputs("    return empty;\n}\nfloat media_column_depth(MediaColumn column)\n{\n    return ", out);
+    fputs("    return empty;\n}\n", out);
+}
+
+static void write_column_depth(FILE *out, const struct scene_program *program)
+{
+    fputs("float media_column_depth(MediaColumn column)\n{\n    return ", out);
     write_column_sum(out, program, "spectrum_min(", ")");
     fputs(";\n}\n", out);
 }
@@ -390,20 +390,39 @@ static void write_column(FILE *out, const struct job *job, const struct scene_pr
         else
             fputs("0.0", out);
     }
-    fputs(");\n}\nSpectrum media_transmittance(MediaColumn column)\n{\n    return exp(-(", out);
+    fputs(");\n}\n", out);
+}
+
+static void write_transmittance(FILE *out, const struct scene_program *program)
+{
+    fputs("Spectrum media_transmittance(MediaColumn column)\n{\n    return exp(-(", out);
     write_column_sum(out, program, "", "");
     fputs("));\n}\n", out);
 }
 
 void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program)
 {
+    const struct scene_features *features = &program->features;
+
     FOR_EACH_MEDIUM (program, is_seen)
         write_medium(out, job, program, i);
     write_spans(out, program);
-    if (program->features.has_objects) write_spans_in(out, &job->scene, program);
+    if (features->has_objects) write_spans_in(out, &job->scene, program);
     write_field(out, job, program);
-    if (program->features.is_tabled) write_tables(out, job, program);
-    if (!program->features.has_lights || !program->features.has_extinction) return;
+    if (features->is_tabled) write_tables(out, job, program);
+    if (!features->has_lights || !features->has_extinction) return;
     write_column(out, job, program);
-    if (program->features.marches_to_lights) write_column_march(out, job, program);
+    write_transmittance(out, program);
+    if (!features->marches_to_lights || features->has_light_grids) return;
+    write_column_march(out, job, program);
+    write_column_depth(out, program);
+}
+
+void scene_glue_write_columns(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    FOR_EACH_MEDIUM (program, is_seen)
+        write_medium(out, job, program, i);
+    write_spans(out, program);
+    write_column(out, job, program);
+    write_column_march(out, job, program);
 }

@@ -24,5 +24,8 @@ struct scene_program;
 //   media_column_add(column, spans, p, direction, at, length)  adds these; returns what .distance is above
 //   media_column_depth(column), media_transmittance(column)
 void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program);
+// Of all this the part that a march for columns alone calls, which is all but media_field, media_column_depth and
+// media_transmittance.
+void scene_glue_write_columns(FILE *out, const struct job *job, const struct scene_program *program);
 // The expression of a medium's rho from `MediaField field`.
 void scene_glue_write_density(FILE *out, const struct job *job, const struct scene_program *program, size_t medium);

@@ -77,5 +77,5 @@ void scene_glue_write_steps(FILE *out, const struct job *job, const struct scene
     if (features->is_gauss) write_rule(out, job->quality.order);
     if (!features->is_adaptive) return;
     write_extinction(out, job, program);
-    if (features->marches_to_lights) write_columns(out, program);
+    if (features->marches_to_lights && !features->has_light_grids) write_columns(out, program);
 }

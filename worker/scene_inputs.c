@@ -348,8 +348,8 @@ bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32
 
     if (!is_lasting) is_lasting = &ignored;
     *is_lasting = true;
-    *inputs =
-        (struct scene_inputs){.scene = &job->scene, .bricks = files ? files->bricks : NULL, .quality = job->quality};
+    *inputs = (struct scene_inputs){
+        .scene = &job->scene, .frame = frame, .bricks = files ? files->bricks : NULL, .quality = job->quality};
     for (size_t i = 0; i < job->scene.medium_count; ++i)
         if (!open_medium(inputs, job, i, frame, files, is_lasting, error)) goto fail;
     for (size_t i = 0; i < job->scene.object_count; ++i)

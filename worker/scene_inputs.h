@@ -39,7 +39,8 @@ struct scene_files {
 
 // The zero value is that of a scene without files.
 struct scene_inputs {
-    const struct scene *scene;                         // borrowed; outlives us
+    const struct scene *scene; // borrowed; outlives us
+    int32_t frame;
     struct brick_store *bricks;                        // borrowed; outlives us. NULL when only described
     struct scene_input media[SCENE_MEDIUM_LIMIT];      // by medium
     struct texture_input textures[SCENE_OBJECT_LIMIT]; // by object

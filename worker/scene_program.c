@@ -1,10 +1,12 @@
 #include "worker/scene_program.h"
 
+#include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"
 #include "worker/camera_view.h"
 #include "worker/density_bake.h"
 #include "worker/density_kind.h"
+#include "worker/light_grid.h"
 #include "worker/scene_glue.h"
 #include "worker/scene_glue_gather.h"
 #include "worker/scene_glue_media.h"
@@ -94,6 +96,17 @@ static void add_placement(struct assembly *assembly)
     scene_glue_write_placed(generate(assembly), assembly->job);
 }
 
+static void add_light_grids(struct assembly *assembly)
+{
+    const struct scene_program *program = assembly->program;
+
+    add_module(assembly, "light_grid/ray.glsl");
+    for (size_t i = 0; i < program->light_grid_count; ++i)
+        add_module(assembly, light_grid_module(&program->light_grids[i]));
+    for (size_t i = 0; i < program->light_grid_count; ++i)
+        light_grid_write_lookup(generate(assembly), &program->light_grids[i]);
+}
+
 static void add_lights(struct assembly *assembly)
 {
     const struct scene *scene = &assembly->job->scene;
@@ -109,12 +122,14 @@ static void add_lights(struct assembly *assembly)
                                                                                   : "light/point.glsl");
     if (features->has_extinction)
         add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
+                             : features->has_light_grids                           ? "transmittance/cached.glsl"
                              : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
                              : features->is_jittered                               ? "transmittance/jittered.glsl"
                              : features->is_adaptive                               ? "transmittance/adaptive.glsl"
                              : features->is_gauss                                  ? "transmittance/gauss.glsl"
                                                                                    : "transmittance/midpoint.glsl");
     scene_glue_write_lights(generate(assembly), assembly->job, assembly->program);
+    if (features->has_light_grids) add_light_grids(assembly);
     if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->job, assembly->program);
 }
 
@@ -239,6 +254,31 @@ static bool add_baked(struct scene_program *program, const struct job *job, cons
     return true;
 }
 
+// Of each light that is seen: where its grid lies, and the program that fills it.
+static bool add_grids(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+{
+    const struct scene_features *features = &program->features;
+    uint64_t baked = 0;
+
+    if (!features->has_light_grids) return true;
+    for (size_t i = 0; i < program->cache_count; ++i)
+        if (!program->caches[i].is_step) baked |= (uint64_t)1 << i;
+    program->light_grids = xcalloc(scene_features_count_lights(features), sizeof *program->light_grids);
+    for (size_t i = 0; i < job->scene.light_count; ++i) {
+        struct light_grid *grid = &program->light_grids[program->light_grid_count];
+        struct scene_cache *cache = &program->caches[program->cache_count];
+
+        if (!features->light_is_seen[i]) continue;
+        light_grid_init(grid, job, program->inputs, features, i);
+        light_grid_add_values(&program->uniforms, grid);
+        if (!light_grid_make_cache(cache, grid, program, shader_dir, error)) return false;
+        cache->reads = baked;
+        program->cache_count++;
+        program->light_grid_count++;
+    }
+    return true;
+}
+
 static void hash_texts(struct scene_program *program)
 {
     char hashes[2 + SCENE_CACHE_LIMIT][HASH_TEXT_SIZE];
@@ -274,7 +314,8 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
         return false;
     scene_values_add(&program->uniforms, job, inputs, &program->features);
     program->vertex = shader_sources_load(shader_dir, "fullscreen.vert", error);
-    if (!program->vertex || !add_baked(program, job, shader_dir, error) || !assemble(program, job, shader_dir, error)) {
+    if (!program->vertex || !add_baked(program, job, shader_dir, error) ||
+        !add_grids(program, job, shader_dir, error) || !assemble(program, job, shader_dir, error)) {
         scene_program_finish(program);
         return false;
     }
@@ -286,6 +327,7 @@ void scene_program_finish(struct scene_program *program)
 {
     for (size_t i = 0; i < program->cache_count; ++i)
         scene_cache_finish(&program->caches[i]);
+    free(program->light_grids);
     frame_uniforms_finish(&program->uniforms);
     free(program->vertex);
     free(program->fragment);

@@ -12,6 +12,7 @@
 
 struct error;
 struct job;
+struct light_grid;
 struct scene_inputs;
 
 // The zero value is empty.
@@ -24,6 +25,8 @@ struct scene_program {
     // What the fragment shader samples, each after those that it reads itself.
     struct scene_cache caches[SCENE_CACHE_LIMIT];
     size_t cache_count;
+    struct light_grid *light_grids; // owned; of each light that is seen, in order, where they have grids
+    size_t light_grid_count;
     struct scene_features features;
     struct frame_uniforms uniforms;    // refers to the job and the inputs
     const struct scene_inputs *inputs; // borrowed; NULL where the job reads no files

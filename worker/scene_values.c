@@ -150,14 +150,20 @@ static struct frame_value sigma_t_of(const struct scene_medium *medium, const st
                                 .meaning = "sigma_s + sigma_a"};
 }
 
+// Where a medium is and how dense.
+static void add_place(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    density_kind_of(&site->source->density)->add_values(uniforms, site);
+    scene_bounds_add_values(uniforms, &site->source->density.bounds, site->medium);
+}
+
 static void add_medium(struct frame_uniforms *uniforms, const struct density_site *site,
                        const struct medium_features *features, enum frame_value_type spectrum)
 {
     const struct scene_medium *medium = site->source;
     size_t i = site->medium;
 
-    density_kind_of(&medium->density)->add_values(uniforms, site);
-    scene_bounds_add_values(uniforms, &medium->density.bounds, i);
+    add_place(uniforms, site);
     if (medium_features_have_column(features))
         frame_uniforms_add(uniforms, sigma_t_of(medium, features, spectrum), "medium_%zu_sigma_t", i);
     if (features->emits)
@@ -224,7 +230,8 @@ static void add_steps(struct frame_uniforms *uniforms, const struct job *job, co
     const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
 
     if (features->marches) add_number(uniforms, job, &quality->step, "quality_step");
-    if (features->marches_to_lights) add_number(uniforms, job, &quality->light_step, "quality_light_step");
+    if (features->marches_to_lights && !features->has_light_grids)
+        add_number(uniforms, job, &quality->light_step, "quality_light_step");
     if (features->is_adaptive) add_number(uniforms, job, &quality->depth_step, "quality_depth_step");
     if (features->has_media && (features->has_objects || quality->min_transmittance > 0.0))
         add_number(uniforms, job, &quality->min_transmittance, "quality_min_transmittance");
@@ -237,6 +244,24 @@ struct frame_value scene_values_time(void)
                                 .min = value_range_any.min,
                                 .max = value_range_any.max,
                                 .meaning = "the frame's time"};
+}
+
+void scene_values_add_places(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                             const struct scene_features *features)
+{
+    if (features->takes_time) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        if (features->media[i].is_seen)
+            add_place(uniforms, &(struct density_site){
+                                    .job = job, .medium = i, .source = &job->scene.media[i], .inputs = inputs});
+}
+
+void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light)
+{
+    frame_uniforms_add(
+        uniforms,
+        timeline_value(&job->scene.lights[light].position, FRAME_VALUE_VEC3, value_range_any, "lights.position"),
+        "light_%zu_position", light);
 }
 
 void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,

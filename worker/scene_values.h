@@ -3,6 +3,8 @@
 
 #include "worker/frame_uniforms.h"
 
+#include <stddef.h>
+
 struct job;
 struct scene_features;
 struct scene_inputs;
@@ -14,3 +16,8 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
                       const struct scene_features *features);
 // The frame's time: "time_s" in shaders that ask for it.
 struct frame_value scene_values_time(void);
+// Of these, time_s where some seen medium takes it, and what the densities and bounds of seen media add.
+void scene_values_add_places(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                             const struct scene_features *features);
+// light_I_position of a point light.
+void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light);

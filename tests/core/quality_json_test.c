@@ -92,6 +92,23 @@ static void steps_by_depth_and_by_rule_are_read(void **state)
     job_finish(&adaptive);
 }
 
+static void cached_is_read(void **state)
+{
+    char *text =
+        json_edit_set(job_text_noise, "quality",
+                      "{\"method\":\"cached\",\"step\":0.05,\"light_grid\":64,\"density_grid\":32,\"samples\":3}");
+    struct job job = parse(text);
+
+    (void)state;
+    assert_int_equal(job.quality.method, JOB_METHOD_CACHED);
+    assert_int_equal(job.quality.light_grid, 64);
+    assert_int_equal(job.quality.density_grid, 32);
+    assert_int_equal(job.quality.samples, 3);
+    assert_true(job.quality.step == 0.05 && job.quality.light_step == 0.0);
+    job_finish(&job);
+    free(text);
+}
+
 static void assert_tolerance(const char *quality, double tolerance, int samples)
 {
     char *text = json_edit_set(job_text_noise, "quality", quality);
@@ -134,6 +151,10 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality.tolerance", "0.1", "quality: unknown key \"tolerance\" beside method \"midpoint\""},
         {"quality", "{\"tolerance\":0.6}", "quality.tolerance: expected a number from 0.0001 to 0.5, got 0.6"},
         {"quality", "{\"tolerance\":0.1,\"step\":1}", "quality: unknown key \"step\""},
+        {"quality", "{\"method\":\"cached\",\"step\":1,\"light_grid\":3}",
+         "quality.light_grid: expected an integer from 4 to 512, got 3"},
+        {"quality", "{\"method\":\"cached\",\"step\":1,\"light_grid\":64,\"light_step\":1}",
+         "quality: unknown key \"light_step\", did you mean \"light_grid\"?"},
         {"quality", "{\"method\":\"equiangular\"}", "quality.points: expected an integer from 1 to 1000, got nothing"},
         {"quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4,\"roulette\":{}}",
          "quality: unknown key \"roulette\" beside method \"riemann\""},
@@ -154,6 +175,7 @@ int main(void)
         cmocka_unit_test(jittered_and_preintegrated_are_read),
         cmocka_unit_test(steps_by_depth_and_by_rule_are_read),
         cmocka_unit_test(without_a_method_there_is_a_tolerance),
+        cmocka_unit_test(cached_is_read),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };
 

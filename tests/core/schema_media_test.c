@@ -1,11 +1,13 @@
 // A program of its own beside schema_test: the two run at the same time.
 #include "tests/support/job_text.h"
+#include "tests/support/json_edit.h"
 #include "tests/support/schema_agreement.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -19,6 +21,17 @@ static void check_text(const char *text)
 static void schema_and_code_agree_on_every_change_of_noise(void **state)
 {
     check_text(job_text_noise);
+}
+
+static void schema_and_code_agree_on_every_change_of_cached(void **state)
+{
+    char *text = json_edit_set(job_text_noise, "quality",
+                               "{\"method\":\"cached\",\"step\":0.05,\"light_grid\":64,\"depth_step\":0.1,\"density_"
+                               "grid\":32,\"min_transmittance\":0.01,"
+                               "\"samples\":2}");
+
+    schema_agreement_check_places(text, "quality");
+    free(text);
 }
 
 static void schema_and_code_agree_on_every_change_of_fog(void **state)
@@ -40,6 +53,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_noise),
+        cmocka_unit_test(schema_and_code_agree_on_every_change_of_cached),
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_fog),
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_grid),
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_glsl),

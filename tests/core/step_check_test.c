@@ -106,6 +106,63 @@ static void a_march_has_an_end(void **state)
     free(text);
 }
 
+static void light_grids_need_bounds(void **state)
+{
+    static const char quality[] = "{\"method\":\"cached\",\"step\":0.1,\"light_grid\":32}";
+    static const char objects[] = "[{\"kind\":\"plane\",\"point\":[0,-9,0],\"material\":{\"kind\":\"mirror\"}}]";
+    char *text = json_edit_set(job_text_noise, "quality", quality), *open, *slab;
+    struct job job = parse(text);
+
+    (void)state;
+    job_finish(&job);
+    open = json_edit_set(text, "scene.media[1].density.bounds", NULL);
+    assert_refused(open,
+                   "scene.media[1].density: expected bounds (a sphere or a box): with cached each light has a grid "
+                   "around it");
+    free(open);
+    slab = json_edit_set(text, "scene.media[1].density.bounds", "{\"kind\":\"slab\",\"thickness\":1}");
+    assert_refused(slab,
+                   "scene.media[1].density: expected bounds (a sphere or a box): with cached each light has a grid "
+                   "around it");
+    open = json_edit_set(slab, "lights", "[]"); // then there is no grid
+    job = parse(open);
+    job_finish(&job);
+    free(open);
+    free(slab);
+    slab = json_edit_set(text, "scene.objects", objects);
+    assert_refused(slab, "quality.method: cached is not for scenes with objects yet");
+    free(slab);
+    free(text);
+}
+
+static void light_grids_have_four_channels(void **state)
+{
+    static const char quality[] = "{\"method\":\"cached\",\"step\":0.1,\"light_grid\":32}";
+    static const char cloud[] =
+        "{\"density\":{\"kind\":\"noise\",\"frequency\":1,\"bounds\":{\"kind\":\"sphere\",\"radius\":1}},"
+        "\"sigma_s\":1}";
+    char *text = json_edit_set(job_text_noise, "quality", quality);
+
+    (void)state;
+    for (size_t count = 4; count <= 5; count++) {
+        char media[1024] = "[", *many;
+
+        for (size_t i = 0; i < count; i++)
+            snprintf(media + strlen(media), sizeof media - strlen(media), "%s%s", i > 0 ? "," : "", cloud);
+        strcat(media, "]");
+        many = json_edit_set(text, "scene.media", media);
+        if (count == 4) {
+            struct job job = parse(many);
+
+            job_finish(&job);
+        } else {
+            assert_refused(many, "quality.method: expected at most 4 media whose density varies with cached");
+        }
+        free(many);
+    }
+    free(text);
+}
+
 // Closed forms need no steps, however far a ray goes.
 static void even_media_need_no_end(void **state)
 {
@@ -283,6 +340,8 @@ int main(void)
         cmocka_unit_test(riemann_needs_an_end),
         cmocka_unit_test(shadow_rays_are_limited_too),
         cmocka_unit_test(a_march_has_an_end),
+        cmocka_unit_test(light_grids_need_bounds),
+        cmocka_unit_test(light_grids_have_four_channels),
         cmocka_unit_test(even_media_need_no_end),
         cmocka_unit_test(equiangular_is_for_even_media),
         cmocka_unit_test(equiangular_points_are_limited_along_a_ray),

@@ -161,6 +161,15 @@ static void nearest_voxels(void **state)
     assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-2);
 }
 
+// The grids of lights lie around the file's box: what their cells leave, a sun's and an inner light's.
+static void lit_by_light_grids(void **state)
+{
+    struct picture picture = {write_lobes(state), "", SCATTERS, OUTSIDE, LIGHTS,
+                              "\"method\": \"cached\", \"step_voxels\": 0.25, \"light_grid\": 64"};
+
+    assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
+}
+
 // Simulated gas from 280 to 1650 K, where the light grows with the ninth power of the temperature and more: steps of a
 // quarter voxel leave several times the error of smooth light.
 static void a_simulated_fire_is_its_integral(void **state)
@@ -186,6 +195,7 @@ int main(int argc, char **argv)
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_transfer_function_colours_values, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(nearest_voxels, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(lit_by_light_grids, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(a_simulated_fire_is_its_integral),
     };
 
