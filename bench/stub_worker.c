@@ -5,6 +5,7 @@
 //   sleep:MS     the same after MS milliseconds
 //   write:MS     writes a small file after MS milliseconds and reports it finished
 //   audited:MS   the same, and says how exact it is
+//   plan:MS      like write, and says that it plans first
 //   lie:MS       the same, but says of the file what is not so, and of frames it was not given that they are finished
 //   fail:FAULT   answers frame.failed with that fault
 //   crash        dies when it begins a frame
@@ -78,7 +79,7 @@ static bool has_mode(const struct stub *stub, const char *mode)
 
 static bool writes_files(const struct stub *stub)
 {
-    return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "lie");
+    return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "plan") || has_mode(stub, "lie");
 }
 
 static void begin_report(struct stub *stub, const char *method, const struct stub_frame *frame)
@@ -252,6 +253,12 @@ static void begin_frame(struct stub *stub)
     if (has_mode(stub, "skip")) return;
     begin_report(stub, "frame.started", frame);
     end_report(stub);
+    if (has_mode(stub, "plan")) {
+        begin_report(stub, "frame.planning", frame);
+        end_report(stub);
+        begin_report(stub, "frame.planned", frame);
+        end_report(stub);
+    }
     if (has_mode(stub, "garbage")) json_write_raw(&stub->out, "what?\n", 6);
     if (has_mode(stub, "crash")) {
         flush(stub);

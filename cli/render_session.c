@@ -227,6 +227,7 @@ static enum step on_frame(struct session *session, const struct message *message
         render_plan_start(&session->plan, ticket.frame);
         return STEP_ON;
     }
+    if (strcmp(event, "planning") == 0 || strcmp(event, "planned") == 0) return STEP_ON;
     if (strcmp(event, "rendered") == 0) {
         render_plan_render(&session->plan, ticket.frame);
         return STEP_ON;

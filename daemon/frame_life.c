@@ -175,7 +175,7 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
         return;
     }
     hand_remove(&worker->hand, frame);
-    estimate_add(&record->estimate, report->render_s);
+    estimate_add(&record->estimate, report->render_s + report->audit_s);
     publisher_put(farm->publisher, &request);
 }
 
@@ -230,6 +230,9 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         frame->is_started = true;
         if (queue_owns(farm->queue, &frame->ticket))
             events_tell_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
+        return;
+    case WORKER_REPORT_PLANNING:
+    case WORKER_REPORT_PLANNED:
         return;
     case WORKER_REPORT_RENDERED:
         hand_render(&worker->hand, frame);

@@ -147,8 +147,10 @@ static void note_clocks(struct worker_process *worker, const struct worker_repor
         liveness_progress(&worker->liveness, report->progress, now_ms);
         break;
     case WORKER_REPORT_STARTED:
+    case WORKER_REPORT_PLANNED:
         liveness_begin_frame(&worker->liveness, now_ms);
         break;
+    case WORKER_REPORT_PLANNING: // for many frames: no other frame's time says how long it may take
     case WORKER_REPORT_RENDERED:
     case WORKER_REPORT_SKIPPED:
     case WORKER_REPORT_FAILED:

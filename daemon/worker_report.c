@@ -97,12 +97,20 @@ static bool read_file(struct published_file *file, const struct json_node *body,
     return true;
 }
 
+// A worker that compares no pixels says nothing of it.
+static bool read_audit_seconds(const struct json_node *body, double *seconds, struct error *error)
+{
+    struct json_node node = json_node_child(body, "audit_s");
+
+    return json_node_is_absent(&node) || json_read_number(&node, 0, 1e9, seconds, error);
+}
+
 static bool read_finished(struct worker_report *report, const struct json_node *body, struct error *error)
 {
     return read_frame(report, body, error) && read_file(&report->file, body, error) &&
            read_inode(body, &report->file.inode, error) && read_seconds(body, "render_s", &report->render_s, error) &&
            read_seconds(body, "encode_s", &report->encode_s, error) &&
-           frame_accuracy_read(&report->accuracy, body, error);
+           read_audit_seconds(body, &report->audit_s, error) && frame_accuracy_read(&report->accuracy, body, error);
 }
 
 static bool read_skipped(struct worker_report *report, const struct json_node *body, struct error *error)
@@ -135,7 +143,8 @@ static const struct report_method {
     {"frame.rendered", WORKER_REPORT_RENDERED, read_frame}, {"frame.finished", WORKER_REPORT_FINISHED, read_finished},
     {"frame.failed", WORKER_REPORT_FAILED, read_failed},    {"frame.dropped", WORKER_REPORT_DROPPED, read_frame},
     {"worker.beat", WORKER_REPORT_BEAT, read_beat},         {"worker.ready", WORKER_REPORT_READY, read_ready},
-    {"worker.failed", WORKER_REPORT_UNABLE, read_unable},
+    {"worker.failed", WORKER_REPORT_UNABLE, read_unable},   {"frame.planning", WORKER_REPORT_PLANNING, read_frame},
+    {"frame.planned", WORKER_REPORT_PLANNED, read_frame},
 };
 
 bool worker_report_read(struct worker_report *report, const struct message *message, struct error *error)

@@ -16,6 +16,8 @@ enum worker_report_kind {
     WORKER_REPORT_UNABLE, // worker.failed
     WORKER_REPORT_BEAT,
     WORKER_REPORT_STARTED, // from here on: of a frame
+    WORKER_REPORT_PLANNING,
+    WORKER_REPORT_PLANNED,
     WORKER_REPORT_RENDERED,
     WORKER_REPORT_FINISHED,
     WORKER_REPORT_SKIPPED,
@@ -31,8 +33,9 @@ struct worker_report {
     double progress;                                                 // beat
     int64_t job;                                                     // of a frame
     int32_t frame, attempt;
-    struct published_file file;     // finished; skipped without inode
-    double render_s, encode_s;      // finished
+    struct published_file file; // finished; skipped without inode
+    double render_s, encode_s;
+    double audit_s;                 // beside both
     struct frame_accuracy accuracy; // finished, skipped
     enum retry_fault fault;         // failed
     const char *error;              // failed, unable

@@ -135,10 +135,12 @@ static void encode(struct worker *worker, struct picture *picture)
         worker_drop_frame(worker, frame);
         return;
     }
-    report_finished(
-        &worker->connection, frame,
-        &(struct report_result){
-            .file = &result.file, .accuracy = &accuracy, .render_s = picture->render_s, .encode_s = now_s() - start_s});
+    report_finished(&worker->connection, frame,
+                    &(struct report_result){.file = &result.file,
+                                            .accuracy = &accuracy,
+                                            .render_s = picture->render_s,
+                                            .encode_s = now_s() - start_s,
+                                            .audit_s = picture->audit.seconds});
     worker_end_frame(worker, frame);
 }
 

@@ -81,6 +81,16 @@ void report_started(struct connection *connection, const struct assignment_frame
     report_plain(connection, "frame.started", frame);
 }
 
+void report_planning(struct connection *connection, const struct assignment_frame *frame)
+{
+    report_plain(connection, "frame.planning", frame);
+}
+
+void report_planned(struct connection *connection, const struct assignment_frame *frame)
+{
+    report_plain(connection, "frame.planned", frame);
+}
+
 void report_rendered(struct connection *connection, const struct assignment_frame *frame)
 {
     report_plain(connection, "frame.rendered", frame);
@@ -99,6 +109,7 @@ void report_finished(struct connection *connection, const struct assignment_fram
     json_write_string_member(&writer, "hash", result->file->hash);
     json_write_number_member(&writer, "render_s", result->render_s);
     json_write_number_member(&writer, "encode_s", result->encode_s);
+    if (result->audit_s > 0) json_write_number_member(&writer, "audit_s", result->audit_s);
     frame_accuracy_write(result->accuracy, &writer);
     send_and_finish(connection, &writer);
 }

@@ -14,12 +14,16 @@ void report_ready(struct connection *connection, const struct gl_context_facts *
 void report_no_context(struct connection *connection, const char *reason);
 void report_beat(struct connection *connection, uint64_t progress);
 void report_started(struct connection *connection, const struct assignment_frame *frame);
+// A plan for the frame's part of the animation is being made, which may take longer than the frame; or is made.
+void report_planning(struct connection *connection, const struct assignment_frame *frame);
+void report_planned(struct connection *connection, const struct assignment_frame *frame);
 void report_rendered(struct connection *connection, const struct assignment_frame *frame);
 
 struct report_result {
     const struct published_file *file; // borrowed for the call, as what follows
     const struct frame_accuracy *accuracy;
     double render_s, encode_s;
+    double audit_s; // that comparing its pixels took; 0: none were
 };
 
 void report_finished(struct connection *connection, const struct assignment_frame *frame,

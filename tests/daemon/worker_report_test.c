@@ -41,7 +41,7 @@ static void a_finished_frame_keeps_a_file_number_beyond_2_to_the_53(void **state
     assert_true(read_line(
         &report, &message, "frame.finished",
         "{\"job\":3,\"frame\":7,\"attempt\":2,\"inode\":\"18446744073709551557\",\"size_bytes\":1234,"
-        "\"hash\":\"00112233445566778899aabbccddeeff\",\"render_s\":1.5,\"encode_s\":0.25,\"later\":1,"
+        "\"hash\":\"00112233445566778899aabbccddeeff\",\"render_s\":1.5,\"encode_s\":0.25,\"audit_s\":0.5,\"later\":1,"
         "\"audit\":\"reference\",\"measured_error\":0.25,\"error95\":0.5,\"audit_rays\":9,\"method\":\"gauss\"}",
         NULL));
     assert_int_equal(report.kind, WORKER_REPORT_FINISHED);
@@ -52,6 +52,7 @@ static void a_finished_frame_keeps_a_file_number_beyond_2_to_the_53(void **state
     assert_int_equal(report.file.size_bytes, 1234);
     assert_string_equal(report.file.hash, "00112233445566778899aabbccddeeff");
     assert_true(report.render_s == 1.5 && report.encode_s == 0.25);
+    assert_true(report.audit_s == 0.5);
     assert_string_equal(report.accuracy.method, "gauss");
     assert_true(report.accuracy.error == 0.25 && !report.accuracy.has_cut_share);
     message_finish(&message);
@@ -68,6 +69,20 @@ static void a_fault_is_one_of_those_known(void **state)
     assert_string_equal(report.error, "full");
     message_finish(&message);
     refuse("frame.failed", "{\"job\":1,\"frame\":0,\"attempt\":1,\"fault\":\"mood\",\"error\":\"x\"}", "fault");
+}
+
+static void planning_is_told_of_a_frame(void **state)
+{
+    struct worker_report report;
+    struct message message = {0};
+
+    assert_true(read_line(&report, &message, "frame.planning", "{\"job\":1,\"frame\":2,\"attempt\":3}", NULL));
+    assert_int_equal(report.kind, WORKER_REPORT_PLANNING);
+    assert_int_equal(report.frame, 2);
+    message_finish(&message);
+    assert_true(read_line(&report, &message, "frame.planned", "{\"job\":1,\"frame\":2,\"attempt\":3}", NULL));
+    assert_int_equal(report.kind, WORKER_REPORT_PLANNED);
+    message_finish(&message);
 }
 
 static void an_unknown_method_is_no_error(void **state)
@@ -116,6 +131,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_finished_frame_keeps_a_file_number_beyond_2_to_the_53),
         cmocka_unit_test(a_fault_is_one_of_those_known),
+        cmocka_unit_test(planning_is_told_of_a_frame),
         cmocka_unit_test(an_unknown_method_is_no_error),
         cmocka_unit_test(a_device_may_have_no_uuid),
         cmocka_unit_test(what_is_missing_or_wrong_is_named),

@@ -37,3 +37,13 @@ wait_state "$id" failed
 tries=$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')
 [ "$tries" -lt 20 ] || fail "too many frames were tried: $tries"
 stop_daemon
+
+# Plans are made between a frame's begin and its end, once; the frame is one attempt.
+start_daemon --worker-program "$(stub plan:10)"
+listen "$scratch/events"
+id=$(submit "$(job 0-1 '.output.path = "e/e.####.exr"')")
+wait_state "$id" succeeded
+expect "attempts of planned frames" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] | [.state, .attempts]]')" \
+    '[["succeeded",1],["succeeded",1]]'
+expect "beginnings" "$(grep -c '"frame":[01],"state":"running"' "$scratch/events")" 2
+stop_daemon

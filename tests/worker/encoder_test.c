@@ -100,7 +100,8 @@ static const struct audit_result good = {.kind = AUDIT_REFERENCE,
                                          .error = 0.0078125,
                                          .error95 = 0.015625,
                                          .ray_count = 64,
-                                         .tolerance = 0.01};
+                                         .tolerance = 0.01,
+                                         .seconds = 0.25};
 
 static void audit_and_method_are_in_the_message_and_the_file(void **state)
 {
@@ -111,7 +112,7 @@ static void audit_and_method_are_in_the_message_and_the_file(void **state)
     assert_string_equal(message.method, "frame.finished");
     assert_string_equal(text_of(&message, "audit"), "reference");
     assert_true(number_of(&message, "measured_error") == 0.0078125 && number_of(&message, "error95") == 0.015625);
-    assert_true(number_of(&message, "audit_rays") == 64);
+    assert_true(number_of(&message, "audit_rays") == 64 && number_of(&message, "audit_s") == 0.25);
     assert_string_equal(text_of(&message, "method"), "cached");
     message_finish(&message);
 
