@@ -1,0 +1,9 @@
+// The sweeps as text, as a table and as a picture: what docs/stability.md shows.
+#pragma once
+
+#include <stdbool.h>
+
+struct gl_context;
+
+// `form`: "points", "map" (Markdown) or "svg". To stdout; false when something cannot be measured.
+bool stability_map_print(struct gl_context *context, const char *form);

@@ -1,0 +1,161 @@
+// What each method of light promises where methods fail. With the argument "points" it prints every point of every sweep, with
+// "map" docs/stability.md's table, with "svg" its picture.
+#include "core/error.h"
+#include "tests/support/keep_libraries.h"
+#include "tests/support/stability.h"
+#include "tests/support/stability_map.h"
+#include "worker/gl_context.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static struct gl_context *context;
+
+// For values from `low` to `high`: no error is larger than `error`, and no more light than `gain` of all is made.
+struct promise {
+    const char *slug, *method;
+    double low, high, error, gain;
+};
+
+static const struct promise promises[] = {
+    // Segments are integrated exactly, whatever their depth; plain sums are not.
+    {"furnace", "midpoint", 1e-3, 1000, 1e-5, 1e-6},
+    {"furnace", "jittered", 1e-3, 1000, 1e-5, 1e-6},
+    {"furnace", "adaptive", 1e-3, 1000, 1e-5, 1e-6},
+    {"furnace", "gauss", 1e-3, 1000, 1e-5, 1e-6},
+    {"furnace", "equiangular", 1e-3, 1000, 1e-5, 1e-6},
+    {"furnace", "riemann", 1e-3, 1e-2, 2e-3, 2e-3},
+    {"depth", "midpoint", 1e-6, 10, 3e-3, 3e-3},
+    {"depth", "midpoint", 100, 100, 2e-2, 0.1},
+    {"depth", "jittered", 1e-6, 10, 5e-2, 5e-3},
+    {"depth", "adaptive", 1e-6, 10, 3e-3, 3e-3},
+    {"depth", "adaptive", 100, 1e4, 3e-2, 3e-2},
+    {"depth", "gauss", 1e-6, 100, 1e-4, 1e-4},
+    {"depth", "equiangular", 1e-6, 1e4, 1e-2, 1e-3},
+    {"forward", "midpoint", -0.999, 0.999, 1e-3, 1e-3},
+    {"forward", "jittered", -0.999, 0.999, 3e-2, 5e-3},
+    {"forward", "adaptive", -0.999, 0.999, 1e-3, 1e-3},
+    {"forward", "gauss", -0.999, 0.999, 1e-4, 1e-4},
+    {"forward", "equiangular", -0.999, 0.999, 1e-3, 1e-3},
+    {"backward", "midpoint", -0.999, 0.999, 1e-3, 1e-3},
+    {"backward", "jittered", -0.999, 0.999, 5e-2, 1e-2},
+    {"backward", "adaptive", -0.999, 0.999, 1e-3, 1e-3},
+    {"backward", "gauss", -0.999, 0.999, 1e-4, 1e-4},
+    {"backward", "equiangular", -0.999, 0.999, 1e-3, 1e-3},
+    {"inside", "midpoint", 0.1, 0.3, 1e-3, 1e-3},
+    {"inside", "gauss", 0.03, 0.3, 2e-3, 1e-3},
+    {"inside", "equiangular", 1e-6, 0.3, 2e-3, 2e-3},
+    {"camera", "midpoint", 0, 1, 1e-3, 1e-3},
+    {"camera", "adaptive", 0, 1, 1e-3, 1e-3},
+    {"camera", "gauss", 0, 1, 1e-4, 1e-4},
+    {"camera", "equiangular", 0, 1, 1e-4, 1e-4},
+    {"far", "midpoint", 1, 1e6, 1e-3, 1e-3},
+    {"far", "jittered", 1, 1e6, 3e-2, 5e-3},
+    {"far", "adaptive", 1, 1e6, 1e-3, 1e-3},
+    {"far", "gauss", 1, 1e6, 1e-4, 1e-4},
+    {"far", "equiangular", 1, 1e6, 1e-3, 1e-3},
+    {"far", "riemann", 1, 1, 2e-2, 1e-2},
+    {"shell", "midpoint", 10, 10, 1e-2, 1e-3},
+    {"shell", "adaptive", 1e-3, 10, 2e-2, 2e-2},
+    {"shell", "gauss", 0.1, 10, 2e-3, 2e-3},
+    {"shell", "equiangular", 1e-3, 10, 2e-2, 2e-3},
+    {"origin", "midpoint", 0, 1e4, 2e-3, 1e-3},
+    {"origin", "adaptive", 0, 1e4, 2e-3, 1e-3},
+    {"origin", "gauss", 0, 1e4, 2e-3, 1e-3},
+    {"origin", "equiangular", 0, 1e5, 5e-3, 1e-3},
+    {"bright", "midpoint", 1, 1e12, 1e-3, 1e-3},
+    {"bright", "adaptive", 1, 1e12, 1e-3, 1e-3},
+    {"bright", "gauss", 1, 1e12, 1e-4, 1e-4},
+    {"bright", "equiangular", 1, 1e12, 1e-3, 1e-3},
+};
+
+static bool check(const struct promise *promise, double value, const struct stability_point *point)
+{
+    bool is_kept =
+        !point->is_refused && point->is_finite && point->error <= promise->error && point->gain <= promise->gain;
+
+    if (!is_kept)
+        printf("%s, %s at %g: %s, error %.2e, of %.1e, gain %+.2e of %.1e\n", promise->slug, promise->method, value,
+               point->is_refused  ? point->reason
+               : point->is_finite ? "finite"
+                                  : "not finite",
+               point->error, promise->error, point->gain, promise->gain);
+    return is_kept;
+}
+
+// Whatever is done with it, no method makes NaN or infinity of a scene, nor turns light negative.
+static int check_sweep(const struct stability_sweep *sweep, const struct stability_method *method, size_t *checks)
+{
+    struct stability_point points[STABILITY_POINT_LIMIT];
+    int broken = 0;
+
+    if (!stability_measure(context, sweep, method, points)) return 1;
+    for (size_t i = 0; i < sweep->count; i++) {
+        if (!points[i].is_refused && (!points[i].is_finite || points[i].gain < -1.0001)) {
+            printf("%s, %s at %g: not finite\n", sweep->slug, method->name, sweep->values[i]);
+            broken++;
+        }
+        for (size_t k = 0; k < sizeof promises / sizeof *promises; k++) {
+            const struct promise *promise = &promises[k];
+
+            if (strcmp(promise->slug, sweep->slug) != 0 || strcmp(promise->method, method->name) != 0) continue;
+            if (sweep->values[i] < promise->low || sweep->values[i] > promise->high) continue;
+            broken += !check(promise, sweep->values[i], &points[i]);
+            ++*checks;
+        }
+    }
+    return broken;
+}
+
+static void methods_hold_where_they_promise(void **state)
+{
+    size_t checks = 0;
+    int broken = 0;
+
+    (void)state;
+    for (size_t i = 0; i < stability_sweep_count; i++)
+        for (size_t k = 0; k < stability_method_count; k++)
+            broken += check_sweep(&stability_sweeps[i], &stability_methods[k], &checks);
+    print_message("%zu promises looked at\n", checks);
+    assert_int_equal(broken, 0);
+    assert_true(checks > 250);
+}
+
+// A value that the picture's numbers cannot hold is told of, not written.
+static void what_half_cannot_hold_is_seen(void **state)
+{
+    const struct stability_sweep *bright = &stability_sweeps[stability_sweep_count - 1];
+    struct stability_point points[STABILITY_POINT_LIMIT];
+
+    (void)state;
+    assert_string_equal(bright->slug, "bright");
+    assert_true(stability_measure(context, bright, &stability_methods[1], points));
+    assert_true(points[0].fits_half);
+    assert_false(points[bright->count - 1].fits_half);
+    assert_true(points[bright->count - 1].is_finite);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(methods_hold_where_they_promise),
+        cmocka_unit_test(what_half_cannot_hold_is_seen),
+    };
+    struct error error = {{0}};
+    int status;
+
+    context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    keep_libraries();
+    if (!context) {
+        printf("%s\n", error.message);
+        return 1;
+    }
+    status = argc > 1 ? !stability_map_print(context, argv[1]) : cmocka_run_group_tests(tests, NULL, NULL);
+    gl_context_destroy(context);
+    return status;
+}
