@@ -56,6 +56,13 @@ static bool on_progress(void *user, double done)
     return !worker_is_unwanted(loop->worker, loop->frame);
 }
 
+static void on_plan(void *user, bool is_made)
+{
+    struct render_loop *loop = user;
+
+    (is_made ? report_planned : report_planning)(&loop->worker->connection, loop->frame);
+}
+
 static bool make_renderer(struct render_loop *loop)
 {
     struct worker *worker = loop->worker;
@@ -156,6 +163,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
                                             .frame = loop->frame->frame,
                                             .image = &picture->image,
                                             .on_progress = on_progress,
+                                            .on_plan = on_plan,
                                             .user = loop};
     struct tolerance_result result;
     struct error error = {0};

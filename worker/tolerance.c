@@ -76,6 +76,7 @@ static struct kept_plan *find_or_make_plan(struct tolerance *tolerance, const st
     }
     drop_plan(oldest);
     tolerance->shown_serial = 0;
+    if (params->on_plan) params->on_plan(params->user, false);
     if (!plan_make(&oldest->plan,
                    &(struct plan_params){.renderer = tolerance->renderer,
                                          .job = params->job,
@@ -88,6 +89,7 @@ static struct kept_plan *find_or_make_plan(struct tolerance *tolerance, const st
         drop_plan(oldest);
         return NULL;
     }
+    if (params->on_plan) params->on_plan(params->user, true);
     oldest->serial = params->serial;
     oldest->segment = segment.index;
     oldest->used = ++tolerance->use_count;

@@ -21,7 +21,8 @@ struct tolerance_params {
     int32_t frame;
     struct image *image; // as renderer_render takes it
     enum plan_choice choice;
-    renderer_progress *on_progress; // may be NULL; called at least every second, but for what GL compiles
+    renderer_progress *on_progress;            // may be NULL; called at least every second, but for what GL compiles
+    void (*on_plan)(void *user, bool is_made); // may be NULL; called before a plan is made, and once it is
     void *user;
 };
 

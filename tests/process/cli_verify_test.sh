@@ -155,4 +155,17 @@ exr-make moved/fog.0003.exr frame=3 "hash=$hash" error=0.0101
 expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr"
 says "fog.0003.exr  rendered"
 
+# A job that states a tolerance is audited: its folder verifies without the job, and the job's frames with it.
+audited() { march "$@" --set 'quality={"tolerance":0.05}'; }
+expect 0 audited render job.json --backend osmesa --out "$PWD/kept/fog.####.exr"
+[ "$(grep -c 'error .* % (95 %: below ' out)" -eq 4 ] || fail "four frames say how exact they are"
+expect 0 march verify kept
+says "fog.####.exr: 4 files, frames 0-3; worst error" " of 5 % in fog.000" "; all well"
+expect 0 audited verify job.json --out "$PWD/kept/fog.####.exr"
+expect 1 march verify kept --tolerance 1e-9
+expect 1 march verify job.json --set 'quality={"tolerance":0.04}' --out "$PWD/kept/fog.####.exr"
+says "4 wrong" "marchd:jobHash: expected"
+expect 0 audited render job.json --backend osmesa --out "$PWD/kept/fog.####.exr" --json
+[ "$(grep -o '"state":"skipped".[^}]*"error95"' out | wc -l)" -eq 4 ] || fail "frames that are there tell of their error"
+
 [ "$failures" -eq 0 ]

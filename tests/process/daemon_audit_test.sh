@@ -47,3 +47,16 @@ expect "attempts of planned frames" "$(ask job.frames "{\"id\":$id}" | jq -c '[.
     '[["succeeded",1],["succeeded",1]]'
 expect "beginnings" "$(grep -c '"frame":[01],"state":"running"' "$scratch/events")" 2
 stop_daemon
+
+# The real worker: what it says of each frame is what is in its file, and all of it is within the tolerance.
+start_daemon --backend osmesa --workers 1
+cd "$scratch" || exit 1
+listen "$scratch/real"
+id=$(submit "$(job 48-50 '.output.path = "real/r.####.exr" | .quality = {"tolerance": 0.05}')")
+wait_state "$id" succeeded 120
+"$bin/march" verify "$scratch/out/real" --json >verified || fail "$(cat verified)"
+expect "errors" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] | [.audit, .measured_error, .error95, .method]]')" \
+    "$(jq -c '[.files[] | [.audit, .measured_error, .error95, .method]]' verified)"
+expect "within" "$(jq '[.files[] | select(.audit and .measured_error <= 0.05 and .tolerance == 0.05)] | length' verified)" 3
+expect "beginnings" "$(grep -c '"state":"running"' <(grep '"type":"frame"' "$scratch/real"))" 3
+stop_daemon
