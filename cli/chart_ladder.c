@@ -23,8 +23,6 @@ enum {
 };
 // Of the light: what a ray that ends early may have missed on the lowest rung.
 static const double FIRST_REST = 0.02;
-// Truth is known to some 1e-4 of itself a pixel, less in the mean.
-static const double FLOOR = 3e-5;
 static const double STALE_GAIN = 0.85;
 // How far over the limit a picture must be expected to be for it not to be tried.
 static const double FAR_BEYOND = 1.5;
@@ -193,7 +191,7 @@ static bool is_next_too_slow(const struct chart_point *before, const struct char
            point->seconds * point->seconds / before->seconds > FAR_BEYOND * limit_s;
 }
 
-int chart_ladder_next(const struct chart_points *points, size_t series, double limit_s)
+int chart_ladder_next(const struct chart_points *points, size_t series, const struct chart_limits *limits)
 {
     const char *name = all_series[series].name;
     const struct chart_point *before = NULL;
@@ -210,7 +208,7 @@ int chart_ladder_next(const struct chart_points *points, size_t series, double l
         }
         measured++;
         refused = 0;
-        if (point->error < FLOOR || is_next_too_slow(before, point, limit_s)) return -1;
+        if (point->error < limits->error || is_next_too_slow(before, point, limits->seconds)) return -1;
         before = point;
         if (measured > STALE_COUNT &&
             find_least(points, name, rung + 1) > STALE_GAIN * find_least(points, name, rung + 1 - STALE_COUNT))
@@ -275,16 +273,16 @@ void chart_choice_finish(struct chart_choice *choice)
 }
 
 int chart_choice_next(const struct chart_choice *choice, const struct chart_points *points, size_t series,
-                      double limit_s)
+                      const struct chart_limits *limits)
 {
     const struct series *of = &all_series[series];
 
-    if (choice->count == 0) return chart_ladder_next(points, series, limit_s);
+    if (choice->count == 0) return chart_ladder_next(points, series, limits);
     for (size_t i = 0; i < choice->count; i++) {
         const struct chart_choice_name *name = &choice->names[i];
 
         if (strcmp(name->name, of->name) != 0 && strcmp(name->name, of->method) != 0) continue;
-        if (name->rung < 0) return chart_ladder_next(points, series, limit_s);
+        if (name->rung < 0) return chart_ladder_next(points, series, limits);
         if (!chart_points_find(points, of->name, name->rung)) return name->rung;
     }
     return -1;

@@ -17,6 +17,12 @@ struct chart_scale {
     double voxel;     // the shortest edge of the finest grid; 0: there is none
 };
 
+// How far a ladder is climbed.
+struct chart_limits {
+    double seconds; // that a picture may take
+    double error;   // below it more exact is not told from less
+};
+
 // Series are numbered from 0; one is a method with all but one of its numbers tied to that one.
 size_t chart_ladder_count(void);
 const char *chart_ladder_name(size_t series);
@@ -26,9 +32,9 @@ bool chart_ladder_needs_clip(size_t series);
 // The quality of a rung as JSON, owned by the caller. `quality` is the job's own, or absent: what it says of samples and paths
 // is kept.
 char *chart_ladder_quality(size_t series, int rung, const struct chart_scale *scale, const struct json_node *quality);
-// The rung to try next; -1 when the climb is over: the next picture would take far longer than `limit_s`, or the last one did, it
-// became as exact as truth is known, stopped becoming more exact, or was refused behind rungs that were not.
-int chart_ladder_next(const struct chart_points *points, size_t series, double limit_s);
+// The rung to try next; -1 when the climb is over: the next picture would take far longer than the limit, or the last one did, it
+// became as exact as can be told, stopped becoming more exact, or was refused behind rungs that were not.
+int chart_ladder_next(const struct chart_points *points, size_t series, const struct chart_limits *limits);
 
 // What --methods asks for; the zero value asks for all.
 struct chart_choice {
@@ -44,4 +50,4 @@ bool chart_choice_parse(struct chart_choice *choice, const char *text, struct er
 void chart_choice_finish(struct chart_choice *choice);
 // The rung to try next, as chart_ladder_next has it, of what is chosen.
 int chart_choice_next(const struct chart_choice *choice, const struct chart_points *points, size_t series,
-                      double limit_s);
+                      const struct chart_limits *limits);

@@ -18,6 +18,8 @@
 // Seconds. A quick chart leaves the rest of its five minutes to the picture of the errors.
 static const double QUICK_TRUTH = 40, TRUTH = 120, QUICK_POINTS = 200, QUICK_LIMIT = 8, LIMIT = 60;
 static const double STRIP_ERROR = 0.01; // about which pictures are shown
+// Truth is known to some 1e-4 of itself a pixel, less in the mean; halves are rounded to some 2e-4.
+static const double LEAST_FLOAT = 3e-5, LEAST_HALF = 2.5e-4;
 // Of a job that does not state one.
 static const double TOLERANCE = 0.01;
 
@@ -27,7 +29,8 @@ struct session {
     struct chart_choice choice;
     struct chart_query query;
     struct chart_scale scale;
-    double limit_s, end_s;
+    struct chart_limits limits;
+    double end_s;
     double tolerance;
     struct cJSON *root; // owned; the document
     bool is_changed;    // points were added
@@ -137,8 +140,8 @@ static enum exit_status measure_quality(struct session *session, size_t series, 
 
         status = find_truth(session, samples_of(quality), &facts, error);
         if (status == EXIT_STATUS_DONE)
-            status = chart_query_point(&session->query, document, &facts, samples_of(quality), session->limit_s, &point,
-                                       &reason);
+            status = chart_query_point(&session->query, document, &facts, samples_of(quality), session->limits.seconds,
+                                       &point, &reason);
         if (status == EXIT_STATUS_NO_DAEMON) status = chart_query_restart(&session->query, error);
     }
     free(document);
@@ -160,7 +163,7 @@ static enum exit_status climb(struct session *session, struct error *error)
     while (has_climbed) {
         has_climbed = false;
         for (size_t series = 0; series < chart_ladder_count() && now_s() < session->end_s; series++) {
-            int rung = chart_choice_next(&session->choice, session->points, series, session->limit_s);
+            int rung = chart_choice_next(&session->choice, session->points, series, &session->limits);
             enum exit_status status;
 
             if (rung < 0) continue;
@@ -266,14 +269,20 @@ static bool load_points(struct session *session, struct error *error)
     return true;
 }
 
-static bool read_tolerance(struct session *session, struct error *error)
+// What the job says of how exact pictures are to be, and can be.
+static bool read_exactness(struct session *session, struct error *error)
 {
-    struct json_node job, quality, tolerance;
+    struct json_node job, quality, tolerance, output, pixel;
+    const char *name;
 
     if (!json_parse(&session->root, session->params->document, strlen(session->params->document), error)) return false;
     quality = job_quality(session, &job);
     tolerance = json_node_child(&quality, "tolerance");
     if (!json_read_number(&tolerance, 0, 1, &session->tolerance, NULL)) session->tolerance = TOLERANCE;
+    output = json_node_child(&job, "output");
+    pixel = json_node_child(&output, "pixel");
+    session->limits.error =
+        json_read_string(&pixel, &name, NULL) && strcmp(name, "float") == 0 ? LEAST_FLOAT : LEAST_HALF;
     return true;
 }
 
@@ -311,15 +320,15 @@ enum exit_status chart_session_run(const struct chart_session_params *params, st
     enum exit_status status = EXIT_STATUS_USAGE;
     struct interrupt interrupt;
 
-    session.limit_s = options->point_limit_s > 0 ? (double)options->point_limit_s
-                      : options->quick           ? QUICK_LIMIT
-                                                 : LIMIT;
+    session.limits.seconds = options->point_limit_s > 0 ? (double)options->point_limit_s
+                             : options->quick           ? QUICK_LIMIT
+                                                        : LIMIT;
     if (options->quick) session.end_s = now_s() + QUICK_POINTS;
     if (options->methods && !chart_choice_parse(&session.choice, options->methods, error)) return status;
     interrupt_init(&interrupt);
     session.query = (struct chart_query){
         .options = options, .interrupt = &interrupt, .frame = params->frame, .truth_path = params->truth_path};
-    if (read_tolerance(&session, error)) {
+    if (read_exactness(&session, error)) {
         status = chart_query_start(&session.query, error);
         if (status == EXIT_STATUS_DONE) status = run(&session, mark, error);
     }

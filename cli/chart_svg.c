@@ -22,7 +22,7 @@ enum {
     BOTTOM = 458,
     LEGEND_X = 722,
     LEGEND_STEP = 23,
-    MARKER_COUNT = 8,
+    MARKER_COUNT = 11,
     COLOR_COUNT = 12
 };
 
@@ -122,6 +122,9 @@ static void write_marker(FILE *out, double x, double y, size_t series, bool is_b
         "m-5.8-3.2h11.6v6.4h-11.6Z",
         "m-3-5.4h6l3 5.4l-3 5.4h-6l-3-5.4Z",
         "m-3.2-5.8h6.4v11.6h-6.4Z",
+        "m-3.8-5.4v10.8l9.4-5.4Z",
+        "m3.8-5.4v10.8l-9.4-5.4Z",
+        "m0-6l5.7 4.1l-2.2 6.7h-7l-2.2-6.7Z",
     };
 
     fprintf(out, "<path class=\"mark c%zu%s\" d=\"M%.1f %.1f%s\"/>\n", series % COLOR_COUNT, is_best ? " best" : "", x,

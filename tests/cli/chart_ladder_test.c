@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-static const double LIMIT_S = 10;
+static const struct chart_limits LIMITS = {.seconds = 10, .error = 3e-5};
 
 static size_t find_series(const char *name)
 {
@@ -122,11 +122,11 @@ static void climb_goes_on_while_it_pays(void **state)
     size_t series = find_series("midpoint");
     struct chart_points points = {0};
 
-    assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), 0);
+    assert_int_equal(chart_ladder_next(&points, series, &LIMITS), 0);
     for (int rung = 0; rung < 6; rung++) {
         add(&points, "midpoint", rung, CHART_MEASURED, exp2(-2.0 * rung));
         add(&points, "riemann", rung, CHART_MEASURED, 1e-9);
-        assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), rung + 1);
+        assert_int_equal(chart_ladder_next(&points, series, &LIMITS), rung + 1);
     }
     chart_points_finish(&points);
 }
@@ -137,7 +137,7 @@ static void climb_ends_where_truth_does(void **state)
 
     add(&points, "midpoint", 0, CHART_MEASURED, 0.1);
     add(&points, "midpoint", 1, CHART_MEASURED, 1e-5);
-    assert_int_equal(chart_ladder_next(&points, find_series("midpoint"), LIMIT_S), -1);
+    assert_int_equal(chart_ladder_next(&points, find_series("midpoint"), &LIMITS), -1);
     chart_points_finish(&points);
 }
 
@@ -148,10 +148,10 @@ static void climb_ends_where_nothing_is_gained(void **state)
     size_t series = find_series("midpoint");
 
     for (int rung = 0; rung < 5; rung++) {
-        assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), rung);
+        assert_int_equal(chart_ladder_next(&points, series, &LIMITS), rung);
         add(&points, "midpoint", rung, CHART_MEASURED, errors[rung]);
     }
-    assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), -1);
+    assert_int_equal(chart_ladder_next(&points, series, &LIMITS), -1);
     chart_points_finish(&points);
 }
 
@@ -161,7 +161,7 @@ static void climb_ends_when_it_takes_too_long(void **state)
 
     add(&points, "midpoint", 0, CHART_MEASURED, 0.1);
     add(&points, "midpoint", 1, CHART_TOO_SLOW, 0);
-    assert_int_equal(chart_ladder_next(&points, find_series("midpoint"), LIMIT_S), -1);
+    assert_int_equal(chart_ladder_next(&points, find_series("midpoint"), &LIMITS), -1);
     chart_points_finish(&points);
 }
 
@@ -174,9 +174,9 @@ static void climb_ends_before_it_takes_too_long(void **state)
     add(&points, "midpoint", 1, CHART_MEASURED, 0.01);
     points.list[0].seconds = 1;
     points.list[1].seconds = 3.5; // 12.3 s to come, which may yet be less
-    assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), 2);
+    assert_int_equal(chart_ladder_next(&points, series, &LIMITS), 2);
     points.list[1].seconds = 4; // 16 s
-    assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), -1);
+    assert_int_equal(chart_ladder_next(&points, series, &LIMITS), -1);
     chart_points_finish(&points);
 }
 
@@ -187,11 +187,11 @@ static void coarse_rungs_may_be_refused(void **state)
 
     add(&points, "midpoint", 0, CHART_REFUSED, 0);
     add(&points, "midpoint", 1, CHART_REFUSED, 0);
-    assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), 2);
+    assert_int_equal(chart_ladder_next(&points, series, &LIMITS), 2);
     add(&points, "midpoint", 2, CHART_MEASURED, 0.1);
-    assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), 3);
+    assert_int_equal(chart_ladder_next(&points, series, &LIMITS), 3);
     add(&points, "midpoint", 3, CHART_REFUSED, 0);
-    assert_int_equal(chart_ladder_next(&points, series, LIMIT_S), -1);
+    assert_int_equal(chart_ladder_next(&points, series, &LIMITS), -1);
     chart_points_finish(&points);
 }
 
@@ -201,7 +201,7 @@ static void a_method_that_is_always_refused_is_given_up(void **state)
 
     for (int rung = 0; rung < 3; rung++)
         add(&points, "midpoint", rung, CHART_REFUSED, 0);
-    assert_int_equal(chart_ladder_next(&points, find_series("midpoint"), LIMIT_S), -1);
+    assert_int_equal(chart_ladder_next(&points, find_series("midpoint"), &LIMITS), -1);
     chart_points_finish(&points);
 }
 
@@ -211,14 +211,14 @@ static void choice_names_methods_series_and_rungs(void **state)
     struct chart_choice choice;
 
     assert_true(chart_choice_parse(&choice, "gauss,riemann:7,cached baked", NULL));
-    assert_int_equal(chart_choice_next(&choice, &points, find_series("gauss 2"), LIMIT_S), 0);
-    assert_int_equal(chart_choice_next(&choice, &points, find_series("gauss 4"), LIMIT_S), 0);
-    assert_int_equal(chart_choice_next(&choice, &points, find_series("cached baked"), LIMIT_S), 0);
-    assert_int_equal(chart_choice_next(&choice, &points, find_series("cached"), LIMIT_S), -1);
-    assert_int_equal(chart_choice_next(&choice, &points, find_series("midpoint"), LIMIT_S), -1);
-    assert_int_equal(chart_choice_next(&choice, &points, find_series("riemann"), LIMIT_S), 7);
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("gauss 2"), &LIMITS), 0);
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("gauss 4"), &LIMITS), 0);
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("cached baked"), &LIMITS), 0);
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("cached"), &LIMITS), -1);
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("midpoint"), &LIMITS), -1);
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("riemann"), &LIMITS), 7);
     add(&points, "riemann", 7, CHART_MEASURED, 0.5);
-    assert_int_equal(chart_choice_next(&choice, &points, find_series("riemann"), LIMIT_S), -1);
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("riemann"), &LIMITS), -1);
     chart_choice_finish(&choice);
     chart_points_finish(&points);
 }
@@ -229,7 +229,7 @@ static void no_choice_is_all(void **state)
     struct chart_points points = {0};
 
     for (size_t series = 0; series < chart_ladder_count(); series++)
-        assert_int_equal(chart_choice_next(&choice, &points, series, LIMIT_S), 0);
+        assert_int_equal(chart_choice_next(&choice, &points, series, &LIMITS), 0);
 }
 
 static void wrong_choices_are_refused(void **state)
