@@ -111,7 +111,8 @@ static void write_tracking(struct json_writer *out, int rung, const struct chart
 static const struct series {
     const char *name, *method;
     write_function *write;
-    enum { PLAIN, NEEDS_CLIP, HAS_SAMPLES } kind; // the last: its ladder is one of samples
+    // NEEDS_CLIP: it knows no objects either; HAS_SAMPLES: its ladder is one of samples.
+    enum { PLAIN, NEEDS_CLIP, HAS_SAMPLES } kind;
 } all_series[] = {
     {"riemann", "riemann", write_riemann, NEEDS_CLIP},
     {"midpoint", "midpoint", write_steps, PLAIN},
@@ -157,11 +158,12 @@ char *chart_ladder_quality(size_t series, int rung, const struct chart_scale *sc
     json_write_begin_object(&out);
     json_write_string_member(&out, "method", of->method);
     of->write(&out, rung, scale);
-    for (size_t i = of->kind == HAS_SAMPLES ? 1 : 0; i < sizeof kept / sizeof *kept; i++) {
+    for (size_t i = 0; i < sizeof kept / sizeof *kept; i++) {
         struct json_node member = json_node_child(quality, kept[i]);
+        bool is_its_own = of->kind == HAS_SAMPLES && i == 0, is_unknown = of->kind == NEEDS_CLIP && i > 0;
         char *text;
 
-        if (json_node_is_absent(&member)) continue;
+        if (json_node_is_absent(&member) || is_its_own || is_unknown) continue;
         text = json_format(&member);
         json_write_key(&out, kept[i]);
         json_write_raw(&out, text, strlen(text));

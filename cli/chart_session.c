@@ -77,6 +77,8 @@ static bool make_map_documents(const struct session *session, int samples, char 
 {
     enum { FINER = 3, COARSER = 2 };
 
+    struct error reason = {{0}}; // why the first one does not
+
     *finer = *coarser = NULL;
     for (size_t series = 0; series < chart_ladder_count(); series++) {
         struct error local = {{0}};
@@ -92,11 +94,11 @@ static bool make_map_documents(const struct session *session, int samples, char 
             free(quality);
         }
         if (*finer && *coarser) return true;
-        if (!error->message[0]) *error = local;
+        if (!reason.message[0]) reason = local;
     }
     free(*finer);
     free(*coarser);
-    error_prefix(error, "no method can render it");
+    error_set(error, "no method can render it: %s", reason.message);
     return false;
 }
 
