@@ -25,7 +25,8 @@ struct audit_result {
     int ray_count;    // pixels that were measured
     double tolerance; // what the job allows
     double seconds;   // that it took
-    // Of a frame with rough surfaces: the standard error of its values by lot, relative as `error` is, which leaves it out.
+    // Of a frame with rough surfaces: the standard error of its values by lot, relative as `error` is, which leaves out all that is
+    // within four times that in a pixel.
     double sampling_error;
 };
 

@@ -7,7 +7,7 @@
 // A drawn pixel that was measured. All values are means of R, G and B over the pixel's density in the map, relative to the
 // mean square of the frame's values, or absolute where that is black.
 struct audit_sample {
-    double square; // (I - R)^2, without what lots of rough surfaces add; may be negative for that
+    double square; // (I - R)^2, as far as it stands out of what lots of rough surfaces leave
     double cross;  // I (I - R)
     double noise;  // variance of I by lot
 };

@@ -10,6 +10,9 @@
 
 static const float BLACK = 1e-6f;
 
+// Variances: of four standard errors.
+static const double LOT_LIMIT = 16.0;
+
 // Of a map that has them all.
 static const double SHARES[AUDIT_WAY_COUNT] = {0.25, 0.15, 0.1, 0.3, 0.2};
 
@@ -297,6 +300,15 @@ double audit_map_density(const struct audit_map *map, struct truth_place place)
     return density;
 }
 
+// What is not to be told from what lots leave, in the frame and in the reference, is no error.
+static double square_beyond_lot(double apart, const struct truth_pixel *pixel, int c)
+{
+    double lot = pixel->variance[c] * (1.0 + pixel->share), square = apart * apart;
+
+    if (lot == 0.0) return square;
+    return square > LOT_LIMIT * lot ? square - lot : 0.0;
+}
+
 struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_place place,
                                       const struct truth_pixel *pixel)
 {
@@ -309,8 +321,7 @@ struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_
     for (int c = 0; c < 3; c++) {
         double value = image_exr_stored(seen[c], map->pixel), apart = value - pixel->rgb[c];
 
-        // The frame's own lot adds its variance, and the reference, a mean of two, half of it.
-        sample.square += weight * (apart * apart - 1.5 * pixel->variance[c]);
+        sample.square += weight * square_beyond_lot(apart, pixel, c);
         sample.cross += weight * value * apart;
         sample.noise += weight * pixel->variance[c];
     }

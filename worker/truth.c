@@ -14,6 +14,8 @@
 #include <string.h>
 #include <unistd.h>
 
+// Of rough surfaces, rays that a pixel's samples take together at least, and each sample.
+enum { ROUGH_RAYS = 64, ROUGH_RAYS_MIN = 2 };
 enum { THREAD_LIMIT = 64 };
 
 static const double LEAST_THROUGHPUT = 1e-6;
@@ -23,7 +25,7 @@ struct truth {
     int32_t frame;
     struct truth_files files;
     bool is_ready;
-    bool is_rough;        // some surface may be: each sample is traced twice
+    bool is_rough;        // some surface is: each sample is traced several times
     struct still *stills; // owned; one for each of the samples' moments that differ
     size_t still_count;   // 1, or as many as samples
 };
@@ -118,33 +120,44 @@ static uint64_t seed_of(const struct truth *truth, int x, int y, int sample, int
 
     seed = mix(seed + (uint64_t)x);
     seed = mix(seed + (uint64_t)y);
-    return mix(seed + 2 * (uint64_t)sample + (uint64_t)ray);
+    return mix(seed + (ROUGH_RAYS + 1) * (uint64_t)sample + (uint64_t)ray);
+}
+
+static int count_rays(const struct truth *truth, int samples)
+{
+    int rays = (ROUGH_RAYS + samples - 1) / samples;
+
+    if (!truth->is_rough) return 1;
+    return rays < ROUGH_RAYS_MIN ? ROUGH_RAYS_MIN : rays;
 }
 
 struct truth_pixel truth_measure(const struct truth *truth, int x, int y, const struct integrate_accuracy *accuracy)
 {
-    int samples = pixel_samples_count(&truth->job), rays = truth->is_rough ? 2 : 1;
-    struct truth_pixel pixel = {.is_converged = true};
+    int samples = pixel_samples_count(&truth->job), rays = count_rays(truth, samples);
+    struct truth_pixel pixel = {.is_converged = truth->is_ready, .share = 1.0 / rays};
 
     for (int i = 0; truth->is_ready && i < samples; i++) {
         const struct still *still = &truth->stills[truth->still_count > 1 ? i : 0];
         struct pixel_point point = pixel_samples_point(&truth->job, truth->frame, x, y, i);
         struct ray ray = camera_pinhole_ray(&still->camera, point.x_px, point.y_px);
-        struct trace_result traced[2];
+        double mean[3] = {0.0}, squares[3] = {0.0}; // about the mean: Welford, Technometrics 4, 1962
 
         for (int k = 0; k < rays; k++) {
-            traced[k] = trace_ray(still, &ray, seed_of(truth, x, y, i, k), accuracy);
-            pixel.is_converged = pixel.is_converged && traced[k].is_converged;
-            for (int c = 0; c < 3; c++)
-                pixel.rgb[c] += traced[k].radiance[c] / (samples * rays);
-        }
-        for (int c = 0; rays == 2 && c < 3; c++) {
-            double apart = traced[0].radiance[c] - traced[1].radiance[c];
+            struct trace_result traced = trace_ray(still, &ray, seed_of(truth, x, y, i, k), accuracy);
 
-            pixel.variance[c] += 0.5 * apart * apart / ((double)samples * samples);
+            pixel.is_converged = pixel.is_converged && traced.is_converged;
+            for (int c = 0; c < 3; c++) {
+                double off = traced.radiance[c] - mean[c];
+
+                mean[c] += off / (k + 1);
+                squares[c] += off * (traced.radiance[c] - mean[c]);
+            }
+        }
+        for (int c = 0; c < 3; c++) {
+            pixel.rgb[c] += mean[c] / samples;
+            if (rays > 1) pixel.variance[c] += squares[c] / (rays - 1) / ((double)samples * samples);
         }
     }
-    pixel.is_converged = pixel.is_converged && truth->is_ready;
     return pixel;
 }
 

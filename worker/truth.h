@@ -34,8 +34,8 @@ void truth_close(struct truth *truth); // accepts NULL
 struct truth_pixel {
     double rgb[3]; // the mean of the samples
     // Of each colour of a picture: its variance about the light, because rough surfaces' normals are drawn by lot. Those of the
-    // reference are others than the renderer's; `rgb` itself has half of this variance. 0 without rough surfaces.
-    double variance[3];
+    // reference are others than the renderer's, and `rgb` itself has `share` times this variance. 0 without rough surfaces.
+    double variance[3], share;
     bool is_converged; // false when refinement ended before the accuracy was reached
 };
 
