@@ -27,6 +27,8 @@ static const double STALE_GAIN = 0.85;
 // How far over the limit a picture must be expected to be for it not to be tried.
 static const double FAR_BEYOND = 1.5;
 
+const char CHART_PLANNED[] = "auto";
+
 typedef void write_function(struct json_writer *out, int rung, const struct chart_scale *scale);
 
 static double scale_step(const struct chart_scale *scale, double rung)
@@ -84,14 +86,14 @@ static void write_gauss_4(struct json_writer *out, int rung, const struct chart_
     json_write_integer_member(out, "order", 4);
 }
 
-// A grid's cells are twice as large as steps are long: light varies less than density, as what it has passed is summed up.
+// A light's grid has two cells a step: its linear look-ups are what errs most.
 static void write_cached(struct json_writer *out, int rung, const struct chart_scale *scale)
 {
     double half = rung / 2.0;
 
-    json_write_number_member(out, "step", scale_step(scale, half + 1));
+    json_write_number_member(out, "step", scale_step(scale, half));
     json_write_number_member(out, "min_transmittance", FIRST_REST * exp2(-rung));
-    json_write_integer_member(out, "light_grid", count_up(FIRST_CELLS, half, GRID_LIMIT));
+    json_write_integer_member(out, "light_grid", count_up(2.0 * FIRST_CELLS, half, GRID_LIMIT));
 }
 
 static void write_baked(struct json_writer *out, int rung, const struct chart_scale *scale)
@@ -149,26 +151,46 @@ bool chart_ladder_needs_clip(size_t series)
     return all_series[series].kind == NEEDS_CLIP;
 }
 
+// What is the same on all rungs, from `first` to `end` of these.
+enum { KEPT_ALL, KEPT_BUT_SAMPLES, KEPT_END = 4, KEPT_SAMPLES_END = 1 };
+
+static void write_kept(struct json_writer *out, const struct json_node *quality, int first, int end)
+{
+    static const char *const kept[KEPT_END] = {"samples", "max_depth", "min_throughput", "max_cut"};
+
+    for (int i = first; i < end; i++) {
+        struct json_node member = json_node_child(quality, kept[i]);
+        char *text;
+
+        if (json_node_is_absent(&member)) continue;
+        text = json_format(&member);
+        json_write_key(out, kept[i]);
+        json_write_raw(out, text, strlen(text));
+        free(text);
+    }
+}
+
 char *chart_ladder_quality(size_t series, int rung, const struct chart_scale *scale, const struct json_node *quality)
 {
-    static const char *const kept[] = {"samples", "max_depth", "min_throughput", "max_cut"};
     const struct series *of = &all_series[series];
     struct json_writer out = {0};
 
     json_write_begin_object(&out);
     json_write_string_member(&out, "method", of->method);
     of->write(&out, rung, scale);
-    for (size_t i = 0; i < sizeof kept / sizeof *kept; i++) {
-        struct json_node member = json_node_child(quality, kept[i]);
-        bool is_its_own = of->kind == HAS_SAMPLES && i == 0, is_unknown = of->kind == NEEDS_CLIP && i > 0;
-        char *text;
+    write_kept(&out, quality, of->kind == HAS_SAMPLES ? KEPT_BUT_SAMPLES : KEPT_ALL,
+               of->kind == NEEDS_CLIP ? KEPT_SAMPLES_END : KEPT_END);
+    json_write_end_object(&out);
+    return out.text;
+}
 
-        if (json_node_is_absent(&member) || is_its_own || is_unknown) continue;
-        text = json_format(&member);
-        json_write_key(&out, kept[i]);
-        json_write_raw(&out, text, strlen(text));
-        free(text);
-    }
+char *chart_ladder_wish(double tolerance, const struct json_node *quality)
+{
+    struct json_writer out = {0};
+
+    json_write_begin_object(&out);
+    json_write_number_member(&out, "tolerance", tolerance);
+    write_kept(&out, quality, KEPT_ALL, KEPT_END);
     json_write_end_object(&out);
     return out.text;
 }
@@ -221,6 +243,7 @@ int chart_ladder_next(const struct chart_points *points, size_t series, const st
 
 static bool is_known(const char *name)
 {
+    if (strcmp(name, CHART_PLANNED) == 0) return true;
     for (size_t i = 0; i < SERIES_COUNT; i++)
         if (strcmp(name, all_series[i].name) == 0 || strcmp(name, all_series[i].method) == 0) return true;
     return false;
@@ -288,4 +311,11 @@ int chart_choice_next(const struct chart_choice *choice, const struct chart_poin
         if (!chart_points_find(points, of->name, name->rung)) return name->rung;
     }
     return -1;
+}
+
+bool chart_choice_has_planned(const struct chart_choice *choice)
+{
+    for (size_t i = 0; i < choice->count; i++)
+        if (strcmp(choice->names[i].name, CHART_PLANNED) == 0) return true;
+    return choice->count == 0;
 }

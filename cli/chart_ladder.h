@@ -32,6 +32,8 @@ bool chart_ladder_needs_clip(size_t series);
 // The quality of a rung as JSON, owned by the caller. `quality` is the job's own, or absent: what it says of samples and paths
 // is kept.
 char *chart_ladder_quality(size_t series, int rung, const struct chart_scale *scale, const struct json_node *quality);
+// The same of a job that states a tolerance in place of a method.
+char *chart_ladder_wish(double tolerance, const struct json_node *quality);
 // The rung to try next; -1 when the climb is over: the next picture would take far longer than the limit, or the last one did, it
 // became as exact as can be told, stopped becoming more exact, or was refused behind rungs that were not.
 int chart_ladder_next(const struct chart_points *points, size_t series, const struct chart_limits *limits);
@@ -45,9 +47,14 @@ struct chart_choice {
     size_t count;
 };
 
-// Reads "riemann,gauss 4,cached:7".
+// What the planner's choice goes by among series and names.
+extern const char CHART_PLANNED[];
+
+// Reads "riemann,gauss 4,cached:7,auto".
 bool chart_choice_parse(struct chart_choice *choice, const char *text, struct error *error);
 void chart_choice_finish(struct chart_choice *choice);
 // The rung to try next, as chart_ladder_next has it, of what is chosen.
 int chart_choice_next(const struct chart_choice *choice, const struct chart_points *points, size_t series,
                       const struct chart_limits *limits);
+// True when the planner's choice is chosen.
+bool chart_choice_has_planned(const struct chart_choice *choice);

@@ -251,6 +251,37 @@ enum exit_status chart_query_point(struct chart_query *query, const char *docume
     return status;
 }
 
+static bool read_plan(const struct message *reply, char **quality, struct error *error)
+{
+    struct json_node plans = json_node_child(&reply->body, "plans"), plan = json_node_element(&plans, 0);
+    struct json_node chosen = json_node_child(&plan, "quality");
+
+    if (!json_check_object(&chosen, error)) return false;
+    *quality = json_format(&chosen);
+    return true;
+}
+
+enum exit_status chart_query_plan(struct chart_query *query, const char *document, char **quality, struct error *error)
+{
+    char *frame = xasprintf("\"%lld\"", (long long)query->frame);
+    char *alone = set_value(xstrdup(document), "frames", frame, error);
+    struct json_writer params = {0};
+    enum exit_status status = EXIT_STATUS_FAILED;
+    struct message reply;
+
+    free(frame);
+    if (!alone) return status;
+    begin(&params, query, alone);
+    json_write_end_object(&params);
+    status = ask(query, "worker.plan", &params, &reply, error);
+    json_writer_finish(&params);
+    free(alone);
+    if (status != EXIT_STATUS_DONE) return status;
+    if (!read_plan(&reply, quality, error)) status = EXIT_STATUS_FAILED;
+    message_finish(&reply);
+    return status;
+}
+
 void chart_strip_add(struct chart_strip *strip, char *document, char *label)
 {
     strip->pictures = xrealloc(strip->pictures, (strip->count + 1) * sizeof *strip->pictures);

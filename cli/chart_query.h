@@ -54,6 +54,9 @@ enum exit_status chart_query_point(struct chart_query *query, const char *docume
                                    const struct chart_truth_facts *facts, int samples, double limit_s,
                                    struct chart_point *point, struct error *reason);
 
+// What the planner chooses for a frame of the job by itself; `quality` is owned by the caller.
+enum exit_status chart_query_plan(struct chart_query *query, const char *document, char **quality, struct error *error);
+
 // Pictures beside maps of their errors; the last one added is what they are compared with. The zero value is empty.
 struct chart_strip {
     struct chart_strip_picture {

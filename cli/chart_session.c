@@ -127,16 +127,16 @@ static bool keep(struct session *session, struct chart_point *point, struct erro
     return chart_csv_save(session->points, session->params->csv_path, error);
 }
 
-// Takes `quality` over. A worker that ends over a setting is replaced, and the setting counts as refused.
-static enum exit_status measure_quality(struct session *session, size_t series, int rung, char *quality,
-                                        struct error *error)
+// Takes the point, of which series, rung and quality are given, over, and the document: NULL where `reason` refused it. A worker
+// that ends over a setting is replaced, and the setting counts as refused.
+static enum exit_status measure_point(struct session *session, struct chart_point point, char *document,
+                                      struct error *why, struct error *error)
 {
-    struct chart_point point = {.rung = rung, .quality = quality, .outcome = CHART_REFUSED};
     enum exit_status status = EXIT_STATUS_DONE;
-    struct error reason = {{0}};
-    char *document = make_document(session, series, quality, &reason);
+    const char *quality = point.quality;
+    struct error reason = *why;
 
-    snprintf(point.series, sizeof point.series, "%s", chart_ladder_name(series));
+    point.outcome = CHART_REFUSED;
     if (document) {
         struct chart_truth_facts facts;
 
@@ -149,12 +149,52 @@ static enum exit_status measure_quality(struct session *session, size_t series, 
     free(document);
     if (status != EXIT_STATUS_DONE) {
         if (!error->message[0]) *error = reason;
-        free(quality);
+        free(point.quality);
         return status;
     }
     if (point.outcome == CHART_REFUSED)
         snprintf(point.reason, sizeof point.reason, "%.*s", CHART_TEXT_SIZE - 1, reason.message);
     return keep(session, &point, error) ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;
+}
+
+static enum exit_status measure_rung(struct session *session, size_t series, int rung, struct error *error)
+{
+    struct chart_point point = {.rung = rung, .quality = rung_quality(session, series, rung)};
+    struct error reason = {{0}};
+    char *document = make_document(session, series, point.quality, &reason);
+
+    snprintf(point.series, sizeof point.series, "%s", chart_ladder_name(series));
+    return measure_point(session, point, document, &reason, error);
+}
+
+// The planner's choice, as a point of its own. A scene for which it has none gets no such point.
+static enum exit_status measure_planned(struct session *session, struct error *error)
+{
+    struct json_node job, quality = job_quality(session, &job);
+    char *wish = chart_ladder_wish(session->tolerance, &quality);
+    char *document = chart_query_document(session->params->document, wish, NULL, NULL), *planned = NULL;
+    struct chart_point point = {0};
+    struct error reason = {{0}};
+    enum exit_status status = EXIT_STATUS_DONE;
+
+    snprintf(point.series, sizeof point.series, "%s", CHART_PLANNED);
+    free(wish);
+    if (document) status = chart_query_plan(&session->query, document, &point.quality, &reason);
+    free(document);
+    if (status == EXIT_STATUS_INTERRUPTED) *error = reason;
+    if (status == EXIT_STATUS_INTERRUPTED || !point.quality) return point.quality ? EXIT_STATUS_DONE : status;
+    planned = chart_query_document(session->params->document, point.quality, NULL, &reason);
+    return measure_point(session, point, planned, &reason, error);
+}
+
+static void mark_planned(const struct session *session, struct chart_svg_mark *mark)
+{
+    const struct chart_point *point = chart_points_find(session->points, CHART_PLANNED, 0);
+
+    *mark = (struct chart_svg_mark){.tolerance = session->tolerance};
+    if (!point || point->outcome != CHART_MEASURED || !isfinite(point->error)) return;
+    mark->seconds = point->seconds;
+    mark->error = point->error;
 }
 
 // Rung by rung over all series, so that a chart that is ended early shows as much of each.
@@ -169,7 +209,7 @@ static enum exit_status climb(struct session *session, struct error *error)
             enum exit_status status;
 
             if (rung < 0) continue;
-            status = measure_quality(session, series, rung, rung_quality(session, series, rung), error);
+            status = measure_rung(session, series, rung, error);
             if (status != EXIT_STATUS_DONE) return status;
             has_climbed = true;
         }
@@ -200,7 +240,9 @@ static const struct chart_point *find_most_exact(const struct session *session, 
     for (size_t i = 0; i < session->points->count; i++) {
         const struct chart_point *point = &session->points->list[i];
 
-        if (point->outcome == CHART_MEASURED && (!best || point->error < best->error)) best = point;
+        if (point->outcome == CHART_MEASURED && strcmp(point->series, CHART_PLANNED) != 0 &&
+            (!best || point->error < best->error))
+            best = point;
     }
     for (size_t i = 0; best && i < chart_ladder_count(); i++)
         if (strcmp(chart_ladder_name(i), best->series) == 0) *series = i;
@@ -244,6 +286,7 @@ static bool is_current(const struct session *session, const struct chart_point *
     bool is_same = false;
 
     if (point->outcome == CHART_REFUSED && !point->truth[0]) return false;
+    if (strcmp(point->series, CHART_PLANNED) == 0) return true;
     for (size_t series = 0; series < chart_ladder_count(); series++) {
         char *quality;
 
@@ -304,8 +347,11 @@ static enum exit_status run(struct session *session, struct chart_svg_mark *mark
     session->points->facts = facts.facts;
     chart_query_set_name(&job, &session->points->facts);
     if (!load_points(session, error)) return EXIT_STATUS_USAGE;
-    *mark = (struct chart_svg_mark){.tolerance = session->tolerance};
-    status = climb(session, error);
+    status = EXIT_STATUS_DONE;
+    if (chart_choice_has_planned(&session->choice) && !chart_points_find(session->points, CHART_PLANNED, 0))
+        status = measure_planned(session, error);
+    if (status == EXIT_STATUS_DONE) status = climb(session, error);
+    mark_planned(session, mark);
     if (!chart_svg_save(session->points, mark, params->svg_path, status == EXIT_STATUS_DONE ? error : NULL) &&
         status == EXIT_STATUS_DONE)
         status = EXIT_STATUS_FAILED;

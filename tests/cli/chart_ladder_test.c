@@ -98,6 +98,24 @@ static void samples_and_paths_are_the_jobs(void **state)
     json_delete(root);
 }
 
+static void riemann_is_told_of_no_paths(void **state)
+{
+    static const char JOB[] = "{\"samples\":4,\"max_depth\":3,\"max_cut\":0.5}";
+    struct cJSON *root = NULL;
+    struct json_node quality;
+    char *text;
+
+    assert_true(json_parse(&root, JOB, strlen(JOB), NULL));
+    quality = json_node_root(root);
+    text = chart_ladder_quality(find_series("riemann"), 2, &ball, &quality);
+    assert_non_null(strstr(text, "\"samples\":4}"));
+    free(text);
+    text = chart_ladder_wish(0.02, &quality);
+    assert_string_equal(text, "{\"tolerance\":0.02,\"samples\":4,\"max_depth\":3,\"max_cut\":0.5}");
+    free(text);
+    json_delete(root);
+}
+
 static void every_rung_is_json_of_its_method(void **state)
 {
     for (size_t series = 0; series < chart_ladder_count(); series++)
@@ -223,11 +241,24 @@ static void choice_names_methods_series_and_rungs(void **state)
     chart_points_finish(&points);
 }
 
+static void planner_is_chosen_by_name(void **state)
+{
+    struct chart_choice choice;
+
+    assert_true(chart_choice_parse(&choice, "riemann,auto", NULL));
+    assert_true(chart_choice_has_planned(&choice));
+    chart_choice_finish(&choice);
+    assert_true(chart_choice_parse(&choice, "riemann", NULL));
+    assert_false(chart_choice_has_planned(&choice));
+    chart_choice_finish(&choice);
+}
+
 static void no_choice_is_all(void **state)
 {
     struct chart_choice choice = {0};
     struct chart_points points = {0};
 
+    assert_true(chart_choice_has_planned(&choice));
     for (size_t series = 0; series < chart_ladder_count(); series++)
         assert_int_equal(chart_choice_next(&choice, &points, series, &LIMITS), 0);
 }
@@ -252,6 +283,7 @@ int main(void)
         cmocka_unit_test(riemann_never_steps_over_all),
         cmocka_unit_test(grids_are_measured_in_voxels),
         cmocka_unit_test(samples_and_paths_are_the_jobs),
+        cmocka_unit_test(riemann_is_told_of_no_paths),
         cmocka_unit_test(every_rung_is_json_of_its_method),
         cmocka_unit_test(climb_goes_on_while_it_pays),
         cmocka_unit_test(climb_ends_where_truth_does),
@@ -261,6 +293,7 @@ int main(void)
         cmocka_unit_test(coarse_rungs_may_be_refused),
         cmocka_unit_test(a_method_that_is_always_refused_is_given_up),
         cmocka_unit_test(choice_names_methods_series_and_rungs),
+        cmocka_unit_test(planner_is_chosen_by_name),
         cmocka_unit_test(no_choice_is_all),
         cmocka_unit_test(wrong_choices_are_refused),
     };

@@ -34,6 +34,12 @@ awk -v coarse="$(error_of midpoint,1)" -v fine="$(error_of midpoint,3)" -v plain
     'BEGIN { exit !(fine > 0 && fine < coarse / 4 && plain > fine && coarse < 1) }' ||
     fail "errors: midpoint $(error_of midpoint,1), $(error_of midpoint,3), riemann $(error_of riemann,2)"
 
+# What the planner chooses for the job's tolerance is a point and a star.
+expect 0 chart "$jobs/cloud.json" --frame 48 --out planned --methods auto,midpoint:2 --set quality='{"tolerance":0.05}'
+grep -q ',auto,0,.*,measured,' planned/cloud.csv || fail "the planner's choice is measured"
+grep -q 'class="star"' planned/cloud.svg || fail "the planner's choice is drawn"
+grep -q 'tolerance 5 %' planned/cloud.svg || fail "the tolerance is drawn"
+
 # What is there is not measured again; what is new is added.
 before=$(grep measured cloud/cloud.csv)
 expect 0 chart "$jobs/cloud.json" --frame 48 --out cloud --methods riemann:2,midpoint:1,midpoint:2,midpoint:3
