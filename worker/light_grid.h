@@ -15,6 +15,8 @@ struct scene_features;
 struct scene_inputs;
 struct scene_program;
 
+enum { LIGHT_GRID_CACHES = 2 }; // the columns and what is kept of them
+
 enum light_grid_kind {
     LIGHT_GRID_BEAM, // shaders/light_grid/beam.glsl
     LIGHT_GRID_ROUND // shaders/light_grid/round.glsl
@@ -28,7 +30,8 @@ struct light_grid {
     int cells;                             // along each side; there are as many nodes and one more
     size_t media[JOB_CACHED_MEDIUM_LIMIT]; // by channel: those whose columns are marched
     size_t medium_count;
-    bool is_still; // nothing that places it moves
+    uint64_t densities; // bit i: cache i of the program, which comes before, holds a density of theirs
+    bool is_still;      // nothing that places it moves
 };
 
 // Where it is at a moment, in the words of its shader modules.
@@ -50,6 +53,7 @@ unsigned light_grid_unit(const struct light_grid *grid); // the texture's
 // The sampler light_I_columns and `MediaColumn light_I_column(vec3 point, LightSample light)`: of all media towards the
 // light, those of even density in closed form.
 void light_grid_write_lookup(FILE *out, const struct light_grid *grid);
-// The texture and the program that fills it. `program` is the picture's: its features and its inputs.
-bool light_grid_make_cache(struct scene_cache *cache, const struct light_grid *grid,
+// Appends the caches that make the texture. `program` is the picture's: its features and its inputs; `caches` has room for
+// LIGHT_GRID_CACHES more.
+bool light_grid_add_caches(struct scene_cache *caches, size_t *count, const struct light_grid *grid,
                            const struct scene_program *program, const char *shader_dir, struct error *error);

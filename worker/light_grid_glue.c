@@ -75,7 +75,7 @@ static void write_store(FILE *out, const struct light_grid *grid)
         else
             fputs("0.0", out);
     }
-    fprintf(out, "));\n}\nvoid light_grid_cut(inout MediaColumn column)\n{\n    column.medium_%zu = -1.0;\n}\n",
+    fprintf(out, "));\n}\nvoid light_grid_cut(inout MediaColumn column)\n{\n    column.medium_%zu = -1e6;\n}\n",
             grid->media[0]);
 }
 
@@ -125,19 +125,27 @@ static bool assemble(struct scene_cache *cache, const struct light_grid *grid, c
     return cache->text != NULL;
 }
 
-bool light_grid_make_cache(struct scene_cache *cache, const struct light_grid *grid,
-                           const struct scene_program *program, const char *shader_dir, struct error *error)
+// Both textures are alike; the one that is kept takes the unit over when it is there.
+static struct scene_cache cache_of(const struct light_grid *grid)
 {
     int nodes = grid->cells + 1;
+
+    return (struct scene_cache){.unit = light_grid_unit(grid),
+                                .format = grid->medium_count == 1   ? SCENE_CACHE_R32F
+                                          : grid->medium_count == 2 ? SCENE_CACHE_RG32F
+                                                                    : SCENE_CACHE_RGBA32F,
+                                .size = {nodes, nodes, nodes},
+                                .invocations = {nodes, nodes, 1}};
+}
+
+static bool make_columns(struct scene_cache *cache, const struct light_grid *grid, const struct scene_program *program,
+                         const char *shader_dir, struct error *error)
+{
     struct scene_features features = features_of(grid, grid->job, &program->features);
 
-    *cache = (struct scene_cache){.unit = light_grid_unit(grid),
-                                  .format = grid->medium_count == 1   ? SCENE_CACHE_R32F
-                                            : grid->medium_count == 2 ? SCENE_CACHE_RG32F
-                                                                      : SCENE_CACHE_RGBA32F,
-                                  .size = {nodes, nodes, nodes},
-                                  .invocations = {nodes, nodes, 1}};
-    snprintf(cache->name, sizeof cache->name, "light_%zu_columns", grid->light);
+    *cache = cache_of(grid);
+    cache->is_step = true;
+    snprintf(cache->name, sizeof cache->name, "light_%zu_marched", grid->light);
     for (size_t k = 0; k < grid->medium_count; ++k)
         cache->reads_files |= grid->job->scene.media[grid->media[k]].density.kind == SCENE_DENSITY_GRID;
     scene_values_add_places(&cache->uniforms, grid->job, program->inputs, &features);
@@ -148,5 +156,42 @@ bool light_grid_make_cache(struct scene_cache *cache, const struct light_grid *g
         return false;
     }
     hash_bytes(cache->text, strlen(cache->text), cache->hash);
+    return true;
+}
+
+static bool make_kept(struct scene_cache *cache, const struct light_grid *grid, const char *shader_dir,
+                      struct error *error)
+{
+    struct shader_assembly text;
+
+    *cache = cache_of(grid);
+    cache->invocations[2] = cache->size[2];
+    snprintf(cache->name, sizeof cache->name, "light_%zu_columns", grid->light);
+    if (!shader_assembly_begin(&text, shader_dir, error)) return false;
+    scene_cache_begin(cache, text.out);
+    shader_assembly_add(&text, "light_grid/keep.glsl");
+    shader_assembly_generate(&text);
+    fprintf(text.out,
+            "layout(binding = %u) uniform sampler3D columns;\nvoid main()\n{\n"
+            "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
+            "    imageStore(cache_image, at, light_grid_keep(columns, at));\n}\n",
+            cache->unit);
+    memcpy(cache->module_names, text.module_names, sizeof cache->module_names);
+    cache->module_count = text.module_count;
+    cache->text = shader_assembly_end(&text);
+    if (!cache->text) return false;
+    hash_bytes(cache->text, strlen(cache->text), cache->hash);
+    return true;
+}
+
+bool light_grid_add_caches(struct scene_cache *caches, size_t *count, const struct light_grid *grid,
+                           const struct scene_program *program, const char *shader_dir, struct error *error)
+{
+    if (!make_columns(&caches[*count], grid, program, shader_dir, error)) return false;
+    caches[*count].reads = grid->densities;
+    *count += 1;
+    if (!make_kept(&caches[*count], grid, shader_dir, error)) return false;
+    caches[*count].reads = (uint64_t)1 << (*count - 1);
+    *count += 1;
     return true;
 }

@@ -13,7 +13,7 @@
 enum {
     // Those before are the media's and the objects' images. Lights come first.
     SCENE_CACHE_FIRST_UNIT = 48,
-    SCENE_CACHE_LIMIT = SCENE_LIGHT_LIMIT + 2 * SCENE_MEDIUM_LIMIT,
+    SCENE_CACHE_LIMIT = 2 * (SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT),
     SCENE_CACHE_GROUP_SIDE = 8 // invocations of a group along x and y
 };
 

@@ -258,22 +258,21 @@ static bool add_baked(struct scene_program *program, const struct job *job, cons
 static bool add_grids(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
 {
     const struct scene_features *features = &program->features;
-    uint64_t baked = 0;
+    uint64_t densities = 0;
 
     if (!features->has_light_grids) return true;
     for (size_t i = 0; i < program->cache_count; ++i)
-        if (!program->caches[i].is_step) baked |= (uint64_t)1 << i;
+        if (!program->caches[i].is_step) densities |= (uint64_t)1 << i;
     program->light_grids = xcalloc(scene_features_count_lights(features), sizeof *program->light_grids);
     for (size_t i = 0; i < job->scene.light_count; ++i) {
         struct light_grid *grid = &program->light_grids[program->light_grid_count];
-        struct scene_cache *cache = &program->caches[program->cache_count];
 
         if (!features->light_is_seen[i]) continue;
         light_grid_init(grid, job, program->inputs, features, i);
+        grid->densities = densities;
         light_grid_add_values(&program->uniforms, grid);
-        if (!light_grid_make_cache(cache, grid, program, shader_dir, error)) return false;
-        cache->reads = baked;
-        program->cache_count++;
+        if (!light_grid_add_caches(program->caches, &program->cache_count, grid, program, shader_dir, error))
+            return false;
         program->light_grid_count++;
     }
     return true;

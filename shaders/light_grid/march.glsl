@@ -1,6 +1,5 @@
 // Columns from a light on, at all nodes of a ray in one march, by the midpoint rule: segments end at nodes and where a
 // medium's span does, and space that the media's bounds show to be empty is stepped over.
-const float LIGHT_GRID_CUT = -1.0; // the column of a march that the driver cut
 
 void light_grid_march(LightGridRay ray, ivec2 at_grid, int cells)
 {

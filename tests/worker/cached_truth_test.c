@@ -66,25 +66,25 @@ static void assert_shrinks(const char *camera, const char *lights, const char *m
 static void a_lamp_inside_lights_media_all_round(void **state)
 {
     (void)state;
-    assert_shrinks(CAMERA_OUTSIDE, POINT_INSIDE, SOFT_BOX, 6e-4, 5e-5);
+    assert_shrinks(CAMERA_OUTSIDE, POINT_INSIDE, SOFT_BOX, 2.5e-4, 5e-5);
 }
 
 static void a_lamp_at_the_camera_is_met_by_every_ray(void **state)
 {
     (void)state;
-    assert_shrinks(CAMERA_AT_LIGHT, EVEN_INSIDE, SOFT_BOX, 1e-3, 5e-5);
+    assert_shrinks(CAMERA_AT_LIGHT, EVEN_INSIDE, SOFT_BOX, 5e-4, 6e-5);
 }
 
 static void several_lights_have_a_grid_each(void **state)
 {
     (void)state;
-    assert_shrinks(CAMERA_OUTSIDE, POINT_OUTSIDE ", " SUN ", " EVEN_POINT, FRACTAL ", " SOFT_BOX, 5e-3, 5e-5);
+    assert_shrinks(CAMERA_OUTSIDE, POINT_OUTSIDE ", " SUN ", " EVEN_POINT, FRACTAL ", " SOFT_BOX, 2e-3, 5e-5);
 }
 
 static void even_media_stay_in_closed_form(void **state)
 {
     (void)state;
-    assert_shrinks(CAMERA_OUTSIDE, POINT_INSIDE ", " SUN, HAZE ", " SOFT_BOX, 6e-4, 5e-5);
+    assert_shrinks(CAMERA_OUTSIDE, POINT_INSIDE ", " SUN, HAZE ", " SOFT_BOX, 2.5e-4, 5e-5);
 }
 
 static void media_of_even_density_need_no_grid(void **state)
@@ -106,7 +106,11 @@ static void assert_example(const char *name, double time, enum gl_backend backen
     struct job job;
 
     example_job_load(&job, name);
-    example_job_shrink(&job, 32, 18, time);
+    // The reference takes its time over noise.
+    if (strcmp(name, "noise") == 0)
+        example_job_shrink(&job, 12, 7, time);
+    else
+        example_job_shrink(&job, 32, 18, time);
     job.quality = *quality;
     job.output.has_depth = job.output.has_transmittance = true;
     light = true_light_compare(&job, backend);
@@ -121,14 +125,14 @@ static struct job_quality quality_of(double step, int cells)
 }
 
 // Folds are finer than any grid: errors fall a little slower than with the cells' square.
-static void the_cloud_is_within_a_percent_at_128_cells(void **state)
+static void the_cloud_is_within_a_percent_at_80_cells(void **state)
 {
-    const struct job_quality coarse = quality_of(0.01, 64), fine = quality_of(0.01, 128), finer = quality_of(0.01, 256);
+    const struct job_quality coarse = quality_of(0.01, 40), fine = quality_of(0.01, 80), finer = quality_of(0.01, 256);
 
     (void)state;
-    assert_example("cloud", 2, GL_BACKEND_OSMESA, &coarse, 4e-2);
+    assert_example("cloud", 2, GL_BACKEND_OSMESA, &coarse, 3e-2);
     assert_example("cloud", 2, GL_BACKEND_OSMESA, &fine, 1e-2);
-    assert_example("cloud", 2, GL_BACKEND_EGL, &finer, 4e-3);
+    assert_example("cloud", 2, GL_BACKEND_EGL, &finer, 2e-3);
 }
 
 static void segments_may_follow_optical_depth(void **state)
@@ -157,7 +161,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(several_lights_have_a_grid_each),
         cmocka_unit_test(even_media_stay_in_closed_form),
         cmocka_unit_test(media_of_even_density_need_no_grid),
-        cmocka_unit_test(the_cloud_is_within_a_percent_at_128_cells),
+        cmocka_unit_test(the_cloud_is_within_a_percent_at_80_cells),
         cmocka_unit_test(segments_may_follow_optical_depth),
         cmocka_unit_test(noise_is_the_converged_light),
     };

@@ -6,6 +6,7 @@
 #include "reference/still.h"
 #include "reference/transmittance.h"
 #include "tests/support/keep_libraries.h"
+#include "tests/support/shader_dir.h"
 #include "worker/gl_caches.h"
 #include "worker/gl_context.h"
 #include "worker/gl_functions.h"
@@ -24,12 +25,13 @@
 
 #define SUN "{ \"kind\": \"sun\", \"intensity\": 1, \"direction\": [1, -2, 0.5] }"
 #define POINT_AT(PLACE) "{ \"kind\": \"point\", \"intensity\": 1, \"position\": " PLACE " }"
-// Two media: one is smooth, and falls off; one has folds.
+// Two media: one is smooth, and falls off; one has folds, and ends where it is dense.
 #define MEDIA                                                                                                          \
     "{ \"density\": { \"kind\": \"homogeneous\", \"scale\": 2,"                                                        \
     " \"bounds\": { \"kind\": \"box\", \"center\": [0.2, 0, 0.1], \"size\": [1, 0.8, 1.2], \"falloff\": 0.4 } },"      \
     " \"sigma_s\": 1 }, { \"density\": { \"kind\": \"fold_fractal\", \"iterations\": 2, \"offset\": 0.05,"             \
-    " \"radius\": 0.4, \"rotate_x_rad\": 0.3, \"exponent\": 1.5, \"scale\": 10 }, \"sigma_s\": 1 }"
+    " \"radius\": 0.4, \"rotate_x_rad\": 0.3, \"exponent\": 1.5, \"scale\": 10, \"bounds\": { \"kind\": "              \
+    "\"sphere\",\"center\": [0.1, 0, 0], \"radius\": 0.35 } }, \"sigma_s\": 1 }"
 
 struct grid_check {
     struct job job;
@@ -45,7 +47,7 @@ static void fill(struct grid_check *check)
     struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
     struct gl_functions gl;
     struct gl_programs programs = {.gl = &gl};
-    const struct scene_cache *cache = &check->program.caches[0];
+    struct scene_cache *cache = &check->program.caches[0];
     unsigned char block[512];
     const unsigned char *blocks[] = {block};
     PFNGLGETTEXIMAGEPROC get_image;
@@ -57,6 +59,7 @@ static void fill(struct grid_check *check)
     assert_true(gl_functions_load(&gl, context, NULL));
     get_image = (PFNGLGETTEXIMAGEPROC)gl_context_function(context, "glGetTexImage");
     activate = (PFNGLACTIVETEXTUREPROC)gl_context_function(context, "glActiveTexture");
+    cache->is_step = false; // so that it stays when it is filled
     caches = gl_caches_create(&gl, &programs);
     assert_true(cache->uniforms.size_bytes <= sizeof block);
     assert_true(frame_uniforms_pack(&cache->uniforms, &(struct frame_moment){0}, block, NULL));
@@ -87,8 +90,9 @@ static void open_check(struct grid_check *check, const char *light, int cells)
              " \"output\": { \"path\": \"grid.####.exr\" } }",
              light, cells);
     if (!job_parse(&check->job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    if (!scene_program_init(&check->program, &check->job, NULL, NULL, &error)) fail_msg("%s", error.message);
-    assert_int_equal(check->program.cache_count, 1);
+    if (!scene_program_init(&check->program, &check->job, NULL, test_shader_dir(), &error))
+        fail_msg("%s", error.message);
+    assert_int_equal(check->program.cache_count, LIGHT_GRID_CACHES);
     assert_int_equal(check->program.caches[0].format, SCENE_CACHE_RG32F);
     still_init(&check->still, &check->job, 0);
     check->texels = malloc(nodes * nodes * nodes * 2 * sizeof *check->texels);
@@ -197,7 +201,7 @@ static void assert_columns(const char *light, enum light_grid_kind kind, double 
 
             print_message("%d cells, medium %zu: %.2e of a mean column of %.2e m\n", cells, medium,
                           spread.rmse / spread.mean, spread.mean);
-            assert_true(spread.mean > 0.01);
+            assert_true(spread.mean > 1e-3);
             assert_true(spread.rmse <= tolerances[medium] * spread.mean / (finer * finer));
         }
         close_check(&check);
@@ -207,20 +211,20 @@ static void assert_columns(const char *light, enum light_grid_kind kind, double 
 static void a_sun_has_the_columns_along_its_direction(void **state)
 {
     (void)state;
-    assert_columns(SUN, LIGHT_GRID_BEAM, 8e-3, 1.5e-2);
+    assert_columns(SUN, LIGHT_GRID_BEAM, 8e-3, 2e-2);
 }
 
 static void a_lamp_outside_has_the_columns_of_its_beam(void **state)
 {
     (void)state;
-    assert_columns(POINT_AT("[1.5, 1, -1.2]"), LIGHT_GRID_BEAM, 8e-3, 1.5e-2);
+    assert_columns(POINT_AT("[1.5, 1, -1.2]"), LIGHT_GRID_BEAM, 8e-3, 2e-2);
 }
 
 // There a float's last digit is 32 m.
 static void a_lamp_far_away_keeps_its_digits(void **state)
 {
     (void)state;
-    assert_columns(POINT_AT("[3e8, 2e8, -4e8]"), LIGHT_GRID_BEAM, 8e-3, 1.5e-2);
+    assert_columns(POINT_AT("[3e8, 2e8, -4e8]"), LIGHT_GRID_BEAM, 8e-3, 2e-2);
 }
 
 static void a_lamp_inside_has_columns_all_round(void **state)
@@ -232,10 +236,11 @@ static void a_lamp_inside_has_columns_all_round(void **state)
 static void a_lamp_close_by_has_columns_all_round(void **state)
 {
     (void)state;
-    assert_columns(POINT_AT("[0.75, 0.3, 0.5]"), LIGHT_GRID_ROUND, 1e-2, 1e-2);
+    assert_columns(POINT_AT("[0.75, 0.3, 0.5]"), LIGHT_GRID_ROUND, 1e-2, 2e-2);
 }
 
-int main(void)
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sun_has_the_columns_along_its_direction),
@@ -245,5 +250,6 @@ int main(void)
         cmocka_unit_test(a_lamp_close_by_has_columns_all_round),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
