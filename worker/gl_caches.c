@@ -6,6 +6,7 @@
 #include "worker/gl_functions.h"
 #include "worker/gl_program.h"
 #include "worker/gl_programs.h"
+#include "worker/volume_memory.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -291,12 +292,25 @@ static enum gl_caches_end bind_wanted(struct gl_caches *caches, const struct gl_
     return GL_CACHES_BOUND;
 }
 
+// All textures of a pass are in GL at once, those of steps with what is made of them.
+static bool check_memory(const struct gl_caches_request *request, struct error *error)
+{
+    int64_t size_bytes = 0;
+
+    for (size_t i = 0; i < request->count; ++i)
+        size_bytes += (int64_t)scene_cache_size_bytes(&request->caches[i]);
+    if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
+    error_prefix(error, "quality: the grids of a frame");
+    return false;
+}
+
 enum gl_caches_end gl_caches_bind(struct gl_caches *caches, const struct gl_caches_request *request,
                                   struct error *error)
 {
     char keys[SCENE_CACHE_LIMIT][HASH_TEXT_SIZE];
     enum gl_caches_end end;
 
+    if (!check_memory(request, error)) return GL_CACHES_REFUSED;
     caches->bind_count++;
     for (size_t i = 0; i < request->count; ++i) {
         struct kept_cache *kept;

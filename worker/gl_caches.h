@@ -20,7 +20,7 @@ void gl_caches_clear(struct gl_caches *caches);   // keeps no texture: what GL h
 enum gl_caches_end {
     GL_CACHES_BOUND,
     GL_CACHES_STOPPED, // on_strip asked for it
-    GL_CACHES_REFUSED  // a program does not compile, or GL has no room; `error` says it
+    GL_CACHES_REFUSED  // a program does not compile, or there is no room; `error` says it
 };
 
 // Called after each part of the work. Returning false gives the rest up.

@@ -305,6 +305,22 @@ static void a_program_that_does_not_compile_is_told_by_its_module(void **state)
     scene_cache_finish(&cache);
 }
 
+static void what_has_no_room_is_refused_before_it_is_made(void **state)
+{
+    struct stage stage;
+    struct scene_cache cache = cache_of(of_rays, 1);
+    struct error error = {{0}};
+
+    (void)state;
+    open_stage(&stage, GL_BACKEND_OSMESA);
+    cache.size[0] = cache.size[1] = cache.size[2] = 16384; // 16 TiB
+    assert_int_equal(bind_at(&stage, &cache, 1, 1, "", &error), GL_CACHES_REFUSED);
+    assert_non_null(strstr(error.message, "quality: the grids of a frame: "));
+    assert_non_null(strstr(error.message, " GiB are available"));
+    close_stage(&stage);
+    scene_cache_finish(&cache);
+}
+
 static bool stop_at_second(void *user)
 {
     int *count = user;
@@ -342,6 +358,7 @@ int main(void)
         cmocka_unit_test(a_cache_follows_the_one_that_it_reads),
         cmocka_unit_test(a_step_is_there_while_another_is_filled),
         cmocka_unit_test(a_program_that_does_not_compile_is_told_by_its_module),
+        cmocka_unit_test(what_has_no_room_is_refused_before_it_is_made),
         cmocka_unit_test(filling_can_be_stopped),
     };
 
