@@ -41,6 +41,12 @@ bool job_method_takes_steps(enum job_method method)
            method == JOB_METHOD_TRACKING;
 }
 
+int job_find_step_limit(const struct job *job)
+{
+    return job->scene.object_count == 0 && job->quality.method != JOB_METHOD_PREINTEGRATED ? JOB_SLICED_STEPS_LIMIT
+                                                                                           : JOB_MARCH_STEPS_LIMIT;
+}
+
 const char *job_method_name(enum job_method method)
 {
     switch (method) {

@@ -18,8 +18,10 @@ enum {
     JOB_PIXEL_LIMIT = 64 * 1024 * 1024, // pixels in all
     // Software GL ends a loop after 65535 turns, so the shaders' loops are bounded a little below.
     JOB_MARCH_STEPS_LIMIT = 60 * 1000, // along one camera or shadow ray
-    JOB_POINT_LIMIT = 1000,            // equiangular points
-    JOB_SAMPLE_LIMIT = 1024,           // a pixel
+    // Along a camera ray that goes on in another slice of the frame; a thousandth of the light is then lost to rounding.
+    JOB_SLICED_STEPS_LIMIT = 200 * 1000,
+    JOB_POINT_LIMIT = 1000,  // equiangular points
+    JOB_SAMPLE_LIMIT = 1024, // a pixel
     JOB_DEPTH_LIMIT = 32,
     JOB_ORDER_LIMIT = 4,
     JOB_GRID_LIMIT = 512,        // cells along a side of what a frame keeps in a grid
@@ -120,6 +122,7 @@ void job_finish(struct job *job);                            // accepts an empty
 double job_frame_time(const struct job *job, int32_t frame); // s
 // From the time of the earliest frame to when the shutter closes on the latest; the range is not empty.
 struct timeline_span job_time_span(const struct job *job);
+int job_find_step_limit(const struct job *job); // the most steps along a camera ray
 const char *job_method_name(enum job_method method);
 const char *job_estimator_name(enum job_estimator estimator);
 const char *job_compression_name(enum job_compression compression);

@@ -156,14 +156,19 @@ static double light_way(const struct check *check, const struct scene_medium *me
     return diameter;
 }
 
-static bool check_count(const struct json_node *node, double length, double step, const char *along,
-                        struct error *error)
-{
-    double count = ceil(length / step - 1e-9);
+struct way {
+    double length, step; // m
+    const char *along;
+    int step_limit;
+};
 
-    if (count <= JOB_MARCH_STEPS_LIMIT) return true;
+static bool check_count(const struct json_node *node, const struct way *way, struct error *error)
+{
+    double count = ceil(way->length / way->step - 1e-9);
+
+    if (count <= way->step_limit) return true;
     return json_fail(node, error, "expected at most %d steps along a ray, got %.10g: %.10g m %s in steps of %.10g m",
-                     JOB_MARCH_STEPS_LIMIT, count, length, along, step);
+                     way->step_limit, count, way->length, way->along, way->step);
 }
 
 // Of a medium's density.
@@ -218,7 +223,10 @@ static bool check_light_march(const struct check *check, size_t index)
 
     if (!find_light_way(check, index, &longest)) return false;
     if (check->job->quality.light_step == 0.0) return true;
-    return check_count(&node, longest, check->job->quality.light_step, describe_way(check, index, along), check->error);
+    return check_count(&node,
+                       &(struct way){longest, check->job->quality.light_step, describe_way(check, index, along),
+                                     JOB_MARCH_STEPS_LIMIT},
+                       check->error);
 }
 
 static bool check_march(const struct check *check, size_t index)
@@ -235,7 +243,10 @@ static bool check_march(const struct check *check, size_t index)
                          "expected bounds (a sphere or a box) or a camera.clip that ends: a march through it has no "
                          "end");
     if (check->job->quality.step == 0.0) return true;
-    return check_count(&node, length, check->job->quality.step, describe_way(check, index, along), check->error);
+    return check_count(&node,
+                       &(struct way){length, check->job->quality.step, describe_way(check, index, along),
+                                     job_find_step_limit(check->job)},
+                       check->error);
 }
 
 static bool has_grid(const struct scene *scene)
@@ -342,7 +353,10 @@ static bool check_riemann(const struct check *check)
 
         if (scene->media[i].density.kind != SCENE_DENSITY_GRID && !find_light_way(check, i, &longest)) return false;
     }
-    return check_count(&step, length, check->job->quality.step, "between the clip distances", check->error);
+    return check_count(
+        &step,
+        &(struct way){length, check->job->quality.step, "between the clip distances", job_find_step_limit(check->job)},
+        check->error);
 }
 
 // Spans of n media have at most 2 n - 1 stretches between their ends; each light has its points on each.

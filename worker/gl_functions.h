@@ -18,6 +18,7 @@ struct gl_context;
     X(PFNGLBLENDFUNCPROC, BlendFunc)                                                                                   \
     X(PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC, CheckNamedFramebufferStatus)                                               \
     X(PFNGLCLEARNAMEDFRAMEBUFFERFVPROC, ClearNamedFramebufferfv)                                                       \
+    X(PFNGLCLEARTEXIMAGEPROC, ClearTexImage)                                                                           \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
     X(PFNGLCREATEBUFFERSPROC, CreateBuffers)                                                                           \
     X(PFNGLCREATEFRAMEBUFFERSPROC, CreateFramebuffers)                                                                 \

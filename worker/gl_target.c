@@ -96,9 +96,16 @@ bool gl_target_fits(const struct gl_target *target, const struct gl_target_param
            target->has_transmittance == (image->transmittance != NULL) && target->has_depth == (image->depth != NULL);
 }
 
-void gl_target_begin(const struct gl_target *target)
+void gl_target_clear(const struct gl_target *target)
 {
     static const float black[4] = {0};
+
+    for (int i = 0; i < TEXTURE_COUNT; ++i)
+        if (target->textures[i]) target->gl->ClearNamedFramebufferfv(target->framebuffer, GL_COLOR, i, black);
+}
+
+void gl_target_begin(const struct gl_target *target)
+{
     const struct gl_functions *gl = target->gl;
 
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, target->framebuffer);
@@ -110,8 +117,7 @@ void gl_target_begin(const struct gl_target *target)
     }
     gl->Enable(GL_BLEND);
     gl->BlendFunc(GL_ONE, GL_ONE);
-    for (int i = 0; i < TEXTURE_COUNT; ++i)
-        if (target->textures[i]) gl->ClearNamedFramebufferfv(target->framebuffer, GL_COLOR, i, black);
+    gl_target_clear(target);
 }
 
 static void read_texture(const struct gl_target *target, int index, GLenum format, float *pixels)

@@ -35,6 +35,7 @@ void gl_target_finish(struct gl_target *target); // accepts an empty one
 bool gl_target_fits(const struct gl_target *target, const struct gl_target_params *params);
 // Makes it what is drawn to, all of it, and empties it where passes are added up.
 void gl_target_begin(const struct gl_target *target);
+void gl_target_clear(const struct gl_target *target); // once it has begun
 // Copies the RGBA of some rows as it is by now, the sum of the passes so far, 4 floats a pixel.
 void gl_target_read_rows(const struct gl_target *target, int first_row, int row_count, float *rgba);
 // Copies the mean of the passes into `image`, which fits; waits until they are rendered. A pixel's depth is the mean of

@@ -10,6 +10,7 @@
 #include "worker/gl_grids.h"
 #include "worker/gl_program.h"
 #include "worker/gl_programs.h"
+#include "worker/gl_slices.h"
 #include "worker/gl_target.h"
 #include "worker/gl_textures.h"
 #include "worker/image.h"
@@ -44,6 +45,7 @@ struct renderer {
     struct gl_caches *caches; // owned
     unsigned vertex_array, uniform_buffer;
     struct gl_target target;
+    struct gl_slices slices;
     // What the target shows: a whole frame of this program with these uniforms.
     bool target_is_whole;
     char shown_hash[HASH_TEXT_SIZE];  // of the program
@@ -82,6 +84,7 @@ void renderer_destroy(struct renderer *renderer)
 {
     if (!renderer) return;
     gl_target_finish(&renderer->target);
+    gl_slices_finish(&renderer->slices);
     gl_grids_destroy(renderer->grids);
     gl_textures_destroy(renderer->textures);
     file_hashes_destroy(renderer->files.hashes);
@@ -137,48 +140,6 @@ static bool find_cut(struct renderer *renderer, const float *rgba, int first_row
     return false;
 }
 
-static bool find_cut_in_tile(struct renderer *renderer, int first_row, int row_count)
-{
-    float *rgba = xmalloc(4 * (size_t)renderer->target.width_px * (size_t)row_count * sizeof *rgba);
-    bool found;
-
-    gl_target_read_rows(&renderer->target, first_row, row_count, rgba);
-    found = find_cut(renderer, rgba, first_row, row_count);
-    free(rgba);
-    return found;
-}
-
-static bool draw_tiles(struct renderer *renderer, struct kept_program *program, int pass,
-                       renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
-{
-    const struct gl_functions *gl = &renderer->gl;
-    int height_px = renderer->target.height_px;
-
-    if (program->rows == 0) program->rows = FIRST_TILE_ROWS;
-    for (int row = 0; row < height_px;) {
-        int rows = program->rows < height_px - row ? program->rows : height_px - row;
-        double start = now_s(), seconds;
-
-        gl->Scissor(0, row, renderer->target.width_px, rows);
-        gl->DrawArrays(GL_TRIANGLES, 0, 3);
-        gl->Finish();
-        if (!check_gl(renderer, result, error)) return false;
-        seconds = now_s() - start;
-        if (seconds > tile_seconds && find_cut_in_tile(renderer, row, rows)) { // the rest may take hours
-            result->fault = RENDERER_FAULT_ENDLESS;
-            return false;
-        }
-        row += rows;
-        program->rows = next_tile_rows(rows, seconds);
-        if (on_progress && !on_progress(user, (pass + (double)row / height_px) / renderer->target.pass_count)) {
-            result->fault = RENDERER_FAULT_STOPPED;
-            error_set(error, "the frame was stopped");
-            return false;
-        }
-    }
-    return true;
-}
-
 struct reading {
     renderer_progress *on_progress;
     void *user;
@@ -192,6 +153,82 @@ static bool on_slab(void *user)
 
     reading->is_stopped = reading->on_progress && !reading->on_progress(reading->user, reading->done);
     return !reading->is_stopped;
+}
+
+static bool tell_stopped(struct renderer_result *result, struct error *error)
+{
+    result->fault = RENDERER_FAULT_STOPPED;
+    error_set(error, "the frame was stopped");
+    return false;
+}
+
+struct tile { // rows of the picture
+    int row, row_count;
+    double seconds; // that its longest draw took
+};
+
+// Looks where a tile takes long: the rest of a frame that is cut may take hours.
+static bool tile_is_cut(struct renderer *renderer, const struct tile *tile, struct renderer_result *result)
+{
+    float *rgba;
+
+    if (tile->seconds <= tile_seconds) return false;
+    rgba = xmalloc(4 * (size_t)renderer->target.width_px * (size_t)tile->row_count * sizeof *rgba);
+    gl_target_read_rows(&renderer->target, tile->row, tile->row_count, rgba);
+    if (find_cut(renderer, rgba, tile->row, tile->row_count)) result->fault = RENDERER_FAULT_ENDLESS;
+    free(rgba);
+    return result->fault != RENDERER_FAULT_NONE;
+}
+
+// Slices of the tile, until each pixel is done: far or stuck.
+static bool draw_slices(struct renderer *renderer, struct tile *tile, struct reading *reading,
+                        struct renderer_result *result, struct error *error)
+{
+    int64_t left = (int64_t)renderer->target.width_px * tile->row_count;
+
+    while (left > 0) {
+        double start = now_s();
+
+        left -= (int64_t)gl_slices_draw(&renderer->slices);
+        if (!check_gl(renderer, result, error)) return false;
+        tile->seconds = now_s() - start > tile->seconds ? now_s() - start : tile->seconds;
+        if (tile_is_cut(renderer, tile, result)) return false;
+        if (left > 0 && !on_slab(reading)) return tell_stopped(result, error);
+    }
+    return true;
+}
+
+static bool draw_whole(struct renderer *renderer, struct tile *tile, struct renderer_result *result,
+                       struct error *error)
+{
+    double start = now_s();
+
+    renderer->gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    renderer->gl.Finish();
+    if (!check_gl(renderer, result, error)) return false;
+    tile->seconds = now_s() - start;
+    return !tile_is_cut(renderer, tile, result);
+}
+
+static bool draw_tiles(struct renderer *renderer, struct kept_program *program, bool is_sliced, int pass,
+                       struct reading *reading, struct renderer_result *result, struct error *error)
+{
+    int height_px = renderer->target.height_px, pass_count = renderer->target.pass_count;
+
+    if (program->rows == 0) program->rows = FIRST_TILE_ROWS;
+    for (int row = 0; row < height_px;) {
+        struct tile tile = {.row = row, .row_count = program->rows < height_px - row ? program->rows : height_px - row};
+
+        renderer->gl.Scissor(0, row, renderer->target.width_px, tile.row_count);
+        if (!(is_sliced ? draw_slices(renderer, &tile, reading, result, error)
+                        : draw_whole(renderer, &tile, result, error)))
+            return false;
+        row += tile.row_count;
+        program->rows = next_tile_rows(tile.row_count, tile.seconds);
+        reading->done = (pass + (double)row / height_px) / pass_count;
+        if (!on_slab(reading)) return tell_stopped(result, error);
+    }
+    return true;
 }
 
 // Fills the caches that the pass samples and that are not as it needs them, and binds all.
@@ -217,7 +254,7 @@ static bool bind_caches(struct renderer *renderer, const struct scene_program *s
         return false;
     }
     result->fault = end == GL_CACHES_STOPPED ? RENDERER_FAULT_STOPPED : RENDERER_FAULT_JOB;
-    if (end == GL_CACHES_STOPPED) error_set(error, "the frame was stopped");
+    if (end == GL_CACHES_STOPPED) (void)tell_stopped(result, error);
     (void)gl_debug_check(&renderer->debug, NULL);
     return false;
 }
@@ -241,6 +278,7 @@ static bool draw_passes(struct renderer *renderer, const struct scene_program *s
     const struct gl_functions *gl = &renderer->gl;
 
     gl_target_begin(&renderer->target);
+    if (scene->features.is_sliced) gl_target_clear(&renderer->target); // of pixels that were cut
     gl->Enable(GL_SCISSOR_TEST);
     gl->BindVertexArray(renderer->vertex_array);
     for (int i = 0; i < passes->count; ++i) {
@@ -250,7 +288,9 @@ static bool draw_passes(struct renderer *renderer, const struct scene_program *s
         if (!bind_caches(renderer, scene, passes, i, &reading, result, error)) return false;
         begin_pass(renderer, program, passes, scene->uniforms.size_bytes, i);
         if (!check_gl(renderer, result, error)) return false;
-        if (!draw_tiles(renderer, program, i, on_progress, user, result, error)) return false;
+        if (scene->features.is_sliced)
+            gl_slices_begin(&renderer->slices, gl, renderer->target.width_px, renderer->target.height_px);
+        if (!draw_tiles(renderer, program, scene->features.is_sliced, i, &reading, result, error)) return false;
     }
     return true;
 }
@@ -372,16 +412,69 @@ void renderer_forget(struct renderer *renderer)
     if (renderer->caches) gl_caches_clear(renderer->caches);
 }
 
+// A frame whose files are open.
+struct request {
+    const struct job *job;
+    int32_t frame;
+    const struct scene_inputs *inputs;
+    struct image *image;
+    renderer_progress *on_progress;
+    void *user;
+};
+
+static bool can_be_sliced(const struct job *job, const struct scene_inputs *inputs)
+{
+    const struct scene_features features = scene_features_of(job, inputs->is_unneeded);
+
+    return scene_features_can_be_sliced(&features);
+}
+
+static bool render_inputs(struct renderer *renderer, const struct request *request, bool in_slices,
+                          struct renderer_result *result, struct error *error)
+{
+    const struct job *job = request->job;
+    struct image *image = request->image;
+    struct gl_target_params target = {.image = image};
+    int64_t fills = gl_caches_count_fills(renderer->caches);
+    struct scene_program scene;
+    struct passes passes = {0};
+    double start = now_s();
+    bool ok = false;
+
+    result->fault = RENDERER_FAULT_JOB;
+    if (!(in_slices ? scene_program_init_sliced : scene_program_init)(&scene, job, request->inputs,
+                                                                      renderer->shader_dir, error))
+        return false;
+    if (!passes_plan(&passes, &scene, job, request->frame, error)) goto out;
+    result->fault = RENDERER_FAULT_NONE;
+    target.pass_count = passes.count;
+    target.has_paths = scene.features.has_paths;
+    result->is_copy = is_shown(renderer, &scene, &passes, &target);
+    if (result->is_copy) {
+        if (request->on_progress) (void)request->on_progress(request->user, 1);
+    } else if (!render_scene(renderer, &scene, &passes, &target, request->on_progress, request->user, result, error)) {
+        goto out;
+    }
+    gl_target_read(&renderer->target, image, &result->ray_counts);
+    ray_counts_find_share(&result->ray_counts, image);
+    if (!check_gl(renderer, result, error)) goto out;
+    result->seconds = now_s() - start;
+    result->cache_fills = gl_caches_count_fills(renderer->caches) - fills;
+    result->shader_hash = renderer->shown_hash;
+    if (find_cut(renderer, image->rgba, 0, image->height_px)) result->fault = RENDERER_FAULT_ENDLESS;
+    ok = result->fault == RENDERER_FAULT_NONE;
+out:
+    passes_finish(&passes);
+    scene_program_finish(&scene);
+    return ok;
+}
+
 bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,
                      renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
 {
-    struct scene_program scene = {0};
-    struct passes passes = {0};
     struct scene_inputs inputs = {0};
-    struct gl_target_params target = {.image = image};
+    const struct request request = {job, frame, &inputs, image, on_progress, user};
     struct camera_view view;
-    int64_t fills;
-    double start;
     bool ok = false;
 
     *result = (struct renderer_result){.fault = RENDERER_FAULT_JOB};
@@ -397,31 +490,11 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (!open_inputs(renderer, job, frame, &inputs, &result->fault, error)) goto out;
     memcpy(result->picture_hash, inputs.picture_hash, sizeof result->picture_hash);
     result->step = inputs.quality.step;
-    if (!scene_program_init(&scene, job, &inputs, renderer->shader_dir, error)) goto out;
-    if (!passes_plan(&passes, &scene, job, frame, error)) goto out;
-    result->fault = RENDERER_FAULT_NONE;
-    start = now_s();
-    fills = gl_caches_count_fills(renderer->caches);
-    target.pass_count = passes.count;
-    target.has_paths = scene.features.has_paths;
-    result->is_copy = is_shown(renderer, &scene, &passes, &target);
-    if (result->is_copy) {
-        if (on_progress) (void)on_progress(user, 1);
-    } else if (!render_scene(renderer, &scene, &passes, &target, on_progress, user, result, error)) {
-        goto out;
-    }
-    gl_target_read(&renderer->target, image, &result->ray_counts);
-    ray_counts_find_share(&result->ray_counts, image);
-    if (!check_gl(renderer, result, error)) goto out;
-    result->seconds = now_s() - start;
-    result->cache_fills = gl_caches_count_fills(renderer->caches) - fills;
-    result->shader_hash = renderer->shown_hash;
-    if (find_cut(renderer, image->rgba, 0, image->height_px)) result->fault = RENDERER_FAULT_ENDLESS;
-    ok = result->fault == RENDERER_FAULT_NONE;
+    ok = render_inputs(renderer, &request, false, result, error);
+    if (result->fault == RENDERER_FAULT_ENDLESS && can_be_sliced(job, &inputs))
+        ok = render_inputs(renderer, &request, true, result, error);
 out:
     if (result->fault == RENDERER_FAULT_ENDLESS) tell_cut(renderer, job, error);
-    passes_finish(&passes);
-    scene_program_finish(&scene);
     scene_inputs_finish(&inputs);
     return ok;
 }

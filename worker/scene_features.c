@@ -151,6 +151,11 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     return features;
 }
 
+bool scene_features_can_be_sliced(const struct scene_features *features)
+{
+    return features->marches && !features->has_objects && !features->is_tabled;
+}
+
 size_t scene_features_count_lights(const struct scene_features *features)
 {
     size_t count = 0;

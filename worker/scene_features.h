@@ -56,6 +56,7 @@ struct scene_features {
     bool is_tabled;    // some medium is
     bool is_adaptive;  // segments are bounded by their optical depth
     bool is_gauss;     // segments are looked at in several nodes
+    bool is_sliced;    // the picture is drawn in slices, each as far as rays come at once
     bool is_random;    // something is drawn by lot
 };
 
@@ -63,6 +64,8 @@ struct scene_features {
 bool scene_light_is_inverse_square(const struct scene_light *light);
 // `is_unneeded` (SCENE_MEDIUM_LIMIT of them; NULL: none) says which media the picture does without.
 struct scene_features scene_features_of(const struct job *job, const bool *is_unneeded);
+// True when its picture can be drawn in slices.
+bool scene_features_can_be_sliced(const struct scene_features *features);
 size_t scene_features_count_lights(const struct scene_features *features); // those that are seen
 // True when something of it attenuates light.
 bool medium_features_have_column(const struct medium_features *medium);

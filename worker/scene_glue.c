@@ -147,22 +147,35 @@ static void write_media_picture(FILE *out, const struct job *job, const struct s
                 features->has_extinction ? "spectrum_rgb(gathered.transmittance)" : "vec3(1.0)");
     if (features->has_depth)
         write_depth(out, job, features->has_extinction ? "gathered.depth / length(toward)" : "0.0");
-    if (features->marches)
+    if (features->is_sliced)
+        fputs("    if (is_paused) rgba.a = -1e6; // it comes no further\n", out);
+    else if (features->marches)
         fputs("    if (march_was_cut) rgba.a = -1e6; // no picture has it, nor has a sum of them\n", out);
+}
+
+static void write_media(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    bool finds_depth = features->has_depth && features->has_extinction;
+
+    fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
+            features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
+    write_view(out, job, program);
+    if (features->is_sliced && features->is_random)
+        fputs("    if (slice_is_begun) random_state = slice_random;\n", out);
+    write_march(out, job, program);
 }
 
 static void write_media_main(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
-    bool finds_depth = features->has_depth && features->has_extinction;
 
-    if (features->has_media) {
-        fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
-                features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
-        write_view(out, job, program);
-        write_march(out, job, program);
-    }
+    if (features->is_sliced) fputs("    bool is_done = false;\n    if (slice_load()) {\n", out);
+    if (features->has_media) write_media(out, job, program);
+    if (features->is_sliced)
+        fputs("    bool is_paused = !slice_is_over;\n    is_done = slice_store(is_paused);\n", out);
     write_media_picture(out, job, program);
+    if (features->is_sliced) fputs("    }\n    if (!is_done) discard;\n", out);
 }
 
 static void write_path_main(FILE *out, const struct job *job, const struct scene_program *program)

@@ -211,14 +211,20 @@ static double box_diagonal(const struct volume *header)
     return longest;
 }
 
-static bool check_steps(const char *key, const char *place, double length, double step, struct error *error)
-{
-    double count = ceil(length / step - 1e-9);
+struct way {
+    const char *key, *place;
+    double length, step; // m
+    int step_limit;
+};
 
-    if (count <= JOB_MARCH_STEPS_LIMIT) return true;
+static bool check_steps(const struct way *way, struct error *error)
+{
+    double count = ceil(way->length / way->step - 1e-9);
+
+    if (count <= way->step_limit) return true;
     error_set(error,
               "quality.%s: expected at most %d steps along a ray, got %.10g: %.10g m through %s in steps of %.10g m",
-              key, JOB_MARCH_STEPS_LIMIT, count, length, place, step);
+              way->key, way->step_limit, count, way->length, way->place, way->step);
     return false;
 }
 
@@ -249,12 +255,15 @@ static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, 
         if (!inputs->media[i].source) continue;
         scene_format_medium_place(&job->scene, i, place, sizeof place);
         diagonal = box_diagonal(&inputs->media[i].header);
-        if (!check_steps(quality->step_voxels > 0 ? "step_voxels" : "step", place,
-                         fmin(diagonal, camera->clip_far - camera->clip_near), quality->step, error))
+        if (!check_steps(&(struct way){quality->step_voxels > 0 ? "step_voxels" : "step", place,
+                                       fmin(diagonal, camera->clip_far - camera->clip_near), quality->step,
+                                       job_find_step_limit(job)},
+                         error))
             return false;
         if (job->scene.light_count > 0 && quality->light_step > 0 &&
-            !check_steps(quality->light_step_voxels > 0 ? "light_step_voxels" : "light_step", place, diagonal,
-                         quality->light_step, error))
+            !check_steps(&(struct way){quality->light_step_voxels > 0 ? "light_step_voxels" : "light_step", place,
+                                       diagonal, quality->light_step, JOB_MARCH_STEPS_LIMIT},
+                         error))
             return false;
     }
     return true;

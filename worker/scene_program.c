@@ -11,6 +11,7 @@
 #include "worker/scene_glue_gather.h"
 #include "worker/scene_glue_media.h"
 #include "worker/scene_glue_path.h"
+#include "worker/scene_glue_slice.h"
 #include "worker/scene_glue_steps.h"
 #include "worker/scene_glue_surface.h"
 #include "worker/scene_inputs.h"
@@ -133,6 +134,19 @@ static void add_lights(struct assembly *assembly)
     if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->job, assembly->program);
 }
 
+// How marches begin and stop.
+static void add_slices(struct assembly *assembly)
+{
+    if (!assembly->program->features.is_sliced) {
+        add_module(assembly, "integrator/whole.glsl");
+        return;
+    }
+    add_module(assembly, "path/turns.glsl");
+    scene_glue_write_slice_random(generate(assembly), assembly->program);
+    add_module(assembly, "integrator/sliced.glsl");
+    scene_glue_write_slice(generate(assembly), assembly->program);
+}
+
 static void add_integrator(struct assembly *assembly)
 {
     if (assembly->program->features.places_points) add_placement(assembly);
@@ -142,6 +156,7 @@ static void add_integrator(struct assembly *assembly)
         add_module(assembly, "math/gauss.glsl");
     }
     scene_glue_write_gather(generate(assembly), assembly->job, assembly->program);
+    if (assembly->program->features.marches) add_slices(assembly);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
                          : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
                          : assembly->program->features.is_tabled             ? "integrator/preintegrated.glsl"
@@ -289,10 +304,12 @@ static void hash_texts(struct scene_program *program)
     hash_bytes(hashes, (2 + program->cache_count) * sizeof *hashes, program->hash);
 }
 
-bool scene_program_init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
-                        const char *shader_dir, struct error *error)
+// Of `program` it is known whether it is sliced.
+static bool init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                 const char *shader_dir, struct error *error)
 {
     const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
+    bool is_sliced = program->features.is_sliced;
     struct camera_view view;
 
     for (size_t i = 0; i < job->scene.medium_count; ++i)
@@ -308,6 +325,7 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
                                       .inputs = inputs,
                                       .step = quality->step,
                                       .light_step = quality->light_step};
+    program->features.is_sliced = is_sliced;
     if (!camera_view_init(&view, &job->scene.camera, job_frame_time(job, frame_range_at(&job->frames, 0)),
                           job->width_px, job->height_px, error))
         return false;
@@ -320,6 +338,20 @@ bool scene_program_init(struct scene_program *program, const struct job *job, co
     }
     hash_texts(program);
     return true;
+}
+
+bool scene_program_init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                        const char *shader_dir, struct error *error)
+{
+    *program = (struct scene_program){0};
+    return init(program, job, inputs, shader_dir, error);
+}
+
+bool scene_program_init_sliced(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                               const char *shader_dir, struct error *error)
+{
+    *program = (struct scene_program){.features.is_sliced = true};
+    return init(program, job, inputs, shader_dir, error);
 }
 
 void scene_program_finish(struct scene_program *program)

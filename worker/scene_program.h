@@ -36,4 +36,7 @@ struct scene_program {
 // `job` and `inputs`, the frame's, outlive the program; NULL will do for a job that reads no files. `shader_dir` is as for shader_sources_load. A camera that cannot look is an error.
 bool scene_program_init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
                         const char *shader_dir, struct error *error);
+// One that draws the picture in slices, of a scene whose features allow it: gl_slices.h keeps what pixels have.
+bool scene_program_init_sliced(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                               const char *shader_dir, struct error *error);
 void scene_program_finish(struct scene_program *program); // accepts an empty one

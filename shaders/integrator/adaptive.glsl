@@ -14,16 +14,17 @@ void integrator_adaptive(IntegratorAdaptive method, vec3 origin, vec3 direction,
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
-    float at = 0.0;
-    float reach = method.step;
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    vec2 place = march_resume(vec2(0.0, method.step), end, gathered);
+    float at = place.x;
+    float reach = place.y;
+    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
         // Of second order, errors of segments in balance are as the cubes of their lengths.
         float wanted = method.depth_step * pow(max(spectrum_max(gathered.transmittance), LEAST_LEFT), -1.0 / 3.0);
         float half_length = 0.0;
         float depth = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
-        for (; turn < MARCH_LIMIT && at < end; ++turn) {
+        for (; turn < MARCH_TURNS && at < end; ++turn) {
             half_length = 0.5 * min(reach, media_next_edge(ahead, at, end) - at);
             float middle = at + half_length;
             field = media_field(ahead, entry + middle * direction, direction, middle);
@@ -36,11 +37,15 @@ void integrator_adaptive(IntegratorAdaptive method, vec3 origin, vec3 direction,
                 reach = method.step;
             }
         }
+        march_keep(vec2(at, reach), at >= end, gathered);
         if (at >= end) break;
         gather(gathered, field, entry + (at + half_length) * direction, direction, interval.x + at, 2.0 * half_length);
         at += 2.0 * half_length;
         reach = min(method.step, 2.0 * half_length * wanted / max(depth, THIN * wanted));
-        if (gathered_is_over(gathered)) break;
+        if (at >= end || gathered_is_over(gathered)) {
+            march_keep(vec2(at, reach), true, gathered);
+            break;
+        }
     }
     if (at < end && !gathered_is_over(gathered)) march_was_cut = true;
 }

@@ -10,18 +10,19 @@ void integrator_gauss(IntegratorGauss method, vec3 origin, vec3 direction, vec2 
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
-    float at = 0.0;
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    float at = march_resume(vec2(0.0), end, gathered).x;
+    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
         float length = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
-        for (; turn < MARCH_LIMIT && at < end; ++turn) {
+        for (; turn < MARCH_TURNS && at < end; ++turn) {
             length = min(method.step, media_next_edge(ahead, at, end) - at);
             float first = GAUSS_NODES[0] * length;
             field = media_field(ahead, entry + (at + first) * direction, direction, at + first);
             if (field.distance < length - first) break;
             at += max(length, first + field.distance);
         }
+        march_keep(vec2(at, 0.0), at >= end, gathered);
         if (at >= end) break;
         Spectrum sigma_t[GAUSS_ORDER];
         Spectrum source[GAUSS_ORDER];
@@ -35,7 +36,10 @@ void integrator_gauss(IntegratorGauss method, vec3 origin, vec3 direction, vec2 
         Spectrum light = gauss_segment(sigma_t, source, length, optical_depth);
         gather_segment(gathered, light, optical_depth, interval.x + at, length);
         at += length;
-        if (gathered_is_over(gathered)) break;
+        if (at >= end || gathered_is_over(gathered)) {
+            march_keep(vec2(at, 0.0), true, gathered);
+            break;
+        }
     }
     if (at < end && !gathered_is_over(gathered)) march_was_cut = true;
 }

@@ -10,23 +10,28 @@ void integrator_jittered(IntegratorJittered method, vec3 origin, vec3 direction,
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
-    float at = 0.0;
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    float at = march_resume(vec2(0.0), end, gathered).x;
+    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
         float length = 0.0;
         float place = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
-        for (; turn < MARCH_LIMIT && at < end; ++turn) {
+        for (; turn < MARCH_TURNS && at < end; ++turn) {
             length = min(method.step, media_next_edge(ahead, at, end) - at);
             place = random_next() * length;
             field = media_field(ahead, entry + (at + place) * direction, direction, at + place);
             if (field.distance < 0.0) break;
             at += max(length, place + field.distance);
         }
-        if (at >= end) break;
+        if (at >= end || turn >= MARCH_TURNS) {
+            march_keep(vec2(at, 0.0), at >= end, gathered);
+            break;
+        }
         gather(gathered, field, entry + (at + place) * direction, direction, interval.x + at, length);
         at += length;
-        if (gathered_is_over(gathered)) break;
+        bool is_end = at >= end || gathered_is_over(gathered);
+        march_keep(vec2(at, 0.0), is_end, gathered);
+        if (is_end) break;
     }
     if (at < end && !gathered_is_over(gathered)) march_was_cut = true;
 }

@@ -9,22 +9,26 @@ void integrator_midpoint(IntegratorMidpoint method, vec3 origin, vec3 direction,
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
-    float at = 0.0;
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    float at = march_resume(vec2(0.0), end, gathered).x;
+    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
         float half_length = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
-        for (; turn < MARCH_LIMIT && at < end; ++turn) {
+        for (; turn < MARCH_TURNS && at < end; ++turn) {
             half_length = 0.5 * min(method.step, media_next_edge(ahead, at, end) - at);
             float middle = at + half_length;
             field = media_field(ahead, entry + middle * direction, direction, middle);
             if (field.distance < 0.0) break;
             at += half_length + max(half_length, field.distance);
         }
+        march_keep(vec2(at, 0.0), at >= end, gathered);
         if (at >= end) break;
         gather(gathered, field, entry + (at + half_length) * direction, direction, interval.x + at, 2.0 * half_length);
         at += 2.0 * half_length;
-        if (gathered_is_over(gathered)) break;
+        if (at >= end || gathered_is_over(gathered)) {
+            march_keep(vec2(at, 0.0), true, gathered);
+            break;
+        }
     }
     if (at < end && !gathered_is_over(gathered)) march_was_cut = true;
 }

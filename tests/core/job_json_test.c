@@ -220,9 +220,9 @@ static void wrong_values_are_refused_by_place(void **state)
     assert_edit_refused("output.path", "\"../x.#.exr\"", "output.path: \"..\" is not allowed in a path");
     assert_edit_refused("output.path", "\"/x.#.exr\"",
                         "output.path: expected a path below \"/srv/out\", got \"/x.#.exr\"");
-    assert_edit_refused("quality.step", "0.00001",
-                        "quality.step: expected at most 60000 steps along a ray, got 111962: 1.119615242 m through "
-                        "scene.media[0] in steps of 1e-05 m");
+    assert_edit_refused("quality.step", "0.000005",
+                        "quality.step: expected at most 200000 steps along a ray, got 223924: 1.119615242 m through "
+                        "scene.media[0] in steps of 5e-06 m");
     assert_edit_refused("quality.light_steps", "8",
                         "quality: unknown key \"light_steps\", did you mean \"light_step\"?");
     assert_edit_refused("lights[1].falloff", "\"none\"", "lights[1]: unknown key \"falloff\" beside kind \"sun\"");

@@ -41,8 +41,8 @@ static void riemann_needs_an_end(void **state)
     char *job;
 
     assert_refused(text, "quality.method: riemann needs camera.clip: it steps from the near to the far distance");
-    job = json_edit_set(text, "camera.clip", "[0, 10001]");
-    assert_refused(job, "quality.step: expected at most 60000 steps along a ray, got 100010: 10001 m between the clip "
+    job = json_edit_set(text, "camera.clip", "[0, 20001]");
+    assert_refused(job, "quality.step: expected at most 200000 steps along a ray, got 200010: 20001 m between the clip "
                         "distances in steps of 0.1 m");
     free(job);
     job = json_edit_set(text, "camera.clip", "[0, 0.04]");

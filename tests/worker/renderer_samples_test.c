@@ -369,7 +369,7 @@ static void depth_is_the_mean_of_those_that_have_one(void **state)
 static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
 {
     // The ball shrinks away: only the first pass has anything to march through.
-    struct job job = ball("\"sigma_s\": 0, \"sigma_a\": 1", BALL_JOB_MIDPOINT, 4, 1);
+    struct job job = ball(BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT, 4, 1);
     struct stage stage = open_stage();
     struct renderer_result result;
     struct error error = {{0}};
@@ -378,7 +378,7 @@ static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
     job.scene.media[0].density.fold_fractal.radius =
         (struct timeline){.kind = TIMELINE_LINEAR, .component_count = 1, .linear = {{1}, {-24 * 1.2}}};
     job.width_px = job.height_px = 4;
-    job.quality.step = 2e-5;
+    job.quality.light_step = 1e-6;
     image = make_image(&job);
     assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);

@@ -194,9 +194,9 @@ static void too_many_steps_are_refused(void **state)
     struct job job = make_job(file);
 
     job.quality = (struct job_quality){.method = JOB_METHOD_MIDPOINT, .step_voxels = 1e-5};
-    expect_error(&job, 0, true, "quality.step_voxels: expected at most 60000 steps along a ray, got 707107");
+    expect_error(&job, 0, true, "quality.step_voxels: expected at most 200000 steps along a ray, got 707107");
     job.quality = (struct job_quality){.method = JOB_METHOD_MIDPOINT, .step = 1e-6};
-    expect_error(&job, 0, true, "quality.step: expected at most 60000 steps");
+    expect_error(&job, 0, true, "quality.step: expected at most 200000 steps");
     job.quality = (struct job_quality){.method = JOB_METHOD_MIDPOINT, .step = 0.1, .light_step = 1e-6};
     job.scene.light_count = 1;
     expect_error(&job, 0, true, "quality.light_step: expected at most 60000 steps");
