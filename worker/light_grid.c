@@ -65,35 +65,35 @@ static const struct scene_light *light_of(const struct light_grid *grid)
 }
 
 static size_t find_extents(const struct light_grid *grid, double time,
-                           struct medium_extent extents[JOB_CACHED_MEDIUM_LIMIT])
+                           struct media_extent extents[JOB_CACHED_MEDIUM_LIMIT])
 {
     for (size_t i = 0; i < grid->medium_count; ++i)
-        extents[i] = medium_extent_of(grid->job, grid->inputs, grid->media[i], time);
+        extents[i] = media_extent_of(grid->job, grid->inputs, grid->media[i], time);
     return grid->medium_count;
 }
 
 // The largest dot(p, direction) of all media.
-static double reach_of(const struct medium_extent *extents, size_t count, const double direction[3])
+static double reach_of(const struct media_extent *extents, size_t count, const double direction[3])
 {
     double reach = -INFINITY;
 
     for (size_t i = 0; i < count; ++i)
-        reach = fmax(reach, medium_extent_reach(&extents[i], direction));
+        reach = fmax(reach, media_extent_reach(&extents[i], direction));
     return reach;
 }
 
-static double tangent_of(const struct medium_extent *extents, size_t count, const double from[3],
-                         const double across[3], const double along[3])
+static double tangent_of(const struct media_extent *extents, size_t count, const double from[3], const double across[3],
+                         const double along[3])
 {
     double tangent = -INFINITY;
 
     for (size_t i = 0; i < count; ++i)
-        tangent = fmax(tangent, medium_extent_tangent(&extents[i], from, across, along));
+        tangent = fmax(tangent, media_extent_tangent(&extents[i], from, across, along));
     return tangent;
 }
 
 // Of the box along the world's axes around all media.
-static void find_middle(const struct medium_extent *extents, size_t count, double middle[3])
+static void find_middle(const struct media_extent *extents, size_t count, double middle[3])
 {
     for (int i = 0; i < 3; ++i) {
         double axis[3] = {0};
@@ -113,7 +113,7 @@ struct beam {
     double distance;        // of the light from the middle's plane; INFINITY for a sun
 };
 
-static void find_sun_beam(const struct medium_extent *extents, size_t count, const struct scene_light *light,
+static void find_sun_beam(const struct media_extent *extents, size_t count, const struct scene_light *light,
                           double time, struct beam *beam)
 {
     const double *const axes[] = {beam->frame.across, beam->frame.up, beam->frame.along};
@@ -133,7 +133,7 @@ static void find_sun_beam(const struct medium_extent *extents, size_t count, con
 }
 
 // False where the light is among the media, or sees them at too wide an angle.
-static bool find_point_beam(const struct medium_extent *extents, size_t count, const struct scene_light *light,
+static bool find_point_beam(const struct media_extent *extents, size_t count, const struct scene_light *light,
                             double time, struct beam *beam)
 {
     const double *const axes[] = {beam->frame.across, beam->frame.up, beam->frame.along};
@@ -163,7 +163,7 @@ static bool find_point_beam(const struct medium_extent *extents, size_t count, c
 static bool find_beam(const struct light_grid *grid, double time, struct beam *beam)
 {
     const struct scene_light *light = light_of(grid);
-    struct medium_extent extents[JOB_CACHED_MEDIUM_LIMIT];
+    struct media_extent extents[JOB_CACHED_MEDIUM_LIMIT];
     size_t count = find_extents(grid, time, extents);
 
     find_middle(extents, count, beam->middle);
@@ -191,7 +191,7 @@ static void place_beam(const struct beam *beam, struct light_grid_placement *pla
 
 static void place_round(const struct light_grid *grid, double time, struct light_grid_placement *placement)
 {
-    struct medium_extent extents[JOB_CACHED_MEDIUM_LIMIT];
+    struct media_extent extents[JOB_CACHED_MEDIUM_LIMIT];
     size_t count = find_extents(grid, time, extents);
     double position[9] = {0};
 
@@ -201,7 +201,7 @@ static void place_round(const struct light_grid *grid, double time, struct light
     for (size_t i = 0; i < count; ++i) {
         double near, far;
 
-        medium_extent_distances(&extents[i], position, &near, &far);
+        media_extent_distances(&extents[i], position, &near, &far);
         placement->near = fmin(placement->near, near);
         placement->reach = fmax(placement->reach, far);
     }
@@ -236,7 +236,7 @@ static bool is_still(const struct light_grid *grid)
     bool is_still = timeline_is_constant(light->kind == SCENE_LIGHT_SUN ? &light->direction : &light->position);
 
     for (size_t i = 0; i < grid->medium_count; ++i)
-        is_still &= medium_extent_is_still(&grid->job->scene.media[grid->media[i]].density);
+        is_still &= media_extent_is_still(&grid->job->scene.media[grid->media[i]].density);
     return is_still;
 }
 

@@ -7,15 +7,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
 
-struct error;
-struct scene_cache;
 struct scene_features;
 struct scene_inputs;
-struct scene_program;
-
-enum { LIGHT_GRID_CACHES = 2 }; // the columns and what is kept of them
 
 enum light_grid_kind {
     LIGHT_GRID_BEAM, // shaders/light_grid/beam.glsl
@@ -47,13 +41,4 @@ void light_grid_place(const struct light_grid *grid, double time, struct light_g
 // light_I_grid_center, _from_unit, _to_unit, _origin, _taper of a beam; light_I_grid_near, _reach of a round one, whose
 // light_I_position is there already. The grid outlives the values.
 void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_grid *grid);
-const char *light_grid_module(const struct light_grid *grid);
 unsigned light_grid_unit(const struct light_grid *grid); // the texture's
-
-// The sampler light_I_columns and `MediaColumn light_I_column(vec3 point, LightSample light)`: of all media towards the
-// light, those of even density in closed form.
-void light_grid_write_lookup(FILE *out, const struct light_grid *grid);
-// Appends the caches that make the texture. `program` is the picture's: its features and its inputs; `caches` has room for
-// LIGHT_GRID_CACHES more.
-bool light_grid_add_caches(struct scene_cache *caches, size_t *count, const struct light_grid *grid,
-                           const struct scene_program *program, const char *shader_dir, struct error *error);

@@ -1,3 +1,5 @@
+#include "worker/light_grid_glue.h"
+
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/job.h"
@@ -12,7 +14,7 @@
 
 static const char channels[] = "xyzw";
 
-const char *light_grid_module(const struct light_grid *grid)
+const char *light_grid_glue_module(const struct light_grid *grid)
 {
     return grid->kind == LIGHT_GRID_BEAM ? "light_grid/beam.glsl" : "light_grid/round.glsl";
 }
@@ -31,7 +33,7 @@ static void write_grid(FILE *out, const struct light_grid *grid)
         fprintf(out, "LightGridRound(light_%zu_position, light_%zu_grid_near, light_%zu_grid_reach)", i, i, i);
 }
 
-void light_grid_write_lookup(FILE *out, const struct light_grid *grid)
+void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid)
 {
     size_t i = grid->light;
 
@@ -115,7 +117,7 @@ static bool assemble(struct scene_cache *cache, const struct light_grid *grid, c
     scene_glue_write_columns(text.out, grid->job, &marched);
     write_store(text.out, grid);
     shader_assembly_add(&text, "light_grid/ray.glsl");
-    shader_assembly_add(&text, light_grid_module(grid));
+    shader_assembly_add(&text, light_grid_glue_module(grid));
     shader_assembly_add(&text, "light_grid/march.glsl");
     shader_assembly_generate(&text);
     write_main(text.out, grid, cache);
@@ -184,8 +186,8 @@ static bool make_kept(struct scene_cache *cache, const struct light_grid *grid, 
     return true;
 }
 
-bool light_grid_add_caches(struct scene_cache *caches, size_t *count, const struct light_grid *grid,
-                           const struct scene_program *program, const char *shader_dir, struct error *error)
+bool light_grid_glue_add_caches(struct scene_cache *caches, size_t *count, const struct light_grid *grid,
+                                const struct scene_program *program, const char *shader_dir, struct error *error)
 {
     if (!make_columns(&caches[*count], grid, program, shader_dir, error)) return false;
     caches[*count].reads = grid->densities;

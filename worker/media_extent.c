@@ -14,7 +14,7 @@ static double number_at(const struct timeline *timeline, double time)
     return value[0];
 }
 
-static void add_ball(struct medium_extent *extent, const double center[3], double radius)
+static void add_ball(struct media_extent *extent, const double center[3], double radius)
 {
     if (extent->has_ball && extent->radius <= radius) return;
     extent->has_ball = true;
@@ -22,7 +22,7 @@ static void add_ball(struct medium_extent *extent, const double center[3], doubl
     extent->radius = fmax(radius, 0);
 }
 
-static void add_box(struct medium_extent *extent, const double low[3], const double high[3])
+static void add_box(struct media_extent *extent, const double low[3], const double high[3])
 {
     for (int i = 0; i < 3; ++i) {
         extent->low[i] = extent->has_box ? fmax(extent->low[i], low[i]) : low[i];
@@ -31,7 +31,7 @@ static void add_box(struct medium_extent *extent, const double low[3], const dou
     extent->has_box = true;
 }
 
-static void add_bounds(struct medium_extent *extent, const struct scene_bounds *bounds, double time)
+static void add_bounds(struct media_extent *extent, const struct scene_bounds *bounds, double time)
 {
     double center[9] = {0}, size[9] = {0}, low[3], high[3];
 
@@ -55,13 +55,13 @@ static void add_bounds(struct medium_extent *extent, const struct scene_bounds *
     }
 }
 
-struct medium_extent medium_extent_of(const struct job *job, const struct scene_inputs *inputs, size_t medium,
-                                      double time)
+struct media_extent media_extent_of(const struct job *job, const struct scene_inputs *inputs, size_t medium,
+                                    double time)
 {
     static const double origin[3] = {0};
     const struct scene_density *density = &job->scene.media[medium].density;
     const struct scene_fold_fractal *fractal = &density->fold_fractal;
-    struct medium_extent extent = {0};
+    struct media_extent extent = {0};
 
     add_bounds(&extent, &density->bounds, time);
     if (density->kind == SCENE_DENSITY_FOLD_FRACTAL)
@@ -77,7 +77,7 @@ struct medium_extent medium_extent_of(const struct job *job, const struct scene_
     return extent;
 }
 
-bool medium_extent_is_still(const struct scene_density *density)
+bool media_extent_is_still(const struct scene_density *density)
 {
     const struct scene_bounds *bounds = &density->bounds;
     const struct scene_fold_fractal *fractal = &density->fold_fractal;
@@ -91,7 +91,7 @@ bool medium_extent_is_still(const struct scene_density *density)
             timeline_is_constant(&bounds->size));
 }
 
-bool medium_extent_is_finite(const struct medium_extent *extent)
+bool media_extent_is_finite(const struct media_extent *extent)
 {
     return extent->has_ball || extent->has_box;
 }
@@ -101,13 +101,13 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static void find_corner(const struct medium_extent *extent, int index, double corner[3])
+static void find_corner(const struct media_extent *extent, int index, double corner[3])
 {
     for (int i = 0; i < 3; ++i)
         corner[i] = index >> i & 1 ? extent->high[i] : extent->low[i];
 }
 
-double medium_extent_reach(const struct medium_extent *extent, const double direction[static 3])
+double media_extent_reach(const struct media_extent *extent, const double direction[static 3])
 {
     double reach = INFINITY, farthest = -INFINITY, corner[3];
 
@@ -120,7 +120,7 @@ double medium_extent_reach(const struct medium_extent *extent, const double dire
     return fmin(reach, farthest);
 }
 
-void medium_extent_distances(const struct medium_extent *extent, const double from[static 3], double *near, double *far)
+void media_extent_distances(const struct media_extent *extent, const double from[static 3], double *near, double *far)
 {
     double nearest_square = 0, farthest_square = 0;
 
@@ -153,8 +153,8 @@ static double tangent_of_ball(const double toward[3], double radius, const doubl
     return angle < acos(0) ? tan(angle) : INFINITY;
 }
 
-double medium_extent_tangent(const struct medium_extent *extent, const double from[static 3],
-                             const double across[static 3], const double along[static 3])
+double media_extent_tangent(const struct media_extent *extent, const double from[static 3],
+                            const double across[static 3], const double along[static 3])
 {
     double toward[3], tangent = INFINITY, most = -INFINITY;
 

@@ -7,6 +7,7 @@
 #include "worker/density_bake.h"
 #include "worker/density_kind.h"
 #include "worker/light_grid.h"
+#include "worker/light_grid_glue.h"
 #include "worker/scene_glue.h"
 #include "worker/scene_glue_gather.h"
 #include "worker/scene_glue_media.h"
@@ -103,9 +104,9 @@ static void add_light_grids(struct assembly *assembly)
 
     add_module(assembly, "light_grid/ray.glsl");
     for (size_t i = 0; i < program->light_grid_count; ++i)
-        add_module(assembly, light_grid_module(&program->light_grids[i]));
+        add_module(assembly, light_grid_glue_module(&program->light_grids[i]));
     for (size_t i = 0; i < program->light_grid_count; ++i)
-        light_grid_write_lookup(generate(assembly), &program->light_grids[i]);
+        light_grid_glue_write_lookup(generate(assembly), &program->light_grids[i]);
 }
 
 static void add_lights(struct assembly *assembly)
@@ -286,7 +287,7 @@ static bool add_grids(struct scene_program *program, const struct job *job, cons
         light_grid_init(grid, job, program->inputs, features, i);
         grid->densities = densities;
         light_grid_add_values(&program->uniforms, grid);
-        if (!light_grid_add_caches(program->caches, &program->cache_count, grid, program, shader_dir, error))
+        if (!light_grid_glue_add_caches(program->caches, &program->cache_count, grid, program, shader_dir, error))
             return false;
         program->light_grid_count++;
     }

@@ -11,6 +11,7 @@
 #include "worker/gl_context.h"
 #include "worker/gl_functions.h"
 #include "worker/gl_programs.h"
+#include "worker/light_grid_glue.h"
 #include "worker/scene_program.h"
 
 #include <math.h>

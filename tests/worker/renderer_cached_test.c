@@ -7,7 +7,7 @@
 #include "tests/support/shader_dir.h"
 #include "worker/gl_context.h"
 #include "worker/image.h"
-#include "worker/light_grid.h"
+#include "worker/light_grid_glue.h"
 #include "worker/renderer.h"
 
 #include <math.h>
