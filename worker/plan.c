@@ -14,6 +14,10 @@
 enum { FINEST_RUNGS = 6 };
 
 static const double SHARE = 0.6; // of the tolerance that a plan is to use
+// The way to something cheaper may lead through settings that cost so many times as much as what was found.
+static const double DEARER = 3.0;
+// Nothing is tried that costs so many times as much as the render that the others are compared with.
+static const double DEAREST = 8.0;
 // Relative RMSE of rounding to half: of an even spread of digits, 2^-11 / sqrt(3) of the value's power of two.
 static const double HALF_ROUNDING = 2.0e-4;
 
@@ -106,12 +110,12 @@ static void note_tried(struct choice *choice, const struct plan_family *family, 
     size_t length = strlen(choice->tried);
 
     snprintf(choice->tried + length, sizeof choice->tried - length, "%s%s %s%.0f", length > 0 ? ", " : "", family->name,
-             finding->found == PLAN_TOO_DEAR ? "over " : "", finding->work);
+             finding->found == PLAN_FOUND ? "" : "over ", finding->work);
 }
 
 static bool is_better(const struct choice *choice, const struct plan_finding *finding)
 {
-    if (finding->found == PLAN_FOUND) return true; // less work than the one before, or it would be too dear
+    if (finding->found == PLAN_FOUND) return !choice->is_found || finding->work < choice->finding.work;
     return !choice->is_found && finding->error < choice->finding.error;
 }
 
@@ -119,6 +123,7 @@ static bool is_better(const struct choice *choice, const struct plan_finding *fi
 static bool choose(struct plan_pilot *pilot, const struct job *job, struct choice *choice)
 {
     const struct plan_scene *scene = plan_pilot_scene(pilot);
+    double dearest = DEAREST * plan_pilot_fine_work(pilot);
 
     *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count};
     for (size_t i = 0; i < plan_family_count; i++) {
@@ -126,7 +131,8 @@ static bool choose(struct plan_pilot *pilot, const struct job *job, struct choic
         struct plan_finding finding;
 
         if (!plan_family_serves(attempt.family, scene)) continue;
-        finding = search(&attempt, SHARE * job->quality.tolerance, choice->is_found ? choice->finding.work : INFINITY);
+        finding = search(&attempt, SHARE * job->quality.tolerance,
+                         choice->is_found ? fmin(DEARER * choice->finding.work, dearest) : dearest);
         if (finding.found == PLAN_GAVE_UP) return false;
         note_tried(choice, attempt.family, &finding);
         if (!is_better(choice, &finding)) continue;

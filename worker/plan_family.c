@@ -294,6 +294,7 @@ static double ray_work(const struct plan_scene *scene, const struct job_quality 
     if (quality->method == JOB_METHOD_ADAPTIVE || (quality->method == JOB_METHOD_CACHED && quality->depth_step > 0.0))
         steps += reach * depth / quality->depth_step;
     if (quality->method == JOB_METHOD_GAUSS) steps *= quality->order;
+    if (quality->method == JOB_METHOD_PREINTEGRATED) look *= 1.5; // both ends' looks in the table
     return steps * (look + lights * light_work(scene, quality, look, depth));
 }
 

@@ -16,6 +16,7 @@
 enum {
     PIXELS = 64 * 36, // of a small frame, at most
     TRUE_PIXELS = 32, // of each that reference/ measures
+    LEVEL_MIN = 2,    // two coarse renders may agree by accident
     LEVEL_LIMIT = 10
 };
 
@@ -43,6 +44,7 @@ struct plan_pilot {
     struct pilot_frame frames[PLAN_PILOT_LIMIT];
     int frame_count;
     bool has_truth;
+    struct job_quality fine_quality; // of the finest render
     int start_level;
     int render_count;
     enum renderer_fault fault;
@@ -213,10 +215,11 @@ static bool make_fine(struct plan_pilot *pilot)
 
         if (measured == PLAN_STOPPED || (measured == PLAN_CANNOT && level == 0)) return false;
         if (measured == PLAN_CANNOT) break;
+        pilot->fine_quality = quality;
         if (level == 0) continue;
         change = find_change(pilot);
         if (pilot->start_level < 0 && change <= tolerance) pilot->start_level = level - 1;
-        if (change <= enough) break;
+        if (level >= LEVEL_MIN && change <= enough) break;
     }
     if (pilot->start_level < 0) pilot->start_level = level > 0 ? level - 1 : 0;
     pilot->fault = RENDERER_FAULT_NONE;
@@ -278,12 +281,12 @@ static double square_error(const struct plan_pilot *pilot, const struct pilot_fr
         for (int c = 0; c < 3; c++) {
             double light = frame->truth[k].rgb[c];
 
-            sum += ((seen[c] - light) * (seen[c] - light) - (fine[c] - light) * (fine[c] - light)) / 3.0;
+            sum += ((seen[c] - light) * (seen[c] - light) - (seen[c] - fine[c]) * (seen[c] - fine[c])) / 3.0;
         }
         rest += sum / frame->density[k];
     }
     if (frame->true_count == 0) return near;
-    // Where the finest render itself is off, that is in the pixels of known light.
+    // A few pixels may say that less is left than nothing.
     return fmax(near + rest / (double)frame->true_count, 0.1 * near);
 }
 
@@ -382,6 +385,11 @@ const struct plan_scene *plan_pilot_scene(const struct plan_pilot *pilot)
 int plan_pilot_start_level(const struct plan_pilot *pilot)
 {
     return pilot->start_level;
+}
+
+double plan_pilot_fine_work(const struct plan_pilot *pilot)
+{
+    return plan_family_work(&pilot->scene, &pilot->fine_quality);
 }
 
 int plan_pilot_count_renders(const struct plan_pilot *pilot)

@@ -30,6 +30,7 @@ void plan_pilot_destroy(struct plan_pilot *pilot); // accepts NULL
 const struct plan_scene *plan_pilot_scene(const struct plan_pilot *pilot);
 // How often the coarsest steps were halved until what is off came near the tolerance.
 int plan_pilot_start_level(const struct plan_pilot *pilot);
+double plan_pilot_fine_work(const struct plan_pilot *pilot);  // plan_family_work of the finest render
 int plan_pilot_count_renders(const struct plan_pilot *pilot); // small ones, so far
 
 struct plan_errors {

@@ -2,12 +2,10 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"
-#include "tests/support/random.h"
+#include "tests/support/random_job.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/true_light.h"
-#include "tests/support/volume_maker.h"
 
-#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -18,250 +16,6 @@
 
 #include <cmocka.h>
 
-enum { WIDTH_PX = 8, HEIGHT_PX = 6 };
-
-struct scribe {
-    FILE *out;
-    struct random random;
-    bool is_colored;
-    const char *volume; // a file of voxels
-};
-
-static double number(struct scribe *scribe, double low, double high)
-{
-    return random_between(&scribe->random, low, high);
-}
-
-static int choice(struct scribe *scribe, int count)
-{
-    return (int)number(scribe, 0.0, count);
-}
-
-static void write_number(struct scribe *scribe, const char *key, double low, double high)
-{
-    fprintf(scribe->out, "\"%s\": %.6f", key, number(scribe, low, high));
-}
-
-static void write_vector(struct scribe *scribe, const char *key, double low, double high)
-{
-    double x = number(scribe, low, high), y = number(scribe, low, high), z = number(scribe, low, high);
-
-    fprintf(scribe->out, "\"%s\": [%.6f, %.6f, %.6f]", key, x, y, z);
-}
-
-static void write_color(struct scribe *scribe, const char *key, double high)
-{
-    if (scribe->is_colored) {
-        write_vector(scribe, key, 0.0, high);
-    } else {
-        write_number(scribe, key, 0.0, high);
-    }
-}
-
-static void write_bounds(struct scribe *scribe)
-{
-    static const char *const KINDS[] = {"sphere", "box", "slab"};
-    int kind = choice(scribe, 3);
-
-    fprintf(scribe->out, ", \"bounds\": {\"kind\": \"%s\", ", KINDS[kind]);
-    write_vector(scribe, "center", -0.25, 0.25);
-    fputs(", ", scribe->out);
-    if (kind == 0) write_number(scribe, "radius", 0.4, 0.8);
-    if (kind == 1) write_vector(scribe, "size", 0.7, 1.4);
-    if (kind == 2) {
-        // Not along any ray of the camera, in which a slab would be long.
-        double x = number(scribe, -0.3, 0.3), y = number(scribe, -0.3, 0.3);
-
-        fprintf(scribe->out, "\"normal\": [%.6f, %.6f, 1], ", x, y);
-        write_number(scribe, "thickness", 0.4, 0.8);
-    }
-    if (choice(scribe, 2)) {
-        fputs(", ", scribe->out);
-        write_number(scribe, "falloff", 0.15, 0.5);
-    }
-    fputs("}", scribe->out);
-}
-
-static void write_noise(struct scribe *scribe)
-{
-    static const char *const MODES[] = {"remap", "clip", "absolute"};
-    int octaves = 1 + choice(scribe, 2);
-
-    fprintf(scribe->out, "\"kind\": \"noise\", \"octaves\": %d, \"mode\": \"%s\", ", octaves, MODES[choice(scribe, 3)]);
-    write_number(scribe, "frequency", 1.0, 2.5);
-    fputs(", ", scribe->out);
-    write_number(scribe, "H", 0.5, 1.5);
-    fputs(", ", scribe->out);
-    write_number(scribe, "lacunarity", 1.7, 2.3);
-    fputs(", ", scribe->out);
-    write_number(scribe, "bias", -0.3, 0.0);
-    fputs(", ", scribe->out);
-    write_vector(scribe, "offset", -50.0, 50.0);
-    fputs(", \"rotate\": {", scribe->out);
-    write_vector(scribe, "axis", 0.1, 1.0);
-    fputs(", ", scribe->out);
-    write_number(scribe, "angle", -180.0, 180.0);
-    fputs("}, ", scribe->out);
-    write_number(scribe, "scale", 2.0, 6.0);
-}
-
-// True when a transfer function stands for the medium's coefficients.
-static bool write_grid(struct scribe *scribe)
-{
-    fprintf(scribe->out, "\"kind\": \"grid\", \"file\": \"%s\", ", scribe->volume);
-    write_vector(scribe, "center", -0.2, 0.2);
-    if (choice(scribe, 2)) {
-        fputs(", ", scribe->out);
-        write_number(scribe, "scale", 1.0, 4.0);
-        return false;
-    }
-    fprintf(scribe->out,
-            ", \"transfer_function\": [[0.1, 0.1, 0.3, 1, 0], [%.6f, 1, 0.2, 0.1, 0.3], "
-            "[0.9, 1, 0.9, 0.3, 0.8]], ",
-            number(scribe, 0.3, 0.7));
-    write_number(scribe, "unit_distance", 0.3, 0.8);
-    return true;
-}
-
-static bool write_density(struct scribe *scribe)
-{
-    int kind = choice(scribe, 4);
-    bool has_transfer = false;
-
-    fputs("{\"density\": {", scribe->out);
-    if (kind == 0) {
-        fputs("\"kind\": \"homogeneous\", ", scribe->out);
-        write_number(scribe, "scale", 0.3, 2.0);
-    }
-    if (kind == 1) {
-        fprintf(scribe->out,
-                "\"kind\": \"fold_fractal\", \"iterations\": %d, \"offset\": 0.06, \"exponent\": 1.5, "
-                "\"scale\": 10, ",
-                1 + choice(scribe, 3));
-        write_number(scribe, "radius", 0.25, 0.45);
-        fputs(", ", scribe->out);
-        write_number(scribe, "rotate_x_rad", -1.0, 1.0);
-        fputs(", ", scribe->out);
-        write_number(scribe, "rotate_y_rad", -1.0, 1.0);
-    }
-    if (kind == 2) write_noise(scribe);
-    if (kind == 3) has_transfer = write_grid(scribe);
-    // What has no end of its own needs bounds.
-    if (kind == 0 || kind == 2 || choice(scribe, 2)) write_bounds(scribe);
-    fputs("}", scribe->out);
-    return has_transfer;
-}
-
-static void write_medium(struct scribe *scribe)
-{
-    if (!write_density(scribe)) {
-        fputs(", ", scribe->out);
-        write_color(scribe, "sigma_s", 1.5);
-        fputs(", ", scribe->out);
-        write_color(scribe, "sigma_a", 0.8);
-        if (choice(scribe, 3) == 0) {
-            fputs(", ", scribe->out);
-            write_color(scribe, "emission", 0.3);
-        }
-        if (choice(scribe, 2)) {
-            double g = number(scribe, -0.7, 0.7), weight = number(scribe, 0.2, 0.8);
-
-            fprintf(scribe->out,
-                    ", \"phase\": [{\"g\": %.6f, \"weight\": %.6f}, {\"kind\": \"rayleigh\", \"weight\": %.6f}]", g,
-                    weight, 1.0 - weight);
-        }
-    }
-    fputs("}", scribe->out);
-}
-
-static void write_light(struct scribe *scribe)
-{
-    int kind = choice(scribe, 3);
-
-    if (kind == 0) {
-        fputs("{\"kind\": \"sun\", ", scribe->out);
-        write_vector(scribe, "direction", -1.0, 1.0);
-    } else if (kind == 1) {
-        // Anywhere, inside media too.
-        fputs("{\"kind\": \"point\", \"falloff\": \"none\", ", scribe->out);
-        write_vector(scribe, "position", -0.8, 0.8);
-    } else {
-        // Outside of all: 1 / r^2 beside a ray is a matter of other methods.
-        fputs("{\"kind\": \"point\", ", scribe->out);
-        write_vector(scribe, "position", 1.2, 2.0);
-    }
-    fputs(", ", scribe->out);
-    write_color(scribe, "intensity", 4.0);
-    fputs("}", scribe->out);
-}
-
-static void write_list(struct scribe *scribe, int count, void write(struct scribe *))
-{
-    fputs("[", scribe->out);
-    for (int i = 0; i < count; i++) {
-        if (i > 0) fputs(", ", scribe->out);
-        write(scribe);
-    }
-    fputs("]", scribe->out);
-}
-
-// The text is owned by the caller. Steps of `step` on camera and shadow rays.
-static char *write_job(const char *volume, uint64_t seed, double step)
-{
-    char *text = NULL;
-    size_t length;
-    struct scribe scribe = {.out = open_memstream(&text, &length), .random = {seed}, .volume = volume};
-    bool is_inside;
-    double x, y, z;
-
-    // The first numbers of near seeds are alike.
-    for (int i = 0; i < 20; i++)
-        number(&scribe, 0.0, 1.0);
-    scribe.is_colored = choice(&scribe, 2);
-    is_inside = choice(&scribe, 4) == 0;
-    x = number(&scribe, -0.2, 0.2);
-    y = number(&scribe, -0.2, 0.2);
-    z = is_inside ? number(&scribe, -0.2, 0.2) : number(&scribe, 2.0, 2.6);
-    fprintf(scribe.out,
-            "{\"version\": 1, \"name\": \"random\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [%d, %d],"
-            " \"camera\": {\"fov\": 40, \"clip\": [0, 6], \"up\": [0.1, 1, 0], \"position\": [%.6f, %.6f, %.6f], ",
-            WIDTH_PX, HEIGHT_PX, x, y, z);
-    fputs("\"target\": [0.05, 0.02, -1]}, ", scribe.out);
-    if (choice(&scribe, 3) == 0) {
-        write_color(&scribe, "background", 1.0);
-        fputs(", ", scribe.out);
-    }
-    fputs("\"lights\": ", scribe.out);
-    write_list(&scribe, choice(&scribe, 4), write_light);
-    fputs(", \"scene\": {\"media\": ", scribe.out);
-    write_list(&scribe, 1 + choice(&scribe, 4), write_medium);
-    fprintf(scribe.out,
-            "}, \"quality\": {\"method\": \"midpoint\", \"step\": %g, \"light_step\": %g},"
-            " \"output\": {\"path\": \"random.####.exr\", \"aovs\": [\"Z\", \"transmittance\"]}}",
-            step, step);
-    fclose(scribe.out);
-    return text;
-}
-
-// 6 x 5 x 4 float voxels about 0.2 m apart, along oblique axes.
-static void write_volume(const char *path)
-{
-    enum { COUNT = 6 * 5 * 4 };
-    static const char HEADER[] = "NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: 6 5 4\n"
-                                 "space directions: (0.2,0.02,0) (-0.03,0.22,0.01) (0,0.04,0.26)\n"
-                                 "space origin: (0,0,0)\nendian: little\nencoding: raw\n\n";
-    char bytes[sizeof HEADER - 1 + COUNT * sizeof(float)];
-    struct random random = {91};
-
-    memcpy(bytes, HEADER, sizeof HEADER - 1);
-    for (int i = 0; i < COUNT; i++) {
-        float value = (float)random_between(&random, -0.2, 1.0);
-
-        memcpy(bytes + sizeof HEADER - 1 + (size_t)i * sizeof value, &value, sizeof value);
-    }
-    volume_maker_write(path, bytes, sizeof bytes);
-}
-
 // Of second order in the steps: the worst two of these scenes, 1.5e-3 and 1.9e-3 off, are a quarter of that at half the
 // steps. A wrong convention is off by whole per cents where it matters.
 static const double tolerance = 3e-3;
@@ -269,10 +23,12 @@ static const double tolerance = 3e-3;
 static struct true_light compare(const char *volume, uint64_t seed, double step)
 {
     struct error error = {{0}};
-    char *text = write_job(volume, seed, step);
+    char quality[96], *text;
     struct true_light light;
     struct job job;
 
+    snprintf(quality, sizeof quality, "{\"method\": \"midpoint\", \"step\": %g, \"light_step\": %g}", step, step);
+    text = random_job_write(&(struct random_job){volume, seed, quality, 8, 6});
     if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s\n%s", error.message, text);
     light = true_light_compare(&job, GL_BACKEND_OSMESA);
     if (!true_light_is_within(&light, tolerance)) print_message("seed %d: %s\n", (int)seed, text);
@@ -287,7 +43,7 @@ static void random_scenes_are_the_converged_light(void **state)
     const char *volume = temp_folder_path(state, "random.nrrd");
     int wrong = 0;
 
-    write_volume(volume);
+    random_job_write_volume(volume);
     for (uint64_t seed = FIRST; seed <= LAST; seed++) {
         struct true_light light = compare(volume, seed, 0.02);
 
