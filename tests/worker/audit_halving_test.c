@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-enum { WIDTH_PX = 32, HEIGHT_PX = 18, PIXELS = WIDTH_PX * HEIGHT_PX };
+enum { WIDTH_PX = 24, HEIGHT_PX = 14, PIXELS = WIDTH_PX * HEIGHT_PX };
 
 // Lumps that move, smooth everywhere.
 static const char LUMPS[] = "float density(vec3 p, float t) { "
