@@ -141,6 +141,9 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
                                                (job_method_takes_steps(job->quality.method) && features.media_are_lit));
     features.is_jittered = features.marches && job->quality.method == JOB_METHOD_JITTERED;
     features.is_adaptive = features.marches && features.has_extinction && job->quality.depth_step > 0;
+    for (size_t i = 0; i < scene->light_count; ++i)
+        features.nears_lights |= features.has_light_grids && features.marches && features.light_is_seen[i] &&
+                                 scene_light_is_inverse_square(&scene->lights[i]);
     features.is_gauss = features.marches && job->quality.method == JOB_METHOD_GAUSS;
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);

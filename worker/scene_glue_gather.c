@@ -342,6 +342,8 @@ void scene_glue_write_integrator(FILE *out, const struct job *job, const struct 
         fputs("    integrator_adaptive(IntegratorAdaptive(quality_step, quality_depth_step)", out);
     else if (program->features.is_gauss)
         fputs("    integrator_gauss(IntegratorGauss(quality_step)", out);
+    else if (program->features.nears_lights)
+        fputs("    integrator_near(IntegratorNear(quality_step)", out);
     else if (program->features.marches)
         fputs("    integrator_midpoint(IntegratorMidpoint(quality_step)", out);
     else // n spans have 2 n ends

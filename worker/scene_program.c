@@ -163,6 +163,7 @@ static void add_integrator(struct assembly *assembly)
                          : assembly->program->features.is_tabled             ? "integrator/preintegrated.glsl"
                          : assembly->program->features.is_adaptive           ? "integrator/adaptive.glsl"
                          : assembly->program->features.is_gauss              ? "integrator/gauss.glsl"
+                         : assembly->program->features.nears_lights          ? "integrator/near.glsl"
                          : assembly->program->features.marches               ? "integrator/midpoint.glsl"
                                                                              : "integrator/stretches.glsl");
 }

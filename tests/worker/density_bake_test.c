@@ -7,6 +7,7 @@
 #include "core/job_json.h"
 #include "reference/reference.h"
 #include "tests/support/assert_near.h"
+#include "tests/support/example_job.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/render_frame.h"
 #include "tests/support/shader_dir.h"
@@ -142,6 +143,25 @@ static void own_code_is_its_twin(void **state)
         // Fifteen cells to the shortest wave; samples kept as they are would leave 9e-4.
         assert_true(sqrt(difference / square) < 1.5e-4);
         image_finish(&image);
+        job_finish(&job);
+    }
+}
+
+// The lamp is in the cloud, and in view at the second of these times.
+static void the_example_is_the_converged_light(void **state)
+{
+    static const double times[] = {0.4, 1.7};
+
+    for (size_t i = 0; i < 2; i++) {
+        struct true_light light;
+        struct job job;
+
+        example_job_load(&job, "noise");
+        example_job_shrink(&job, 12, 7, times[i]);
+        job.quality = (struct job_quality){
+            .method = JOB_METHOD_CACHED, .step = 0.03, .light_grid = 128, .density_grid = 128, .samples = 1};
+        light = true_light_compare(&job, GL_BACKEND_OSMESA);
+        assert_true(true_light_is_within(&light, 1e-2));
         job_finish(&job);
     }
 }
@@ -352,6 +372,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(octaves_too_fine_for_the_grid_are_added),
         cmocka_unit_test(a_turned_box_lies_in_its_grid),
         cmocka_unit_test(own_code_is_its_twin),
+        cmocka_unit_test(the_example_is_the_converged_light),
         cmocka_unit_test(noise_that_turns_and_fades_is_baked_once),
         cmocka_unit_test(noise_that_changes_is_baked_anew),
         cmocka_unit_test(own_code_is_baked_anew_where_it_uses_its_time),
