@@ -211,7 +211,7 @@ static void place_round(const struct light_grid *grid, double time, struct light
 
 void light_grid_place(const struct light_grid *grid, double time, struct light_grid_placement *placement)
 {
-    struct beam beam;
+    struct beam beam = {0};
 
     *placement = (struct light_grid_placement){0};
     if (grid->kind == LIGHT_GRID_ROUND) {
@@ -224,7 +224,7 @@ void light_grid_place(const struct light_grid *grid, double time, struct light_g
 
 static bool beam_does(const struct light_grid *grid, double time)
 {
-    struct beam beam;
+    struct beam beam = {0};
 
     return find_beam(grid, time, &beam);
 }
