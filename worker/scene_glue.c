@@ -40,14 +40,19 @@ static void write_light(FILE *out, const struct scene_light *light, const struct
             type, i, i, is_sun ? "direction))" : "position), point)");
 }
 
-// How far the nearest is of the lights that a segment may be too long for.
-static void write_distance(FILE *out, const struct scene *scene, const struct scene_features *features)
+void scene_glue_write_reach(FILE *out, const struct job *job, const struct scene_program *program)
 {
-    fputs("float lights_distance(vec3 point)\n{\n    float nearest = FAR_AWAY;\n", out);
+    const struct scene *scene = &job->scene;
+
+    if (!program->features.has_peaks) {
+        fputs("float march_reach(vec3 point, float step)\n{\n    return step;\n}\n", out);
+        return;
+    }
+    fputs("float march_reach(vec3 point, float step)\n{\n    float away = FAR_AWAY;\n", out);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]))
-            fprintf(out, "    nearest = min(nearest, distance(point, light_%zu_position));\n", i);
-    fputs("    return nearest;\n}\n", out);
+        if (program->features.light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]))
+            fprintf(out, "    away = min(away, distance(point, light_%zu_position));\n", i);
+    fputs("    return clamp(0.3 * away, step / 256.0, step);\n}\n", out);
 }
 
 void scene_glue_write_lights(FILE *out, const struct job *job, const struct scene_program *program)
@@ -58,7 +63,6 @@ void scene_glue_write_lights(FILE *out, const struct job *job, const struct scen
         if (program->features.media[i].scatters) write_phase(out, &scene->media[i], &program->features.media[i], i);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (program->features.light_is_seen[i]) write_light(out, &scene->lights[i], program, i);
-    if (program->features.nears_lights) write_distance(out, scene, &program->features);
 }
 
 static void write_riemann(FILE *out, const struct scene_camera *camera, double step)

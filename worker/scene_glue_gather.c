@@ -75,12 +75,25 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_pr
     fputs(";\n", out);
 }
 
+// The sample of light `i`, of the whole segment where that is looked at in its middle alone and the light has a peak.
+static void write_sample(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    if (program->features.has_peaks && scene_light_is_inverse_square(&job->scene.lights[i]))
+        fprintf(out,
+                "light_point_segment(LightPoint(light_%zu_intensity, light_%zu_position), point, direction, length);\n",
+                i, i);
+    else
+        fprintf(out, "light_%zu(point);\n", i);
+}
+
 // Each light's columns are looked up in a grid of its own.
 static void write_cached_scattering(FILE *out, const struct job *job, const struct scene_program *program)
 {
     for (size_t i = 0; i < job->scene.light_count; ++i) {
         if (!program->features.light_is_seen[i]) continue;
-        fprintf(out, "    {\n        LightSample light = light_%zu(point);\n", i);
+        fputs("    {\n", out);
+        fputs("        LightSample light = ", out);
+        write_sample(out, job, program, i);
         write_scattered(out, "        ", program);
         fprintf(out,
                 "        source += scattered * light.irradiance * media_transmittance(light_%zu_column(point, "
@@ -102,9 +115,10 @@ static void write_scattering(FILE *out, const struct job *job, const struct scen
     for (size_t i = 0; i < job->scene.light_count; ++i) {
         if (!features->light_is_seen[i]) continue;
         if (count > 1)
-            fprintf(out, "        if (turn == %zu) light = light_%zu(point);\n", turn++, i);
+            fprintf(out, "        if (turn == %zu) light = ", turn++);
         else
-            fprintf(out, "        LightSample light = light_%zu(point);\n", i);
+            fputs("        LightSample light = ", out);
+        write_sample(out, job, program, i);
     }
     write_scattered(out, "        ", program);
     if (features->has_objects) {
@@ -342,8 +356,6 @@ void scene_glue_write_integrator(FILE *out, const struct job *job, const struct 
         fputs("    integrator_adaptive(IntegratorAdaptive(quality_step, quality_depth_step)", out);
     else if (program->features.is_gauss)
         fputs("    integrator_gauss(IntegratorGauss(quality_step)", out);
-    else if (program->features.nears_lights)
-        fputs("    integrator_near(IntegratorNear(quality_step)", out);
     else if (program->features.marches)
         fputs("    integrator_midpoint(IntegratorMidpoint(quality_step)", out);
     else // n spans have 2 n ends

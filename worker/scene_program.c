@@ -91,10 +91,13 @@ static void add_placement(struct assembly *assembly)
 
     add_module(assembly, "placement/share.glsl");
     if (assembly->program->features.extinction_is_rgb) add_module(assembly, "placement/cut.glsl");
-    for (size_t i = 0; i < scene->light_count; ++i)
-        if (assembly->program->features.light_is_seen[i])
-            add_module(assembly, scene_light_is_inverse_square(&scene->lights[i]) ? "placement/angle.glsl"
-                                                                                  : "placement/transmittance.glsl");
+    for (size_t i = 0; i < scene->light_count; ++i) {
+        bool is_by_angle = scene_light_is_inverse_square(&scene->lights[i]);
+
+        if (!assembly->program->features.light_is_seen[i]) continue;
+        if (is_by_angle) add_module(assembly, "math/arc.glsl");
+        add_module(assembly, is_by_angle ? "placement/angle.glsl" : "placement/transmittance.glsl");
+    }
     scene_glue_write_placed(generate(assembly), assembly->job);
 }
 
@@ -122,6 +125,10 @@ static void add_lights(struct assembly *assembly)
             add_module(assembly, scene->lights[i].kind == SCENE_LIGHT_SUN         ? "light/sun.glsl"
                                  : scene->lights[i].falloff == SCENE_FALLOFF_NONE ? "light/point_even.glsl"
                                                                                   : "light/point.glsl");
+    if (features->has_peaks) {
+        add_module(assembly, "math/arc.glsl");
+        add_module(assembly, "light/point_segment.glsl");
+    }
     if (features->has_extinction)
         add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
                              : features->has_light_grids                           ? "transmittance/cached.glsl"
@@ -158,12 +165,13 @@ static void add_integrator(struct assembly *assembly)
     }
     scene_glue_write_gather(generate(assembly), assembly->job, assembly->program);
     if (assembly->program->features.marches) add_slices(assembly);
+    if (assembly->program->features.marches)
+        scene_glue_write_reach(generate(assembly), assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
                          : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
                          : assembly->program->features.is_tabled             ? "integrator/preintegrated.glsl"
                          : assembly->program->features.is_adaptive           ? "integrator/adaptive.glsl"
                          : assembly->program->features.is_gauss              ? "integrator/gauss.glsl"
-                         : assembly->program->features.nears_lights          ? "integrator/near.glsl"
                          : assembly->program->features.marches               ? "integrator/midpoint.glsl"
                                                                              : "integrator/stretches.glsl");
 }

@@ -25,6 +25,7 @@ void integrator_adaptive(IntegratorAdaptive method, vec3 origin, vec3 direction,
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
         for (; turn < MARCH_TURNS && at < end; ++turn) {
+            reach = min(reach, march_reach(entry + at * direction, method.step));
             half_length = 0.5 * min(reach, media_next_edge(ahead, at, end) - at);
             float middle = at + half_length;
             field = media_field(ahead, entry + middle * direction, direction, middle);

@@ -1,5 +1,6 @@
-// Segments of `step`, the last one before an edge of a medium's span ending exactly there; each is homogeneous with the
-// media of its middle, integrated exactly. Space that the media's bounds show to be empty is stepped over.
+// Segments of `step`, shorter next to point lights, the last one before an edge of a medium's span ending exactly there; each
+// is homogeneous with the media of its middle, integrated exactly. Space that the media's bounds show to be empty is stepped
+// over.
 struct IntegratorMidpoint { float step; };
 
 // Distances are counted from where the media begin, so that a far camera leaves them their digits.
@@ -15,7 +16,8 @@ void integrator_midpoint(IntegratorMidpoint method, vec3 origin, vec3 direction,
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
         for (; turn < MARCH_TURNS && at < end; ++turn) {
-            half_length = 0.5 * min(method.step, media_next_edge(ahead, at, end) - at);
+            float reach = march_reach(entry + at * direction, method.step);
+            half_length = 0.5 * min(reach, media_next_edge(ahead, at, end) - at);
             float middle = at + half_length;
             field = media_field(ahead, entry + middle * direction, direction, middle);
             if (field.distance < 0.0) break;

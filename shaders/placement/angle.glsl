@@ -9,15 +9,6 @@ struct PlacementAngle {
     float optical_depth; // that the angle is shared out by
 };
 
-// Some drivers' arc tangent has but five digits; one step of Newton's method has all.
-float placement_arc(float y, float x)
-{
-    float angle = atan(y, x);
-    float s = sin(angle);
-    float c = cos(angle);
-    return angle + (y * c - x * s) / (x * c + y * s);
-}
-
 // The angle is taken from the difference of its tangents: of a far light both ends' own angles are nearly the same. A light
 // on the ray counts as a micrometre beside it.
 PlacementAngle placement_angle(vec3 toward, vec3 direction, float length, float sigma_t)
@@ -25,7 +16,7 @@ PlacementAngle placement_angle(vec3 toward, vec3 direction, float length, float 
     float along = dot(toward, direction);
     vec3 off = toward - along * direction;
     float height = max(sqrt(dot(off, off)), 1e-6);
-    float angle = placement_arc(length * height, height * height - along * (length - along));
+    float angle = arc(length * height, height * height - along * (length - along));
     float nearest = clamp(0.0, -along, length - along);
     float slowest = sigma_t * (height + nearest * (nearest / height)); // optical depth per angle
     return PlacementAngle(height, -along, angle, length, min(slowest * angle, sigma_t * length));

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/job_json.h"
 #include "reference/reference.h"
+#include "tests/support/shader_dir.h"
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
@@ -43,6 +44,7 @@ const struct stability_method stability_methods[] = {
     {"adaptive", "\"method\":\"adaptive\",\"step\":0.05,\"light_step\":0.05,\"depth_step\":0.1", false},
     {"gauss", "\"method\":\"gauss\",\"step\":0.05,\"light_step\":0.05,\"order\":3", false},
     {"equiangular", "\"method\":\"equiangular\",\"points\":16", true},
+    {"cached", "\"method\":\"cached\",\"step\":0.05,\"light_grid\":64", false},
 };
 const size_t stability_method_count = sizeof stability_methods / sizeof *stability_methods;
 
@@ -217,7 +219,7 @@ static void refuse(struct stability_point *points, size_t count, const char *rea
 static bool measure_points(struct gl_context *context, const struct job *job, size_t count,
                            struct stability_point *points)
 {
-    struct renderer *renderer = renderer_create(context, NULL);
+    struct renderer *renderer = renderer_create(context, test_shader_dir());
     struct error error = {{0}};
     struct truth *truth = truth_open(&(struct truth_params){.job = job}, &error);
     struct image image = {0};
