@@ -192,8 +192,7 @@ static void write_series(const struct drawing *drawing, size_t series)
 
 static int compare_seconds(const void *left, const void *right)
 {
-    const struct chart_point *a = *(const struct chart_point *const *)left,
-                             *b = *(const struct chart_point *const *)right;
+    const struct chart_point *a = left, *b = right;
 
     return a->seconds < b->seconds ? -1 : a->seconds > b->seconds;
 }
@@ -201,16 +200,16 @@ static int compare_seconds(const void *left, const void *right)
 static void write_front(const struct drawing *drawing)
 {
     const struct chart_points *points = drawing->points;
-    const struct chart_point **best = xcalloc(points->count + 1, sizeof *best);
+    struct chart_point *best = xcalloc(points->count + 1, sizeof *best); // borrows what its points own
     size_t count = 0;
 
     for (size_t i = 0; i < points->count; i++)
-        if (is_drawn(&points->list[i]) && chart_points_is_best(points, i)) best[count++] = &points->list[i];
+        if (is_drawn(&points->list[i]) && chart_points_is_best(points, i)) best[count++] = points->list[i];
     qsort(best, count, sizeof *best, compare_seconds);
     if (count > 0) fputs("<path class=\"front\" d=\"M", drawing->out);
     for (size_t i = 0; i < count; i++)
-        fprintf(drawing->out, "%s%.1f %.1f", i ? "L" : "", place_x(drawing, best[i]->seconds),
-                place_y(drawing, best[i]->error));
+        fprintf(drawing->out, "%s%.1f %.1f", i ? "L" : "", place_x(drawing, best[i].seconds),
+                place_y(drawing, best[i].error));
     if (count > 0) fprintf(drawing->out, "%s\"/>\n", count == 1 ? "h.1" : "");
     free(best);
 }

@@ -38,7 +38,7 @@ void liveness_hear(struct liveness *liveness, int64_t now_ms);
 void liveness_ready(struct liveness *liveness, int64_t now_ms);                     // worker.ready
 void liveness_progress(struct liveness *liveness, double progress, int64_t now_ms); // worker.beat
 void liveness_begin_frame(struct liveness *liveness, int64_t now_ms);               // frame.started, .planned
-void liveness_end_frame(struct liveness *liveness, int64_t now_ms);                 // frame.rendered, .skipped, .failed, .planning
+void liveness_end_frame(struct liveness *liveness, int64_t now_ms); // frame.rendered, .skipped, .failed, .planning
 // Whether any frame is in its hand, rendering or encoding; not a message. Only a busy worker must make progress, and
 // one with empty hands renders nothing.
 void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms);

@@ -75,7 +75,8 @@ bool worker_child_hear(struct worker_child *child, struct message *message)
 
 struct message worker_child_expect(struct worker_child *child, const char *method)
 {
-    static const char *const passed_over[] = {"worker.beat", "frame.started", "frame.planning", "frame.planned", "frame.rendered"};
+    static const char *const passed_over[] = {"worker.beat", "frame.started", "frame.planning", "frame.planned",
+                                              "frame.rendered"};
     struct message message;
 
     for (;;) {
