@@ -1,73 +1,34 @@
 #include "worker/scene_sight.h"
 
 #include "worker/camera_view.h"
+#include "worker/media_extent.h"
 #include "worker/pixel_samples.h"
-#include "worker/scene_inputs.h"
 
 #include <math.h>
+#include <string.h>
 
 // Rays are followed in floats: what only just misses may be met.
 static const double MARGIN = 1e-4;
-
-static double largest(const struct timeline *timeline, double time)
-{
-    double value[3] = {0};
-
-    timeline_evaluate(timeline, time, value);
-    return fabs(value[0]);
-}
 
 static double distance_of(const double a[3], const double b[3])
 {
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
-static void keep_smaller(struct scene_ball *ball, struct scene_ball other)
-{
-    if (other.radius < ball->radius) *ball = other;
-}
-
-static struct scene_ball ball_of_bounds(const struct scene_bounds *bounds, double time)
-{
-    struct scene_ball ball = {.radius = INFINITY};
-    double size[3] = {0};
-
-    if (bounds->kind == SCENE_BOUNDS_NONE || bounds->kind == SCENE_BOUNDS_SLAB) return ball;
-    timeline_evaluate(&bounds->center, time, ball.center);
-    if (bounds->kind == SCENE_BOUNDS_SPHERE) {
-        ball.radius = largest(&bounds->radius, time);
-    } else {
-        timeline_evaluate(&bounds->size, time, size);
-        ball.radius = 0.5 * hypot(hypot(size[0], size[1]), size[2]);
-    }
-    return ball;
-}
-
-static struct scene_ball ball_of_grid(const struct scene_input *input, double time)
-{
-    struct scene_ball ball = {.radius = INFINITY};
-    double low[3], high[3];
-
-    if (!input->source) return ball;
-    scene_input_box(input, time, low, high);
-    for (int axis = 0; axis < 3; ++axis)
-        ball.center[axis] = 0.5 * (low[axis] + high[axis]);
-    ball.radius = distance_of(ball.center, high);
-    return ball;
-}
-
 struct scene_ball scene_sight_ball(const struct job *job, const struct scene_inputs *inputs, size_t medium, double time)
 {
-    const struct scene_density *density = &job->scene.media[medium].density;
-    const struct scene_fold_fractal *fractal = &density->fold_fractal;
-    struct scene_ball ball = ball_of_bounds(&density->bounds, time);
+    struct media_extent extent = media_extent_of(job, inputs, medium, time);
+    struct scene_ball ball = {.radius = INFINITY}, around_box = {.radius = INFINITY};
 
-    if (density->kind == SCENE_DENSITY_FOLD_FRACTAL)
-        keep_smaller(&ball,
-                     (struct scene_ball){.radius = largest(&fractal->radius, time) +
-                                                   fractal->iterations * sqrt(3.0) * largest(&fractal->offset, time)});
-    if (density->kind == SCENE_DENSITY_GRID) keep_smaller(&ball, ball_of_grid(&inputs->media[medium], time));
-    return ball;
+    if (extent.has_ball) {
+        memcpy(ball.center, extent.center, sizeof ball.center);
+        ball.radius = extent.radius;
+    }
+    if (!extent.has_box) return ball;
+    for (int axis = 0; axis < 3; ++axis)
+        around_box.center[axis] = 0.5 * (extent.low[axis] + extent.high[axis]);
+    around_box.radius = distance_of(around_box.center, extent.high);
+    return around_box.radius < ball.radius ? around_box : ball;
 }
 
 // Whether some camera ray comes within the ball where media are gathered: rays fill no more than the cone around the image's
