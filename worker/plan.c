@@ -11,11 +11,13 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { FINEST_RUNGS = 6 };
+enum { FINEST_RUNGS = 6, FAMILY_LIMIT = 16 };
 
-static const double SHARE = 0.6; // of the tolerance that a plan is to use
-// The way to something cheaper may lead through settings that cost so many times as much as what was found.
-static const double DEARER = 3.0;
+static const double SHARE = 0.5; // of the tolerance that a plan is to use
+// Once something is found, nothing is measured in a family beyond so many looks of the pilot's.
+static const double LOOKS_ENOUGH = 3e7;
+// Of the tolerance, what a frame of the pilot may be off that the walk did not see.
+static const double SHARE_UNSEEN = 0.75;
 // Nothing is tried that costs so many times as much as the render that the others are compared with.
 static const double DEAREST = 8.0;
 // Relative RMSE of rounding to half: of an even spread of digits, 2^-11 / sqrt(3) of the value's power of two.
@@ -27,6 +29,10 @@ struct attempt {
     const struct plan_scene *scene;
     struct plan_pilot *pilot;
     bool is_half;
+    int frame; // the pilot's that is measured: the worst
+    double target;
+    double first_looks; // of the pilot, before
+    bool is_found;      // something that keeps the target, now or before
 };
 
 static double find_work(void *user, const struct plan_point *point)
@@ -47,9 +53,14 @@ static enum plan_measured measure(void *user, const struct plan_point *point, do
     struct attempt *attempt = user;
     struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, point);
     struct plan_errors errors;
-    enum plan_measured measured = plan_pilot_measure(attempt->pilot, &quality, &errors);
+    enum plan_measured measured;
 
+    if (attempt->is_found && plan_pilot_count_looks(attempt->pilot) - attempt->first_looks > LOOKS_ENOUGH)
+        return PLAN_CANNOT;
+    measured = plan_pilot_measure(attempt->pilot, &quality, attempt->frame, &errors);
+    if (attempt->frame == PLAN_ALL_FRAMES) attempt->frame = errors.worst;
     *error = with_rounding(errors.largest, attempt->is_half);
+    attempt->is_found |= measured == PLAN_MEASURED && *error <= attempt->target;
     if (measured == PLAN_MEASURED)
         log_debug("plan: %s step %g %g, light %g %g grid %d points %d least %g: error %.2e, work %.0f",
                   attempt->family->name, quality.step, quality.step_voxels, quality.light_step,
@@ -72,29 +83,67 @@ static int start_rung(enum plan_axis axis, int level)
     case PLAN_AXIS_LIGHT_GRID:
         return 4;
     case PLAN_AXIS_DENSITY_GRID:
-        return 6;
+        return 8;
     case PLAN_AXIS_MIN_TRANSMITTANCE:
-        return 5;
+        return 3;
     case PLAN_AXIS_PATHS:
         break;
     }
     return 0;
 }
 
-static struct plan_finding search(struct attempt *attempt, double target, double work_limit)
+static struct plan_point find_start(const struct attempt *attempt)
 {
-    struct plan_search search = {
-        .target = target, .work_limit = work_limit, .work = find_work, .measure = measure, .user = attempt};
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_family_axes(attempt->family, attempt->scene, axes);
+    struct plan_point start = {{0}};
+
+    for (int i = 0; i < count; i++) {
+        int rung = start_rung(axes[i], plan_pilot_start_level(attempt->pilot));
+        int last = plan_axis_last_rung(axes[i], attempt->scene);
+
+        start.rungs[i] = rung < last ? rung : last;
+    }
+    return start;
+}
+
+// The start is measured in all frames, and the walk then goes by the worst of them.
+static struct plan_finding walk(struct attempt *attempt, struct plan_point start, double work_limit)
+{
+    struct plan_search search = {.target = attempt->target,
+                                 .work_limit = work_limit,
+                                 .start = start,
+                                 .work = find_work,
+                                 .measure = measure,
+                                 .user = attempt};
     enum plan_axis axes[PLAN_AXIS_LIMIT];
 
+    attempt->frame = PLAN_ALL_FRAMES;
     search.axis_count = plan_family_axes(attempt->family, attempt->scene, axes);
-    for (int i = 0; i < search.axis_count; i++) {
-        int rung = start_rung(axes[i], plan_pilot_start_level(attempt->pilot));
-
+    for (int i = 0; i < search.axis_count; i++)
         search.last_rung[i] = plan_axis_last_rung(axes[i], attempt->scene);
-        search.start.rungs[i] = rung < search.last_rung[i] ? rung : search.last_rung[i];
-    }
     return plan_search_run(&search);
+}
+
+// Walks on from where another frame turns out to be worse than the one that the walk saw.
+static struct plan_finding search(struct attempt *attempt, double tolerance, double work_limit)
+{
+    struct plan_finding finding = walk(attempt, find_start(attempt), work_limit);
+
+    for (int again = 1; again < PLAN_PILOT_LIMIT && finding.found == PLAN_FOUND; again++) {
+        struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, &finding.point);
+        struct plan_errors errors;
+
+        if (plan_pilot_measure(attempt->pilot, &quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) {
+            finding.found = PLAN_GAVE_UP;
+            break;
+        }
+        finding.error = with_rounding(errors.largest, attempt->is_half);
+        if (finding.error <= SHARE_UNSEEN * tolerance) break;
+        attempt->is_found = false;
+        finding = walk(attempt, finding.point, work_limit);
+    }
+    return finding;
 }
 
 // What is known of the families that were tried.
@@ -102,6 +151,7 @@ struct choice {
     struct plan_finding finding;
     size_t family;
     bool is_found;
+    int serve_count;
     char tried[160]; // names and work
 };
 
@@ -119,25 +169,59 @@ static bool is_better(const struct choice *choice, const struct plan_finding *fi
     return !choice->is_found && finding->error < choice->finding.error;
 }
 
+// The families that serve, by the work of where their walks begin.
+static int sort_families(struct plan_pilot *pilot, size_t families[static FAMILY_LIMIT],
+                         double works[static FAMILY_LIMIT])
+{
+    const struct plan_scene *scene = plan_pilot_scene(pilot);
+    int count = 0;
+
+    for (size_t i = 0; i < plan_family_count && count < FAMILY_LIMIT; i++) {
+        struct attempt attempt = {.family = &plan_families[i], .scene = scene, .pilot = pilot};
+        struct plan_point start;
+        double work;
+        int at = count;
+
+        if (!plan_family_serves(attempt.family, scene)) continue;
+        start = find_start(&attempt);
+        work = find_work(&attempt, &start);
+        for (; at > 0 && works[at - 1] > work; at--) {
+            works[at] = works[at - 1];
+            families[at] = families[at - 1];
+        }
+        works[at] = work;
+        families[at] = i;
+        count++;
+    }
+    return count;
+}
+
 // False when it was stopped.
 static bool choose(struct plan_pilot *pilot, const struct job *job, struct choice *choice)
 {
-    const struct plan_scene *scene = plan_pilot_scene(pilot);
-    double dearest = DEAREST * plan_pilot_fine_work(pilot);
+    size_t families[FAMILY_LIMIT];
+    double works[FAMILY_LIMIT], dearest = DEAREST * plan_pilot_fine_work(pilot);
+    int count = sort_families(pilot, families, works);
 
-    *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count};
-    for (size_t i = 0; i < plan_family_count; i++) {
-        struct attempt attempt = {&plan_families[i], scene, pilot, job->output.pixel == JOB_PIXEL_HALF};
+    *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count, .serve_count = count};
+    for (int i = 0; i < count; i++) {
+        struct attempt attempt = {.family = &plan_families[families[i]],
+                                  .scene = plan_pilot_scene(pilot),
+                                  .pilot = pilot,
+                                  .is_half = job->output.pixel == JOB_PIXEL_HALF,
+                                  .target = SHARE * job->quality.tolerance,
+                                  .first_looks = plan_pilot_count_looks(pilot),
+                                  .is_found = choice->is_found};
         struct plan_finding finding;
 
-        if (!plan_family_serves(attempt.family, scene)) continue;
-        finding = search(&attempt, SHARE * job->quality.tolerance,
-                         choice->is_found ? fmin(DEARER * choice->finding.work, dearest) : dearest);
+        // What begins no cheaper rarely ends so, and where it does gains little.
+        if (choice->is_found && works[i] >= choice->finding.work) break;
+        finding = search(&attempt, job->quality.tolerance, choice->is_found ? choice->finding.work : dearest);
         if (finding.found == PLAN_GAVE_UP) return false;
         note_tried(choice, attempt.family, &finding);
         if (!is_better(choice, &finding)) continue;
         choice->finding = finding;
-        choice->family = i;
+        choice->family = families[i];
         choice->is_found = finding.found == PLAN_FOUND;
     }
     return true;
@@ -150,8 +234,10 @@ static void describe(struct plan *plan, const struct job *job, const struct choi
     if (!choice->is_found)
         snprintf(plan->reason, sizeof plan->reason, "%s comes nearest to %g: nothing that was tried keeps it", name,
                  job->quality.tolerance);
-    else if (!strchr(choice->tried, ','))
+    else if (choice->serve_count == 1)
         snprintf(plan->reason, sizeof plan->reason, "%s alone serves this scene", name);
+    else if (!strchr(choice->tried, ','))
+        snprintf(plan->reason, sizeof plan->reason, "%s begins with less work than others end with", name);
     else
         snprintf(plan->reason, sizeof plan->reason, "%s does the least work for %g of the tolerance, looks a pixel: %s",
                  name, SHARE, choice->tried);
@@ -177,7 +263,7 @@ static bool finish(struct plan *plan, const struct plan_params *params, struct p
     plan->quality = plan_family_quality(&plan_families[plan->family], scene, &plan->point);
     describe(plan, params->job, choice);
     force(plan, params, scene);
-    if (plan_pilot_measure(pilot, &plan->quality, &errors) != PLAN_MEASURED) return false;
+    if (plan_pilot_measure(pilot, &plan->quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) return false;
     plan->predicted_error = with_rounding(errors.mean, params->job->output.pixel == JOB_PIXEL_HALF);
     if (params->evidence) plan_pilot_give(pilot, params->evidence);
     log_debug("plan: segment %d: %s; predicted error %.2e of %g, %d small renders", (int)params->segment.index,

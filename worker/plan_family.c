@@ -3,20 +3,29 @@
 #include "core/job_later.h"
 #include "core/json_read.h"
 #include "core/step_check.h"
+#include "worker/density_bake.h"
 #include "worker/scene_features.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { FIRST_STEPS = 16, STEP_RUNGS = 25, DEPTH_RUNGS = 20, PATH_RUNGS = 8, TRANSMITTANCE_RUNGS = 8 };
+enum {
+    FIRST_STEPS = 16,
+    STEP_RUNGS = 25,
+    DEPTH_RUNGS = 20,
+    PATH_RUNGS = 8,
+    TRANSMITTANCE_RUNGS = 8,
+    BAKED_OCTAVES = 3,
+    UNBAKED_RUNG = 9 // beyond 128 cells, where filling takes longer than it saves
+};
 
 static const double VOXELS_FIRST = 8.0;      // rung 0
 static const double VOXELS_OF_A_WAY = 128.0; // about
 static const double DEPTH_FIRST = 4.0;       // optical depth
-static const double TRANSMITTANCE_FIRST = 0.1;
+static const double TRANSMITTANCE_FIRST = 0.02;
 
 static const int points[] = {1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 180, 256, 362, 512, 724, 1000};
-static const int grids[] = {8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256, 362, 512};
+static const int grids[] = {8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256};
 
 #define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
 
@@ -33,6 +42,24 @@ static bool serves_marched(const struct plan_scene *scene)
 static bool serves_lit(const struct plan_scene *scene)
 {
     return serves_marched(scene) && scene->has_lights;
+}
+
+// Noise of several octaves that a grid takes.
+static bool serves_baked(const struct plan_scene *scene)
+{
+    struct job baked = *scene->job;
+    bool is_baked = false;
+
+    baked.quality.method = JOB_METHOD_CACHED;
+    baked.quality.density_grid = 128;
+    for (size_t i = 0; i < baked.scene.medium_count; i++) {
+        const struct scene_density *density = &baked.scene.media[i].density;
+        struct density_bake bake;
+
+        is_baked |= density->kind == SCENE_DENSITY_NOISE && density->noise.octaves >= BAKED_OCTAVES &&
+                    density_bake_find(&bake, &baked, i);
+    }
+    return serves_lit(scene) && is_baked;
 }
 
 static bool serves_transfer(const struct plan_scene *scene)
@@ -71,39 +98,40 @@ void plan_scene_init(struct plan_scene *scene, const struct job *job)
 
 // The cheaper a family is as a rule, the earlier it stands: what is dearer than what was found is not measured.
 const struct plan_family plan_families[] = {
-    {"equiangular", JOB_METHOD_EQUIANGULAR, 0, false, serves_even, {PLAN_AXIS_POINTS, PLAN_AXIS_PATHS}, 2},
+    {"equiangular", JOB_METHOD_EQUIANGULAR, 0, serves_even, {PLAN_AXIS_POINTS, PLAN_AXIS_PATHS}, 2},
+    {"cached with baked densities",
+     JOB_METHOD_CACHED,
+     0,
+     serves_baked,
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_GRID, PLAN_AXIS_DENSITY_GRID, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
+     5},
     {"cached",
      JOB_METHOD_CACHED,
      0,
-     false,
      serves_lit,
      {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_GRID, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
      4},
     {"preintegrated",
      JOB_METHOD_PREINTEGRATED,
      0,
-     false,
      serves_transfer,
      {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
      4},
     {"gauss of order 2",
      JOB_METHOD_GAUSS,
      2,
-     false,
      serves_marched,
      {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
      4},
     {"adaptive",
      JOB_METHOD_ADAPTIVE,
      0,
-     false,
      serves_marched,
      {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_DEPTH_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
      5},
     {"midpoint",
      JOB_METHOD_MIDPOINT,
      0,
-     false,
      serves_marched,
      {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
      4},
@@ -152,8 +180,9 @@ int plan_axis_last_rung(enum plan_axis axis, const struct plan_scene *scene)
     case PLAN_AXIS_POINTS:
         return COUNT(points) - 1;
     case PLAN_AXIS_LIGHT_GRID:
-    case PLAN_AXIS_DENSITY_GRID:
         return COUNT(grids) - 1;
+    case PLAN_AXIS_DENSITY_GRID:
+        return UNBAKED_RUNG;
     case PLAN_AXIS_MIN_TRANSMITTANCE:
         return TRANSMITTANCE_RUNGS - 1;
     case PLAN_AXIS_PATHS:
@@ -188,7 +217,7 @@ static void set_axis(struct job_quality *quality, enum plan_axis axis, const str
         quality->light_grid = grids[rung];
         break;
     case PLAN_AXIS_DENSITY_GRID:
-        quality->density_grid = grids[rung];
+        quality->density_grid = rung < UNBAKED_RUNG ? grids[rung] : 0;
         break;
     case PLAN_AXIS_MIN_TRANSMITTANCE:
         quality->min_transmittance = TRANSMITTANCE_FIRST * pow(4.0, -rung);
@@ -259,12 +288,16 @@ static double look_work(const struct scene_density *density)
     return 1.0;
 }
 
-static double looks_of_all(const struct scene *scene)
+static double looks_of_all(const struct job *job, const struct job_quality *quality)
 {
-    double work = 0.1; // to step at all
+    static const double BAKED = 1.5; // a texel of a grid that is not the file's
+    double work = 0.1;               // to step at all
+    struct job planned = *job;
+    struct density_bake bake;
 
-    for (size_t i = 0; i < scene->medium_count; i++)
-        work += look_work(&scene->media[i].density);
+    planned.quality = *quality;
+    for (size_t i = 0; i < job->scene.medium_count; i++)
+        work += density_bake_find(&bake, &planned, i) ? BAKED : look_work(&job->scene.media[i].density);
     return work;
 }
 
@@ -318,7 +351,7 @@ static double grid_work(const struct plan_scene *scene, const struct job_quality
 double plan_family_work(const struct plan_scene *scene, const struct job_quality *quality)
 {
     static const double PIXEL = 5.0;
-    double look = looks_of_all(&scene->job->scene), sum = 0.0;
+    double look = looks_of_all(scene->job, quality), sum = 0.0;
 
     if (quality->method == JOB_METHOD_EQUIANGULAR) {
         sum = points_work(scene, quality);

@@ -35,8 +35,7 @@ struct plan_scene {
 struct plan_family {
     const char *name;
     enum job_method method;
-    int order;             // gauss
-    bool has_density_grid; // with that axis, without it, without
+    int order; // gauss
     bool (*serves)(const struct plan_scene *scene);
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     int axis_count;

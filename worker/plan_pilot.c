@@ -2,6 +2,7 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
+#include "core/log.h"
 #include "worker/audit.h"
 #include "worker/audit_map.h"
 #include "worker/image.h"
@@ -25,6 +26,8 @@ static const double BLACK = 1e-6;
 static const double AGREEMENT = 0.5, AGREEMENT_ALONE = 0.15;
 static const double ACCURACY_SHARE = 0.05, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2; // of reference/
 static const double DARK_SHARE = 0.1;
+// Looks for a finer render, at most, where reference/ says what the finest is off.
+static const double LOOKS_OF_A_LEVEL = 2e8;
 
 struct pilot_frame {
     int32_t number;
@@ -45,8 +48,8 @@ struct plan_pilot {
     int frame_count;
     bool has_truth;
     struct job_quality fine_quality; // of the finest render
-    int start_level;
-    int render_count;
+    int start_level, render_count;
+    double looks;
     enum renderer_fault fault;
     struct error error;
 };
@@ -120,14 +123,18 @@ static double relative(double square, double mean_square)
     return sqrt(mean_square > BLACK * BLACK ? square / mean_square : square);
 }
 
+// Of those whose error falls with the square of all steps and cells. Light is looked up where there is some: of n³ looks for
+// a frame there is none that is too fine.
 static const struct plan_family *find_finest(const struct plan_pilot *pilot)
 {
     for (size_t i = 0; i < plan_family_count; i++) {
         const struct plan_family *family = &plan_families[i];
+        bool is_of_second_order =
+            family->method == JOB_METHOD_EQUIANGULAR || family->method == JOB_METHOD_MIDPOINT ||
+            (family->method == JOB_METHOD_CACHED &&
+             plan_family_quality(family, &pilot->scene, &(struct plan_point){{0}}).density_grid == 0);
 
-        if ((family->method == JOB_METHOD_EQUIANGULAR || family->method == JOB_METHOD_MIDPOINT) &&
-            plan_family_serves(family, &pilot->scene))
-            return family;
+        if (is_of_second_order && plan_family_serves(family, &pilot->scene)) return family;
     }
     return NULL;
 }
@@ -135,7 +142,9 @@ static const struct plan_family *find_finest(const struct plan_pilot *pilot)
 // All steps alike, and next to nothing left out.
 static struct job_quality quality_at(const struct plan_pilot *pilot, const struct plan_family *family, int level)
 {
-    enum { POINTS_FIRST = 5, PATHS = 4 };
+    enum { POINTS_FIRST = 5, GRID_FIRST = 2, GRID_ENOUGH = 8, PATHS = 4 };
+    static const double STRICT = 5e-3;
+    bool is_strict = !pilot->has_truth || pilot->params.job->quality.tolerance < STRICT;
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     struct plan_point point = {{0}};
     int count = plan_family_axes(family, &pilot->scene, axes);
@@ -144,6 +153,11 @@ static struct job_quality quality_at(const struct plan_pilot *pilot, const struc
         int last = plan_axis_last_rung(axes[i], &pilot->scene), rung = 2 * level;
 
         if (axes[i] == PLAN_AXIS_POINTS) rung += POINTS_FIRST;
+        // What a grid of 128 cells leaves is for reference/ to say, unless little is allowed.
+        if (axes[i] == PLAN_AXIS_LIGHT_GRID) {
+            rung += GRID_FIRST;
+            if (!is_strict && rung > GRID_ENOUGH) rung = GRID_ENOUGH;
+        }
         if (axes[i] == PLAN_AXIS_MIN_TRANSMITTANCE) rung = last;
         if (axes[i] == PLAN_AXIS_PATHS) rung = PATHS;
         point.rungs[i] = rung < last ? rung : last;
@@ -194,6 +208,44 @@ static double find_change(const struct plan_pilot *pilot)
     return largest;
 }
 
+// The mean transmittance of a pixel's ray; negative where the picture does not say.
+static double transmittance_at(const struct plan_pilot *pilot, const struct image *image, size_t i)
+{
+    if (image->transmittance)
+        return (image->transmittance[4 * i] + image->transmittance[4 * i + 1] + image->transmittance[4 * i + 2]) / 3.0;
+    return pilot->job.scene.has_background ? -1.0 : 1.0 - image->rgba[4 * i + 3];
+}
+
+static void note_depths(struct plan_pilot *pilot)
+{
+    static const double CLEAR = 1e-4, DARKEST = 1e-9;
+    size_t count = pixel_count(pilot), met = 0;
+
+    free(pilot->depths);
+    pilot->depths = xcalloc((size_t)pilot->frame_count * count, sizeof *pilot->depths);
+    for (int f = 0; f < pilot->frame_count; f++)
+        for (size_t i = 0; i < count; i++) {
+            double transmittance = transmittance_at(pilot, &pilot->frames[f].fine, i);
+
+            if (transmittance < 0.0) transmittance = exp(-1.0);
+            if (!pilot->scene.has_extinction) transmittance = 1.0;
+            if (pilot->scene.has_extinction && transmittance > 1.0 - CLEAR) continue;
+            pilot->depths[met++] = (float)-log(fmax(transmittance, DARKEST));
+        }
+    pilot->scene.depths = pilot->depths;
+    pilot->scene.depth_count = met;
+    pilot->scene.met = (double)met / ((double)pilot->frame_count * (double)count);
+}
+
+// Of all frames with one quality, made anew.
+static double looks_of(const struct plan_pilot *pilot, const struct job_quality *quality)
+{
+    struct plan_scene scene = pilot->scene;
+
+    scene.pixels = (double)pixel_count(pilot);
+    return plan_family_work(&scene, quality) * scene.pixels;
+}
+
 // Halves the steps until nothing changes. Of second order, what is off is a third of the last change.
 static bool make_fine(struct plan_pilot *pilot)
 {
@@ -210,14 +262,20 @@ static bool make_fine(struct plan_pilot *pilot)
     pilot->start_level = -1;
     for (; level < LEVEL_LIMIT; level++) {
         struct job_quality quality = quality_at(pilot, family, level);
-        enum plan_measured measured = render_finer(pilot, &quality);
+        enum plan_measured measured;
         double change;
 
+        if (level > LEVEL_MIN && pilot->has_truth && pilot->frame_count * looks_of(pilot, &quality) > LOOKS_OF_A_LEVEL)
+            break;
+        measured = render_finer(pilot, &quality);
         if (measured == PLAN_STOPPED || (measured == PLAN_CANNOT && level == 0)) return false;
         if (measured == PLAN_CANNOT) break;
         pilot->fine_quality = quality;
+        note_depths(pilot);
         if (level == 0) continue;
         change = find_change(pilot);
+        log_debug("plan: %s, halved %d times: changed by %.2e, %.2e looks", family->name, level, change,
+                  pilot->frame_count * looks_of(pilot, &quality));
         if (pilot->start_level < 0 && change <= tolerance) pilot->start_level = level - 1;
         if (level >= LEVEL_MIN && change <= enough) break;
     }
@@ -290,34 +348,6 @@ static double square_error(const struct plan_pilot *pilot, const struct pilot_fr
     return fmax(near + rest / (double)frame->true_count, 0.1 * near);
 }
 
-// The mean transmittance of a pixel's ray; negative where the picture does not say.
-static double transmittance_at(const struct plan_pilot *pilot, const struct image *image, size_t i)
-{
-    if (image->transmittance)
-        return (image->transmittance[4 * i] + image->transmittance[4 * i + 1] + image->transmittance[4 * i + 2]) / 3.0;
-    return pilot->job.scene.has_background ? -1.0 : 1.0 - image->rgba[4 * i + 3];
-}
-
-static void note_depths(struct plan_pilot *pilot)
-{
-    static const double CLEAR = 1e-4, DARKEST = 1e-9;
-    size_t count = pixel_count(pilot), met = 0;
-
-    pilot->depths = xcalloc((size_t)pilot->frame_count * count, sizeof *pilot->depths);
-    for (int f = 0; f < pilot->frame_count; f++)
-        for (size_t i = 0; i < count; i++) {
-            double transmittance = transmittance_at(pilot, &pilot->frames[f].fine, i);
-
-            if (transmittance < 0.0) transmittance = exp(-1.0);
-            if (!pilot->scene.has_extinction) transmittance = 1.0;
-            if (pilot->scene.has_extinction && transmittance > 1.0 - CLEAR) continue;
-            pilot->depths[met++] = (float)-log(fmax(transmittance, DARKEST));
-        }
-    pilot->scene.depths = pilot->depths;
-    pilot->scene.depth_count = met;
-    pilot->scene.met = (double)met / ((double)pilot->frame_count * (double)count);
-}
-
 static bool init_frames(struct plan_pilot *pilot, const struct plan_segment *segment)
 {
     const struct job *job = &pilot->job;
@@ -346,7 +376,6 @@ static bool prepare(struct plan_pilot *pilot)
         if (pilot->has_truth && !measure_frame(pilot, frame)) return false;
         frame->mean_square = squared_difference(pilot, &frame->fine, NULL);
     }
-    note_depths(pilot);
     return true;
 }
 
@@ -397,23 +426,36 @@ int plan_pilot_count_renders(const struct plan_pilot *pilot)
     return pilot->render_count;
 }
 
-enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job_quality *quality,
+double plan_pilot_count_looks(const struct plan_pilot *pilot)
+{
+    return pilot->looks;
+}
+
+enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job_quality *quality, int only,
                                       struct plan_errors *errors)
 {
     double sum = 0.0;
+    int count = 0;
 
     *errors = (struct plan_errors){0};
     for (int i = 0; i < pilot->frame_count; i++) {
         struct pilot_frame *frame = &pilot->frames[i];
-        enum plan_measured measured = render(pilot, quality, frame->number, &frame->seen);
+        enum plan_measured measured;
         double error;
 
+        if (only != PLAN_ALL_FRAMES && i != only) continue;
+        measured = render(pilot, quality, frame->number, &frame->seen);
+
         if (measured != PLAN_MEASURED) return measured;
+        pilot->looks += looks_of(pilot, quality);
         error = relative(square_error(pilot, frame, &frame->seen), frame->mean_square);
-        sum += error * error / pilot->frame_count;
-        errors->largest = isnan(error) ? INFINITY : fmax(errors->largest, error);
+        if (isnan(error)) error = INFINITY;
+        if (error > errors->largest) errors->worst = i;
+        errors->largest = fmax(errors->largest, error);
+        sum += error * error;
+        count++;
     }
-    errors->mean = sqrt(sum);
+    errors->mean = sqrt(sum / count);
     return PLAN_MEASURED;
 }
 

@@ -35,11 +35,17 @@ int plan_pilot_count_renders(const struct plan_pilot *pilot); // small ones, so 
 
 struct plan_errors {
     double largest, mean; // relative RMSE of the pilot's frames; the mean is quadratic
+    int worst;            // the frame of the largest
 };
 
-// Renders the frames with `quality`, of a method that renders. Stopped: `fault` and `error` of the pilot say why.
-enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job_quality *quality,
+enum { PLAN_ALL_FRAMES = -1 };
+
+// Renders the frames, or one of them, with `quality`, of a method that renders. Stopped: `fault` and `error` of the pilot say
+// why.
+enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job_quality *quality, int frame,
                                       struct plan_errors *errors);
+// What was looked up for measurements so far, as work is counted.
+double plan_pilot_count_looks(const struct plan_pilot *pilot);
 // What the last measurement was stopped by.
 enum renderer_fault plan_pilot_fault(const struct plan_pilot *pilot, struct error *error);
 

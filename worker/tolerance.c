@@ -6,14 +6,14 @@
 #include "worker/image.h"
 #include "worker/truth.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    KEPT_LIMIT = 4,   // plans
-    HALVED_RUNGS = 2, // that halve every step
-    FINER_RUNGS = 3   // of a second rendering: of second order, a third of the error is left
+    KEPT_LIMIT = 4,  // plans
+    HALVED_RUNGS = 2 // that halve every step
 };
 
 static const double AUDIT_SHARE = 0.05; // of the time of what is audited
@@ -264,6 +264,20 @@ static bool miss(const struct rendering *rendering, double first_error)
     return false;
 }
 
+// How much finer the second rendering is, in few classes, as the audit that it follows from is but near: of order three
+// halves, which kinks leave of two, the error comes to half the tolerance.
+static int find_finer_rungs(double error, double tolerance)
+{
+    static const double ORDER = 1.5, GOAL = 0.5;
+    static const int classes[] = {3, 5, 8};
+    double wanted = 2.0 * log2(error / (GOAL * tolerance)) / ORDER;
+    size_t i = 0;
+
+    while (i + 1 < sizeof classes / sizeof *classes && !(wanted <= classes[i]))
+        i++;
+    return classes[i];
+}
+
 static bool render_planned(struct rendering *rendering)
 {
     struct tolerance_result *result = rendering->result;
@@ -277,8 +291,9 @@ static bool render_planned(struct rendering *rendering)
         return true;
     }
     first_error = result->audit.error;
-    // Always as much finer: every worker renders the same.
-    if (!plan_refine(&finer, rendering->params->job, FINER_RUNGS)) return miss(rendering, first_error);
+    if (!plan_refine(&finer, rendering->params->job,
+                     find_finer_rungs(first_error, rendering->params->job->quality.tolerance)))
+        return miss(rendering, first_error);
     result->is_second = true;
     if (!render_and_audit(rendering, &finer)) return false;
     if (!is_within(rendering)) return miss(rendering, first_error);
