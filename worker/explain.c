@@ -270,7 +270,7 @@ static void list_outputs(const struct listing *listing)
 // What changes with the frame, whichever sample.
 static bool is_moving(const struct frame_value *value)
 {
-    return !value->is_constant && value->origin != FRAME_VALUE_SAMPLE_INDEX;
+    return !value->is_constant && value->origin != FRAME_VALUE_SAMPLE_INDEX && value->origin != FRAME_VALUE_OF_PLAN;
 }
 
 static bool has_motion(const struct frame_uniforms *uniforms)

@@ -45,6 +45,7 @@ static void evaluate(const struct frame_value *value, const struct frame_moment 
 {
     switch (value->origin) {
     case FRAME_VALUE_OF_TIME:
+    case FRAME_VALUE_OF_PLAN:
         value->evaluate(value->source, moment->time, components);
         break;
     case FRAME_VALUE_FRAME_SEED:

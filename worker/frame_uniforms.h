@@ -17,6 +17,7 @@ enum frame_value_type {
 // What a value follows from.
 enum frame_value_origin {
     FRAME_VALUE_OF_TIME, // evaluate() says it
+    FRAME_VALUE_OF_PLAN, // and that at any time; no motion
     FRAME_VALUE_FRAME_SEED,
     FRAME_VALUE_SAMPLE_INDEX
 };

@@ -215,6 +215,7 @@ static void add_number(struct frame_uniforms *uniforms, const struct job *job, c
 {
     frame_uniforms_add(uniforms,
                        (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                            .origin = FRAME_VALUE_OF_PLAN,
                                             .is_constant = job->quality.tolerance == 0.0,
                                             .evaluate = evaluate_number,
                                             .source = number,

@@ -148,6 +148,22 @@ static void a_light_that_nothing_scatters_is_not_modelled(void **state)
     job_finish(&job);
 }
 
+// They are uniforms, so that plans share a program.
+static void numbers_of_a_plan_are_no_motion(void **state)
+{
+    struct explanation explanation;
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    job.quality.tolerance = 0.01;
+    job.quality.min_transmittance = 0.001;
+    explain(&explanation, &job);
+    assert_not_modelled(&explanation, "frames that differ");
+    assert_null(find_why(&explanation, "modelled", "motion of quality_step"));
+    explanation_finish(&explanation);
+    job_finish(&job);
+}
+
 static bool names_module(const struct explanation *explanation, const char *name)
 {
     struct json_node array = json_node_child(&explanation->node, "modules"), entry = {0};
@@ -345,6 +361,7 @@ int main(void)
         cmocka_unit_test(a_grid_of_the_density_is_explained),
         cmocka_unit_test(fog_is_explained),
         cmocka_unit_test(a_light_that_nothing_scatters_is_not_modelled),
+        cmocka_unit_test(numbers_of_a_plan_are_no_motion),
         cmocka_unit_test(the_shader_is_shown_with_its_modules_and_hash),
         cmocka_unit_test(samples_and_shutter_are_explained),
         cmocka_unit_test(the_users_own_text_is_named),
