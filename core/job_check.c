@@ -12,7 +12,8 @@
 static const double PARALLEL_SIN_MIN = 1e-6;
 static const double DIRECTION_LENGTH_MIN = 1e-6;
 static const double WEIGHT_SUM_TOLERANCE = 1e-6;
-static const int64_t FRAMES_CHECKED = 256; // of a moving scene, evenly over the range
+static const double HALF_TOLERANCE_MIN = 2e-4; // rounding leaves 1.9e-4 of values spread over a power of two
+static const int64_t FRAMES_CHECKED = 256;     // of a moving scene, evenly over the range
 
 struct moment {
     const struct job *job;
@@ -162,9 +163,23 @@ static bool check_paths(const struct job *job, const struct json_node *document,
     return true;
 }
 
+static bool check_tolerance(const struct job *job, const struct json_node *document, struct error *error)
+{
+    struct json_node quality = json_node_child(document, "quality");
+    struct json_node node = json_node_child(&quality, "tolerance");
+
+    return json_node_is_absent(&node) || job->output.pixel != JOB_PIXEL_HALF ||
+           job->quality.tolerance >= HALF_TOLERANCE_MIN ||
+           json_fail(&node, error,
+                     "expected at least %g of pixels in half, whose rounding leaves no less, got %g; output.pixel "
+                     "\"float\" keeps more",
+                     HALF_TOLERANCE_MIN, job->quality.tolerance);
+}
+
 bool job_check(const struct job *job, const struct json_node *document, struct error *error)
 {
-    return check_paths(job, document, error) && check_moments(job, document, error) && step_check(job, document, error);
+    return check_paths(job, document, error) && check_tolerance(job, document, error) &&
+           check_moments(job, document, error) && step_check(job, document, error);
 }
 
 static bool check_input(const struct scene_density *density, const struct json_node *node, struct error *error)

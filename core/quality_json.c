@@ -178,6 +178,22 @@ static bool read_equiangular(const struct json_node *object, struct job_quality 
            read_count(object, "points", JOB_POINT_LIMIT, &quality->points, error);
 }
 
+// What a plan chooses is not for the job to say.
+static bool check_is_planned(const struct json_node *object, struct error *error)
+{
+    static const char *const keys[] = {"step",       "step_voxels",  "light_step",        "light_step_voxels",
+                                       "light_grid", "density_grid", "depth_step",        "order",
+                                       "points",     "light_steps",  "min_transmittance", "roulette"};
+
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        struct json_node node = json_node_child(object, keys[i]);
+
+        if (!json_node_is_absent(&node))
+            return json_fail(&node, error, "only beside a method; without one, a tolerance's plan chooses it");
+    }
+    return true;
+}
+
 static bool read_method(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
     static const char *const methods[] = {"riemann", "midpoint",      "equiangular", "jittered", "adaptive", "gauss",
@@ -185,7 +201,11 @@ static bool read_method(const struct json_node *object, struct job_quality *qual
     struct json_node method = json_node_child(object, "method");
     int choice = JOB_METHOD_AUTO;
 
-    if (!json_node_is_absent(&method) && !json_read_enum(&method, methods, &choice, error)) return false;
+    if (json_node_is_absent(&method)) {
+        if (!check_is_planned(object, error)) return false;
+    } else if (!json_read_enum(&method, methods, &choice, error)) {
+        return false;
+    }
     quality->method = (enum job_method)choice;
     switch (quality->method) {
     case JOB_METHOD_RIEMANN:

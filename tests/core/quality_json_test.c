@@ -126,7 +126,7 @@ static void without_a_method_there_is_a_tolerance(void **state)
     assert_tolerance(NULL, 0.01, 1);
     assert_tolerance("{}", 0.01, 1);
     assert_tolerance("{\"tolerance\":0.125}", 0.125, 1);
-    assert_tolerance("{\"method\":\"auto\",\"tolerance\":0.0001,\"samples\":4}", 1e-4, 4);
+    assert_tolerance("{\"method\":\"auto\",\"tolerance\":0.0002,\"samples\":4}", 2e-4, 4);
 }
 
 static void wrong_qualities_are_refused_by_place(void **state)
@@ -150,7 +150,13 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.order: expected an integer from 2 to 4, got 5"},
         {"quality.tolerance", "0.1", "quality: unknown key \"tolerance\" beside method \"midpoint\""},
         {"quality", "{\"tolerance\":0.6}", "quality.tolerance: expected a number from 0.0001 to 0.5, got 0.6"},
-        {"quality", "{\"tolerance\":0.1,\"step\":1}", "quality: unknown key \"step\""},
+        {"quality", "{\"tolerance\":0.1,\"step\":1}",
+         "quality.step: only beside a method; without one, a tolerance's plan chooses it"},
+        {"quality", "{\"tolerance\":0.00015}",
+         "quality.tolerance: expected at least 0.0002 of pixels in half, whose rounding leaves no less, got 0.00015; "
+         "output.pixel \"float\" keeps more"},
+        {"quality", "{\"light_grid\":64}",
+         "quality.light_grid: only beside a method; without one, a tolerance's plan chooses it"},
         {"quality", "{\"method\":\"cached\",\"step\":1,\"light_grid\":3}",
          "quality.light_grid: expected an integer from 4 to 512, got 3"},
         {"quality", "{\"method\":\"cached\",\"step\":1,\"light_grid\":64,\"light_step\":1}",
