@@ -31,7 +31,7 @@ void integrator_adaptive(IntegratorAdaptive method, vec3 origin, vec3 direction,
             field = media_field(ahead, entry + middle * direction, direction, middle);
             if (field.distance < 0.0) {
                 depth = 2.0 * half_length * spectrum_max(media_extinction(field));
-                if (depth <= TOO_THICK * wanted) break;
+                if (!(depth > TOO_THICK * wanted)) break; // NaN is gathered, and reported
                 reach = 2.0 * half_length * wanted / depth;
             } else {
                 at += half_length + max(half_length, field.distance);
