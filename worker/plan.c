@@ -286,6 +286,11 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
     ok = choose(pilot, params->job, &choice) && choice.family < plan_family_count &&
          finish(plan, params, pilot, &choice);
     if (!ok) *fault = plan_pilot_fault(pilot, error);
+    if (!ok && *fault == RENDERER_FAULT_NONE) {
+        *fault = RENDERER_FAULT_MISSED;
+        error_set(error, "quality.tolerance: no method's light is finite in small pictures of the segment; expected "
+                         "densities, numbers and files without NaN and infinity");
+    }
     plan_pilot_destroy(pilot);
     return ok && (!params->is_timed || plan_time_predict(plan, params, fault, error));
 }

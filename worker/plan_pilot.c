@@ -144,7 +144,7 @@ static struct job_quality quality_at(const struct plan_pilot *pilot, const struc
 {
     enum { POINTS_FIRST = 5, GRID_FIRST = 2, GRID_ENOUGH = 8, PATHS = 4 };
     static const double STRICT = 5e-3;
-    bool is_strict = !pilot->has_truth || pilot->params.job->quality.tolerance < STRICT;
+    bool is_strict = pilot->params.job->quality.tolerance < STRICT;
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     struct plan_point point = {{0}};
     int count = plan_family_axes(family, &pilot->scene, axes);
@@ -153,7 +153,7 @@ static struct job_quality quality_at(const struct plan_pilot *pilot, const struc
         int last = plan_axis_last_rung(axes[i], &pilot->scene), rung = 2 * level;
 
         if (axes[i] == PLAN_AXIS_POINTS) rung += POINTS_FIRST;
-        // What a grid of 128 cells leaves is for reference/ to say, unless little is allowed.
+        // A grid of 128 cells leaves less than what is asked about, unless little is allowed.
         if (axes[i] == PLAN_AXIS_LIGHT_GRID) {
             rung += GRID_FIRST;
             if (!is_strict && rung > GRID_ENOUGH) rung = GRID_ENOUGH;

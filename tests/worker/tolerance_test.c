@@ -2,9 +2,11 @@
 #include "worker/tolerance.h"
 
 #include "core/error.h"
+#include "core/job_json.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
 #include "tests/support/keep_libraries.h"
+#include "tests/support/shader_dir.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/true_error.h"
 #include "worker/gl_context.h"
@@ -307,6 +309,30 @@ static bool stop_later(void *user, double done)
     return --*(int *)user > 0;
 }
 
+// No method's fault, and no step's: sqrt(p.x) is not a number on one side.
+static void light_that_is_no_number_is_told_of(void **state)
+{
+    static const char text[] =
+        "{\"version\":1,\"name\":\"nan\",\"frames\":\"0\",\"fps\":24,\"resolution\":[32,18],\"camera\":{\"position\":"
+        "[0,0.3,-3],\"target\":[0,0,0],\"fov\":45},\"lights\":[{\"kind\":\"point\",\"intensity\":60,\"position\":"
+        "[1,2,-1]}],\"scene\":{\"media\":[{\"sigma_s\":8,\"density\":{\"kind\":\"glsl\",\"source\":"
+        "\"float density(vec3 p, float t) { return sqrt(p.x); }\",\"bounds\":{\"kind\":\"sphere\",\"center\":"
+        "[0,0,0],\"radius\":1}}}]},\"output\":{\"path\":\"nan.####.exr\"},\"quality\":{\"tolerance\":0.02}}";
+    struct stage stage = open_stage(test_shader_dir());
+    struct tolerance_result result;
+    struct error error = {{0}};
+    struct image image;
+    struct job job;
+
+    (void)state;
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    assert_false(render(stage, &job, 0, &image, &result, &error));
+    assert_non_null(strstr(error.message, "finite"));
+    image_finish(&image);
+    job_finish(&job);
+    close_stage(stage);
+}
+
 static void a_pilot_can_be_stopped(void **state)
 {
     struct stage stage = open_stage(NULL);
@@ -356,6 +382,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test_setup_teardown(a_broken_frame_is_rendered_again_and_given_up, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test(equal_frames_are_copied_with_their_audit),
+        cmocka_unit_test(light_that_is_no_number_is_told_of),
         cmocka_unit_test(a_pilot_can_be_stopped),
         cmocka_unit_test(a_job_that_says_how_is_not_audited),
     };
