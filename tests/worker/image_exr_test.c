@@ -1,6 +1,7 @@
 #include "worker/image_exr.h"
 
 #include "core/error.h"
+#include "tests/support/random.h"
 #include "worker/image.h"
 
 #define IMATH_HALF_NO_LOOKUP_TABLE
@@ -24,20 +25,10 @@ static const enum job_compression compressions[] = {JOB_COMPRESSION_NONE, JOB_CO
                                                     JOB_COMPRESSION_ZIP, JOB_COMPRESSION_PIZ};
 enum { COMPRESSION_COUNT = sizeof compressions / sizeof compressions[0] };
 
-static uint32_t random_bits(uint32_t *state)
-{
-    *state = *state * 1664525u + 1013904223u;
-    return *state >> 8;
-}
-
-static float random_value(uint32_t *state)
-{
-    return (float)random_bits(state) / (float)(1 << 24);
-}
-
 // Half smooth, half noise, so that both sides of every compressor's choice occur.
 static struct image make_image(int width, int height, bool has_depth, bool has_transmittance, uint32_t seed)
 {
+    struct random random = {seed};
     struct image image;
 
     assert_true(image_init(&image, width, height, has_depth, has_transmittance, NULL));
@@ -45,10 +36,10 @@ static struct image make_image(int width, int height, bool has_depth, bool has_t
         bool is_smooth = i % width < width / 2;
 
         for (int c = 0; c < 4; c++) {
-            image.rgba[i * 4 + c] = is_smooth ? (float)(i / width) * 0.01f : random_value(&seed) * 8.0f - 1.0f;
-            if (has_transmittance) image.transmittance[i * 4 + c] = c == 3 ? NAN : random_value(&seed);
+            image.rgba[i * 4 + c] = is_smooth ? (float)(i / width) * 0.01f : (float)random_between(&random, -1, 7);
+            if (has_transmittance) image.transmittance[i * 4 + c] = c == 3 ? NAN : (float)random_between(&random, 0, 1);
         }
-        if (has_depth) image.depth[i] = 1e6f * random_value(&seed);
+        if (has_depth) image.depth[i] = (float)random_between(&random, 0, 1e6);
     }
     return image;
 }
@@ -152,7 +143,7 @@ static void every_compression_and_pixel_type_comes_back_to_the_bit(void **state)
 // A chunk that compresses to exactly its own size must not be taken for a stored one; one in some hundred of these does.
 static void chunk_that_does_not_shrink_comes_back_to_the_bit(void **state)
 {
-    uint32_t seed = 1;
+    struct random random = {1};
 
     for (int width = 8; width < 200; width++)
         for (int calm = 0; calm < 24; calm++) {
@@ -163,7 +154,7 @@ static void chunk_that_does_not_shrink_comes_back_to_the_bit(void **state)
 
             assert_true(image_init(&image, width, 1, false, false, NULL));
             for (int i = 0; i < width * 4; i++)
-                image.rgba[i] = i % 4 == 0 && i < calm * 2 ? 0.0f : random_value(&seed);
+                image.rgba[i] = i % 4 == 0 && i < calm * 2 ? 0.0f : (float)random_between(&random, 0, 1);
             fd = write_image(&image, &header, 1);
             if (!image_exr_read(fd, &found, NULL, 1, &error)) fail_msg("%s", error.message);
             for (int i = 0; i < width * 4; i++)
@@ -244,14 +235,22 @@ static void audit_and_plan_are_read_back(void **state)
     assert_true(facts.step == 0.01);
     assert_string_equal(facts.sequence_hash, header.sequence_hash);
     close(fd);
-    header.audit.kind = AUDIT_REFERENCE;
-    header.audit.is_pooled = false;
+    header.audit = (struct audit_result){.kind = AUDIT_REFERENCE};
     fd = write_image(&image, &header, 1);
     assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
-    assert_int_equal(facts.audit.kind, AUDIT_REFERENCE);
-    assert_false(facts.audit.is_pooled);
+    assert_true(facts.audit.kind == AUDIT_REFERENCE && !facts.audit.is_pooled);
     image_finish(&image);
     close(fd);
+}
+
+static void assert_lacks(int fd, const char *const *names)
+{
+    size_t size;
+    char *bytes = read_bytes(fd, &size);
+
+    for (size_t i = 0; names[i]; i++)
+        assert_null(memmem(bytes, size, names[i], strlen(names[i])));
+    free(bytes);
 }
 
 static void a_frame_without_tolerance_says_nothing_of_error(void **state)
@@ -261,8 +260,6 @@ static void a_frame_without_tolerance_says_nothing_of_error(void **state)
     struct image_exr_facts facts;
     static const char *const names[] = {"marchd:error", "marchd:audit",         "marchd:tolerance",
                                         "marchd:plan",  "marchd:samplingError", NULL};
-    size_t size;
-    char *bytes;
     int fd;
 
     header.audit = (struct audit_result){0};
@@ -273,10 +270,7 @@ static void a_frame_without_tolerance_says_nothing_of_error(void **state)
     assert_int_equal(facts.audit.kind, AUDIT_NONE);
     assert_true(isnan(facts.audit.error) && facts.sampling_error == 0.0);
     assert_string_equal(facts.plan, "");
-    bytes = read_bytes(fd, &size);
-    for (size_t i = 0; names[i]; i++)
-        assert_null(memmem(bytes, size, names[i], strlen(names[i])));
-    free(bytes);
+    assert_lacks(fd, names);
     image_finish(&image);
     close(fd);
 }
@@ -286,18 +280,14 @@ static void a_scene_without_paths_says_nothing_of_rays(void **state)
     struct image image = make_image(5, 4, false, false, 1);
     struct image_exr_header header = make_header(JOB_PIXEL_HALF, JOB_COMPRESSION_ZIP);
     struct image_exr_facts facts = {.rays = {.is_known = true}};
-    size_t size;
-    char *bytes;
+    static const char *const names[] = {"marchd:cut", "marchd:rays", NULL};
     int fd;
 
     header.rays.is_known = false;
     fd = write_image(&image, &header, 1);
     assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
     assert_false(facts.rays.is_known);
-    bytes = read_bytes(fd, &size);
-    assert_null(memmem(bytes, size, "marchd:cut", strlen("marchd:cut")));
-    assert_null(memmem(bytes, size, "marchd:rays", strlen("marchd:rays")));
-    free(bytes);
+    assert_lacks(fd, names);
     image_finish(&image);
     close(fd);
 }
@@ -423,7 +413,7 @@ static void file_cut_anywhere_is_refused_with_a_reason(void **state)
 
 static void flipped_byte_is_refused_or_read_but_never_crashes(void **state)
 {
-    uint32_t seed = 11;
+    struct random random = {11};
 
     for (int i = 0; i < COMPRESSION_COUNT; i++) {
         struct image image = make_image(17, 33, true, false, 5);
@@ -433,8 +423,8 @@ static void flipped_byte_is_refused_or_read_but_never_crashes(void **state)
         char *bytes = read_bytes(fd, &size);
 
         for (int trial = 0; trial < 1500; trial++) {
-            size_t at = trial < 900 ? (size_t)trial : random_bits(&seed) % size;
-            char flipped = (char)(bytes[at] ^ (char)(1 + random_bits(&seed) % 255));
+            size_t at = trial < 900 ? (size_t)trial : (size_t)random_between(&random, 0, (double)size);
+            char flipped = (char)(bytes[at] ^ (char)(int)random_between(&random, 1, 255));
             struct error error = {0};
             struct image found;
 
