@@ -163,7 +163,7 @@ static void gauss_is_exact_for_polynomials(void **state)
 // Places by angle weigh 1 / r^2 out: whatever the light's height and the stretch, the sum of weights is the integral.
 static void angles_integrate_the_inverse_square(void **state)
 {
-    static const char *const placement[] = {"placement/share.glsl", "placement/angle.glsl", NULL};
+    static const char *const placement[] = {"placement/share.glsl", "math/arc.glsl", "placement/angle.glsl", NULL};
     static const char body[] =
         "vec4 probe(int i)\n{\n"
         "    PlacementAngle way = placement_angle(vec3(inputs[i].x, inputs[i].y, 0.0), vec3(0.0, 1.0, 0.0), "
