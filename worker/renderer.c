@@ -18,19 +18,15 @@
 #include "worker/pixel_samples.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_program.h"
+#include "worker/tile_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 enum {
-    FIRST_TILE_ROWS = 32,
-    SMALLEST_TILE_ROWS = 8,
-    TILE_GRAIN_ROWS = 64, // software GL shares out its work in squares of this side
-    TILE_GROWTH_LIMIT = 8
+    IDLE_SLICE_LIMIT = 256 // in a row that no pixel of a tile was done with: five million turns of its loops
 };
-
-static const double tile_seconds = 0.35;
 
 struct renderer {
     const struct gl_context *context; // borrowed; outlives us
@@ -117,16 +113,6 @@ static bool check_gl(struct renderer *renderer, struct renderer_result *result, 
     return false;
 }
 
-static int next_tile_rows(int rows, double seconds)
-{
-    double factor = tile_seconds / (seconds > 1e-6 ? seconds : 1e-6);
-    int next = (int)(rows * (factor < TILE_GROWTH_LIMIT ? factor : TILE_GROWTH_LIMIT));
-
-    if (next > TILE_GRAIN_ROWS) next -= next % TILE_GRAIN_ROWS;
-    if (next < SMALLEST_TILE_ROWS) next = SMALLEST_TILE_ROWS;
-    return next < JOB_RESOLUTION_LIMIT ? next : JOB_RESOLUTION_LIMIT;
-}
-
 // Shaders mark a pixel whose march the driver cut with an alpha that no picture has.
 static bool find_cut(struct renderer *renderer, const float *rgba, int first_row, int row_count)
 {
@@ -172,7 +158,7 @@ static bool tile_is_cut(struct renderer *renderer, const struct tile *tile, stru
 {
     float *rgba;
 
-    if (tile->seconds <= tile_seconds) return false;
+    if (tile->seconds <= TILE_ROWS_SECONDS) return false;
     rgba = xmalloc(4 * (size_t)renderer->target.width_px * (size_t)tile->row_count * sizeof *rgba);
     gl_target_read_rows(&renderer->target, tile->row, tile->row_count, rgba);
     if (find_cut(renderer, rgba, tile->row, tile->row_count)) result->fault = RENDERER_FAULT_ENDLESS;
@@ -186,13 +172,20 @@ static bool draw_slices(struct renderer *renderer, struct tile *tile, struct rea
 {
     int64_t left = (int64_t)renderer->target.width_px * tile->row_count;
 
-    while (left > 0) {
+    for (int idle = 0; left > 0; ++idle) {
         double start = now_s();
+        int64_t done = (int64_t)gl_slices_draw(&renderer->slices);
 
-        left -= (int64_t)gl_slices_draw(&renderer->slices);
+        left -= done;
+        if (done > 0) idle = 0;
         if (!check_gl(renderer, result, error)) return false;
         tile->seconds = now_s() - start > tile->seconds ? now_s() - start : tile->seconds;
         if (tile_is_cut(renderer, tile, result)) return false;
+        if (idle == IDLE_SLICE_LIMIT) {
+            renderer->cut_pixel = (size_t)tile->row * (size_t)renderer->target.width_px;
+            result->fault = RENDERER_FAULT_ENDLESS;
+            return false;
+        }
         if (left > 0 && !on_slab(reading)) return tell_stopped(result, error);
     }
     return true;
@@ -215,7 +208,7 @@ static bool draw_tiles(struct renderer *renderer, struct kept_program *program, 
 {
     int height_px = renderer->target.height_px, pass_count = renderer->target.pass_count;
 
-    if (program->rows == 0) program->rows = FIRST_TILE_ROWS;
+    if (program->rows == 0) program->rows = TILE_ROWS_FIRST;
     for (int row = 0; row < height_px;) {
         struct tile tile = {.row = row, .row_count = program->rows < height_px - row ? program->rows : height_px - row};
 
@@ -224,7 +217,7 @@ static bool draw_tiles(struct renderer *renderer, struct kept_program *program, 
                         : draw_whole(renderer, &tile, result, error)))
             return false;
         row += tile.row_count;
-        program->rows = next_tile_rows(tile.row_count, tile.seconds);
+        program->rows = tile_rows_next(tile.row_count, tile.seconds);
         reading->done = (pass + (double)row / height_px) / pass_count;
         if (!on_slab(reading)) return tell_stopped(result, error);
     }
