@@ -72,7 +72,7 @@ static void absurd_size_is_refused(void **state)
     assert_null(image.rgba);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(not_a_number_is_named_with_channel_and_pixel),
@@ -80,5 +80,6 @@ int main(void)
         cmocka_unit_test(absurd_size_is_refused),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
