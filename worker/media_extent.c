@@ -91,11 +91,6 @@ bool media_extent_is_still(const struct scene_density *density)
             timeline_is_constant(&bounds->size));
 }
 
-bool media_extent_is_finite(const struct media_extent *extent)
-{
-    return extent->has_ball || extent->has_box;
-}
-
 static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

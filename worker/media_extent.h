@@ -20,7 +20,6 @@ struct media_extent media_extent_of(const struct job *job, const struct scene_in
                                     double time);
 // True when it is the same at all times; of a grid never, as its file may change.
 bool media_extent_is_still(const struct scene_density *density);
-bool media_extent_is_finite(const struct media_extent *extent);
 // The largest dot(p, direction) of its points; `direction` is a unit vector.
 double media_extent_reach(const struct media_extent *extent, const double direction[static 3]);
 // No point of it is nearer to `from` than `near` or farther than `far`.

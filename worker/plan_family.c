@@ -245,13 +245,6 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
     return quality;
 }
 
-int plan_family_rung_of_steps(double steps)
-{
-    double rung = ceil(2.0 * log2(fmax(steps, FIRST_STEPS) / FIRST_STEPS));
-
-    return rung < STEP_RUNGS ? (int)rung : STEP_RUNGS - 1;
-}
-
 // Those that are not there yet are known by name.
 static bool is_there(const char *key, const char *text)
 {

@@ -56,8 +56,6 @@ int plan_axis_last_rung(enum plan_axis axis, const struct plan_scene *scene);
 // A point of the family as a job's quality: what the job says of samples and tolerance stays.
 struct job_quality plan_family_quality(const struct plan_family *family, const struct plan_scene *scene,
                                        const struct plan_point *point);
-// The rung at which camera rays take about `steps` steps over the longest way.
-int plan_family_rung_of_steps(double steps);
 
 // Evaluations of density of a pixel, counted from the numbers alone; looking something up counts as a part of one.
 double plan_family_work(const struct plan_scene *scene, const struct job_quality *quality);
