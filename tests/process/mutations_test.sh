@@ -1,3 +1,0 @@
-#!/bin/bash
-# Tests notice every way in which the light could be wrong.
-exec "$PROJECT_ROOT/tests/mutations" "$PROGRAM_FOLDER/../tests"
