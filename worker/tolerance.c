@@ -251,7 +251,7 @@ static void note_shown(struct rendering *rendering)
     rendering->tolerance->shown = *rendering->result;
 }
 
-static bool miss(const struct rendering *rendering, double first_error)
+static bool miss(const struct rendering *rendering)
 {
     const struct audit_result *audit = &rendering->result->audit;
 
@@ -259,14 +259,12 @@ static bool miss(const struct rendering *rendering, double first_error)
     error_set(rendering->error,
               "quality.tolerance: expected an error of at most %g, got %.3g (with confidence below %.3g), and %.3g in "
               "longer steps before; %s",
-              rendering->params->job->quality.tolerance, audit->error, audit->error95, first_error,
+              rendering->params->job->quality.tolerance, audit->error, audit->error95, rendering->result->first_error,
               rendering->kept->plan.reason);
     return false;
 }
 
-// How much finer the second rendering is, in few classes, as the audit that it follows from is but near: of order three
-// halves, which kinks leave of two, the error comes to half the tolerance.
-static int find_finer_rungs(double error, double tolerance)
+int tolerance_find_retry_rungs(double error, double tolerance)
 {
     static const double ORDER = 1.5, GOAL = 0.5;
     static const int classes[] = {3, 5, 8};
@@ -282,22 +280,19 @@ static bool render_planned(struct rendering *rendering)
 {
     struct tolerance_result *result = rendering->result;
     struct plan finer = rendering->kept->plan;
-    double first_error;
 
     memcpy(result->reason, finer.reason, sizeof result->reason);
     if (!render_and_audit(rendering, &finer)) return false;
+    result->first_error = result->audit.error;
     if (is_within(rendering)) {
         note_shown(rendering);
         return true;
     }
-    first_error = result->audit.error;
     if (!plan_refine(&finer, rendering->params->job,
-                     find_finer_rungs(first_error, rendering->params->job->quality.tolerance)))
-        return miss(rendering, first_error);
+                     tolerance_find_retry_rungs(result->first_error, rendering->params->job->quality.tolerance)))
+        return miss(rendering);
     result->is_second = true;
-    if (!render_and_audit(rendering, &finer)) return false;
-    if (!is_within(rendering)) return miss(rendering, first_error);
-    return true;
+    return render_and_audit(rendering, &finer) && (is_within(rendering) || miss(rendering));
 }
 
 bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params *params,

@@ -32,9 +32,15 @@ struct tolerance_result {
     struct audit_result audit;     // AUDIT_NONE: the job states no tolerance
     char reason[PLAN_REASON_SIZE]; // of the plan; empty: the job says how
     bool is_second;                // the first rendering was over the tolerance
+    double first_error;            // of the audit of the first
 };
 
 // As renderer_render, whose faults it has, for a job of any method. RENDERER_FAULT_MISSED, with the numbers, when the frame is
 // over its tolerance in finer steps, too.
 bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params *params,
                       struct tolerance_result *result, struct error *error);
+
+// How much finer the second rendering is than a first one of that audited error, over the tolerance: rungs of each axis, two halving
+// a step. In few classes, as an audit is but near: of order three halves, which kinks leave of two, the error comes to half the
+// tolerance, as far as there are classes for it. Pure.
+int tolerance_find_retry_rungs(double error, double tolerance);

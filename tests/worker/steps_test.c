@@ -31,6 +31,7 @@ enum { WIDTH_PX = 16, HEIGHT_PX = 12, PIXELS = WIDTH_PX * HEIGHT_PX };
 #define EVEN                                                                                                           \
     "{ \"sigma_s\": [300, 200, 100], \"sigma_a\": 50, \"density\": { \"kind\": \"homogeneous\","                       \
     " \"bounds\": { \"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1 } } }"
+#define UNIT_BOX "\"bounds\": { \"kind\": \"box\", \"center\": [0, 0, 0], \"size\": [2, 2, 2] }"
 #define SUN "{ \"kind\": \"sun\", \"intensity\": 4, \"direction\": [-0.3, -0.4, -1] }"
 #define FURNACE "{ \"sigma_a\": 4, \"emission\": 4, " GRAINS " }"
 #define LAMP "{ \"kind\": \"point\", \"intensity\": 4, \"position\": [1.5, 1, 1] }"
@@ -125,6 +126,44 @@ static void what_is_lit_is_of_the_order_of_the_rule(void **state)
     assert_orders(&(struct scene_text){.media = LIT, .lights = LAMP});
 }
 
+// One ray straight through a box, two metres of absorption in one segment, in which what glows falls or rises in a straight
+// line: what is in front of each node is told from what is behind it. The integral of exp(-s) (1 - s / 2) over 0 to 2 is
+// (1 + exp(-2)) / 2, that of exp(-s) s / 2 is (1 - 3 exp(-2)) / 2.
+static void what_is_in_front_of_a_node_hides_it(void **state)
+{
+    static const struct {
+        const char *quality;
+        double allowed; // of orders 4, 6 and 8
+    } rules[] = {{GAUSS("2", "2"), 3e-2}, {GAUSS("3", "2"), 4e-4}, {GAUSS("4", "2"), 5e-6}};
+    static const char *const densities[] = {"0.5 + 0.5 * p.z", "0.5 - 0.5 * p.z"};
+    const double lights[] = {0.5 * (1.0 + exp(-2.0)), 0.5 * (1.0 - 3.0 * exp(-2.0))};
+
+    for (size_t i = 0; i < 6; ++i) {
+        double light = lights[i % 2], apart;
+        struct error error = {{0}};
+        struct image image;
+        struct job job;
+        char text[2048];
+
+        snprintf(text, sizeof text,
+                 "{ \"version\": 1, \"name\": \"ray\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [1, 1],"
+                 " \"camera\": { \"position\": [0, 0, 4], \"target\": [0, 0, 0], \"fov\": 20 },"
+                 " \"scene\": { \"media\": [ { \"sigma_a\": 1, \"density\": { \"kind\": \"homogeneous\", " UNIT_BOX
+                 " } },"
+                 " { \"emission\": 1, \"sigma_a\": 0, \"density\": { \"kind\": \"glsl\","
+                 " \"source\": \"float density(vec3 p, float t) { return %s; }\", " UNIT_BOX " } } ] },"
+                 " \"quality\": { %s }, \"output\": { \"path\": \"ray.####.exr\", \"pixel\": \"float\" } }",
+                 densities[i % 2], rules[i / 2].quality);
+        if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+        render_frame_zero(&job, &image);
+        apart = fabs((double)image.rgba[0] / light - 1.0);
+        print_message("%.2e of the light: %s\n", apart, rules[i / 2].quality);
+        assert_true(apart <= rules[i / 2].allowed);
+        image_finish(&image);
+        job_finish(&job);
+    }
+}
+
 // Emission in balance with absorption before a background of 1 is 1, however rough the density and long the steps.
 static void nothing_is_gained_or_lost(void **state)
 {
@@ -207,6 +246,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_glows_is_of_the_order_of_the_rule),
         cmocka_unit_test(what_is_lit_is_of_the_order_of_the_rule),
+        cmocka_unit_test(what_is_in_front_of_a_node_hides_it),
         cmocka_unit_test(nothing_is_gained_or_lost),
         cmocka_unit_test(errors_fall_with_the_square_of_the_depth),
         cmocka_unit_test(segments_are_short_where_it_is_thick),

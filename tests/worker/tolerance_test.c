@@ -218,25 +218,55 @@ static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
     close_stage(stage);
 }
 
+// Audited true in its first rendering, that is far over the tolerance, and made good by the second, which goes by how far.
 static void the_coarsest_setting_fails_the_audit(void **state)
 {
+    static const int32_t frames[] = {3, 45};
     struct stage stage = open_stage(NULL);
-    struct job job = cloud_job(0.01);
-    struct image image = make_image(&job);
-    struct tolerance_result result;
-    struct error error = {{0}};
+    struct job job = cloud_job(0.01), coarsest = job;
+    struct plan plan = make_plan(stage, &job, PLAN_CHOICE_COARSEST), second = plan;
 
-    // What it is off says how much finer it is to be.
-    if (!tolerance_render(stage.tolerance,
-                          &(struct tolerance_params){
-                              .job = &job, .serial = 1, .frame = 3, .image = &image, .choice = PLAN_CHOICE_COARSEST},
-                          &result, &error))
-        fail_msg("%s", error.message);
-    assert_true(result.is_second && result.audit.error <= 0.01);
-    assert_true(true_error_measure(&job, 3, &image) <= 0.01);
-    image_finish(&image);
+    coarsest.quality = plan.quality;
+    for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
+        struct image image = make_image(&job);
+        struct tolerance_params params = {
+            .job = &job, .serial = 1, .frame = frames[i], .image = &image, .choice = PLAN_CHOICE_COARSEST};
+        struct tolerance_result result;
+        struct renderer_result rendered;
+        struct error error = {{0}};
+        double truly;
+
+        if (!tolerance_render(stage.tolerance, &params, &result, &error)) fail_msg("%s", error.message);
+        assert_true(result.is_second && result.audit.error <= 0.01);
+        assert_true(true_error_measure(&job, frames[i], &image) <= 0.01);
+        assert_true(renderer_render(stage.renderer, &coarsest, frames[i], &image, NULL, NULL, &rendered, NULL));
+        truly = true_error_measure(&job, frames[i], &image);
+        print_message("frame %d: truly %.2e, audited %.2e\n", (int)frames[i], truly, result.first_error);
+        assert_true(truly > 2.0 * 0.01 && result.first_error > 2.0 * 0.01);
+        // A pool's pixels are those of other frames, too.
+        assert_true(result.first_error < 4.0 * truly && truly < 4.0 * result.first_error);
+        second = plan;
+        plan_refine(&second, &job, tolerance_find_retry_rungs(result.first_error, 0.01));
+        assert_memory_equal(&result.quality, &second.quality, sizeof result.quality);
+        image_finish(&image);
+    }
     job_finish(&job);
     close_stage(stage);
+}
+
+// Of an error that falls as the steps to the power of three halves half the tolerance is left, and no more steps are taken than
+// the next class has.
+static void what_is_further_off_is_rendered_finer(void **state)
+{
+    for (double over = 1.001; over <= 64.0; over *= 1.1) {
+        int rungs = tolerance_find_retry_rungs(0.01 * over, 0.01);
+        double left = over * exp2(-0.75 * rungs);
+
+        assert_true(left <= (over <= 32.0 ? 0.5 : 1.0));
+        assert_true(left >= 0.1); // 2.25 powers of 2 below the half: the widest class
+    }
+    assert_int_equal(tolerance_find_retry_rungs(INFINITY, 0.01), tolerance_find_retry_rungs(1.0, 0.01));
+    assert_int_equal(tolerance_find_retry_rungs(NAN, 0.01), tolerance_find_retry_rungs(1.0, 0.01));
 }
 
 // A shader whose phase function scatters backwards what goes forwards.
@@ -379,6 +409,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(equal_renderers_make_equal_frames),
         cmocka_unit_test(a_plan_is_as_cheap_as_halving_and_the_finest_is_not),
         cmocka_unit_test(the_coarsest_setting_fails_the_audit),
+        cmocka_unit_test(what_is_further_off_is_rendered_finer),
         cmocka_unit_test_setup_teardown(a_broken_frame_is_rendered_again_and_given_up, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test(equal_frames_are_copied_with_their_audit),
