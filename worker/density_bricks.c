@@ -60,6 +60,9 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
                            (struct frame_value){.type = values[i].type,
                                                 .is_constant = !input->is_sequence && is_still,
                                                 .evaluate = values[i].evaluate,
+                                                .evaluate_linear = values[i].evaluate == evaluate_shift
+                                                                       ? grid_look_evaluate_to_voxels
+                                                                       : NULL,
                                                 .source = input,
                                                 .min = value_range_any.min,
                                                 .max = value_range_any.max,

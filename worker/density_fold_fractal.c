@@ -1,4 +1,5 @@
 #include "worker/density_kind.h"
+#include "worker/scene_anchor.h"
 #include "worker/timeline_value.h"
 
 #include <math.h>
@@ -91,6 +92,7 @@ static const char *const *modules(const struct density_site *site)
 static void write(FILE *out, const struct density_site *site)
 {
     static const char *const members[] = {"rotation", "offset", "radius", "exponent", "scale"};
+    bool is_anchored = scene_anchor_is_used(site->job);
     size_t i = site->medium;
 
     fprintf(out, "DensityFoldFractal medium_%zu_fold_fractal()\n{\n    return DensityFoldFractal(%d", i,
@@ -98,11 +100,11 @@ static void write(FILE *out, const struct density_site *site)
     for (size_t k = 0; k < sizeof members / sizeof *members; ++k)
         fprintf(out, ", medium_%zu_%s", i, members[k]);
     fprintf(out, ");\n}\nvec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n", i);
-    fprintf(out,
-            "    return region_sphere_span(RegionSphere(vec3(0.0), medium_%zu_support_radius), origin, direction);\n",
-            i);
+    fprintf(out, "    return region_sphere_span(RegionSphere(%s, medium_%zu_support_radius), origin, direction);\n",
+            is_anchored ? "-scene_anchor" : "vec3(0.0)", i);
     fprintf(out, "}\nfloat medium_%zu_field(vec3 p)\n{\n", i);
-    fprintf(out, "    return density_fold_fractal_distance(medium_%zu_fold_fractal(), p);\n", i);
+    fprintf(out, "    return density_fold_fractal_distance(medium_%zu_fold_fractal(), p%s);\n", i,
+            is_anchored ? " + scene_anchor" : "");
     fprintf(out, "}\nfloat medium_%zu_density(float field)\n{\n", i);
     fprintf(out, "    return density_fold_fractal_at(medium_%zu_fold_fractal(), field);\n", i);
     fprintf(out, "}\nfloat medium_%zu_distance(float field)\n{\n    return field;\n}\n", i);
@@ -113,6 +115,7 @@ const struct density_kind density_kind_fold_fractal = {
     .field_type = "float",
     .has_support = true,
     .is_zero_outside = true,
+    .takes_anchor = true,
     .is_zero = is_zero,
     .add_values = add_values,
     .modules = modules,

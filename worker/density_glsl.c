@@ -4,6 +4,7 @@
 #include "worker/density_kind.h"
 #include "worker/glsl_names.h"
 #include "worker/glsl_scanner.h"
+#include "worker/scene_anchor.h"
 #include "worker/scene_bounds.h"
 #include "worker/scene_values.h"
 #include "worker/timeline_value.h"
@@ -185,7 +186,8 @@ static void write(FILE *out, const struct density_site *site)
                 "float medium_%zu_field(vec3 p)\n{\n    return medium_%zu_baked(p - medium_%zu_bounds_center);\n}\n", i,
                 i, i);
     } else {
-        fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    return medium_%zu_own_density(p, time_s);\n}\n", i, i);
+        fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    return medium_%zu_own_density(p%s, time_s);\n}\n", i, i,
+                scene_anchor_is_used(site->job) ? " + scene_anchor" : "");
     }
     fprintf(out, "float medium_%zu_density(float field)\n{\n", i);
     fprintf(out, "    return density_own_at(medium_%zu_settings(), field);\n}\n", i);
@@ -208,8 +210,7 @@ static void add_baked_values(struct frame_uniforms *uniforms, const struct densi
 {
     const struct scene_density *density = &site->source->density;
 
-    frame_uniforms_add(uniforms,
-                       timeline_value(&density->bounds.center, FRAME_VALUE_VEC3, value_range_any, "bounds.center"),
+    frame_uniforms_add(uniforms, timeline_value_place(&density->bounds.center, "bounds.center"),
                        "medium_%zu_bounds_center", site->medium);
     if (uses_time(&density->glsl)) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
 }
@@ -228,6 +229,7 @@ const struct density_kind density_kind_glsl = {
     .name = "glsl",
     .field_type = "float",
     .takes_time = true,
+    .takes_anchor = true,
     .is_zero = is_zero,
     .add_values = add_values,
     .modules = modules,

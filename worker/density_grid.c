@@ -65,6 +65,7 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
             (struct frame_value){.type = values[i].type,
                                  .is_constant = !input->is_sequence && (is_still || !values[i].is_placed),
                                  .evaluate = values[i].evaluate,
+                                 .evaluate_linear = values[i].is_placed ? grid_look_evaluate_to_voxels : NULL,
                                  .source = input,
                                  .min = value_range_any.min,
                                  .max = value_range_any.max,

@@ -37,6 +37,7 @@ struct density_kind {
     bool has_support;       // `write` emits medium_I_support
     bool is_zero_outside;   // the field itself makes density 0 outside the support
     bool takes_time;        // `write` uses time_s, the frame's time
+    bool takes_anchor;      // and, where scene_anchor_is_used, scene_anchor: what to add to a place for the world's
     bool takes_direction;   // medium_I_field has a second parameter, the unit direction of the ray it is asked along
     // True when there is none at any time: the medium then costs nothing.
     bool (*is_zero)(const struct scene_density *density);

@@ -1,6 +1,7 @@
 #include "core/job.h"
 #include "worker/density_bake.h"
 #include "worker/density_kind.h"
+#include "worker/scene_anchor.h"
 #include "worker/timeline_value.h"
 
 #include <float.h>
@@ -29,9 +30,11 @@ static bool is_centered(const struct scene_density *density)
     return density->bounds.kind == SCENE_BOUNDS_NONE || timeline_value_is_zero(&density->bounds.center);
 }
 
-static bool is_shifted(const struct scene_density *density)
+static bool is_shifted(const struct density_site *site)
 {
-    return !is_centered(density) || !timeline_value_is_zero(&density->noise.offset);
+    const struct scene_density *density = &site->source->density;
+
+    return !is_centered(density) || !timeline_value_is_zero(&density->noise.offset) || scene_anchor_is_used(site->job);
 }
 
 // R, column-major; Rodrigues' formula.
@@ -66,18 +69,26 @@ static void evaluate_turn(const void *source, double time, double value[static 9
         value[i] *= frequency[0];
 }
 
+// The same, of noise that may not be turned.
+static void evaluate_linear(const void *source, double time, double value[static 9])
+{
+    const struct scene_density *density = source;
+
+    if (is_turned(&density->noise)) {
+        evaluate_turn(&density->noise, time, value);
+        return;
+    }
+    timeline_value_evaluate(&density->noise.frequency, time, value);
+    value[4] = value[8] = value[0];
+    value[1] = value[2] = 0;
+}
+
 static void evaluate_shift(const void *source, double time, double value[static 9])
 {
     const struct scene_density *density = source;
     double turn[9] = {0}, center[9] = {0}, offset[9] = {0};
 
-    if (is_turned(&density->noise)) {
-        evaluate_turn(&density->noise, time, turn);
-    } else {
-        timeline_value_evaluate(&density->noise.frequency, time, turn);
-        turn[4] = turn[8] = turn[0];
-        turn[1] = turn[2] = 0;
-    }
+    evaluate_linear(density, time, turn);
     if (density->bounds.kind != SCENE_BOUNDS_NONE) timeline_value_evaluate(&density->bounds.center, time, center);
     timeline_value_evaluate(&density->noise.offset, time, offset);
     for (int row = 0; row < 3; ++row)
@@ -103,12 +114,15 @@ static void evaluate_exponent(const void *source, double time, double value[stat
     value[0] = (1 - bias[0]) / (1 + bias[0]);
 }
 
-static void add_place(struct frame_uniforms *uniforms, const struct scene_density *density, size_t i)
+static void add_place(struct frame_uniforms *uniforms, const struct density_site *site)
 {
+    const struct scene_density *density = &site->source->density;
+    size_t i = site->medium;
     const struct scene_noise *noise = &density->noise;
     bool turn_is_fixed = timeline_is_constant(&noise->frequency) && rotation_is_fixed(noise);
     bool shift_is_fixed = timeline_is_constant(&noise->offset) &&
-                          (is_centered(density) || (turn_is_fixed && timeline_is_constant(&density->bounds.center)));
+                          ((is_centered(density) && !scene_anchor_is_used(site->job)) ||
+                           (turn_is_fixed && (is_centered(density) || timeline_is_constant(&density->bounds.center))));
 
     if (is_turned(noise))
         frame_uniforms_add(uniforms,
@@ -124,11 +138,12 @@ static void add_place(struct frame_uniforms *uniforms, const struct scene_densit
         frame_uniforms_add(
             uniforms, timeline_value(&noise->frequency, FRAME_VALUE_FLOAT, value_range_positive, "density.frequency"),
             "medium_%zu_frequency", i);
-    if (is_shifted(density))
+    if (is_shifted(site))
         frame_uniforms_add(uniforms,
                            (struct frame_value){.type = FRAME_VALUE_VEC3,
                                                 .is_constant = shift_is_fixed,
                                                 .evaluate = evaluate_shift,
+                                                .evaluate_linear = evaluate_linear,
                                                 .source = density,
                                                 .min = value_range_any.min,
                                                 .max = value_range_any.max,
@@ -223,7 +238,7 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
     const struct scene_noise *noise = &density->noise;
     int baked = count_baked(site);
 
-    add_place(uniforms, density, site->medium);
+    add_place(uniforms, site);
     if (baked > 0) add_lattice(uniforms, site, is_turned(noise));
     if (noise->octaves > 1 && baked < noise->octaves) add_octaves(uniforms, noise, site->medium);
     if (!timeline_value_is_zero(&noise->bias))
@@ -317,7 +332,7 @@ static void write_field(FILE *out, const struct density_site *site)
     if (baked > 0) density_bake_write_look(out, site);
     fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    vec3 q = medium_%zu_%s * p", i, i,
             is_turned(noise) ? "turn" : "frequency");
-    if (is_shifted(density)) fprintf(out, " + medium_%zu_shift", i);
+    if (is_shifted(site)) fprintf(out, " + medium_%zu_shift", i);
     fputs(";\n", out);
     if (baked > 0)
         fprintf(out, "    float sum = medium_%zu_baked((q - medium_%zu_offset) / medium_%zu_frequency);\n", i, i, i);

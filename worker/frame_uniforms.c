@@ -2,6 +2,7 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
+#include "worker/scene_anchor.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -24,6 +25,11 @@ static size_t round_up(size_t bytes, size_t alignment)
     return (bytes + alignment - 1) & ~(alignment - 1);
 }
 
+static bool is_told_from(const struct frame_value *value)
+{
+    return value->is_place || value->evaluate_linear;
+}
+
 void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value value, const char *name_format, ...)
 {
     struct frame_value *added;
@@ -35,13 +41,29 @@ void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value valu
     uniforms->values = xgrow(uniforms->values, &uniforms->capacity, uniforms->count + 1, sizeof *uniforms->values);
     added = &uniforms->values[uniforms->count++];
     *added = value;
+    added->is_constant &= !is_told_from(added) || !uniforms->anchored || !scene_anchor_moves(uniforms->anchored);
     if (added->is_constant) return;
     added->offset_bytes = round_up(uniforms->end_bytes, alignments[added->type]);
     uniforms->end_bytes = added->offset_bytes + sizes_bytes[added->type];
     uniforms->size_bytes = round_up(uniforms->end_bytes, 16);
 }
 
-static void evaluate(const struct frame_value *value, const struct frame_moment *moment, double components[static 9])
+// A (p + anchor) + shift = A p + (A anchor + shift).
+static void tell_from_anchor(const struct frame_value *value, const struct job *job, double time,
+                             double components[static 9])
+{
+    double anchor[3], linear[9] = {0};
+
+    scene_anchor_find(job, time, anchor);
+    if (value->evaluate_linear) value->evaluate_linear(value->source, time, linear);
+    for (int row = 0; row < 3; ++row)
+        components[row] += value->is_place
+                               ? -anchor[row]
+                               : linear[row] * anchor[0] + linear[3 + row] * anchor[1] + linear[6 + row] * anchor[2];
+}
+
+static void evaluate(const struct frame_uniforms *uniforms, const struct frame_value *value,
+                     const struct frame_moment *moment, double components[static 9])
 {
     switch (value->origin) {
     case FRAME_VALUE_OF_TIME:
@@ -55,6 +77,8 @@ static void evaluate(const struct frame_value *value, const struct frame_moment 
         components[0] = moment->sample_index;
         break;
     }
+    if (uniforms->anchored && is_told_from(value))
+        tell_from_anchor(value, uniforms->anchored, moment->time, components);
 }
 
 // Nine digits read back as the same float, so that a constant and a uniform give the same picture.
@@ -66,12 +90,12 @@ static void write_float(FILE *out, double value)
     fprintf(out, "%s%s", text, strpbrk(text, ".e") ? "" : ".0");
 }
 
-static void write_literal(FILE *out, const struct frame_value *value)
+static void write_literal(FILE *out, const struct frame_uniforms *uniforms, const struct frame_value *value)
 {
     double components[9] = {0};
     int count = component_counts[value->type];
 
-    evaluate(value, &(struct frame_moment){0}, components);
+    evaluate(uniforms, value, &(struct frame_moment){0}, components);
     if (count > 1) fprintf(out, "%s(", type_names[value->type]);
     for (int i = 0; i < count; ++i) {
         if (i > 0) fputs(", ", out);
@@ -100,7 +124,7 @@ void frame_uniforms_declare(const struct frame_uniforms *uniforms, FILE *out)
 
         if (!value->is_constant) continue;
         fprintf(out, "const %s %s = ", type_names[value->type], value->name);
-        write_literal(out, value);
+        write_literal(out, uniforms, value);
         fputs(";\n", out);
     }
     if (uniforms->size_bytes == 0) return;
@@ -131,7 +155,7 @@ bool frame_uniforms_pack(const struct frame_uniforms *uniforms, const struct fra
         double components[9] = {0};
 
         if (value->is_constant) continue;
-        evaluate(value, moment, components);
+        evaluate(uniforms, value, moment, components);
         for (int k = 0; k < component_counts[value->type]; ++k)
             if (!(components[k] >= value->min && components[k] <= value->max)) {
                 error_set(error, "%s (%s): expected a number in [%g, %g], got %g at t = %g s", value->meaning,

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 struct error;
+struct job;
 
 enum frame_value_type {
     FRAME_VALUE_FLOAT,
@@ -38,14 +39,17 @@ struct frame_value {
     enum frame_value_origin origin;
     bool is_constant; // of time 0, or seed and index 0
     frame_value_evaluate *evaluate;
-    const void *source;  // borrowed from the job, which outlives us
-    double min, max;     // what a component may be at any time
-    const char *meaning; // the place in the job, for messages; borrowed, static
-    size_t offset_bytes; // of what moves, in the std140 block
+    bool is_place;                         // in the world, m: the shader has it from the anchor on
+    frame_value_evaluate *evaluate_linear; // of a shift: the matrix that goes with it, which takes places; else NULL
+    const void *source;                    // borrowed from the job, which outlives us
+    double min, max;                       // what a component may be at any time
+    const char *meaning;                   // the place in the job, for messages; borrowed, static
+    size_t offset_bytes;                   // of what moves, in the std140 block
 };
 
 // The zero value is empty.
 struct frame_uniforms {
+    const struct job *anchored; // borrowed; places are told from its anchor (scene_anchor.h); NULL: from the origin
     struct frame_value *values; // owned
     size_t count, capacity;
     size_t size_bytes; // of the block, a multiple of 16; 0 when nothing moves

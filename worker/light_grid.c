@@ -297,6 +297,7 @@ void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_g
                                (struct frame_value){.type = values[i].type,
                                                     .is_constant = grid->is_still,
                                                     .evaluate = values[i].evaluate,
+                                                    .is_place = values[i].evaluate == evaluate_center,
                                                     .source = grid,
                                                     .min = value_range_any.min,
                                                     .max = value_range_any.max,

@@ -53,8 +53,8 @@ static void add_slab(struct frame_uniforms *uniforms, const struct scene_bounds 
 void scene_bounds_add_values(struct frame_uniforms *uniforms, const struct scene_bounds *bounds, size_t medium)
 {
     if (bounds->kind == SCENE_BOUNDS_NONE) return;
-    frame_uniforms_add(uniforms, timeline_value(&bounds->center, FRAME_VALUE_VEC3, value_range_any, "bounds.center"),
-                       "medium_%zu_bounds_center", medium);
+    frame_uniforms_add(uniforms, timeline_value_place(&bounds->center, "bounds.center"), "medium_%zu_bounds_center",
+                       medium);
     if (bounds->kind == SCENE_BOUNDS_SPHERE)
         frame_uniforms_add(
             uniforms, timeline_value(&bounds->radius, FRAME_VALUE_FLOAT, value_range_not_negative, "bounds.radius"),

@@ -4,6 +4,7 @@
 #include "worker/camera_view.h"
 #include "worker/density_kind.h"
 #include "worker/object_values.h"
+#include "worker/scene_anchor.h"
 #include "worker/scene_bounds.h"
 #include "worker/scene_features.h"
 #include "worker/scene_inputs.h"
@@ -112,6 +113,7 @@ static void add_camera(struct frame_uniforms *uniforms, const struct job *job)
                            (struct frame_value){.type = FRAME_VALUE_VEC3,
                                                 .is_constant = i == 0 ? position_is_fixed : view_is_fixed,
                                                 .evaluate = values[i].evaluate,
+                                                .is_place = i == 0,
                                                 .source = job,
                                                 .min = value_range_any.min,
                                                 .max = value_range_any.max,
@@ -184,9 +186,8 @@ static void add_light(struct frame_uniforms *uniforms, const struct scene_light 
         direction.evaluate = evaluate_toward_sun;
         frame_uniforms_add(uniforms, direction, "light_%zu_direction", index);
     } else {
-        frame_uniforms_add(uniforms,
-                           timeline_value(&light->position, FRAME_VALUE_VEC3, value_range_any, "lights.position"),
-                           "light_%zu_position", index);
+        frame_uniforms_add(uniforms, timeline_value_place(&light->position, "lights.position"), "light_%zu_position",
+                           index);
     }
 }
 
@@ -238,6 +239,30 @@ static void add_steps(struct frame_uniforms *uniforms, const struct job *job, co
         add_number(uniforms, job, &quality->min_transmittance, "quality_min_transmittance");
 }
 
+static void evaluate_anchor(const void *source, double time, double value[static 9])
+{
+    scene_anchor_find(source, time, value);
+}
+
+// For densities that are told from the world's origin.
+static void add_anchor(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
+{
+    bool is_taken = false;
+
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        is_taken |= features->media[i].is_seen && density_kind_of(&job->scene.media[i].density)->takes_anchor;
+    if (!is_taken || !scene_anchor_is_used(job)) return;
+    frame_uniforms_add(uniforms,
+                       (struct frame_value){.type = FRAME_VALUE_VEC3,
+                                            .is_constant = !scene_anchor_moves(job),
+                                            .evaluate = evaluate_anchor,
+                                            .source = job,
+                                            .min = value_range_any.min,
+                                            .max = value_range_any.max,
+                                            .meaning = "camera.position"},
+                       "scene_anchor");
+}
+
 struct frame_value scene_values_time(void)
 {
     return (struct frame_value){.type = FRAME_VALUE_FLOAT,
@@ -250,7 +275,9 @@ struct frame_value scene_values_time(void)
 void scene_values_add_places(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
                              const struct scene_features *features)
 {
+    uniforms->anchored = job;
     if (features->takes_time) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
+    add_anchor(uniforms, job, features);
     for (size_t i = 0; i < job->scene.medium_count; ++i)
         if (features->media[i].is_seen)
             add_place(uniforms, &(struct density_site){
@@ -259,10 +286,8 @@ void scene_values_add_places(struct frame_uniforms *uniforms, const struct job *
 
 void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light)
 {
-    frame_uniforms_add(
-        uniforms,
-        timeline_value(&job->scene.lights[light].position, FRAME_VALUE_VEC3, value_range_any, "lights.position"),
-        "light_%zu_position", light);
+    frame_uniforms_add(uniforms, timeline_value_place(&job->scene.lights[light].position, "lights.position"),
+                       "light_%zu_position", light);
 }
 
 void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
@@ -271,8 +296,10 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
     enum frame_value_type spectrum = features->is_rgb ? FRAME_VALUE_VEC3 : FRAME_VALUE_FLOAT;
     const struct scene *scene = &job->scene;
 
+    uniforms->anchored = job;
     if (features->has_media || features->has_objects) add_camera(uniforms, job);
     if (features->takes_time) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
+    add_anchor(uniforms, job, features);
     for (size_t i = 0; i < scene->medium_count; ++i) {
         const struct scene_medium *medium = &scene->media[i];
 

@@ -10,7 +10,7 @@ struct scene_features;
 struct scene_inputs;
 
 // Adds, for what is seen: camera_position, _corner, _across, _down; background; time_s; what each density's kind and bounds
-// add; what object_values_add adds; medium_I_sigma_s, _sigma_t, _emission, _lobe_J_g, _lobe_J_weight; light_I_intensity, _position, _direction (towards
+// add; scene_anchor where some density takes it; what object_values_add adds; medium_I_sigma_s, _sigma_t, _emission, _lobe_J_g, _lobe_J_weight; light_I_intensity, _position, _direction (towards
 // the sun). `job` and `inputs` (as for scene_program_init) outlive `uniforms`.
 void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
                       const struct scene_features *features);

@@ -39,6 +39,14 @@ struct frame_value timeline_value(const struct timeline *timeline, enum frame_va
                                 .meaning = meaning};
 }
 
+struct frame_value timeline_value_place(const struct timeline *timeline, const char *meaning)
+{
+    struct frame_value value = timeline_value(timeline, FRAME_VALUE_VEC3, value_range_any, meaning);
+
+    value.is_place = true;
+    return value;
+}
+
 bool timeline_value_is_zero(const struct timeline *timeline)
 {
     double value[3] = {0};

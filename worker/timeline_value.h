@@ -16,6 +16,8 @@ extern const struct value_range value_range_any, value_range_not_negative, value
 // `timeline` and `meaning` outlive the value.
 struct frame_value timeline_value(const struct timeline *timeline, enum frame_value_type type, struct value_range range,
                                   const char *meaning);
+// The same of a place in the world, m.
+struct frame_value timeline_value_place(const struct timeline *timeline, const char *meaning);
 // What such a value is: `source` is the timeline; a single number fills three components.
 void timeline_value_evaluate(const void *source, double time, double value[static 9]);
 // The vector's way only; a null vector gives NaN, which packing refuses.

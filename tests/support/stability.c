@@ -32,7 +32,7 @@ const struct stability_sweep stability_sweeps[] = {
     {"distance of a light from the camera, m", "camera", {1, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 0}, 7},
     {"distance of a light from the medium, m", "far", {1, 10, 100, 1e3, 1e4, 1e5, 1e6}, 7},
     {"thickness of a shell over the step, of optical depth 1 throughout", "shell", {10, 2, 1, 0.5, 0.1, 1e-2, 1e-3}, 7},
-    {"distance of everything from the origin, m", "origin", {0, 10, 100, 1e3, 1e4, 1e5, 1e6}, 7},
+    {"distance of everything from the origin, m", "origin", {0, 100, 1e3, 1e4, 1e5, 1e6, 1e8}, 7},
     {"irradiance of the light", "bright", {1, 1e3, 1e4, 1e5, 1e6, 1e9, 1e12}, 7},
 };
 const size_t stability_sweep_count = sizeof stability_sweeps / sizeof *stability_sweeps;
