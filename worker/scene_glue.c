@@ -52,7 +52,7 @@ void scene_glue_write_reach(FILE *out, const struct job *job, const struct scene
     for (size_t i = 0; i < scene->light_count; ++i)
         if (program->features.light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]))
             fprintf(out, "    away = min(away, distance(point, light_%zu_position));\n", i);
-    fputs("    return clamp(0.3 * away, step / 256.0, step);\n}\n", out);
+    fputs("    return clamp(LIGHT_POINT_REACH * away, step / 1024.0, step);\n}\n", out);
 }
 
 void scene_glue_write_lights(FILE *out, const struct job *job, const struct scene_program *program)

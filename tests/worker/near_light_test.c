@@ -36,8 +36,8 @@ static void a_ray_that_passes_a_lamp_shows_its_light(void **state)
     const struct true_light near = compare("0.005, 0.001, 0.013", 96, 0.1);
     const struct true_light nearer = compare("0.0005, 0, 0.013", 96, 0.1);
 
-    assert_true(near.radiance.relative_rmse < 1.5e-2);
-    assert_true(nearer.radiance.relative_rmse < 1.5e-2);
+    assert_true(near.radiance.relative_rmse < 1.3e-3);
+    assert_true(nearer.radiance.relative_rmse < 1.3e-3);
 }
 
 int main(int argc, char **argv)
