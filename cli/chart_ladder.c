@@ -115,18 +115,20 @@ static const struct series {
     write_function *write;
     // NEEDS_CLIP: it knows no objects either; HAS_SAMPLES: its ladder is one of samples.
     enum { PLAIN, NEEDS_CLIP, HAS_SAMPLES } kind;
+    const char
+        *plainer; // the series that it is the same as, rung by rung, where its own way has nothing to do; NULL: none
 } all_series[] = {
-    {"riemann", "riemann", write_riemann, NEEDS_CLIP},
-    {"midpoint", "midpoint", write_steps, PLAIN},
-    {"jittered", "jittered", write_steps, PLAIN},
-    {"equiangular", "equiangular", write_points, PLAIN},
-    {"adaptive", "adaptive", write_adaptive, PLAIN},
-    {"gauss 2", "gauss", write_gauss_2, PLAIN},
-    {"gauss 4", "gauss", write_gauss_4, PLAIN},
-    {"cached", "cached", write_cached, PLAIN},
-    {"cached baked", "cached", write_baked, PLAIN},
-    {"preintegrated", "preintegrated", write_steps, PLAIN},
-    {"tracking", "tracking", write_tracking, HAS_SAMPLES},
+    {"riemann", "riemann", write_riemann, NEEDS_CLIP, NULL},
+    {"midpoint", "midpoint", write_steps, PLAIN, NULL},
+    {"jittered", "jittered", write_steps, PLAIN, NULL},
+    {"equiangular", "equiangular", write_points, PLAIN, NULL},
+    {"adaptive", "adaptive", write_adaptive, PLAIN, NULL},
+    {"gauss 2", "gauss", write_gauss_2, PLAIN, NULL},
+    {"gauss 4", "gauss", write_gauss_4, PLAIN, NULL},
+    {"cached", "cached", write_cached, PLAIN, NULL},
+    {"cached baked", "cached", write_baked, PLAIN, "cached"},
+    {"preintegrated", "preintegrated", write_steps, PLAIN, "midpoint"},
+    {"tracking", "tracking", write_tracking, HAS_SAMPLES, NULL},
 };
 
 enum { SERIES_COUNT = sizeof all_series / sizeof *all_series };
@@ -149,6 +151,13 @@ const char *chart_ladder_method(size_t series)
 bool chart_ladder_needs_clip(size_t series)
 {
     return all_series[series].kind == NEEDS_CLIP;
+}
+
+int chart_ladder_plainer(size_t series)
+{
+    for (size_t i = 0; all_series[series].plainer && i < SERIES_COUNT; i++)
+        if (strcmp(all_series[i].name, all_series[series].plainer) == 0) return (int)i;
+    return -1;
 }
 
 // What is the same on all rungs, from `first` to `end` of these.

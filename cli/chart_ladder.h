@@ -29,6 +29,8 @@ const char *chart_ladder_name(size_t series);
 const char *chart_ladder_method(size_t series);
 // True when it needs camera.clip.
 bool chart_ladder_needs_clip(size_t series);
+// The series of which this one's rungs are pictures over again where what it does otherwise is not there to do; -1: none.
+int chart_ladder_plainer(size_t series);
 // The quality of a rung as JSON, owned by the caller. `quality` is the job's own, or absent: what it says of samples and paths
 // is kept.
 char *chart_ladder_quality(size_t series, int rung, const struct chart_scale *scale, const struct json_node *quality);

@@ -251,6 +251,23 @@ enum exit_status chart_query_point(struct chart_query *query, const char *docume
     return status;
 }
 
+enum exit_status chart_query_program(struct chart_query *query, const char *document, char hash[static HASH_TEXT_SIZE],
+                                     struct error *error)
+{
+    struct json_writer params = {0};
+    enum exit_status status;
+    struct message reply;
+
+    begin(&params, query, document);
+    json_write_end_object(&params);
+    status = ask(query, "worker.explain", &params, &reply, error);
+    json_writer_finish(&params);
+    if (status != EXIT_STATUS_DONE) return status;
+    copy_text(&reply, "shader_hash", hash, HASH_TEXT_SIZE);
+    message_finish(&reply);
+    return status;
+}
+
 static bool read_plan(const struct message *reply, char **quality, struct error *error)
 {
     struct json_node plans = json_node_child(&reply->body, "plans"), plan = json_node_element(&plans, 0);

@@ -54,6 +54,10 @@ enum exit_status chart_query_point(struct chart_query *query, const char *docume
                                    const struct chart_truth_facts *facts, int samples, double limit_s,
                                    struct chart_point *point, struct error *reason);
 
+// The hash of the program that renders a setting.
+enum exit_status chart_query_program(struct chart_query *query, const char *document, char hash[static HASH_TEXT_SIZE],
+                                     struct error *error);
+
 // What the planner chooses for a frame of the job by itself; `quality` is owned by the caller.
 enum exit_status chart_query_plan(struct chart_query *query, const char *document, char **quality, struct error *error);
 

@@ -157,12 +157,34 @@ static enum exit_status measure_point(struct session *session, struct chart_poin
     return keep(session, &point, error) ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;
 }
 
+// True when rungs of the series render by the very programs of the plainer one: they would be its line once more.
+static bool is_same_as(struct session *session, size_t series, size_t plainer, int rung)
+{
+    const size_t both[] = {series, plainer};
+    char hashes[2][HASH_TEXT_SIZE] = {"", ""};
+
+    for (int i = 0; i < 2; i++) {
+        char *quality = rung_quality(session, both[i], rung),
+             *document = make_document(session, both[i], quality, NULL);
+
+        free(quality);
+        if (document) (void)chart_query_program(&session->query, document, hashes[i], NULL);
+        free(document);
+    }
+    return hashes[0][0] && strcmp(hashes[0], hashes[1]) == 0;
+}
+
 static enum exit_status measure_rung(struct session *session, size_t series, int rung, struct error *error)
 {
     struct chart_point point = {.rung = rung, .quality = rung_quality(session, series, rung)};
+    int plainer = chart_ladder_plainer(series);
     struct error reason = {{0}};
-    char *document = make_document(session, series, point.quality, &reason);
+    char *document = NULL;
 
+    if (plainer >= 0 && is_same_as(session, series, (size_t)plainer, rung))
+        error_set(&reason, "here it is the same program as %s", chart_ladder_name((size_t)plainer));
+    else
+        document = make_document(session, series, point.quality, &reason);
     snprintf(point.series, sizeof point.series, "%s", chart_ladder_name(series));
     return measure_point(session, point, document, &reason, error);
 }

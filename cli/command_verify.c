@@ -14,6 +14,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -121,6 +122,20 @@ static enum exit_status verify_frames(const struct options *options, const struc
     return status;
 }
 
+// What is no text is no job; pictures begin so.
+static bool check_is_text(const char *path, struct error *error)
+{
+    static const unsigned char magic[] = {0x76, 0x2f, 0x31, 0x01};
+    unsigned char first[sizeof magic] = {0};
+    FILE *file = fopen(path, "re");
+    size_t count = file ? fread(first, 1, sizeof first, file) : 0;
+
+    if (file) fclose(file);
+    if (count < sizeof magic || memcmp(first, magic, sizeof magic) != 0) return true;
+    error_set(error, "%s: expected a folder of EXR files or a job file, got an EXR file", path);
+    return false;
+}
+
 static enum exit_status verify_job(const struct options *options, const char *path, struct error *error)
 {
     char *document = job_document_load(path, options->sets, options->set_count, error);
@@ -151,5 +166,7 @@ enum exit_status command_verify(const struct options *options, struct error *err
         return EXIT_STATUS_USAGE;
     }
     if (stat(operand, &entry) == 0 && S_ISDIR(entry.st_mode)) return verify_folder(options, operand, error);
+    if (stat(operand, &entry) == 0 && S_ISREG(entry.st_mode) && !check_is_text(operand, error))
+        return EXIT_STATUS_USAGE;
     return verify_job(options, operand, error);
 }

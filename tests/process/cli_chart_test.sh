@@ -34,6 +34,12 @@ awk -v coarse="$(error_of midpoint,1)" -v fine="$(error_of midpoint,3)" -v plain
     'BEGIN { exit !(fine > 0 && fine < coarse / 4 && plain > fine && coarse < 1) }' ||
     fail "errors: midpoint $(error_of midpoint,1), $(error_of midpoint,3), riemann $(error_of riemann,2)"
 
+# What would be the same line once more is left out, and told why.
+expect 0 chart "$jobs/cloud.json" --frame 48 --out same --methods preintegrated:2,"cached baked:2","cached:2"
+grep -q ',preintegrated,2,.*,refused,.*here it is the same program as midpoint' same/cloud.csv || fail "preintegrated"
+grep -q ',cached baked,2,.*,refused,.*here it is the same program as cached' same/cloud.csv || fail "cached baked"
+grep -q ',cached,2,.*,measured,' same/cloud.csv || fail "cached itself"
+
 # What the planner chooses for the job's tolerance is a point and a star.
 expect 0 chart "$jobs/cloud.json" --frame 48 --out planned --methods auto,midpoint:2 --set quality='{"tolerance":0.05}'
 grep -q ',auto,0,.*,measured,' planned/cloud.csv || fail "the planner's choice is measured"

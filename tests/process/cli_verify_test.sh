@@ -31,6 +31,9 @@ expect 1 march verify good --tolerance 0.0049
 says "a.0005.exr  marchd:error: expected at most 0.0049 (tolerance), got 0.005" "1 wrong, 0 missing"
 [ "$(wc -l <out)" -eq 3 ] || fail "one file alone is over the given tolerance"
 
+expect 2 march verify good/a.0000.exr
+grep -q "good/a.0000.exr: expected a folder of EXR files or a job file, got an EXR file" err || fail "a picture is no folder"
+
 # What is being written is left out and told of.
 : >good/a.0006.exr.7.1.1.part
 expect 0 march verify good
