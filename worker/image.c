@@ -44,20 +44,32 @@ void image_finish(struct image *image)
     *image = (struct image){0};
 }
 
+bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance)
+{
+    return image->rgba && image->width_px == width_px && image->height_px == height_px &&
+           (image->depth != NULL) == has_depth && (image->transmittance != NULL) == has_transmittance;
+}
+
 static bool is_within(float value, float largest)
 {
     return fabsf(value) <= largest; // false for NaN
 }
 
-// No early exit inside a row, so that it vectorizes.
-static bool row_is_within(const float *row, size_t width, size_t components, size_t used, float largest)
+// No early exit, and sizes compared as integers, so that it vectorizes: those of floats are in the order of their bits, with
+// infinity and NaN on top.
+static bool row_is_within(const float *row, size_t count, float largest)
 {
-    int outside = 0;
+    int32_t worst = 0, limit;
 
-    for (size_t x = 0; x < width; x++)
-        for (size_t i = 0; i < used; i++)
-            outside |= !is_within(row[x * components + i], largest);
-    return !outside;
+    memcpy(&limit, &largest, sizeof limit);
+    for (size_t i = 0; i < count; i++) {
+        int32_t bits;
+
+        memcpy(&bits, row + i, sizeof bits);
+        bits &= INT32_MAX;
+        worst = bits > worst ? bits : worst;
+    }
+    return worst <= limit;
 }
 
 struct plane {
@@ -98,7 +110,8 @@ static void count_plane(struct faults *faults, const struct plane *plane, size_t
     for (size_t y = 0; y < height; y++) {
         const float *row = plane->values + y * width * plane->components;
 
-        if (row_is_within(row, width, plane->components, plane->used, largest)) continue;
+        // A value that belongs to no channel only makes the row be looked at again.
+        if (row_is_within(row, width * plane->components, largest)) continue;
         for (size_t i = 0; i < width * plane->components; i++) {
             size_t component = i % plane->components;
 

@@ -75,3 +75,5 @@ struct image_exr_facts {
 // Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image` may
 // be NULL to read the header only; on failure it is empty. `facts` may be NULL.
 bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, int thread_count, struct error *error);
+// Reads all pixels of such a file and keeps none: whether every value of every channel is finite.
+bool image_exr_scan(int fd, bool *is_finite, int thread_count, struct error *error);

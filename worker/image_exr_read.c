@@ -1,14 +1,14 @@
 #include "worker/image_exr.h"
 
 #include "core/error.h"
-#include "worker/audit_names.h"
 #include "worker/image.h"
+#include "worker/image_exr_attributes.h"
+#include "worker/image_exr_zip.h"
 
 #define IMATH_HALF_NO_LOOKUP_TABLE
 #include <Imath/half.h>
 #include <OpenEXR/openexr.h>
 #include <errno.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,10 +26,12 @@ struct reader {
     int fd;
     exr_attr_box2i_t window;
     int lines_per_chunk, line_count;
+    uint64_t chunk_bytes; // unpacked, at most
 
     pthread_mutex_t lock; // guards what follows
     char message[256];    // the library's first complaint
     int next_line;
+    bool is_spoilt; // a value is not finite, of those that are not kept
     bool failed;
     struct error error; // of the first chunk that failed
 };
@@ -152,67 +154,6 @@ static bool read_compression(struct reader *reader, enum job_compression *compre
     }
 }
 
-// An absent one leaves `number` as it is.
-static bool read_double(exr_context_t context, const char *name, double *number)
-{
-    const exr_attribute_t *found;
-
-    if (exr_get_attribute_by_name(context, 0, name, &found) || found->type != EXR_ATTR_DOUBLE) return false;
-    *number = found->d;
-    return true;
-}
-
-// An absent one leaves `text` as it is.
-static bool read_text(exr_context_t context, const char *name, char *text, size_t size)
-{
-    const exr_attribute_t *found;
-
-    if (exr_get_attribute_by_name(context, 0, name, &found) || found->type != EXR_ATTR_STRING) return false;
-    snprintf(text, size, "%s", found->string->str);
-    return true;
-}
-
-static void read_accuracy(exr_context_t context, struct image_exr_facts *facts)
-{
-    struct audit_result *audit = &facts->audit;
-    char kind[16] = "", scope[16] = "";
-    const exr_attribute_t *rays;
-
-    read_text(context, "marchd:plan", facts->plan, sizeof facts->plan);
-    read_double(context, "marchd:samplingError", &facts->sampling_error);
-    *audit = (struct audit_result){.error = NAN, .error95 = NAN, .tolerance = NAN};
-    read_double(context, "marchd:error95", &audit->error95);
-    read_double(context, "marchd:tolerance", &audit->tolerance);
-    if (!exr_get_attribute_by_name(context, 0, "marchd:auditRays", &rays) && rays->type == EXR_ATTR_INT)
-        audit->ray_count = rays->i;
-    read_text(context, "marchd:auditScope", scope, sizeof scope);
-    audit->is_pooled = !strcmp(scope, "segment");
-    read_text(context, "marchd:audit", kind, sizeof kind);
-    if (read_double(context, "marchd:error", &audit->error)) audit->kind = audit_name_find(kind);
-}
-
-// Absent ones leave the zero value.
-static void read_own_attributes(struct reader *reader, struct image_exr_facts *facts)
-{
-    const exr_attribute_t *found;
-    exr_context_t context = reader->context;
-    char job[32];
-
-    read_text(context, "marchd:jobHash", facts->job_hash, sizeof facts->job_hash);
-    read_text(context, "marchd:sequenceHash", facts->sequence_hash, sizeof facts->sequence_hash);
-    read_text(context, "marchd:method", facts->method, sizeof facts->method);
-    read_double(context, "marchd:step", &facts->step);
-    if (read_text(context, "marchd:job", job, sizeof job)) facts->job_id = strtoll(job, NULL, 10);
-    if (!exr_get_attribute_by_name(context, 0, "marchd:frame", &found) && found->type == EXR_ATTR_INT)
-        facts->frame = found->i;
-    read_double(context, "marchd:renderSeconds", &facts->render_seconds);
-    facts->rays.is_known = read_double(context, "marchd:cutShare", &facts->rays.cut_share);
-    read_double(context, "marchd:raysPerPixel", &facts->rays.rays_per_pixel);
-    read_double(context, "marchd:cutRays", &facts->rays.cut_rays);
-    read_double(context, "marchd:cutTolerance", &facts->rays.cut_tolerance);
-    read_accuracy(context, facts);
-}
-
 static bool read_header(struct reader *reader, struct image_exr_facts *facts, struct error *error)
 {
     const exr_attr_chlist_t *channels;
@@ -227,6 +168,7 @@ static bool read_header(struct reader *reader, struct image_exr_facts *facts, st
     result = exr_get_data_window(reader->context, 0, &reader->window);
     if (!result) result = exr_get_channels(reader->context, 0, &channels);
     if (!result) result = exr_get_scanlines_per_chunk(reader->context, 0, &reader->lines_per_chunk);
+    if (!result) result = exr_get_chunk_unpacked_size(reader->context, 0, &reader->chunk_bytes);
     if (result) return fail(reader, result, error);
     facts->width_px = (int)((int64_t)reader->window.max.x - reader->window.min.x + 1);
     facts->height_px = (int)((int64_t)reader->window.max.y - reader->window.min.y + 1);
@@ -240,7 +182,7 @@ static bool read_header(struct reader *reader, struct image_exr_facts *facts, st
     facts->has_transmittance = has_channel(channels, "transmittance.R") && has_channel(channels, "transmittance.G") &&
                                has_channel(channels, "transmittance.B");
     facts->has_alpha = has_channel(channels, "A");
-    read_own_attributes(reader, facts);
+    image_exr_attributes_read(reader->context, facts);
     return true;
 }
 
@@ -277,38 +219,108 @@ static void unpack_values(float *values, size_t stride, const char *packed, size
     }
 }
 
+// What a thread reads chunks with.
+struct decoder {
+    exr_decode_pipeline_t pipeline;
+    struct reader *reader;
+    const struct image *image;                           // NULL: values are looked at and not kept
+    struct image_exr_zip *zip;                           // owned; NULL until something is unpacked
+    exr_result_t (*decompress)(exr_decode_pipeline_t *); // the library's
+    bool is_spoilt;                                      // a value that is not finite was there
+};
+
+// A chunk that would not become smaller is stored as it is: that is the library's to find.
+static exr_result_t on_decompress(exr_decode_pipeline_t *pipeline)
+{
+    struct decoder *decoder = pipeline->decoding_user_data;
+    size_t size_bytes = pipeline->chunk.unpacked_size;
+
+    if (pipeline->chunk.packed_size >= size_bytes) return decoder->decompress(pipeline);
+    if (!decoder->zip) decoder->zip = image_exr_zip_create(decoder->reader->chunk_bytes);
+    if (!decoder->zip) return EXR_ERR_OUT_OF_MEMORY;
+    if (pipeline->unpacked_alloc_size < size_bytes) {
+        if (pipeline->unpacked_alloc_size > 0) free(pipeline->unpacked_buffer);
+        pipeline->unpacked_alloc_size = 0;
+        pipeline->unpacked_buffer = malloc(size_bytes);
+        if (!pipeline->unpacked_buffer) return EXR_ERR_OUT_OF_MEMORY;
+        pipeline->unpacked_alloc_size = size_bytes;
+    }
+    if (image_exr_zip_unpack(decoder->zip, pipeline->packed_buffer, pipeline->chunk.packed_size,
+                             pipeline->unpacked_buffer, size_bytes))
+        return EXR_ERR_SUCCESS;
+    return EXR_ERR_CORRUPT_CHUNK;
+}
+
+// No early exit, so that it vectorizes. Integers are numbers all.
+static bool has_spoilt(const char *packed, size_t count, uint16_t type)
+{
+    uint32_t worst = 0;
+    uint16_t worst_half = 0;
+
+    if (type == EXR_PIXEL_HALF) {
+        for (size_t x = 0; x < count; x++) {
+            uint16_t half;
+
+            memcpy(&half, packed + x * sizeof half, sizeof half);
+            half &= 0x7c00;
+            worst_half = half > worst_half ? half : worst_half;
+        }
+    } else if (type == EXR_PIXEL_FLOAT) {
+        for (size_t x = 0; x < count; x++) {
+            uint32_t bits;
+
+            memcpy(&bits, packed + x * sizeof bits, sizeof bits);
+            bits &= 0x7f800000;
+            worst = bits > worst ? bits : worst;
+        }
+    }
+    return worst_half == 0x7c00 || worst == 0x7f800000;
+}
+
+static void take_line(struct decoder *decoder, const exr_coding_channel_info_t *channel, size_t y, size_t width,
+                      const char *packed)
+{
+    size_t stride;
+    float *plane;
+
+    if (!decoder->image) {
+        decoder->is_spoilt |= has_spoilt(packed, width, channel->data_type);
+        return;
+    }
+    plane = find_plane(decoder->image, channel->channel_name, &stride);
+    if (plane) unpack_values(plane + y * width * stride, stride, packed, width, channel->data_type);
+}
+
 // The library's own unpacking cannot leave out a channel of an uncompressed file.
 static exr_result_t on_unpack(exr_decode_pipeline_t *pipeline)
 {
-    const struct image *image = pipeline->decoding_user_data;
+    struct decoder *decoder = pipeline->decoding_user_data;
+    const exr_attr_box2i_t *window = &decoder->reader->window;
     const char *packed = pipeline->unpacked_buffer;
-    size_t width = (size_t)image->width_px;
+    size_t width = (size_t)((int64_t)window->max.x - window->min.x + 1);
     uint64_t line_bytes = 0;
-    exr_attr_box2i_t window;
-    exr_result_t result = exr_get_data_window(pipeline->context, 0, &window);
 
-    if (result) return result;
     for (int i = 0; i < pipeline->channel_count; i++)
         line_bytes += width * (uint64_t)pipeline->channels[i].bytes_per_element;
     if (!packed || line_bytes * (uint64_t)pipeline->chunk.height != pipeline->chunk.unpacked_size)
         return EXR_ERR_CORRUPT_CHUNK;
     for (int line = 0; line < pipeline->chunk.height; line++) {
-        size_t y = (size_t)((int64_t)pipeline->chunk.start_y - window.min.y + line);
+        size_t y = (size_t)((int64_t)pipeline->chunk.start_y - window->min.y + line);
 
         for (int i = 0; i < pipeline->channel_count; i++) {
             const exr_coding_channel_info_t *channel = &pipeline->channels[i];
-            size_t stride;
-            float *plane = find_plane(image, channel->channel_name, &stride);
 
-            if (plane) unpack_values(plane + y * width * stride, stride, packed, width, channel->data_type);
+            take_line(decoder, channel, y, width, packed);
             packed += width * (size_t)channel->bytes_per_element;
         }
     }
     return EXR_ERR_SUCCESS;
 }
 
-static exr_result_t read_chunk(struct reader *reader, exr_decode_pipeline_t *pipeline, const struct image *image, int y)
+static exr_result_t read_chunk(struct decoder *decoder, int y)
 {
+    struct reader *reader = decoder->reader;
+    exr_decode_pipeline_t *pipeline = &decoder->pipeline;
     exr_chunk_info_t chunk;
     exr_result_t result = exr_read_scanline_chunk_info(reader->context, 0, y, &chunk);
 
@@ -316,13 +328,16 @@ static exr_result_t read_chunk(struct reader *reader, exr_decode_pipeline_t *pip
     // An uncompressed chunk is used as it was read, so it must have all its bytes.
     if (chunk.compression == EXR_COMPRESSION_NONE && chunk.packed_size != chunk.unpacked_size)
         return EXR_ERR_CORRUPT_CHUNK;
-    if (!pipeline->context) {
+    if (pipeline->context) {
+        result = exr_decoding_update(reader->context, 0, &chunk, pipeline);
+    } else {
         result = exr_decoding_initialize(reader->context, 0, &chunk, pipeline);
         if (!result) result = exr_decoding_choose_default_routines(reader->context, 0, pipeline);
-        pipeline->decoding_user_data = (void *)(uintptr_t)image;
+        pipeline->decoding_user_data = decoder;
         pipeline->unpack_and_convert_fn = on_unpack;
-    } else {
-        result = exr_decoding_update(reader->context, 0, &chunk, pipeline);
+        decoder->decompress = pipeline->decompress_fn;
+        if (chunk.compression == EXR_COMPRESSION_ZIP || chunk.compression == EXR_COMPRESSION_ZIPS)
+            pipeline->decompress_fn = on_decompress;
     }
     return result ? result : exr_decoding_run(reader->context, 0, pipeline);
 }
@@ -336,7 +351,7 @@ static void *read_chunks(void *user)
 {
     const struct chunk_task *task = user;
     struct reader *reader = task->reader;
-    exr_decode_pipeline_t pipeline = {0};
+    struct decoder decoder = {.reader = reader, .image = task->image};
 
     pthread_mutex_lock(&reader->lock);
     while (!reader->failed && reader->next_line < reader->line_count) {
@@ -345,24 +360,28 @@ static void *read_chunks(void *user)
 
         reader->next_line += reader->lines_per_chunk;
         pthread_mutex_unlock(&reader->lock);
-        result = read_chunk(reader, &pipeline, task->image, reader->window.min.y + line);
+        result = read_chunk(&decoder, reader->window.min.y + line);
         pthread_mutex_lock(&reader->lock);
         if (!result || reader->failed) continue;
         reader->failed = true;
         fail(reader, result, &reader->error);
         error_prefix(&reader->error, "line %d", line);
     }
+    if (decoder.is_spoilt) reader->is_spoilt = true;
     pthread_mutex_unlock(&reader->lock);
-    if (pipeline.context) exr_decoding_destroy(reader->context, &pipeline);
+    if (decoder.pipeline.context) exr_decoding_destroy(reader->context, &decoder.pipeline);
+    image_exr_zip_destroy(decoder.zip);
     return NULL;
 }
 
+// `image` as struct decoder has it.
 static void read_all_chunks(struct reader *reader, const struct image *image, int thread_count)
 {
     struct chunk_task task = {reader, image};
     pthread_t threads[THREAD_LIMIT];
     int started = 0;
 
+    reader->line_count = (int)((int64_t)reader->window.max.y - reader->window.min.y + 1);
     if (thread_count > THREAD_LIMIT) thread_count = THREAD_LIMIT;
     while (started < thread_count - 1 && !pthread_create(&threads[started], NULL, read_chunks, &task))
         started++;
@@ -379,7 +398,6 @@ static bool read_pixels(struct reader *reader, const struct image_exr_facts *fac
     if (!facts->has_alpha)
         for (size_t i = 0; i < (size_t)image->width_px * (size_t)image->height_px; i++)
             image->rgba[i * 4 + 3] = 1.0f;
-    reader->line_count = facts->height_px;
     read_all_chunks(reader, image, thread_count);
     if (!reader->failed) return true;
     error_set(error, "%s", reader->error.message);
@@ -400,5 +418,24 @@ bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, 
     exr_finish(&reader.context);
     pthread_mutex_destroy(&reader.lock);
     if (ok && facts) *facts = found;
+    return ok;
+}
+
+bool image_exr_scan(int fd, bool *is_finite, int thread_count, struct error *error)
+{
+    struct reader reader = {.fd = fd};
+    struct image_exr_facts facts = {0};
+    bool ok;
+
+    pthread_mutex_init(&reader.lock, NULL);
+    ok = open_file(&reader, error) && read_header(&reader, &facts, error);
+    if (ok) {
+        read_all_chunks(&reader, NULL, thread_count);
+        ok = !reader.failed;
+        if (!ok) error_set(error, "%s", reader.error.message);
+    }
+    *is_finite = ok && !reader.is_spoilt;
+    exr_finish(&reader.context);
+    pthread_mutex_destroy(&reader.lock);
     return ok;
 }

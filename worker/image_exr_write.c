@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "worker/audit_names.h"
+#include "worker/half_row.h"
 #include "worker/image.h"
 #include "worker/image_exr_zip.h"
 
@@ -23,7 +24,8 @@ enum { CHANNEL_LIMIT = 8, THREAD_LIMIT = 64 };
 struct channel {
     const char *name;
     exr_pixel_type_t type;
-    const float *values; // borrowed from the image
+    const float *pixels; // borrowed from the image; the first channel's value of its first pixel
+    size_t index;        // of the channel in a pixel
     size_t stride;       // in floats, from pixel to pixel
 };
 
@@ -69,28 +71,23 @@ static void on_library_error(exr_const_context_t context, exr_result_t code, con
 {
 }
 
-static void add_channel(struct writer *writer, const char *name, exr_pixel_type_t type, const float *values,
-                        size_t stride)
+static void add_channel(struct writer *writer, const struct channel *channel)
 {
-    writer->channels[writer->channel_count++] =
-        (struct channel){.name = name, .type = type, .values = values, .stride = stride};
-    writer->line_bytes += writer->width * (type == EXR_PIXEL_HALF ? 2 : 4);
+    writer->channels[writer->channel_count++] = *channel;
+    writer->line_bytes += writer->width * (channel->type == EXR_PIXEL_HALF ? 2 : 4);
 }
 
 static void add_channels(struct writer *writer, const struct image *image, enum job_pixel pixel)
 {
     exr_pixel_type_t type = pixel == JOB_PIXEL_HALF ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
+    static const char *const rgba[] = {"R", "G", "B", "A"};
+    static const char *const transmittance[] = {"transmittance.R", "transmittance.G", "transmittance.B"};
 
-    add_channel(writer, "A", type, image->rgba + 3, 4);
-    add_channel(writer, "B", type, image->rgba + 2, 4);
-    add_channel(writer, "G", type, image->rgba + 1, 4);
-    add_channel(writer, "R", type, image->rgba, 4);
-    if (image->depth) add_channel(writer, "Z", EXR_PIXEL_FLOAT, image->depth, 1);
-    if (image->transmittance) {
-        add_channel(writer, "transmittance.B", type, image->transmittance + 2, 4);
-        add_channel(writer, "transmittance.G", type, image->transmittance + 1, 4);
-        add_channel(writer, "transmittance.R", type, image->transmittance, 4);
-    }
+    for (size_t i = 4; i-- > 0;)
+        add_channel(writer, &(struct channel){rgba[i], type, image->rgba, i, 4});
+    if (image->depth) add_channel(writer, &(struct channel){"Z", EXR_PIXEL_FLOAT, image->depth, 0, 1});
+    for (size_t i = image->transmittance ? 3 : 0; i-- > 0;)
+        add_channel(writer, &(struct channel){transmittance[i], type, image->transmittance, i, 4});
 }
 
 static exr_result_t set_matrix(exr_context_t context, const char *name, const double values[16])
@@ -214,35 +211,54 @@ static exr_result_t write_header(struct writer *writer, const struct image_exr_h
     return result;
 }
 
-// A chunk is stored line by line, in a line channel by channel.
-static void pack_lines(const struct writer *writer, size_t first_line, size_t line_count, char *packed)
-{
-    for (size_t y = first_line; y < first_line + line_count; y++)
-        for (size_t i = 0; i < writer->channel_count; i++) {
-            const struct channel *channel = &writer->channels[i];
-            const float *values = channel->values + y * writer->width * channel->stride;
-
-            if (channel->type == EXR_PIXEL_HALF) {
-                uint16_t *halves = (uint16_t *)(void *)packed;
-
-                for (size_t x = 0; x < writer->width; x++)
-                    halves[x] = imath_float_to_half(values[x * channel->stride]);
-                packed += writer->width * sizeof *halves;
-            } else {
-                for (size_t x = 0; x < writer->width; x++)
-                    memcpy(packed + x * sizeof(float), values + x * channel->stride, sizeof(float));
-                packed += writer->width * sizeof(float);
-            }
-        }
-}
-
 // What a thread packs chunks with.
 struct packer {
     exr_encode_pipeline_t pipeline;
     struct image_exr_zip *zip; // owned; NULL: the library compresses, if anyone does
+    char *lines;               // owned; of the chunk, as they are before they are compressed
+    uint16_t *halves;          // owned; a line's pixels
     const void *bytes;         // of the chunk, as the file will have it; borrowed from the packer
     uint64_t size_bytes;
 };
+
+static void take_halves(uint16_t *to, const uint16_t *pixels, size_t count, size_t stride)
+{
+    for (size_t x = 0; x < count; x++)
+        to[x] = pixels[x * stride];
+}
+
+static void take_floats(char *to, const float *pixels, size_t count, size_t stride)
+{
+    for (size_t x = 0; x < count; x++)
+        memcpy(to + x * sizeof(float), pixels + x * stride, sizeof(float));
+}
+
+// A chunk is stored line by line, in a line channel by channel. Channels that share their pixels follow one another: these
+// become halves once.
+static void pack_lines(const struct writer *writer, uint16_t *halves, size_t first_line, size_t line_count,
+                       char *packed)
+{
+    size_t width = writer->width;
+
+    for (size_t y = first_line; y < first_line + line_count; y++) {
+        const float *converted = NULL;
+
+        for (size_t i = 0; i < writer->channel_count; i++) {
+            const struct channel *channel = &writer->channels[i];
+            const float *pixels = channel->pixels + y * width * channel->stride;
+
+            if (channel->type != EXR_PIXEL_HALF) {
+                take_floats(packed, pixels + channel->index, width, channel->stride);
+                packed += width * sizeof(float);
+                continue;
+            }
+            if (converted != pixels) half_row_from_floats(halves, pixels, width * channel->stride);
+            converted = pixels;
+            take_halves((uint16_t *)(void *)packed, halves + channel->index, width, channel->stride);
+            packed += width * sizeof(uint16_t);
+        }
+    }
+}
 
 static exr_result_t compress_zip(const struct writer *writer, struct packer *packer)
 {
@@ -282,6 +298,7 @@ static exr_result_t compress(const struct writer *writer, struct packer *packer)
 static exr_result_t encode_chunk(struct writer *writer, struct packer *packer, int y)
 {
     exr_encode_pipeline_t *pipeline = &packer->pipeline;
+    size_t chunk_bytes = writer->line_bytes * (size_t)writer->lines_per_chunk;
     exr_chunk_info_t chunk;
     exr_result_t result = exr_write_scanline_chunk_info(writer->context, 0, y, &chunk);
 
@@ -293,14 +310,13 @@ static exr_result_t encode_chunk(struct writer *writer, struct packer *packer, i
         result = exr_encoding_update(writer->context, 0, &chunk, pipeline);
     }
     if (result) return result;
-    if (!pipeline->packed_buffer) {
-        pipeline->packed_alloc_size = writer->line_bytes * (size_t)writer->lines_per_chunk;
-        pipeline->packed_buffer = malloc(pipeline->packed_alloc_size);
-        if (!pipeline->packed_buffer) return EXR_ERR_OUT_OF_MEMORY;
-    }
+    if (!packer->lines) packer->lines = malloc(chunk_bytes);
+    if (!packer->halves) packer->halves = malloc(writer->width * 4 * sizeof *packer->halves);
+    if (!packer->lines || !packer->halves) return EXR_ERR_OUT_OF_MEMORY;
+    pipeline->packed_buffer = packer->lines;
     pipeline->packed_bytes = chunk.unpacked_size;
-    assert(pipeline->packed_bytes <= pipeline->packed_alloc_size);
-    pack_lines(writer, (size_t)y, (size_t)chunk.height, pipeline->packed_buffer);
+    assert(pipeline->packed_bytes <= chunk_bytes);
+    pack_lines(writer, packer->halves, (size_t)y, (size_t)chunk.height, packer->lines);
     return compress(writer, packer);
 }
 
@@ -337,8 +353,11 @@ static void *write_chunks(void *user)
         pthread_cond_broadcast(&writer->turn);
     }
     pthread_mutex_unlock(&writer->lock);
+    packer.pipeline.packed_buffer = NULL; // ours
     if (packer.pipeline.context) exr_encoding_destroy(writer->context, &packer.pipeline);
     image_exr_zip_destroy(packer.zip);
+    free(packer.lines);
+    free(packer.halves);
     return NULL;
 }
 

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -104,6 +105,59 @@ static void values_that_are_not_finite_are_refused(void **state)
     assert_refused(make_file(NAN), &job, 7, "channel G at pixel (3, 2) is NaN");
     assert_refused(make_file(INFINITY), &job, 7, "channel G at pixel (3, 2) is infinite");
     assert_refused(make_file(1e6f), &job, 7, "channel G at pixel (3, 2) is infinite");
+}
+
+// Channel `index` of the last pixel or, with `is_first`, of the first: R, G, B, A, Z, transmittance.R, .G, .B.
+static float *find_value(struct image *image, int index, bool is_first)
+{
+    size_t pixel = is_first ? 0 : (size_t)image->width_px * (size_t)image->height_px - 1;
+
+    if (index < 4) return image->rgba + 4 * pixel + index;
+    return index == 4 ? image->depth + pixel : image->transmittance + 4 * pixel + (index - 5);
+}
+
+// Of frame 7, black, all channels, with one value that is not finite.
+static int make_spoilt_file(const struct job *job, int index, bool is_first)
+{
+    struct image_exr_header header = {.pixel = job->output.pixel,
+                                      .compression = job->output.compression,
+                                      .fps_numerator = 24,
+                                      .fps_denominator = 1,
+                                      .job_hash = job->hash,
+                                      .frame = 7};
+    int fd = memfd_create("frame", MFD_CLOEXEC);
+    struct image image;
+
+    assert_true(image_init(&image, job->width_px, job->height_px, true, true, NULL));
+    for (int i = 0; i < job->width_px * job->height_px; i++) {
+        image.depth[i] = 0;
+        for (int c = 0; c < 4; c++)
+            image.rgba[4 * i + c] = image.transmittance[4 * i + c] = 0;
+    }
+    *find_value(&image, index, is_first) = is_first ? NAN : -INFINITY;
+    assert_true(image_exr_write(fd, &image, &header, 1, NULL));
+    image_finish(&image);
+    return fd;
+}
+
+static void no_channel_and_no_pixel_is_left_out(void **state)
+{
+    static const char *const names[] = {
+        "R", "G", "B", "A", "Z", "transmittance.R", "transmittance.G", "transmittance.B"};
+    struct job job = make_job();
+    char reason[64];
+
+    job.output.has_transmittance = true;
+    for (int compression = JOB_COMPRESSION_NONE; compression <= JOB_COMPRESSION_PIZ; compression++)
+        for (int i = 0; i < 2 * 2 * 8; i++) {
+            bool is_first = i % 2;
+
+            job.output.compression = (enum job_compression)compression;
+            job.output.pixel = i / 2 % 2 ? JOB_PIXEL_HALF : JOB_PIXEL_FLOAT;
+            snprintf(reason, sizeof reason, "channel %s at pixel %s is %s", names[i / 4],
+                     is_first ? "(0, 0)" : "(23, 19)", is_first ? "NaN" : "infinite");
+            assert_refused(make_spoilt_file(&job, i / 4, is_first), &job, 7, reason);
+        }
 }
 
 static void frame_of_another_number_is_refused(void **state)
@@ -224,6 +278,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(whole_frame_passes_and_is_described),
         cmocka_unit_test(values_that_are_not_finite_are_refused),
+        cmocka_unit_test(no_channel_and_no_pixel_is_left_out),
         cmocka_unit_test(frame_of_another_number_is_refused),
         cmocka_unit_test(frame_of_another_job_is_refused),
         cmocka_unit_test(frame_of_another_shape_is_refused),
