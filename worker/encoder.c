@@ -166,7 +166,7 @@ void *encoder_run(void *user)
 
     while ((picture = take_picture(worker))) {
         encode(worker, picture);
-        picture_destroy(picture);
+        worker_return_picture(worker, picture);
     }
     worker_end_thread(worker);
     return NULL;

@@ -19,6 +19,7 @@ struct image {
 bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
                 struct error *error); // contents undefined
 void image_finish(struct image *image);
+bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance);
 // True if no value is NaN, infinite or, if `half`, over 65504 in size (depth apart: it is never written as half). Else
 // `error` says how many there are of each and names the first with channel and pixel.
 bool image_is_finite(const struct image *image, bool half, struct error *error);

@@ -1,6 +1,5 @@
 #include "worker/render_loop.h"
 
-#include "core/alloc.h"
 #include "core/error.h"
 #include "worker/audit_names.h"
 #include "worker/gate.h"
@@ -124,20 +123,6 @@ static void hand_over(struct render_loop *loop, struct picture *picture)
     pthread_mutex_unlock(&worker->lock);
 }
 
-static struct picture *make_picture(struct assignment_frame *frame, struct error *error)
-{
-    struct picture *picture = xcalloc(1, sizeof *picture);
-    const struct job *job = &frame->job->job;
-
-    picture->frame = frame;
-    picture->folder_fd = -1;
-    if (image_init(&picture->image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
-                   error))
-        return picture;
-    picture_destroy(picture);
-    return NULL;
-}
-
 static void fill_picture(struct picture *picture, const struct tolerance_result *result)
 {
     const struct renderer_result *render = &result->render;
@@ -234,7 +219,7 @@ static void render_frame(struct render_loop *loop)
         fail_frame(loop, REPORT_FAULT_FRAME, error.message);
         break;
     case PART_FILE_RENDER:
-        picture = make_picture(loop->frame, &error);
+        picture = worker_make_picture(loop->worker, loop->frame, &error);
         if (picture) {
             render_picture(loop, folder_fd, picture);
             return;

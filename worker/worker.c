@@ -1,5 +1,6 @@
 #include "worker/worker.h"
 
+#include "core/alloc.h"
 #include "core/log.h"
 #include "worker/options.h"
 #include "worker/report.h"
@@ -20,6 +21,38 @@ void picture_destroy(struct picture *picture)
     free(picture);
 }
 
+struct picture *worker_make_picture(struct worker *worker, struct assignment_frame *frame, struct error *error)
+{
+    const struct job *job = &frame->job->job;
+    bool has_depth = job->output.has_depth, has_transmittance = job->output.has_transmittance;
+    struct picture *picture = xcalloc(1, sizeof *picture);
+
+    picture->frame = frame;
+    picture->folder_fd = -1;
+    pthread_mutex_lock(&worker->lock);
+    picture->image = worker->spare;
+    worker->spare = (struct image){0};
+    pthread_mutex_unlock(&worker->lock);
+    if (image_fits(&picture->image, job->width_px, job->height_px, has_depth, has_transmittance)) return picture;
+    image_finish(&picture->image);
+    if (image_init(&picture->image, job->width_px, job->height_px, has_depth, has_transmittance, error)) return picture;
+    picture_destroy(picture);
+    return NULL;
+}
+
+void worker_return_picture(struct worker *worker, struct picture *picture)
+{
+    struct image kept = picture->image;
+
+    pthread_mutex_lock(&worker->lock);
+    if (worker->assignment.frames) {
+        picture->image = worker->spare;
+        worker->spare = kept;
+    }
+    pthread_mutex_unlock(&worker->lock);
+    picture_destroy(picture);
+}
+
 bool worker_init(struct worker *worker, const struct options *options)
 {
     *worker = (struct worker){.options = options};
@@ -37,6 +70,7 @@ bool worker_init(struct worker *worker, const struct options *options)
 void worker_finish(struct worker *worker)
 {
     picture_destroy(worker->rendered);
+    image_finish(&worker->spare);
     request_destroy_all(worker->requests);
     assignment_finish(&worker->assignment);
     pthread_cond_destroy(&worker->changed);
@@ -91,10 +125,17 @@ bool worker_is_unwanted(struct worker *worker, const struct assignment_frame *fr
 
 void worker_end_frame(struct worker *worker, struct assignment_frame *frame)
 {
+    struct image unwanted = {0};
+
     pthread_mutex_lock(&worker->lock);
     assignment_end_frame(&worker->assignment, frame);
+    if (!worker->assignment.frames) {
+        unwanted = worker->spare;
+        worker->spare = (struct image){0};
+    }
     pthread_cond_broadcast(&worker->changed);
     pthread_mutex_unlock(&worker->lock);
+    image_finish(&unwanted);
     worker_advance(worker);
 }
 

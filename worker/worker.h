@@ -12,6 +12,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
+struct error;
 struct options;
 struct request;
 
@@ -47,6 +48,7 @@ struct worker {
     struct assignment assignment;
     struct request *requests; // owned; oldest first
     struct picture *rendered; // owned; waits for the encoder. While it does, no other frame is begun.
+    struct image spare;       // owned; what the next picture is made of; empty while no frame is in hand
     bool is_ready;            // worker.ready is sent
     bool is_exiting;          // no new frames; what is started is finished
     bool is_abandoned;        // nobody listens: everything is let go at once
@@ -59,6 +61,10 @@ bool worker_init(struct worker *worker, const struct options *options);
 void worker_finish(struct worker *worker); // after its threads have ended
 
 void worker_advance(struct worker *worker); // counts as progress
+// A picture of that shape for the frame; NULL when there is no memory for it.
+struct picture *worker_make_picture(struct worker *worker, struct assignment_frame *frame, struct error *error);
+// Destroys it, but keeps its image for the next one while frames are in hand: the system would have to clear as much anew.
+void worker_return_picture(struct worker *worker, struct picture *picture);
 void worker_set_ready(struct worker *worker);
 void worker_exit(struct worker *worker, int exit_code); // gives waiting frames back, finishes the started ones
 void worker_abandon(struct worker *worker, int exit_code);
