@@ -2,17 +2,21 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
+#include "daemon/options_file.h"
 
 #include <errno.h>
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 const char options_help[] =
     "usage: marchd [options]\n"
     "\n"
     "Takes jobs over a unix socket, keeps them in a durable queue and feeds their frames to workers.\n"
     "\n"
+    "  --config PATH           settings read from there: a line `KEY = VALUE` each, keys as the options below\n"
+    "                          (root: /etc/marchd/marchd.conf, if it is there)\n"
     "  --state DIR             where the queue is kept (root: /var/lib/marchd, else $XDG_STATE_HOME/marchd)\n"
     "  --socket PATH           where clients connect (root: /run/marchd/marchd.sock, else "
     "$XDG_RUNTIME_DIR/marchd.sock)\n"
@@ -28,10 +32,13 @@ const char options_help[] =
     "  --log-level LEVEL       debug, info, warning or error (info)\n"
     "  --help, --version\n"
     "\n"
-    "MARCHD_SOCKET in the environment stands for --socket. SIGTERM stops in order, a second one at once.\n";
+    "The command line counts before the environment, that before the file. MARCHD_SOCKET in the environment stands for "
+    "--socket.\n"
+    "SIGTERM stops in order, a second one at once.\n";
 
 enum option_code {
-    OPTION_STATE = 256,
+    OPTION_CONFIG = 256,
+    OPTION_STATE,
     OPTION_SOCKET,
     OPTION_OUTPUT_ROOT,
     OPTION_WORKERS,
@@ -48,6 +55,7 @@ enum option_code {
 };
 
 static const struct option long_options[] = {
+    {"config", required_argument, NULL, OPTION_CONFIG},
     {"state", required_argument, NULL, OPTION_STATE},
     {"socket", required_argument, NULL, OPTION_SOCKET},
     {"output-root", required_argument, NULL, OPTION_OUTPUT_ROOT},
@@ -138,6 +146,10 @@ static bool set_path(char **path, const char *name, const char *text, const stru
         error_set(error, "--%s: expected a path, got nothing", name);
         return false;
     }
+    if (text[0] != '/' && !surroundings->current_folder) {
+        error_set(error, "--%s: expected an absolute path, got \"%s\"", name, text);
+        return false;
+    }
     free(*path);
     *path = text[0] == '/' ? xstrdup(text) : xasprintf("%s/%s", surroundings->current_folder, text);
     for (size_t length = strlen(*path); length > 1 && (*path)[length - 1] == '/'; length--)
@@ -191,8 +203,6 @@ static bool set_defaults(struct options *options, const struct options_surroundi
     }
     if (!options->output_root)
         options->output_root = surroundings->is_root ? xstrdup("/srv/marchd") : xasprintf("%s/marchd", home);
-    if (!options->socket_path && surroundings->marchd_socket && *surroundings->marchd_socket)
-        return set_path(&options->socket_path, "socket", surroundings->marchd_socket, surroundings, error);
     if (!options->socket_path) {
         options->socket_path = surroundings->is_root ? xstrdup("/run/marchd/marchd.sock")
                                : surroundings->xdg_runtime_dir
@@ -202,17 +212,41 @@ static bool set_defaults(struct options *options, const struct options_surroundi
     return true;
 }
 
-bool options_parse(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
-                   struct error *error)
+struct setting_reader {
+    struct options *options;
+    struct options_surroundings surroundings;
+};
+
+// As the option of that name would set it.
+static bool on_setting(void *user, const char *key, const char *value, struct error *error)
+{
+    const struct setting_reader *reader = user;
+
+    for (const struct option *option = long_options; option->name; option++)
+        if (option->has_arg == required_argument && option->val != OPTION_CONFIG && strcmp(option->name, key) == 0)
+            return set_option(reader->options, option->val, value, &reader->surroundings, error);
+    error_set(error, "%s: there is no such setting, see marchd --help", key);
+    return false;
+}
+
+static bool read_file(struct options *options, const char *named, const struct options_surroundings *surroundings,
+                      struct error *error)
+{
+    struct setting_reader reader = {.options = options, .surroundings = *surroundings};
+    const char *path = named ? named : surroundings->config_path;
+
+    if (!path || (!named && access(path, F_OK) != 0)) return true;
+    // Whoever starts the daemon stands anywhere.
+    reader.surroundings.current_folder = NULL;
+    return options_file_read(path, on_setting, &reader, error);
+}
+
+// One pass over the command line: the first, with `named`, looks for what goes before all else.
+static bool parse_line(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+                       const char **named, struct error *error)
 {
     int code;
 
-    *options = (struct options){.thread_count = 1,
-                                .max_attempts = 3,
-                                .stop_timeout_ms = 30000,
-                                .progress_limit_ms = 120000,
-                                .log_level = LOG_INFO,
-                                .backend = xstrdup("auto")};
     optind = 0;
     opterr = 0;
     while ((code = getopt_long(argc, argv, "+:", long_options, NULL)) != -1) {
@@ -222,18 +256,40 @@ bool options_parse(struct options *options, int argc, char **argv, const struct 
         if (code == '?' || code == ':') {
             error_set(error, code == ':' ? "%s: expected a value after it" : "%s: there is no such option, see --help",
                       argv[optind - 1]);
-            goto fail;
+            return false;
         }
-        if (!set_option(options, code, optarg, surroundings, error)) goto fail;
+        if (code == OPTION_CONFIG && named) *named = optarg;
+        if (code != OPTION_CONFIG && !named && !set_option(options, code, optarg, surroundings, error)) return false;
     }
-    if (optind < argc) {
-        error_set(error, "%s: expected options only, see --help", argv[optind]);
-        goto fail;
-    }
+    if (optind == argc) return true;
+    error_set(error, "%s: expected options only, see --help", argv[optind]);
+    return false;
+}
+
+static bool read_all(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+                     struct error *error)
+{
+    const char *named = NULL, *socket = surroundings->marchd_socket;
+
+    if (!parse_line(options, argc, argv, surroundings, &named, error)) return false;
+    if (options->wants_help || options->wants_version) return true;
+    if (!read_file(options, named, surroundings, error)) return false;
+    if (socket && *socket && !set_path(&options->socket_path, "socket", socket, surroundings, error)) return false;
+    if (!parse_line(options, argc, argv, surroundings, NULL, error)) return false;
     if (!options->worker_program) options->worker_program = xasprintf("%s/march-worker", surroundings->program_folder);
-    if (!set_defaults(options, surroundings, error)) goto fail;
-    return true;
-fail:
+    return set_defaults(options, surroundings, error);
+}
+
+bool options_parse(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+                   struct error *error)
+{
+    *options = (struct options){.thread_count = 1,
+                                .max_attempts = 3,
+                                .stop_timeout_ms = 30000,
+                                .progress_limit_ms = 120000,
+                                .log_level = LOG_INFO,
+                                .backend = xstrdup("auto")};
+    if (read_all(options, argc, argv, surroundings, error)) return true;
     options_finish(options);
     return false;
 }

@@ -1,4 +1,4 @@
-// How marchd is started: the command line over the environment over defaults.
+// How marchd is started: the command line over the environment over a file over defaults.
 #pragma once
 
 #include "core/log.h"
@@ -11,6 +11,7 @@ struct error;
 // What the defaults depend on. Borrowed; strings may be NULL.
 struct options_surroundings {
     const char *home, *xdg_state_home, *xdg_runtime_dir, *marchd_socket; // environment variables
+    const char *config_path;    // a file that is read if it is there and none is named
     const char *current_folder; // absolute; relative paths are taken from there
     const char *program_folder; // absolute; where march-worker is looked for
     bool is_root;

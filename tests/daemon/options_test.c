@@ -1,9 +1,14 @@
 #include "core/error.h"
+#include "core/file.h"
 #include "daemon/options.h"
+#include "tests/support/temp_folder.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -135,6 +140,62 @@ static void help_and_version_need_nothing_else(void **state)
     options_finish(&options);
 }
 
+static char *write_config(void **state, const char *text)
+{
+    char *path = (char *)(uintptr_t)temp_folder_path(state, "marchd.conf");
+
+    assert_true(file_write_atomic(path, text, strlen(text), NULL));
+    return path;
+}
+
+static void a_file_comes_after_all_that_is_said(void **state)
+{
+    char *path =
+        write_config(state, "# a farm\n\n  workers = 7\r\nthreads=3\nsocket = /file.sock\n\tlog-level = debug");
+    struct options_surroundings surroundings = user;
+    struct options options;
+
+    assert_true(PARSE(&options, &surroundings, (char[]){"--threads"}, (char[]){"5"}, (char[]){"--config"}, path));
+    assert_int_equal(options.worker_count, 7);
+    assert_int_equal(options.thread_count, 5);
+    assert_int_equal(options.log_level, LOG_DEBUG);
+    assert_string_equal(options.socket_path, "/file.sock");
+    options_finish(&options);
+    surroundings.marchd_socket = "/env.sock";
+    surroundings.config_path = path;
+    assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_int_equal(options.thread_count, 3);
+    assert_string_equal(options.socket_path, "/env.sock");
+    options_finish(&options);
+}
+
+static void only_a_file_that_was_named_must_be_there(void **state)
+{
+    struct options_surroundings surroundings = user;
+    struct options options;
+
+    surroundings.config_path = "/no/such/file";
+    assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    options_finish(&options);
+    REFUSE("/no/such/file", (char[]){"--config"}, (char[]){"/no/such/file"});
+}
+
+static void a_files_mistakes_have_a_line(void **state)
+{
+    static const char *const cases[][2] = {
+        {"workers = 2\nwokers = 3\n", "marchd.conf:2: wokers: there is no such setting"},
+        {"\n\nworkers\n", "marchd.conf:3: expected KEY = VALUE, got \"workers\""},
+        {"workers = many\n", "marchd.conf:1: --workers: expected"},
+        {"state = here\n", "marchd.conf:1: --state: expected an absolute path"},
+        {"state =\n", "marchd.conf:1: --state: expected a path"},
+        {"config = /a\n", "marchd.conf:1: config: there is no such setting"},
+        {"help = 1\n", "marchd.conf:1: help: there is no such setting"},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        REFUSE(cases[i][1], (char[]){"--config"}, write_config(state, cases[i][0]));
+}
+
 static void without_a_home_the_folders_must_be_given(void **state)
 {
     struct options_surroundings nowhere = {.current_folder = "/", .program_folder = "/"};
@@ -158,6 +219,9 @@ int main(void)
         cmocka_unit_test(every_value_is_read),
         cmocka_unit_test(wrong_values_are_named),
         cmocka_unit_test(help_and_version_need_nothing_else),
+        cmocka_unit_test_setup_teardown(a_file_comes_after_all_that_is_said, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test(only_a_file_that_was_named_must_be_there),
+        cmocka_unit_test_setup_teardown(a_files_mistakes_have_a_line, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(without_a_home_the_folders_must_be_given),
     };
 
