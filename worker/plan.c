@@ -264,11 +264,25 @@ static bool finish(struct plan *plan, const struct plan_params *params, struct p
     describe(plan, params->job, choice);
     force(plan, params, scene);
     if (plan_pilot_measure(pilot, &plan->quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) return false;
-    plan->predicted_error = with_rounding(errors.mean, params->job->output.pixel == JOB_PIXEL_HALF);
+    plan->predicted_error = errors.mean;
     if (params->evidence) plan_pilot_give(pilot, params->evidence);
-    log_debug("plan: segment %d: %s; predicted error %.2e of %g, %d small renders", (int)params->segment.index,
-              plan->reason, plan->predicted_error, params->job->quality.tolerance, plan_pilot_count_renders(pilot));
     return true;
+}
+
+// As the job's frames are many, their work is that of the pilot's rays.
+static void find_dearer(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
+{
+    const struct plan_scouting *scouting = &plan->scouting;
+    double sum = 0.0;
+
+    plan->dearer = 1.0;
+    if (scouting->count == 0) return;
+    for (int64_t i = scouting->first; i <= scouting->last; i++) {
+        struct plan of_frame = plan_of_frame(plan, params->job, frame_range_at(&params->job->frames, i));
+
+        sum += plan_family_work(scene, &of_frame.quality) / plan_family_work(scene, &plan->quality);
+    }
+    plan->dearer = sum / (double)(scouting->last - scouting->first + 1);
 }
 
 bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error)
@@ -290,6 +304,16 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
         *fault = RENDERER_FAULT_MISSED;
         error_set(error, "quality.tolerance: no method's light is finite in small pictures of the segment; expected "
                          "densities, numbers and files without NaN and infinity");
+    }
+    ok = ok && (params->choice != PLAN_CHOICE_CHEAPEST ||
+                plan_scout_look(plan, params, plan_pilot_scene(pilot), fault, error));
+    if (ok) {
+        plan->predicted_error = with_rounding(plan->predicted_error, params->job->output.pixel == JOB_PIXEL_HALF);
+        find_dearer(plan, params, plan_pilot_scene(pilot));
+        log_debug("plan: segment %d: %s; predicted error %.2e of %g, %.2f times the work with frames that are finer, "
+                  "%d small renders",
+                  (int)params->segment.index, plan->reason, plan->predicted_error, params->job->quality.tolerance,
+                  plan->dearer, plan_pilot_count_renders(pilot));
     }
     plan_pilot_destroy(pilot);
     return ok && (!params->is_timed || plan_time_predict(plan, params, fault, error));
@@ -314,6 +338,16 @@ bool plan_refine(struct plan *plan, const struct job *job, int rungs)
     }
     plan->quality = plan_family_quality(family, &scene, &plan->point);
     return moved;
+}
+
+struct plan plan_of_frame(const struct plan *plan, const struct job *job, int32_t frame)
+{
+    int64_t index = frame_range_index(&job->frames, frame);
+    int rungs = plan_scout_find_rungs(&plan->scouting, index, job->quality.tolerance);
+    struct plan of_frame = *plan;
+
+    if (rungs > 0) (void)plan_refine(&of_frame, job, rungs);
+    return of_frame;
 }
 
 struct job plan_apply(const struct plan *plan, const struct job *job)

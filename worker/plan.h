@@ -3,6 +3,7 @@
 
 #include "core/job.h"
 #include "worker/plan_evidence.h"
+#include "worker/plan_scout.h"
 #include "worker/plan_search.h"
 #include "worker/plan_segment.h"
 #include "worker/renderer.h"
@@ -13,9 +14,12 @@ struct plan {
     struct job_quality
         quality;        // of a method that renders, never auto; what the job itself says of samples and paths is in it
     double predicted_s; // a frame at the job's resolution, rendering alone, on this worker; 0: not known
-    double predicted_error;        // relative RMSE
+    double predicted_processor_s;  // the same of all processors together; 0: not known, or a GPU renders
+    double predicted_error;        // relative RMSE, the quadratic mean of the segment's frames
     char reason[PLAN_REASON_SIZE]; // one sentence: why this and no other
     double work;                   // evaluations of density a pixel, as plan_family_work counts them
+    double dearer; // work of all the segment's frames, of which some are rendered finer, beside that of `quality`
+    struct plan_scouting scouting; // which frames these are
     size_t family;                 // of plan_families
     struct plan_point point;
 };
@@ -41,5 +45,7 @@ struct plan_params {
 bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error);
 // Every axis `rungs` finer, two halving a step; false when there is nothing finer.
 bool plan_refine(struct plan *plan, const struct job *job, int rungs);
+// The plan for a frame of the segment: finer, if the plan is expected to be over the tolerance in it.
+struct plan plan_of_frame(const struct plan *plan, const struct job *job, int32_t frame);
 // A job's shallow copy as the plan has it rendered; never finished.
 struct job plan_apply(const struct plan *plan, const struct job *job);

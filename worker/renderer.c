@@ -383,6 +383,11 @@ static bool open_inputs(struct renderer *renderer, const struct job *job, int32_
     return false;
 }
 
+bool renderer_is_software(const struct renderer *renderer)
+{
+    return gl_context_facts(renderer->context)->is_software;
+}
+
 bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int32_t frame,
                            char hash[static HASH_TEXT_SIZE], enum renderer_fault *fault, struct error *error)
 {

@@ -28,6 +28,8 @@ typedef bool renderer_progress(void *user, double done);
 // `shader_dir` (NULL: the embedded text) overrides shader modules while developing.
 struct renderer *renderer_create(struct gl_context *context, const char *shader_dir);
 void renderer_destroy(struct renderer *renderer);
+// True where processors render, whose time is then what a frame costs.
+bool renderer_is_software(const struct renderer *renderer);
 
 // The hash of all that the frame's picture depends on: the job's, and what its files hold now. Without GL.
 bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int32_t frame,

@@ -103,6 +103,7 @@ struct rendering {
     struct kept_plan *kept;
     struct tolerance_result *result;
     struct error *error;
+    bool is_finer;  // than the segment's plan: it shares no pixels with other frames
     double seconds; // of renderings so far
 };
 
@@ -135,7 +136,7 @@ static bool audit_against_reference(const struct rendering *rendering, const str
     const struct tolerance_params *params = rendering->params;
     const struct kept_plan *kept = rendering->kept;
     const struct plan_view *view = plan_evidence_find(&kept->evidence, params->frame);
-    bool is_pooled = kept->evidence.pool.samples.count > 0 && !rendering->result->is_second;
+    bool is_pooled = kept->evidence.pool.samples.count > 0 && !rendering->is_finer;
     struct audit_params audit = {.job = planned,
                                  .frame = params->frame,
                                  .image = params->image,
@@ -154,7 +155,7 @@ static bool audit_against_reference(const struct rendering *rendering, const str
     if (view && view->finer.width_px <= planned->width_px && view->finer.height_px <= planned->height_px) {
         audit.finer = &view->finer;
         audit.coarser = &view->coarser;
-        audit.is_own = view->frame == params->frame && !rendering->result->is_second;
+        audit.is_own = view->frame == params->frame && !rendering->is_finer;
     }
     return audit_frame(&audit, &rendering->result->audit) || stop(rendering);
 }
@@ -191,7 +192,7 @@ static bool audit_by_steps(const struct rendering *rendering, const struct plan 
     bool ok = view != NULL;
 
     (void)plan_refine(&halved, params->job, HALVED_RUNGS);
-    if (ok && scene_is_constant(&params->job->scene) && !rendering->result->is_second) {
+    if (ok && scene_is_constant(&params->job->scene) && !rendering->is_finer) {
         audit_by_halving(params->job, &view->coarser, &view->finer, &rendering->result->audit);
         rendering->result->audit.is_pooled = true;
         return true;
@@ -279,8 +280,10 @@ int tolerance_find_retry_rungs(double error, double tolerance)
 static bool render_planned(struct rendering *rendering)
 {
     struct tolerance_result *result = rendering->result;
-    struct plan finer = rendering->kept->plan;
+    const struct plan *plan = &rendering->kept->plan;
+    struct plan finer = plan_of_frame(plan, rendering->params->job, rendering->params->frame);
 
+    rendering->is_finer = memcmp(&finer.point, &plan->point, sizeof finer.point) != 0;
     memcpy(result->reason, finer.reason, sizeof result->reason);
     if (!render_and_audit(rendering, &finer)) return false;
     result->first_error = result->audit.error;
@@ -291,7 +294,7 @@ static bool render_planned(struct rendering *rendering)
     if (!plan_refine(&finer, rendering->params->job,
                      tolerance_find_retry_rungs(result->first_error, rendering->params->job->quality.tolerance)))
         return miss(rendering);
-    result->is_second = true;
+    result->is_second = rendering->is_finer = true;
     return render_and_audit(rendering, &finer) && (is_within(rendering) || miss(rendering));
 }
 
