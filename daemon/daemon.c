@@ -17,6 +17,7 @@
 #include "daemon/store.h"
 #include "daemon/store_reader.h"
 #include "daemon/sweeper.h"
+#include "daemon/watchdog.h"
 #include "daemon/worker_pool.h"
 
 #include <signal.h>
@@ -38,6 +39,7 @@ struct daemon {
     struct farm farm;
     struct store *store;
     struct listener *listener;
+    struct watchdog *watchdog; // NULL: nobody waits for it
     uv_signal_t terminate, interrupt;
     uv_prepare_t turn; // at the end of each turn of the loop
     enum daemon_phase phase;
@@ -69,6 +71,7 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     farm->sweeper = sweeper_create(farm->loop, farm_on_swept, farm);
     farm->events = events_create(farm);
     farm->pool = worker_pool_create(farm, slots);
+    daemon->watchdog = watchdog_open(farm->loop);
     uv_signal_init(farm->loop, &daemon->terminate);
     uv_signal_init(farm->loop, &daemon->interrupt);
     uv_prepare_init(farm->loop, &daemon->turn);
@@ -100,6 +103,7 @@ static void close_all(struct daemon *daemon)
 {
     daemon->phase = DAEMON_CLOSING;
     if (daemon->listener) listener_close(daemon->listener);
+    watchdog_close(daemon->watchdog);
     worker_pool_close(daemon->farm.pool);
     events_close(daemon->farm.events);
     committer_close(daemon->farm.committer);

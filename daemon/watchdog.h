@@ -1,0 +1,12 @@
+// Tells the service manager that the loop turns, where it wants to be told (WatchdogSec= of systemd).
+#pragma once
+
+#include <uv.h>
+
+struct watchdog;
+
+// Feeds twice in the time that the manager waits, from a timer of `loop`: when the loop stops, so does the feeding. NULL
+// where nobody waits.
+struct watchdog *watchdog_open(uv_loop_t *loop);
+// Frees itself when the loop has closed the timer; accepts NULL.
+void watchdog_close(struct watchdog *watchdog);
