@@ -196,6 +196,49 @@ static void a_files_mistakes_have_a_line(void **state)
         REFUSE(cases[i][1], (char[]){"--config"}, write_config(state, cases[i][0]));
 }
 
+// Takes the mark of a comment from each setting, and counts them.
+static size_t uncomment(char *text)
+{
+    size_t count = 0;
+
+    for (char *line = text; line; line = strchr(line, '\n')) {
+        line += *line == '\n';
+        if (line[0] != '#' || line[1] == ' ' || strncmp(line, "#shader-dir", 11) == 0) continue;
+        line[0] = ' ';
+        count++;
+    }
+    return count;
+}
+
+static void the_file_that_is_shipped_tells_the_defaults(void **state)
+{
+    struct options told, held;
+    char *text, *path;
+
+    assert_true(file_read_text(PROJECT_ROOT "/deploy/marchd.conf", 1 << 16, &text, NULL, NULL));
+    path = write_config(state, text);
+    assert_true(PARSE(&told, &root, (char[]){"--config"}, path));
+    options_finish(&told);
+    assert_int_equal(uncomment(text), 11);
+    path = write_config(state, text);
+    assert_true(PARSE(&told, &user, (char[]){"--config"}, path));
+    assert_true(parse(&held, &root, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_string_equal(told.state_folder, held.state_folder);
+    assert_string_equal(told.socket_path, held.socket_path);
+    assert_string_equal(told.output_root, held.output_root);
+    assert_string_equal(told.worker_program, held.worker_program);
+    assert_string_equal(told.backend, held.backend);
+    assert_int_equal(told.worker_count, held.worker_count);
+    assert_int_equal(told.thread_count, held.thread_count);
+    assert_int_equal(told.max_attempts, held.max_attempts);
+    assert_int_equal(told.progress_limit_ms, held.progress_limit_ms);
+    assert_int_equal(told.stop_timeout_ms, held.stop_timeout_ms);
+    assert_int_equal(told.log_level, held.log_level);
+    options_finish(&held);
+    options_finish(&told);
+    free(text);
+}
+
 static void without_a_home_the_folders_must_be_given(void **state)
 {
     struct options_surroundings nowhere = {.current_folder = "/", .program_folder = "/"};
@@ -222,6 +265,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_file_comes_after_all_that_is_said, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(only_a_file_that_was_named_must_be_there),
         cmocka_unit_test_setup_teardown(a_files_mistakes_have_a_line, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(the_file_that_is_shipped_tells_the_defaults, temp_folder_create,
+                                        temp_folder_destroy),
         cmocka_unit_test(without_a_home_the_folders_must_be_given),
     };
 
