@@ -1,5 +1,7 @@
-// Time against error of frame 0: ladder_bench TRUTH STRIDE JOB... The jobs show the same scene at the same size, each its own
-// way. TRUTH keeps the light of every STRIDE-th pixel and row, from STRIDE / 2 on, as doubles; it is measured when it is not there.
+// Time against error of a frame: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB... The jobs show the same scene at the same
+// size, each its own way. TRUTH keeps the light of every STRIDE-th pixel and row, from STRIDE / 2 on, as doubles; it is measured when
+// it is not there. --once: times are those of one rendering, with compiling and reading, and truth is good to 1e-3.
+// ladder_bench [--frame N] --reach JOB says between which distances, in metres, camera rays meet media.
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -9,13 +11,24 @@
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
+#include "worker/scene_inputs.h"
+#include "worker/scene_reach.h"
 #include "worker/truth.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 enum { RUNS = 5, JOB_BYTES = 1 << 20 };
+
+struct ladder {
+    struct renderer *renderer;
+    const char *truth;
+    int stride;
+    int32_t frame;
+    bool is_once;
+};
 
 static double clock_s(clockid_t clock)
 {
@@ -47,14 +60,18 @@ static struct truth_place *list_places(const struct job *job, int stride, size_t
     return places;
 }
 
-static bool measure_truth(const struct job *job, const struct truth_place *places, size_t count, double *light,
-                          struct error *error)
+static bool measure_truth(const struct ladder *ladder, const struct job *job, const struct truth_place *places,
+                          size_t count, double *light, struct error *error)
 {
-    struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = 0}, error);
+    static const struct integrate_accuracy rough = {.relative = 1e-3};
+    struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = ladder->frame}, error);
     struct truth_pixel *pixels = xcalloc(count, sizeof *pixels);
 
     if (truth) {
-        truth_measure_many(truth, &(struct truth_many){.places = places, .pixels = pixels, .count = count});
+        truth_measure_many(truth, &(struct truth_many){.places = places,
+                                                       .pixels = pixels,
+                                                       .count = count,
+                                                       .accuracy = ladder->is_once ? &rough : NULL});
         for (size_t i = 0; i < 3 * count; i++)
             light[i] = pixels[i / 3].rgb[i % 3];
     }
@@ -63,9 +80,10 @@ static bool measure_truth(const struct job *job, const struct truth_place *place
     return truth != NULL;
 }
 
-static bool load_truth(const char *path, const struct job *job, const struct truth_place *places, size_t count,
-                       double *light, struct error *error)
+static bool load_truth(const struct ladder *ladder, const struct job *job, const struct truth_place *places,
+                       size_t count, double *light, struct error *error)
 {
+    const char *path = ladder->truth;
     FILE *file = fopen(path, "re");
     bool ok = file && fread(light, 3 * sizeof *light, count, file) == count;
 
@@ -74,7 +92,7 @@ static bool load_truth(const char *path, const struct job *job, const struct tru
         if (!ok) error_set(error, "%s: expected the light of %zu pixels", path, count);
         return ok;
     }
-    if (!measure_truth(job, places, count, light, error)) return false;
+    if (!measure_truth(ladder, job, places, count, light, error)) return false;
     file = fopen(path, "we");
     ok = file && fwrite(light, 3 * sizeof *light, count, file) == count;
     if (file && fclose(file) != 0) ok = false;
@@ -83,25 +101,26 @@ static bool load_truth(const char *path, const struct job *job, const struct tru
 }
 
 // The first frame compiles and reads; of the next ones the fastest counts.
-static bool render(struct renderer *renderer, const struct job *job, struct image *image, double best[static 2],
+static bool render(const struct ladder *ladder, const struct job *job, struct image *image, double best[static 2],
                    struct error *error)
 {
+    int runs = ladder->is_once ? 1 : RUNS;
+
     best[0] = best[1] = 1e30;
-    for (int i = RUNS; i >= 0; i--) {
+    for (int i = ladder->is_once ? 0 : RUNS; i >= 0; i--) {
         double wall = clock_s(CLOCK_MONOTONIC), cpu = clock_s(CLOCK_PROCESS_CPUTIME_ID);
         struct renderer_result result;
 
-        if (!renderer_render(renderer, job, i, image, NULL, NULL, &result, error)) return false;
+        if (!renderer_render(ladder->renderer, job, ladder->frame + i, image, NULL, NULL, &result, error)) return false;
         wall = clock_s(CLOCK_MONOTONIC) - wall;
         cpu = clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu;
-        if (i < RUNS && wall < best[0]) best[0] = wall;
-        if (i < RUNS && cpu < best[1]) best[1] = cpu;
+        if (i < runs && wall < best[0]) best[0] = wall;
+        if (i < runs && cpu < best[1]) best[1] = cpu;
     }
     return true;
 }
 
-static bool print_job(struct renderer *renderer, const char *path, const char *truth_path, int stride,
-                      struct error *error)
+static bool print_job(const struct ladder *ladder, const char *path, struct error *error)
 {
     struct truth_place *places = NULL;
     struct reference_error found;
@@ -113,10 +132,10 @@ static bool print_job(struct renderer *renderer, const char *path, const char *t
     bool ok = load_job(&job, path, error) && image_init(&image, job.width_px, job.height_px, false, false, error);
 
     if (!ok) goto out;
-    places = list_places(&job, stride, &count);
+    places = list_places(&job, ladder->stride, &count);
     light = xcalloc(3 * count, sizeof *light);
     seen = xcalloc(3 * count, sizeof *seen);
-    ok = load_truth(truth_path, &job, places, count, light, error) && render(renderer, &job, &image, best, error);
+    ok = load_truth(ladder, &job, places, count, light, error) && render(ladder, &job, &image, best, error);
     if (!ok) goto out;
     for (size_t i = 0; i < 3 * count; i++) {
         const struct truth_place *place = &places[i / 3];
@@ -135,24 +154,61 @@ out:
     return ok;
 }
 
-int main(int argc, char *argv[])
+static bool print_reach(const char *path, int32_t frame, struct error *error)
+{
+    struct job job = {0};
+    struct scene_inputs inputs = {0};
+    bool ok = load_job(&job, path, error) && scene_inputs_open(&inputs, &job, frame, NULL, NULL, error);
+
+    if (ok) {
+        struct scene_reach reach = scene_reach_find(&job, &inputs, frame);
+
+        printf("%.9g %.9g\n", reach.near, reach.far);
+    }
+    scene_inputs_finish(&inputs);
+    job_finish(&job);
+    return ok;
+}
+
+static int measure(struct ladder *ladder, char *jobs[])
 {
     struct error error = {0};
     struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
-    struct renderer *renderer = context ? renderer_create(context, NULL) : NULL;
-    int stride = argc > 3 ? atoi(argv[2]) : 0, failures = !renderer;
+    bool ok = context != NULL;
 
-    if (!context) fprintf(stderr, "%s\n", error.message);
-    if (stride < 1) {
-        fprintf(stderr, "usage: ladder_bench TRUTH STRIDE JOB...\n");
-        failures = 2;
+    if (!ok) fprintf(stderr, "%s\n", error.message);
+    ladder->renderer = context ? renderer_create(context, NULL) : NULL;
+    for (; ok && *jobs; jobs++) {
+        ok = print_job(ladder, *jobs, &error);
+        if (!ok) fprintf(stderr, "%s: %s\n", *jobs, error.message);
     }
-    for (int i = 3; !failures && i < argc; i++)
-        if (!print_job(renderer, argv[i], argv[1], stride, &error)) {
-            fprintf(stderr, "%s: %s\n", argv[i], error.message);
-            failures = 1;
-        }
-    if (renderer) renderer_destroy(renderer);
+    if (ladder->renderer) renderer_destroy(ladder->renderer);
     if (context) gl_context_destroy(context);
-    return failures;
+    return !ok;
+}
+
+int main(int argc, char *argv[])
+{
+    struct ladder ladder = {0};
+    struct error error = {0};
+    bool is_reach = false;
+    char **left = argv + 1;
+
+    for (; *left && !strncmp(*left, "--", 2); left++) {
+        if (!strcmp(*left, "--frame") && left[1]) ladder.frame = atoi(*++left);
+        if (!strcmp(*left, "--once")) ladder.is_once = true;
+        if (!strcmp(*left, "--reach")) is_reach = true;
+    }
+    if (is_reach && left[0]) {
+        if (print_reach(left[0], ladder.frame, &error)) return 0;
+        fprintf(stderr, "%s: %s\n", left[0], error.message);
+        return 1;
+    }
+    ladder.stride = argc - (left - argv) > 2 ? atoi(left[1]) : 0;
+    if (ladder.stride < 1) {
+        fprintf(stderr, "usage: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB... | [--frame N] --reach JOB\n");
+        return 2;
+    }
+    ladder.truth = left[0];
+    return measure(&ladder, left + 2);
 }
