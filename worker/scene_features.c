@@ -145,8 +145,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     for (size_t i = 0; i < scene->light_count; ++i)
         features.has_peaks |= features.light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]);
-    features.has_peaks &= features.marches && features.media_are_lit && !features.is_jittered && !features.is_gauss &&
-                          job->quality.method != JOB_METHOD_RIEMANN;
+    features.has_peaks &= features.marches && features.media_are_lit && job->quality.method != JOB_METHOD_RIEMANN;
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);
     features.has_samples = (features.has_media || features.has_objects) && job->quality.samples > 1;
     features.has_roulette = features.marches && features.has_extinction && job->quality.roulette_below > 0;

@@ -52,7 +52,7 @@ struct scene_features {
     bool has_roughness;
     bool has_samples;  // each pixel has several
     bool has_roulette; // rays with little left end by lot
-    bool has_peaks;    // segments are looked at in their middle, and some light's irradiance has a peak there
+    bool has_peaks;    // segments are looked at in single points, and some light has a peak that these may miss
     bool is_jittered;  // each segment is looked at somewhere in it
     bool is_tabled;    // some medium is
     bool is_adaptive;  // segments are bounded by their optical depth

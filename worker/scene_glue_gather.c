@@ -75,13 +75,18 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_pr
     fputs(";\n", out);
 }
 
-// The sample of light `i`, of the whole segment where that is looked at in its middle alone and the light has a peak.
+// The sample of light `i`, of the whole segment where the light has a peak in it. Nodes of a Gauss rule follow 1 / r^2 by
+// themselves but where segments cannot be shortened further.
 static void write_sample(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
 {
-    if (program->features.has_peaks && scene_light_is_inverse_square(&job->scene.lights[i]))
+    const struct scene_features *features = &program->features;
+
+    if (features->has_peaks && scene_light_is_inverse_square(&job->scene.lights[i]))
         fprintf(out,
-                "light_point_segment(LightPoint(light_%zu_intensity, light_%zu_position), point, direction, length);\n",
-                i, i);
+                "light_point_segment(LightPoint(light_%zu_intensity, light_%zu_position), point, direction, length, "
+                "%s, %s);\n",
+                i, i, features->is_gauss || features->is_jittered ? "place" : "0.5 * length",
+                features->is_gauss ? "0.25" : "0.99 * LIGHT_POINT_REACH");
     else
         fprintf(out, "light_%zu(point);\n", i);
 }
@@ -284,8 +289,8 @@ static void write_gather_node(FILE *out, const struct job *job, const struct sce
 {
     const struct scene_features *features = &program->features;
 
-    fputs("void gather_node(Gathered gathered, MediaField field, vec3 point, vec3 direction, out Spectrum extinction, "
-          "out Spectrum light_source)\n{\n"
+    fputs("void gather_node(Gathered gathered, MediaField field, vec3 point, vec3 direction, float length, float "
+          "place, out Spectrum extinction, out Spectrum light_source)\n{\n"
           "    extinction = spectrum(0.0);\n    light_source = spectrum(0.0);\n"
           "    if (field.distance >= 0.0) return;\n",
           out);
@@ -331,8 +336,8 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
     fprintf(out,
             "// `at` is where the segment begins, `point` %s.\n"
             "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
-            "length)\n{\n",
-            features->marches ? "where the field was taken" : "is there");
+            "length%s)\n{\n",
+            features->marches ? "where the field was taken" : "is there", features->is_jittered ? ", float place" : "");
     write_densities(out, job, program);
     if (has_source) write_sources(out, job, program);
     if (features->has_extinction) write_sigma_t(out, program);

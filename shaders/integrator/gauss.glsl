@@ -1,4 +1,4 @@
-// Segments of `step`, the last one before an edge of a medium's span ending exactly there, each looked at in the nodes of
+// Segments of `step`, shorter next to point lights, the last one before an edge of a medium's span ending exactly there, each looked at in the nodes of
 // Gauss and Legendre's rule: of order 2 GAUSS_ORDER where all is smooth. Segments that the media's bounds show to be empty
 // are stepped over.
 struct IntegratorGauss { float step; };
@@ -16,7 +16,7 @@ void integrator_gauss(IntegratorGauss method, vec3 origin, vec3 direction, vec2 
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
         for (; turn < MARCH_TURNS && at < end; ++turn) {
-            length = min(method.step, media_next_edge(ahead, at, end) - at);
+            length = min(march_reach(entry + at * direction, method.step), media_next_edge(ahead, at, end) - at);
             float first = GAUSS_NODES[0] * length;
             field = media_field(ahead, entry + (at + first) * direction, direction, at + first);
             if (field.distance < length - first) break;
@@ -30,7 +30,7 @@ void integrator_gauss(IntegratorGauss method, vec3 origin, vec3 direction, vec2 
             float place = at + GAUSS_NODES[i] * length;
             vec3 point = entry + place * direction;
             if (i > 0) field = media_field(ahead, point, direction, place);
-            gather_node(gathered, field, point, direction, sigma_t[i], source[i]);
+            gather_node(gathered, field, point, direction, length, place - at, sigma_t[i], source[i]);
         }
         Spectrum optical_depth;
         Spectrum light = gauss_segment(sigma_t, source, length, optical_depth);

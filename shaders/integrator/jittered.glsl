@@ -17,7 +17,7 @@ void integrator_jittered(IntegratorJittered method, vec3 origin, vec3 direction,
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
         for (; turn < MARCH_TURNS && at < end; ++turn) {
-            length = min(method.step, media_next_edge(ahead, at, end) - at);
+            length = min(march_reach(entry + at * direction, method.step), media_next_edge(ahead, at, end) - at);
             place = random_next() * length;
             field = media_field(ahead, entry + (at + place) * direction, direction, at + place);
             if (field.distance < 0.0) break;
@@ -27,7 +27,7 @@ void integrator_jittered(IntegratorJittered method, vec3 origin, vec3 direction,
             march_keep(vec2(at, 0.0), at >= end, gathered);
             break;
         }
-        gather(gathered, field, entry + (at + place) * direction, direction, interval.x + at, length);
+        gather(gathered, field, entry + (at + place) * direction, direction, interval.x + at, length, place);
         at += length;
         bool is_end = at >= end || gathered_is_over(gathered);
         march_keep(vec2(at, 0.0), is_end, gathered);

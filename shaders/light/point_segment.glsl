@@ -1,19 +1,19 @@
 // Of the light's distance: a segment next to it is so long at most.
 const float LIGHT_POINT_REACH = 0.15;
 
-// A point light as a segment of a camera ray sees it that is looked at in `point`, its middle, alone. Next to the light its
-// 1 / r^2 over a segment is an angle: Kulla and Fajardo, Computer Graphics Forum 31, 2012. It is seen from where half of that
-// angle is past, as phase functions turn with it. Farther away segments are even, and of a smooth rise and fall the sum of
-// their middles is better than each of its parts.
-LightSample light_point_segment(LightPoint light, vec3 point, vec3 direction, float length)
+// A point light as a segment of a camera ray sees it that is looked at in `point`, `place` behind its beginning. Next to the light
+// its 1 / r^2 over a segment is an angle: Kulla and Fajardo, Computer Graphics Forum 31, 2012. It is seen from where half of that
+// angle is past, as phase functions turn with it. In segments shorter than `least` of the light's distance the point will do:
+// farther away segments are even, and of a smooth rise and fall the sum of their middles is better than each of its parts.
+LightSample light_point_segment(LightPoint light, vec3 point, vec3 direction, float length, float place, float least)
 {
-    vec3 toward = light.position - point;
+    vec3 toward = light.position - point + (place - 0.5 * length) * direction;
     float along = dot(toward, direction);
     vec3 off = toward - along * direction;
     float square = dot(off, off);
     LightSample seen = light_point(light, point);
     vec3 first = toward + 0.5 * length * direction;
-    if (length < 0.99 * LIGHT_POINT_REACH * sqrt(dot(first, first))) return seen;
+    if (length < least * sqrt(dot(first, first))) return seen;
     // A light on the ray counts as a micrometre beside it.
     float height = max(sqrt(square), 1e-6);
     float angle = arc(length * height, height * height + (along - 0.5 * length) * (along + 0.5 * length));

@@ -185,8 +185,14 @@ static void noise_falls_with_the_root_of_samples(void **state)
 // Half the step leaves a quarter of the bias, or less.
 static void what_stays_falls_with_the_square_of_the_step(void **state)
 {
-    struct errors coarse = smooth_errors(STEPS("jittered", "0.5", "0.5"), 64);
-    struct errors fine = smooth_errors(STEPS("jittered", "0.125", "0.125"), 64);
+    // Next to a lamp whose light falls off, steps are shorter.
+    static const char lamp[] =
+        "{ \"kind\": \"point\", \"falloff\": \"none\", \"intensity\": 1, \"position\": [1.5, 1, 1] },";
+    struct sums truth = measure(SMOOTH, lamp);
+    struct sums wide = render(SMOOTH, lamp, STEPS("jittered", "0.5", "0.5"), 64);
+    struct sums narrow = render(SMOOTH, lamp, STEPS("jittered", "0.125", "0.125"), 64);
+    struct errors coarse = light_errors(&wide, &truth, "steps of a half");
+    struct errors fine = light_errors(&narrow, &truth, "of an eighth");
 
     assert_true(fabs(fine.bias) < fabs(coarse.bias) / 8);
     assert_true(fabs(fine.bias) < 3e-3);
