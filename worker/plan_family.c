@@ -242,6 +242,8 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
     if (family->method == JOB_METHOD_EQUIANGULAR) quality.points = 1;
     for (int i = 0; i < count; i++)
         set_axis(&quality, axes[i], scene, point->rungs[i]);
+    // Lights that nothing scatters are marched to as little as none, but jobs that have lights say how.
+    if (scene->job->scene.light_count > 0 && !scene->has_lights) set_axis(&quality, PLAN_AXIS_LIGHT_STEP, scene, 0);
     return quality;
 }
 

@@ -160,15 +160,22 @@ static bool audit_against_reference(const struct rendering *rendering, const str
     return audit_frame(&audit, &rendering->result->audit) || stop(rendering);
 }
 
+static bool has_promise(const struct scene_density *density)
+{
+    return density->kind == SCENE_DENSITY_GLSL && density->glsl.lipschitz > 0.0;
+}
+
 // Another size than the frame's, so that a frame that is equal is not copied after this: for scenes that stay, the plan's
-// own small frames do.
+// own small frames do. Not `is_bounded`: what the user's code promises of empty space is not counted on.
 static bool render_small(const struct rendering *rendering, const struct plan *plan, const struct image *size,
-                         struct image *image)
+                         bool is_bounded, struct image *image)
 {
     const struct tolerance_params *params = rendering->params;
     struct job job = plan_apply(plan, params->job);
     struct renderer_result result;
 
+    for (size_t i = 0; i < job.scene.medium_count && !is_bounded; ++i)
+        if (has_promise(&job.scene.media[i].density)) job.scene.media[i].density.glsl.lipschitz = 0.0;
     job.width_px = size->width_px;
     job.height_px = size->height_px;
     job.quality.samples = 1;
@@ -197,8 +204,8 @@ static bool audit_by_steps(const struct rendering *rendering, const struct plan 
         rendering->result->audit.is_pooled = true;
         return true;
     }
-    ok = ok && render_small(rendering, plan, &view->finer, &coarser) &&
-         render_small(rendering, &halved, &view->finer, &finer);
+    ok = ok && render_small(rendering, plan, &view->finer, true, &coarser) &&
+         render_small(rendering, &halved, &view->finer, false, &finer);
     if (ok) audit_by_halving(params->job, &coarser, &finer, &rendering->result->audit);
     image_finish(&finer);
     image_finish(&coarser);
@@ -255,13 +262,17 @@ static void note_shown(struct rendering *rendering)
 static bool miss(const struct rendering *rendering)
 {
     const struct audit_result *audit = &rendering->result->audit;
+    const struct scene *scene = &rendering->params->job->scene;
+    bool promises = false;
 
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        promises |= has_promise(&scene->media[i].density);
     rendering->result->render.fault = RENDERER_FAULT_MISSED;
     error_set(rendering->error,
               "quality.tolerance: expected an error of at most %g, got %.3g (with confidence below %.3g), and %.3g in "
-              "longer steps before; %s",
+              "longer steps before%s; %s",
               rendering->params->job->quality.tolerance, audit->error, audit->error95, rendering->result->first_error,
-              rendering->kept->plan.reason);
+              promises ? " (is a density.lipschitz too low?)" : "", rendering->kept->plan.reason);
     return false;
 }
 

@@ -5,9 +5,12 @@
 #include "core/job_json.h"
 #include "reference/reference.h"
 #include "tests/support/shader_dir.h"
+#include "tests/support/stability_scene.h"
+#include "tests/support/temp_folder.h"
 #include "worker/gl_context.h"
 #include "worker/image.h"
 #include "worker/renderer.h"
+#include "worker/tolerance.h"
 #include "worker/truth.h"
 
 #include <math.h>
@@ -15,186 +18,180 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Odd, so that one ray goes through the middle.
-enum { WIDTH_PX = 13, HEIGHT_PX = 9, PIXELS = WIDTH_PX * HEIGHT_PX };
-
-#define STEP 0.05
+enum { WIDTH_PX = STABILITY_WIDTH_PX, HEIGHT_PX = STABILITY_HEIGHT_PX, PIXELS = WIDTH_PX * HEIGHT_PX };
 
 const struct stability_sweep stability_sweeps[] = {
-    {"extinction times the step, before a background as bright as the medium",
-     "furnace",
-     {1e-3, 1e-2, 0.1, 0.5, 1, 2, 10, 100, 1000},
-     9},
-    {"optical depth of a lit medium", "depth", {1e-6, 1e-4, 1e-2, 1, 10, 100, 1000, 1e4}, 8},
-    {"g, the light behind the medium", "forward", {-0.999, -0.99, -0.9, 0, 0.9, 0.99, 0.999}, 7},
-    {"g, the light behind the camera", "backward", {-0.999, -0.99, -0.9, 0, 0.9, 0.99, 0.999}, 7},
-    {"distance of a light in the medium from a camera ray, m", "inside", {0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6}, 7},
-    {"distance of a light from the camera, m", "camera", {1, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 0}, 7},
-    {"distance of a light from the medium, m", "far", {1, 10, 100, 1e3, 1e4, 1e5, 1e6}, 7},
-    {"thickness of a shell over the step, of optical depth 1 throughout", "shell", {10, 2, 1, 0.5, 0.1, 1e-2, 1e-3}, 7},
-    {"distance of everything from the origin, m", "origin", {0, 100, 1e3, 1e4, 1e5, 1e6, 1e8}, 7},
-    {"irradiance of the light", "bright", {1, 1e3, 1e4, 1e5, 1e6, 1e9, 1e12}, 7},
+    {.name = "extinction times the step, before a background as bright as the medium",
+     .slug = "furnace",
+     .values = {1e-3, 1e-2, 0.1, 0.5, 1, 2, 10, 100, 1000},
+     .count = 9},
+    {.name = "optical depth of a lit medium",
+     .slug = "depth",
+     .values = {1e-6, 1e-4, 1e-2, 1, 10, 100, 1000, 1e4},
+     .count = 8},
+    {.name = "g, the light behind the medium",
+     .slug = "forward",
+     .values = {-0.999, -0.99, -0.9, 0, 0.9, 0.99, 0.999},
+     .count = 7},
+    {.name = "g, the light behind the camera",
+     .slug = "backward",
+     .values = {-0.999, -0.99, -0.9, 0, 0.9, 0.99, 0.999},
+     .count = 7},
+    {.name = "distance of a light in the medium from a camera ray, m",
+     .slug = "inside",
+     .values = {0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-6},
+     .count = 7},
+    {.name = "distance of a light from the camera, m",
+     .slug = "camera",
+     .values = {1, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 0},
+     .count = 7},
+    {.name = "distance of a light from the medium, m",
+     .slug = "far",
+     .values = {1, 10, 100, 1e3, 1e4, 1e5, 1e6},
+     .count = 7},
+    {.name = "thickness of a shell over the step, of optical depth 1 throughout",
+     .slug = "shell",
+     .values = {10, 2, 1, 0.5, 0.1, 1e-2, 1e-3},
+     .count = 7},
+    {.name = "distance of everything from the origin, m",
+     .slug = "origin",
+     .values = {0, 100, 1e3, 1e4, 1e5, 1e6, 1e8},
+     .count = 7},
+    {.name = "voxels along the view of 1.6 m",
+     .slug = "side",
+     .values = {1, 2, 3, 8, 64},
+     .count = 5,
+     .quick_count = 3,
+     .is_apart = true,
+     .is_grid = true},
+    {.name = "edge of a voxel across the view over the one along it",
+     .slug = "aspect",
+     .values = {0.1, 1, 10, 100},
+     .count = 4,
+     .quick_count = 3,
+     .is_apart = true,
+     .is_grid = true},
+    {.name = "share of the values' range that a transfer function shows",
+     .slug = "transfer",
+     .values = {0.3, 0.1, 0.03, 1e-2, 1e-3},
+     .count = 5,
+     .is_apart = true,
+     .is_grid = true},
+    {.name = "how many times too low a `lipschitz` is, of a shell around a hollow",
+     .slug = "lipschitz",
+     .values = {1, 2, 10, 100},
+     .count = 4,
+     .is_apart = true},
+    {.name = "flicker: what a picture changes by too much when its light moves by so much, m",
+     .slug = "flicker",
+     .values = {1e-6, 1e-4, 1e-2, 0.1},
+     .count = 4,
+     .is_change = true},
+    {.name = "irradiance of the light", .slug = "bright", .values = {1, 1e3, 1e4, 1e5, 1e6, 1e9, 1e12}, .count = 7},
 };
 const size_t stability_sweep_count = sizeof stability_sweeps / sizeof *stability_sweeps;
 
 const struct stability_method stability_methods[] = {
-    {"riemann", "\"method\":\"riemann\",\"step\":0.05,\"light_steps\":32", false},
-    {"midpoint", "\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.05", false},
-    {"jittered", "\"method\":\"jittered\",\"step\":0.05,\"light_step\":0.05", false},
-    {"adaptive", "\"method\":\"adaptive\",\"step\":0.05,\"light_step\":0.05,\"depth_step\":0.1", false},
-    {"gauss", "\"method\":\"gauss\",\"step\":0.05,\"light_step\":0.05,\"order\":3", false},
-    {"equiangular", "\"method\":\"equiangular\",\"points\":16", true},
-    {"cached", "\"method\":\"cached\",\"step\":0.05,\"light_grid\":64", false},
+    {.name = "riemann", .quality = "\"method\":\"riemann\",\"step\":0.05,\"light_steps\":32"},
+    {.name = "midpoint", .quality = "\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.05"},
+    {.name = "jittered", .quality = "\"method\":\"jittered\",\"step\":0.05,\"light_step\":0.05"},
+    {.name = "adaptive", .quality = "\"method\":\"adaptive\",\"step\":0.05,\"light_step\":0.05,\"depth_step\":0.1"},
+    {.name = "gauss", .quality = "\"method\":\"gauss\",\"step\":0.05,\"light_step\":0.05,\"order\":3"},
+    {.name = "equiangular", .quality = "\"method\":\"equiangular\",\"points\":16", .wants_even = true},
+    {.name = "cached", .quality = "\"method\":\"cached\",\"step\":0.05,\"light_grid\":64"},
+    {.name = "preintegrated", .quality = "\"method\":\"preintegrated\",\"step\":0.05", .only = "transfer"},
+    {.name = "auto", .quality = "\"tolerance\":0.01", .tolerance = 0.01},
 };
 const size_t stability_method_count = sizeof stability_methods / sizeof *stability_methods;
 
-// The scene at one value.
-struct setup {
-    double sigma_s, sigma_a, emission, g, background, irradiance, shift;
-    double light[3];
-    double thickness; // m; 0: a ball of radius 1, else a box so thin
-    bool is_inverse_square;
+struct stability_sweep stability_quick(const struct stability_sweep *sweep)
+{
+    struct stability_sweep quick = *sweep;
+
+    if (sweep->quick_count > 0) quick.count = sweep->quick_count;
+    return quick;
+}
+
+bool stability_concerns(const struct stability_sweep *sweep, const struct stability_method *method)
+{
+    bool is_grid = sweep->is_grid || stability_scene_twin(sweep);
+
+    return method->only ? strcmp(method->only, sweep->slug) == 0 : !(method->wants_even && is_grid);
+}
+
+// What renders, for a sweep and a method.
+struct stand {
+    const struct stability_method *method;
+    const struct stability_sweep *sweep;
+    struct renderer *renderer;
+    struct tolerance *tolerance;
+    int64_t serial; // of the job
 };
 
-static struct setup setup_of(const struct stability_sweep *sweep, double value)
+static bool render(const struct stand *stand, const struct job *job, int32_t frame, struct image *image,
+                   struct error *error)
 {
-    struct setup setup = {.sigma_s = 1, .irradiance = 1, .light = {2, 1.5, 2}};
-    const char *slug = sweep->slug;
+    struct renderer_result result;
+    struct tolerance_result kept;
 
-    if (strcmp(slug, "furnace") == 0)
-        setup = (struct setup){.sigma_a = value / STEP, .emission = value / STEP, .background = 1, .light = {9, 9, 9}};
-    else if (strcmp(slug, "depth") == 0)
-        setup.sigma_s = value / 2;
-    else if (strcmp(slug, "forward") == 0 || strcmp(slug, "backward") == 0) {
-        setup.g = value;
-        memcpy(setup.light, (double[]){0.3, 0.2, strcmp(slug, "forward") == 0 ? -4 : 6}, sizeof setup.light);
-    } else if (strcmp(slug, "inside") == 0) {
-        memcpy(setup.light, (double[]){value, 0, 0.1}, sizeof setup.light);
-        setup.is_inverse_square = true;
-    } else if (strcmp(slug, "camera") == 0) {
-        memcpy(setup.light, (double[]){0, value, 4}, sizeof setup.light);
-        setup.is_inverse_square = true;
-    } else if (strcmp(slug, "far") == 0)
-        memcpy(setup.light, (double[]){0.6 * (1 + value), 0.8 * (1 + value), 0}, sizeof setup.light);
-    else if (strcmp(slug, "shell") == 0) {
-        setup.thickness = value * STEP;
-        setup.sigma_s = 1 / setup.thickness;
-    } else if (strcmp(slug, "origin") == 0)
-        setup.shift = value;
-    else
-        setup.irradiance = value;
-    return setup;
+    if (!(stand->method->tolerance > 0))
+        return renderer_render(stand->renderer, job, frame, image, NULL, NULL, &result, error);
+    return tolerance_render(
+        stand->tolerance,
+        &(struct tolerance_params){.job = job, .serial = stand->serial, .frame = frame, .image = image}, &kept, error);
 }
 
-// Numbers that move from frame to frame, so that one program serves a sweep; in `size` values a frame.
-static void write_keys(FILE *out, const char *key, const double *values, size_t frames, size_t size)
-{
-    fprintf(out, "\"%s\":{\"keys\":[", key);
-    for (size_t i = 0; i < frames; i++) {
-        fprintf(out, "%s[%zu,%s", i > 0 ? "," : "", i, size > 1 ? "[" : "");
-        for (size_t k = 0; k < size; k++)
-            fprintf(out, "%s%.17g", k > 0 ? "," : "", values[size * i + k]);
-        fprintf(out, "%s]", size > 1 ? "]" : "");
-    }
-    fputs("],\"interpolation\":\"hold\"},", out);
-}
-
-enum { NUMBERS = 7, SIGMA_S = 0, SIGMA_A, EMISSION, G, BACKGROUND, IRRADIANCE, RADIUS };
-enum { VECTORS = 5, EYE = 0, TARGET, LIGHT, CENTER, SIZE };
-
-struct columns {
-    double numbers[NUMBERS][STABILITY_POINT_LIMIT];
-    double vectors[VECTORS][3 * STABILITY_POINT_LIMIT];
+// What a sweep's pictures should show, which most methods share.
+struct known {
+    const char *slug;
+    size_t count;
+    double values[STABILITY_POINT_LIMIT + 1]; // one more is before any of them: 0
+    double rgb[STABILITY_POINT_LIMIT + 1][3 * PIXELS];
 };
 
-static void fill(struct columns *columns, const struct setup *setup, size_t i)
+static bool measure_truth(const struct stand *stand, const struct job *job, int32_t frame, double *rgb)
 {
-    const double numbers[NUMBERS] = {
-        setup->sigma_s, setup->sigma_a, setup->emission, setup->g, setup->background, setup->irradiance, 1};
-    const double vectors[VECTORS][3] = {{0, 0, 4},
-                                        {0, 0, 0},
-                                        {setup->light[0], setup->light[1], setup->light[2]},
-                                        {0, 0, 0},
-                                        {1.6, 1.6, setup->thickness}};
-
-    for (int k = 0; k < NUMBERS; k++)
-        columns->numbers[k][i] = numbers[k];
-    for (int k = 0; k < VECTORS; k++)
-        for (int axis = 0; axis < 3; axis++)
-            columns->vectors[k][3 * i + (size_t)axis] =
-                vectors[k][axis] + (k == SIZE ? 0 : setup->shift * (axis == 0 ? 1 : 0.25));
-}
-
-static char *write_job(const struct stability_sweep *sweep, const struct stability_method *method)
-{
-    static const char *const number_keys[] = {"sigma_s",    "sigma_a",   "emission", "g",
-                                              "background", "intensity", "radius"};
-    struct columns columns;
-    struct setup first = setup_of(sweep, sweep->values[0]);
-    bool is_shell = first.thickness > 0;
-    char *text = NULL;
-    size_t length = 0;
-    FILE *out = open_memstream(&text, &length);
-
-    if (!out) abort();
-    for (size_t i = 0; i < sweep->count; i++) {
-        struct setup setup = setup_of(sweep, sweep->values[i]);
-
-        fill(&columns, &setup, i);
-    }
-#define NUMBER(which) write_keys(out, number_keys[which], columns.numbers[which], sweep->count, 1)
-#define VECTOR(key, which) write_keys(out, key, columns.vectors[which], sweep->count, 3)
-    fprintf(out, "{\"version\":1,\"name\":\"%s\",\"frames\":\"0-%zu\",\"fps\":1,\"resolution\":[%d,%d],", sweep->slug,
-            sweep->count - 1, WIDTH_PX, HEIGHT_PX);
-    NUMBER(BACKGROUND);
-    fputs("\"camera\":{", out);
-    VECTOR("position", EYE);
-    VECTOR("target", TARGET);
-    fputs("\"fov\":26,\"clip\":[2.5,5.5]},\"lights\":[{\"kind\":\"point\",", out);
-    VECTOR("position", LIGHT);
-    NUMBER(IRRADIANCE);
-    fprintf(out, "\"falloff\":\"%s\"}],\"scene\":{\"media\":[{", first.is_inverse_square ? "inverse_square" : "none");
-    NUMBER(SIGMA_S);
-    NUMBER(SIGMA_A);
-    NUMBER(EMISSION);
-    fputs("\"phase\":[{", out);
-    NUMBER(G);
-    fprintf(out, "\"weight\":1}],\"density\":{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"%s\",",
-            is_shell ? "box" : "sphere");
-    VECTOR("center", CENTER);
-    if (is_shell)
-        VECTOR("size", SIZE);
-    else
-        NUMBER(RADIUS);
-    fprintf(out, "\"falloff\":%g}}}]},\"quality\":{%s},\"output\":{\"path\":\"a.####.exr\",\"pixel\":\"float\"}}",
-            method->wants_even ? 0.0
-            : is_shell         ? 1e-5
-                               : 0.3,
-            method->quality);
-    fclose(out);
-    return text;
-}
-
-// What is true, or a refusal in every point of the sweep.
-static bool measure_truth(struct truth *truth, int32_t frame, double *rgb)
-{
+    const struct still_function functions[SCENE_MEDIUM_LIMIT] = {{.at = stability_scene_twin(stand->sweep)}};
+    const struct integrate_accuracy rough = {.relative = 1e-3};
+    struct truth_place places[PIXELS];
+    struct truth_pixel pixels[PIXELS];
     struct error error = {{0}};
+    struct truth *truth =
+        truth_open(&(struct truth_params){.job = job, .frame = frame, .functions = functions}, &error);
 
-    if (!truth_seek(truth, frame, &error)) {
+    if (!truth) {
         printf("%s\n", error.message);
         return false;
     }
-    for (int i = 0; i < PIXELS; i++) {
-        struct truth_pixel pixel = truth_measure(truth, i % WIDTH_PX, i / WIDTH_PX, NULL);
-
-        memcpy(rgb + 3 * (size_t)i, pixel.rgb, sizeof pixel.rgb);
-    }
+    for (int i = 0; i < PIXELS; i++)
+        places[i] = (struct truth_place){i % WIDTH_PX, i / WIDTH_PX};
+    truth_measure_many(truth, &(struct truth_many){.places = places,
+                                                   .pixels = pixels,
+                                                   .count = PIXELS,
+                                                   .accuracy = stand->sweep->is_apart ? &rough : NULL});
+    for (size_t i = 0; i < PIXELS; i++)
+        memcpy(rgb + 3 * i, pixels[i].rgb, sizeof pixels[i].rgb);
+    truth_close(truth);
     return true;
 }
 
-static void compare(const struct image *image, const double *truth, struct stability_point *point)
+static const double *find_truth(const struct stand *stand, const struct job *job, int32_t frame, double value)
 {
-    float seen[3 * PIXELS];
+    static struct known all[2];
+    struct known *known = &all[stand->method->wants_even];
+    size_t i = 0;
+
+    if (known->slug != stand->sweep->slug) *known = (struct known){.slug = stand->sweep->slug};
+    while (i < known->count && known->values[i] != value)
+        i++;
+    if (i < known->count) return known->rgb[i];
+    if (!measure_truth(stand, job, frame, known->rgb[i])) return NULL;
+    known->values[known->count++] = value;
+    return known->rgb[i];
+}
+
+static void compare(const struct image *image, const double *truth, struct stability_point *point, float *seen)
+{
     double sum = 0.0, true_sum = 0.0;
 
     for (size_t i = 0; i < 3 * PIXELS; i++) {
@@ -216,47 +213,98 @@ static void refuse(struct stability_point *points, size_t count, const char *rea
     }
 }
 
-static bool measure_points(struct gl_context *context, const struct job *job, size_t count,
+struct picture {
+    float seen[3 * PIXELS];
+    double truth[3 * PIXELS];
+};
+
+// By how much `now` changes since `then` that it should not, of its light.
+static double find_change(const struct picture *then, const struct picture *now)
+{
+    double apart = 0.0, light = 0.0;
+
+    for (int i = 0; i < 3 * PIXELS; i++) {
+        double seen = (double)now->seen[i] - (double)then->seen[i], known = now->truth[i] - then->truth[i];
+
+        apart += (seen - known) * (seen - known);
+        light += now->truth[i] * now->truth[i];
+    }
+    return sqrt(apart / light);
+}
+
+// Frames of a job, one for each of `values`; in a sweep of changes after one that they are changes since.
+static bool measure_frames(const struct stand *stand, const struct job *job, const double *values, size_t count,
                            struct stability_point *points)
 {
-    struct renderer *renderer = renderer_create(context, test_shader_dir());
+    size_t first = stand->sweep->is_change ? 1 : 0;
+    struct picture then = {0}, now = {0};
     struct error error = {{0}};
-    struct truth *truth = truth_open(&(struct truth_params){.job = job}, &error);
     struct image image = {0};
-    bool ok = truth && image_init(&image, WIDTH_PX, HEIGHT_PX, false, false, &error);
+    bool ok = image_init(&image, WIDTH_PX, HEIGHT_PX, false, false, &error);
 
-    if (!ok) printf("%s\n", error.message);
-    for (size_t i = 0; ok && i < count; i++) {
-        struct renderer_result result;
-        double rgb[3 * PIXELS];
+    for (size_t i = 0; ok && i < count + first; i++) {
+        bool is_base = i < first;
+        struct stability_point base, *point = is_base ? &base : &points[i - first];
+        const double *truth;
 
-        if (!renderer_render(renderer, job, (int32_t)i, &image, NULL, NULL, &result, &error)) {
-            refuse(&points[i], 1, error.message);
+        if (!render(stand, job, (int32_t)i, &image, &error)) {
+            refuse(is_base ? points : point, is_base ? count : 1, error.message);
+            if (is_base) break;
             continue;
         }
-        ok = measure_truth(truth, (int32_t)i, rgb);
-        if (ok) compare(&image, rgb, &points[i]);
+        truth = find_truth(stand, job, (int32_t)i, is_base ? 0.0 : values[i - first]);
+        ok = truth != NULL;
+        if (!ok) break;
+        memcpy(now.truth, truth, sizeof now.truth);
+        compare(&image, truth, point, now.seen);
+        if (is_base) then = now;
+        if (!is_base && first > 0) point->error = find_change(&then, &now);
     }
     image_finish(&image);
-    truth_close(truth);
-    renderer_destroy(renderer);
+    return ok;
+}
+
+static bool measure_job(const struct stand *stand, const double *values, size_t count, const char *folder,
+                        struct stability_point *points)
+{
+    double all[STABILITY_POINT_LIMIT + 1] = {0};
+    size_t first = stand->sweep->is_change ? 1 : 0;
+    struct error error = {{0}};
+    struct job job = {0};
+    bool ok = true;
+    char *text;
+
+    memcpy(all + first, values, count * sizeof *values);
+    stability_scene_write_voxels(stand->sweep, values[0], folder);
+    text = stability_scene_write(stand->sweep, stand->method, all, count + first, folder);
+    if (job_parse(&job, text, strlen(text), NULL, &error))
+        ok = measure_frames(stand, &job, values, count, points);
+    else
+        refuse(points, count, error.message);
+    job_finish(&job);
+    free(text);
     return ok;
 }
 
 bool stability_measure(struct gl_context *context, const struct stability_sweep *sweep,
                        const struct stability_method *method, struct stability_point *points)
 {
-    char *text = write_job(sweep, method);
-    struct error error = {{0}};
-    struct job job = {0};
-    bool ok = true;
+    struct stand stand = {
+        .method = method, .sweep = sweep, .renderer = renderer_create(context, test_shader_dir()), .serial = 1};
+    // Planned as farms do: by itself, not by what goes through other values.
+    bool is_apart = sweep->is_apart || method->tolerance > 0;
+    size_t together = is_apart ? 1 : sweep->count;
+    void *folder = NULL;
+    bool ok = temp_folder_create(&folder) == 0;
 
     memset(points, 0, sweep->count * sizeof *points);
-    if (job_parse(&job, text, strlen(text), NULL, &error))
-        ok = measure_points(context, &job, sweep->count, points);
-    else
-        refuse(points, sweep->count, error.message);
-    job_finish(&job);
-    free(text);
+    stand.tolerance = tolerance_create(stand.renderer);
+    for (size_t i = 0; ok && i < sweep->count; i += together) {
+        ok = measure_job(&stand, sweep->values + i, together, folder, points + i);
+        stand.serial++;
+    }
+    tolerance_destroy(stand.tolerance);
+    renderer_destroy(stand.renderer);
+    if (ok && temp_folder_destroy(&folder) != 0) ok = false;
     return ok;
 }

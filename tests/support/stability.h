@@ -14,6 +14,10 @@ struct stability_sweep {
     const char *slug; // its short name
     double values[STABILITY_POINT_LIMIT];
     size_t count;
+    size_t quick_count; // the first of them, which tests make do with; 0: all
+    bool is_apart;      // a value is a job of its own; otherwise a frame of one
+    bool is_grid;       // it reads voxels
+    bool is_change;     // the error is that of the picture's change since the value was 0
 };
 
 extern const struct stability_sweep stability_sweeps[];
@@ -24,6 +28,8 @@ struct stability_method {
     const char *name;
     const char *quality; // members of the job's "quality"
     bool wants_even;     // it is for homogeneous media alone
+    const char *only;    // the slug of the one sweep that it is for; NULL: all
+    double tolerance;    // it is the farm's, planned and audited; 0: it is rendered as `quality` says
 };
 
 extern const struct stability_method stability_methods[];
@@ -40,6 +46,10 @@ struct stability_point {
 
 struct gl_context;
 
-// Fills `points`, one a value. False, with a message printed, when the scene itself cannot be measured.
+// What tests make do with of a sweep.
+struct stability_sweep stability_quick(const struct stability_sweep *sweep);
+// False: the method has nothing to do with it.
+bool stability_concerns(const struct stability_sweep *sweep, const struct stability_method *method);
+// Fills `points`, one a value, for a method that the sweep concerns. False, with a message printed, when the scene itself cannot be measured.
 bool stability_measure(struct gl_context *context, const struct stability_sweep *sweep,
                        const struct stability_method *method, struct stability_point *points);

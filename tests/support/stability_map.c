@@ -32,10 +32,12 @@ static void print_points(const struct stability_sweep *sweep, const struct stabi
         else
             printf("  %9.1e", points[i].error);
     }
-    printf("\n%-23s", points[0].is_refused ? "" : "   light gained");
+    printf("\n%-23s", "   light gained");
     for (size_t i = 0; i < sweep->count; i++)
         printf("  %+9.1e", points[i].gain);
-    printf("%s%s\n", points[0].is_refused ? "   " : "", points[0].reason);
+    printf("\n");
+    for (size_t i = 0; i < sweep->count; i++)
+        if (points[i].is_refused) printf("   at %g: %s\n", sweep->values[i], points[i].reason);
 }
 
 // "0.001 to 10 good, 100 fair": stretches of like marks.
@@ -130,6 +132,10 @@ static bool print_sweep(struct gl_context *context, size_t index, const char *fo
     for (size_t k = 0; k < stability_method_count; k++) {
         struct stability_point points[STABILITY_POINT_LIMIT];
 
+        if (!stability_concerns(sweep, &stability_methods[k])) {
+            if (is_map) printf(" |");
+            continue;
+        }
         if (!stability_measure(context, sweep, &stability_methods[k], points)) return false;
         if (is_svg) {
             draw_row(index, k, points);
@@ -145,14 +151,14 @@ static bool print_sweep(struct gl_context *context, size_t index, const char *fo
     return true;
 }
 
-bool stability_map_print(struct gl_context *context, const char *form)
+bool stability_map_print(struct gl_context *context, const char *form, const char *slug)
 {
     bool ok = true;
 
     if (strcmp(form, "svg") == 0) begin_svg();
     if (strcmp(form, "map") == 0) begin_table();
     for (size_t i = 0; ok && i < stability_sweep_count; i++)
-        ok = print_sweep(context, i, form);
+        if (!slug || strcmp(slug, stability_sweeps[i].slug) == 0) ok = print_sweep(context, i, form);
     if (strcmp(form, "svg") == 0) printf("</svg>\n");
     return ok;
 }
