@@ -105,15 +105,14 @@ static void write_baked(struct json_writer *out, int rung, const struct chart_sc
 static void write_tracking(struct json_writer *out, int rung, const struct chart_scale *scale)
 {
     json_write_string_member(out, "estimator", "ratio");
-    json_write_number_member(out, "step", scale_step(scale, 2));
-    json_write_number_member(out, "light_step", scale_step(scale, 2));
+    (void)scale;
     json_write_integer_member(out, "samples", count_up(1, rung, SAMPLE_LIMIT));
 }
 
 static const struct series {
     const char *name, *method;
     write_function *write;
-    // NEEDS_CLIP: it knows no objects either; HAS_SAMPLES: its ladder is one of samples.
+    // Those not PLAIN know no objects. HAS_SAMPLES: its ladder is one of samples.
     enum { PLAIN, NEEDS_CLIP, HAS_SAMPLES } kind;
     const char
         *plainer; // the series that it is the same as, rung by rung, where its own way has nothing to do; NULL: none
@@ -188,7 +187,7 @@ char *chart_ladder_quality(size_t series, int rung, const struct chart_scale *sc
     json_write_string_member(&out, "method", of->method);
     of->write(&out, rung, scale);
     write_kept(&out, quality, of->kind == HAS_SAMPLES ? KEPT_BUT_SAMPLES : KEPT_ALL,
-               of->kind == NEEDS_CLIP ? KEPT_SAMPLES_END : KEPT_END);
+               of->kind == PLAIN ? KEPT_END : KEPT_SAMPLES_END);
     json_write_end_object(&out);
     return out.text;
 }

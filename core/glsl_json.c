@@ -9,6 +9,7 @@
 #include <string.h>
 
 static const double LIPSCHITZ_MIN = 1e-9, LIPSCHITZ_MAX = 1e9;
+static const double MAJORANT_MIN = 1e-9, MAJORANT_MAX = 1e9;
 
 // The word behind the # that a line begins with, of a directive that would reach out of the user's text.
 static const char *find_directive(const char *line)
@@ -78,9 +79,10 @@ static bool read_file(const struct scene_reader *reader, struct scene_glsl *glsl
 
 bool glsl_from_json(struct scene_glsl *glsl, const struct scene_reader *reader)
 {
-    static const char *const keys[] = {"kind", "bounds", "file", "source", "lipschitz", "scale", NULL};
+    static const char *const keys[] = {"kind", "bounds", "file", "source", "lipschitz", "majorant", "scale", NULL};
     struct json_node bounds = json_node_child(reader->object, "bounds");
     struct json_node lipschitz = json_node_child(reader->object, "lipschitz");
+    struct json_node majorant = json_node_child(reader->object, "majorant");
 
     if (!json_check_keys(reader->object, keys, reader->error) || !read_file(reader, glsl) || !read_source(reader, glsl))
         return false;
@@ -88,5 +90,7 @@ bool glsl_from_json(struct scene_glsl *glsl, const struct scene_reader *reader)
         return json_fail_expected(&bounds, reader->error, "bounds, as nobody else knows where the density ends");
     return (json_node_is_absent(&lipschitz) ||
             json_read_number(&lipschitz, LIPSCHITZ_MIN, LIPSCHITZ_MAX, &glsl->lipschitz, reader->error)) &&
+           (json_node_is_absent(&majorant) ||
+            json_read_number(&majorant, MAJORANT_MIN, MAJORANT_MAX, &glsl->majorant, reader->error)) &&
            scene_reader_read_or(reader, "scale", &SCENE_SCALE, 1.0, &glsl->scale);
 }

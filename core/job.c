@@ -41,6 +41,12 @@ bool job_method_takes_steps(enum job_method method)
            method == JOB_METHOD_TRACKING;
 }
 
+bool job_quality_has_majorants(const struct job_quality *quality)
+{
+    return quality->method == JOB_METHOD_TRACKING &&
+           (quality->estimator == JOB_ESTIMATOR_DELTA || quality->estimator == JOB_ESTIMATOR_RATIO);
+}
+
 int job_find_step_limit(const struct job *job)
 {
     return job->scene.object_count == 0 && job->quality.method != JOB_METHOD_PREINTEGRATED ? JOB_SLICED_STEPS_LIMIT

@@ -123,6 +123,8 @@ double job_frame_time(const struct job *job, int32_t frame); // s
 // From the time of the earliest frame to when the shutter closes on the latest; the range is not empty.
 struct timeline_span job_time_span(const struct job *job);
 int job_find_step_limit(const struct job *job); // the most steps along a camera ray
+// True when each medium needs a majorant: a number that its density is nowhere above.
+bool job_quality_has_majorants(const struct job_quality *quality);
 const char *job_method_name(enum job_method method);
 const char *job_estimator_name(enum job_estimator estimator);
 const char *job_compression_name(enum job_compression compression);

@@ -99,6 +99,7 @@ static void put_density(FILE *text, const struct scene_density *density)
     case SCENE_DENSITY_GLSL:
         put_text(text, "source", density->glsl.source);
         put_numbers(text, "lipschitz", &density->glsl.lipschitz, 1);
+        if (density->glsl.majorant > 0.0) put_numbers(text, "majorant", &density->glsl.majorant, 1);
         break;
     case SCENE_DENSITY_HOMOGENEOUS:
         break;

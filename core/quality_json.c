@@ -2,7 +2,6 @@
 
 #include "core/error.h"
 #include "core/job.h"
-#include "core/job_later.h"
 
 static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;       // m
 static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01; // unless the job says other
@@ -147,16 +146,18 @@ static bool read_cached(const struct json_node *object, struct job_quality *qual
 
 static bool read_tracking(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {STEP_KEYS, "estimator", "roulette", PATH_KEYS, NULL};
+    static const char *const keys[] = {"method", "estimator", "roulette", "samples", NULL};
+    static const char *const marched_keys[] = {
+        "method", "estimator", "step", "step_voxels", "light_step", "light_step_voxels", "roulette", "samples", NULL};
     static const char *const estimators[] = {"delta", "ratio", "debiased", "jackknife", NULL};
     struct json_node estimator = json_node_child(object, "estimator");
     int choice;
 
-    if (!json_check_keys(object, keys, error) || !read_steps(object, quality, error) ||
-        !json_read_enum(&estimator, estimators, &choice, error))
-        return false;
+    if (!json_read_enum(&estimator, estimators, &choice, error)) return false;
     quality->estimator = (enum job_estimator)choice;
-    return true;
+    if (job_quality_has_majorants(quality))
+        return json_check_keys(object, keys, error) && read_roulette(object, quality, error);
+    return json_check_keys(object, marched_keys, error) && read_steps(object, quality, error);
 }
 
 static bool read_auto(const struct json_node *object, struct job_quality *quality, struct error *error)
@@ -255,8 +256,7 @@ bool quality_from_json(struct job_quality *quality, const struct json_node *docu
                                     .max_cut = MAX_CUT};
     if (json_node_is_absent(&object)) return true;
     quality->tolerance = 0.0;
-    return json_check_object(&object, error) && job_later_check(&object, error) &&
-           read_method(&object, quality, error) &&
+    return json_check_object(&object, error) && read_method(&object, quality, error) &&
            (json_node_is_absent(&samples) ||
             read_count(&object, "samples", JOB_SAMPLE_LIMIT, &quality->samples, error)) &&
            read_paths(&object, quality, error);

@@ -126,6 +126,7 @@ struct scene_glsl {
     char *file;       // owned; for messages; NULL: the text is from the job itself
     char *source;     // owned; `float density(vec3 p, float t)` and what it calls; NULL: still to be read from `file`
     double lipschitz; // > 0: |density(p) - density(q)| <= lipschitz |p - q|, negative outside; 0: nothing is known
+    double majorant;  // > 0: density() is nowhere above; 0: nothing is known
     struct timeline scale; // >= 0
 };
 

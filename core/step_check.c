@@ -323,8 +323,8 @@ static bool check_midpoint(const struct check *check)
     bool is_even = media_are_even(scene);
 
     if (!check_voxels(check)) return false;
-    if (!is_even && quality->method != JOB_METHOD_AUTO && scene->light_count > 0 && quality->light_step == 0.0 &&
-        quality->light_step_voxels == 0.0)
+    if (!is_even && quality->method != JOB_METHOD_AUTO && !job_quality_has_majorants(quality) &&
+        scene->light_count > 0 && quality->light_step == 0.0 && quality->light_step_voxels == 0.0)
         return json_fail_expected(&light_step, check->error, "a number of metres, as light marches through media");
     for (size_t i = 0; i < scene->medium_count; i++) {
         const struct scene_density *density = &scene->media[i].density;
@@ -333,6 +333,30 @@ static bool check_midpoint(const struct check *check)
         if (!check_march(check, i) || (!scene_density_is_even(density) && !check_light_march(check, i))) return false;
     }
     return true;
+}
+
+// Nobody but the job knows what its own code may say.
+static bool check_majorant(const struct check *check, size_t index)
+{
+    const struct scene_density *density = &check->job->scene.media[index].density;
+    struct density_nodes nodes;
+    struct json_node node = json_node_child(find_density(check, index, &nodes), "majorant");
+
+    if (density->kind != SCENE_DENSITY_GLSL || density->glsl.majorant > 0.0) return true;
+    return json_fail_expected(&node, check->error,
+                              "a number that density() is nowhere above, which the estimators delta "
+                              "and ratio need");
+}
+
+static bool check_tracking(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    struct json_node method = json_node_child(check->quality, "method");
+
+    if (scene->object_count > 0) return json_fail(&method, check->error, "tracking is not for scenes with objects yet");
+    for (size_t i = 0; i < scene->medium_count && job_quality_has_majorants(&check->job->quality); i++)
+        if (!check_majorant(check, i)) return false;
+    return check_midpoint(check);
 }
 
 static bool check_riemann(const struct check *check)
@@ -405,8 +429,9 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
     case JOB_METHOD_ADAPTIVE:
     case JOB_METHOD_GAUSS:
     case JOB_METHOD_PREINTEGRATED:
-    case JOB_METHOD_TRACKING:
         return check_midpoint(&check);
+    case JOB_METHOD_TRACKING:
+        return check_tracking(&check);
     case JOB_METHOD_CACHED:
         return check_cached(&check);
     case JOB_METHOD_EQUIANGULAR:

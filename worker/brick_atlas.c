@@ -128,6 +128,7 @@ static bool find_reach(struct brick_atlas *atlas, const struct brick_atlas_param
         goto out;
     }
     memcpy(bricks.count, density->brick_count, sizeof bricks.count);
+    atlas->bound = (struct grid_bound){INFINITY, -INFINITY};
     for (size_t n = 0; n < total; ++n) {
         int brick[3];
 
@@ -135,6 +136,8 @@ static bool find_reach(struct brick_atlas *atlas, const struct brick_atlas_param
         for (int axis = 0; axis < 3; ++axis)
             brick[axis] += density->brick_min[axis];
         bricks.bounds[n] = bound_of(density, brick);
+        widen(&atlas->bound, bricks.bounds[n].min);
+        widen(&atlas->bound, bricks.bounds[n].max);
     }
     grid_bricks_find_distances(&bricks, 1, 0, is_empty, params->user, distances);
     for (size_t n = 0; n < total; ++n)

@@ -24,6 +24,7 @@ struct brick_atlas {
     int brick_count[3];
     uint16_t (*index)[4]; // owned; of each brick, i fastest: its slot, and how many bricks away the nearest density is
     int voxel_min[3], voxel_max[3]; // the box of the density's active voxels, inclusive
+    struct grid_bound bound;        // of all values that interpolation between the density's voxels reaches
     double index_to_world[12];
     size_t size_bytes; // of values and index
 };

@@ -5,8 +5,10 @@
 #include "worker/scene_inputs.h"
 #include "worker/sparse_grid.h"
 #include "worker/timeline_value.h"
+#include "worker/transfer_function.h"
 
 #include <assert.h>
+#include <math.h>
 
 static const struct scene_input *input_of(const struct density_site *site)
 {
@@ -77,6 +79,42 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
         uniforms,
         timeline_value(&blackbody->intensity, FRAME_VALUE_FLOAT, value_range_not_negative, "blackbody.intensity"),
         "medium_%zu_intensity", site->medium);
+}
+
+static void evaluate_majorant(const void *source, double time, double value[static 9])
+{
+    const struct scene_input *input = source;
+    const struct scene_grid *grid = input->source;
+    const struct grid_bound bound = input->bricks->atlas->bound;
+
+    if (grid->point_count == 0) {
+        timeline_value_evaluate(&grid->scale, time, value);
+        value[0] *= fmax((double)bound.max, 0);
+        return;
+    }
+    timeline_value_evaluate(&grid->unit_distance, time, value);
+    value[0] =
+        -log1p(-transfer_function_max_opacity(grid->points, grid->point_count, (double)bound.min, (double)bound.max)) /
+        value[0];
+}
+
+static void add_majorant(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    const struct scene_input *input = input_of(site);
+    const struct scene_grid *grid = input->source;
+
+    frame_uniforms_add(
+        uniforms,
+        (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                             .is_constant = !input->is_sequence &&
+                                            (grid->point_count == 0 ? timeline_is_constant(&grid->scale)
+                                                                    : timeline_is_constant(&grid->unit_distance)),
+                             .evaluate = evaluate_majorant,
+                             .source = input,
+                             .min = value_range_not_negative.min,
+                             .max = value_range_not_negative.max,
+                             .meaning = "density.file"},
+        "medium_%zu_majorant", site->medium);
 }
 
 static const char *const *modules(const struct density_site *site)
@@ -159,4 +197,5 @@ const struct density_kind density_kind_bricks = {
     .add_values = add_values,
     .modules = modules,
     .write = write,
+    .add_majorant = add_majorant,
 };

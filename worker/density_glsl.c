@@ -1,5 +1,6 @@
 #include "core/alloc.h"
 #include "core/error.h"
+#include "core/job.h"
 #include "worker/density_bake.h"
 #include "worker/density_kind.h"
 #include "worker/glsl_names.h"
@@ -190,7 +191,11 @@ static void write(FILE *out, const struct density_site *site)
                 scene_anchor_is_used(site->job) ? " + scene_anchor" : "");
     }
     fprintf(out, "float medium_%zu_density(float field)\n{\n", i);
-    fprintf(out, "    return density_own_at(medium_%zu_settings(), field);\n}\n", i);
+    if (job_quality_has_majorants(&site->job->quality))
+        fprintf(out, "    return density_own_at(medium_%zu_settings(), majorant_checked(field, %.9e, %zu));\n}\n", i,
+                site->source->density.glsl.majorant, i);
+    else
+        fprintf(out, "    return density_own_at(medium_%zu_settings(), field);\n}\n", i);
     fprintf(out, "float medium_%zu_distance(float field)\n{\n", i);
     if (!is_baked) {
         fprintf(out, "    return density_own_distance(medium_%zu_settings(), field);\n}\n", i);
@@ -199,6 +204,29 @@ static void write(FILE *out, const struct density_site *site)
     // Values are means over corners, which are on the average no farther from there than half a cell's diagonal.
     fprintf(out, "    float distance = density_own_distance(medium_%zu_settings(), field);\n", i);
     fprintf(out, "    return distance < 0.0 ? distance : max(distance - %.9e, 0.0);\n}\n", 0.5 * sqrt(3) * bake.cell_m);
+}
+
+static void evaluate_majorant(const void *source, double time, double value[static 9])
+{
+    const struct scene_glsl *glsl = source;
+
+    timeline_value_evaluate(&glsl->scale, time, value);
+    value[0] *= glsl->majorant;
+}
+
+static void add_majorant(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    const struct scene_glsl *glsl = &site->source->density.glsl;
+
+    frame_uniforms_add(uniforms,
+                       (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                            .is_constant = timeline_is_constant(&glsl->scale),
+                                            .evaluate = evaluate_majorant,
+                                            .source = glsl,
+                                            .min = value_range_not_negative.min,
+                                            .max = value_range_not_negative.max,
+                                            .meaning = "density.majorant and scale"},
+                       "medium_%zu_majorant", site->medium);
 }
 
 static bool find_box(const struct density_site *site, double half_size[static 3])
@@ -235,6 +263,8 @@ const struct density_kind density_kind_glsl = {
     .modules = modules,
     .load_text = load_text,
     .write = write,
+    .add_majorant = add_majorant,
+    .majorant_module = "density/majorant.glsl",
     .find_box = find_box,
     .add_baked_values = add_baked_values,
     .write_baked = write_baked,

@@ -173,6 +173,25 @@ static void write(FILE *out, const struct density_site *site)
             site->medium);
 }
 
+// By bricks, whose largest values are known once the file was read.
+static void write_most(FILE *out, const struct density_site *site)
+{
+    const struct scene_grid *grid = &site->source->density.grid;
+    size_t i = site->medium;
+
+    fprintf(out,
+            "layout(binding = %zu) uniform sampler3D medium_%zu_majorants;\n"
+            "float medium_%zu_most(vec3 p, vec3 direction, inout float reach)\n{\n"
+            "    vec3 at = density_grid_index(medium_%zu_grid(), p);\n    float own;\n"
+            "    float most = density_grid_majorant(medium_%zu_majorants, medium_%zu_grid(), at, direction, own);\n"
+            "    if (most <= 0.0) own = max(own, medium_%zu_skip(at, direction));\n    reach = min(reach, own);\n",
+            4 * i + 2, i, i, i, i, i, i);
+    if (grid->point_count > 0)
+        fprintf(out, "    return transfer_extinction(most, medium_%zu_unit_distance);\n}\n", i);
+    else
+        fprintf(out, "    return medium_%zu_scale * max(most, 0.0);\n}\n", i);
+}
+
 const struct density_kind density_kind_grid = {
     .name = "grid",
     .field_type = "vec3",
@@ -184,4 +203,6 @@ const struct density_kind density_kind_grid = {
     .add_values = add_values,
     .modules = modules,
     .write = write,
+    .write_most = write_most,
+    .majorant_module = "density/grid_majorant.glsl",
 };

@@ -31,6 +31,14 @@ static void write(FILE *out, const struct density_site *site)
     fprintf(out, "float medium_%zu_distance(float field)\n{\n    return -1.0;\n}\n", i);
 }
 
+static void add_majorant(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    frame_uniforms_add(uniforms,
+                       timeline_value(&site->source->density.homogeneous.scale, FRAME_VALUE_FLOAT,
+                                      value_range_not_negative, "density.scale"),
+                       "medium_%zu_majorant", site->medium);
+}
+
 const struct density_kind density_kind_homogeneous = {
     .name = "homogeneous",
     .field_type = "float",
@@ -39,4 +47,5 @@ const struct density_kind density_kind_homogeneous = {
     .add_values = add_values,
     .modules = modules,
     .write = write,
+    .add_majorant = add_majorant,
 };

@@ -66,6 +66,14 @@ struct density_kind {
     // - vec3 medium_I_glow(vec3 p) (the medium has a blackbody): source per density.
     // Opaque types (textures) it declares itself, at bindings 4 I to 4 I + 3.
     void (*write)(FILE *out, const struct density_site *site);
+    // What follows is for tracking among majorants (scene_features.has_majorants).
+    // Adds medium_I_majorant, which the density before what the bounds' falloff leaves of it is nowhere above; NULL: there is
+    // write_most.
+    void (*add_majorant)(struct frame_uniforms *uniforms, const struct density_site *site);
+    // Emits float medium_I_most(vec3 p, vec3 direction, inout float reach): such a number that holds for `reach` metres from p
+    // on, which it may shorten. NULL: medium_I_majorant holds everywhere.
+    void (*write_most)(FILE *out, const struct density_site *site);
+    const char *majorant_module; // that these and `write` need then; NULL: none
     // What follows is of kinds that may be baked (density_bake.h); else find_box is NULL.
     // Half the sides of a box around the bounds' centre that holds the medium throughout the job, in axes that stand still
     // for the field: the grid's. False where there is none.

@@ -374,6 +374,39 @@ static void write_baked(FILE *out, const struct density_site *site)
     write_octaves(out, site, 0, count_baked(site));
 }
 
+// All octaves at their largest at once. Of one that is less than 1.0364: the largest in a cell of Perlin's twelve gradients.
+static void evaluate_majorant(const void *source, double time, double value[static 9])
+{
+    const double largest = 1.04;
+    const struct scene_noise *noise = source;
+    double gain[9] = {0}, exponent[9] = {0}, scale[9] = {0}, sum = 0, share = largest;
+
+    evaluate_gain(noise, time, gain);
+    evaluate_exponent(noise, time, exponent);
+    timeline_value_evaluate(&noise->scale, time, scale);
+    for (int k = 0; k < noise->octaves; ++k, share *= gain[0])
+        sum += share;
+    value[0] = scale[0] * pow(noise->mode == SCENE_NOISE_REMAP ? 0.5 + 0.5 * sum : sum, exponent[0]);
+}
+
+static void add_majorant(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    const struct scene_noise *noise = &site->source->density.noise;
+
+    frame_uniforms_add(uniforms,
+                       (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                            .is_constant = timeline_is_constant(&noise->lacunarity) &&
+                                                           timeline_is_constant(&noise->hurst) &&
+                                                           timeline_is_constant(&noise->bias) &&
+                                                           timeline_is_constant(&noise->scale),
+                                            .evaluate = evaluate_majorant,
+                                            .source = noise,
+                                            .min = value_range_not_negative.min,
+                                            .max = value_range_not_negative.max,
+                                            .meaning = "density.scale, octaves, H, lacunarity and bias"},
+                       "medium_%zu_majorant", site->medium);
+}
+
 const struct density_kind density_kind_noise = {
     .name = "noise",
     .field_type = "float",
@@ -381,6 +414,7 @@ const struct density_kind density_kind_noise = {
     .add_values = add_values,
     .modules = modules,
     .write = write,
+    .add_majorant = add_majorant,
     .find_box = find_box,
     .pays_baked = pays_baked,
     .add_baked_values = add_baked_values,

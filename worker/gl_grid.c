@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "worker/gl_functions.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 
@@ -122,22 +123,57 @@ void gl_grid_finish(struct gl_grid *grid)
     *grid = (struct gl_grid){0};
 }
 
-unsigned gl_grid_create_distances(const struct gl_grid *grid, double slope, double intercept,
-                                  grid_bricks_is_empty *is_empty, const void *user)
+// A texel a brick.
+static unsigned make_bricks(const struct gl_grid *grid, GLenum internal, GLenum component, const void *texels)
 {
     const struct gl_functions *gl = grid->gl;
     const int *count = grid->bricks.count;
-    unsigned char *distances = malloc((size_t)count[0] * (size_t)count[1] * (size_t)count[2]);
     unsigned texture = 0;
 
-    if (!distances) return 0;
-    grid_bricks_find_distances(&grid->bricks, slope, intercept, is_empty, user, distances);
     gl->CreateTextures(GL_TEXTURE_3D, 1, &texture);
-    gl->TextureStorage3D(texture, 1, GL_R8, count[0], count[1], count[2]);
+    gl->TextureStorage3D(texture, 1, internal, count[0], count[1], count[2]);
     gl->TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
     gl->TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    gl->TextureSubImage3D(texture, 0, 0, 0, 0, count[0], count[1], count[2], GL_RED, GL_UNSIGNED_BYTE, distances);
+    gl->TextureSubImage3D(texture, 0, 0, 0, 0, count[0], count[1], count[2], GL_RED, component, texels);
+    return texture;
+}
+
+static size_t count_bricks(const struct gl_grid *grid)
+{
+    const int *count = grid->bricks.count;
+
+    return (size_t)count[0] * (size_t)count[1] * (size_t)count[2];
+}
+
+unsigned gl_grid_create_distances(const struct gl_grid *grid, double slope, double intercept,
+                                  grid_bricks_is_empty *is_empty, const void *user)
+{
+    unsigned char *distances = malloc(count_bricks(grid));
+    unsigned texture;
+
+    if (!distances) return 0;
+    grid_bricks_find_distances(&grid->bricks, slope, intercept, is_empty, user, distances);
+    texture = make_bricks(grid, GL_R8, GL_UNSIGNED_BYTE, distances);
     free(distances);
+    return texture;
+}
+
+unsigned gl_grid_create_majorants(const struct gl_grid *grid, double slope, double intercept,
+                                  gl_grid_find_most *find_most, const void *user)
+{
+    size_t count = count_bricks(grid);
+    float *most = malloc(count * sizeof *most);
+    unsigned texture;
+
+    if (!most) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        double a = slope * (double)grid->bricks.bounds[i].min + intercept;
+        double b = slope * (double)grid->bricks.bounds[i].max + intercept;
+
+        most[i] = (float)find_most(fmin(a, b), fmax(a, b), user);
+    }
+    texture = make_bricks(grid, GL_R32F, GL_FLOAT, most);
+    free(most);
     return texture;
 }

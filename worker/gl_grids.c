@@ -26,8 +26,8 @@ struct kept_grid {
     uint64_t used; // the frame that last needed it
 };
 
-struct kept_distances {
-    char hash[HASH_TEXT_SIZE]; // of the input and of what decides where it is empty
+struct kept_numbers {
+    char hash[HASH_TEXT_SIZE]; // of the input and of what its values mean
     unsigned texture;
 };
 
@@ -45,7 +45,7 @@ struct gl_grids {
     const struct gl_functions *gl; // borrowed; outlives us
     uint64_t frame_count;
     struct kept_grid grids[GRID_LIMIT];
-    struct kept_distances distances[SCENE_MEDIUM_LIMIT];
+    struct kept_numbers distances[SCENE_MEDIUM_LIMIT], majorants[SCENE_MEDIUM_LIMIT];
     struct kept_table tables[SCENE_MEDIUM_LIMIT];
     struct kept_bricks bricks[SCENE_MEDIUM_LIMIT];
     unsigned blackbody; // its table; 0: nothing has glowed yet
@@ -72,11 +72,14 @@ void gl_grids_clear(struct gl_grids *grids)
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         if (grids->distances[i].texture) grids->gl->DeleteTextures(1, &grids->distances[i].texture);
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+        if (grids->majorants[i].texture) grids->gl->DeleteTextures(1, &grids->majorants[i].texture);
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         if (grids->tables[i].texture) grids->gl->DeleteTextures(1, &grids->tables[i].texture);
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         gl_bricks_finish(&grids->bricks[i].bricks);
     if (grids->blackbody) grids->gl->DeleteTextures(1, &grids->blackbody);
     memset(grids->distances, 0, sizeof grids->distances);
+    memset(grids->majorants, 0, sizeof grids->majorants);
     memset(grids->tables, 0, sizeof grids->tables);
     memset(grids->bricks, 0, sizeof grids->bricks);
     grids->blackbody = 0;
@@ -156,7 +159,7 @@ static bool is_empty(double min, double max, const void *user)
     return transfer_function_is_empty(grid->points, grid->point_count, min, max);
 }
 
-static void hash_distances(const struct scene_input *input, char hash[static HASH_TEXT_SIZE])
+static void hash_numbers(const struct scene_input *input, char hash[static HASH_TEXT_SIZE])
 {
     char hashes[2][HASH_TEXT_SIZE];
 
@@ -165,25 +168,34 @@ static void hash_distances(const struct scene_input *input, char hash[static HAS
     hash_bytes(hashes, sizeof hashes, hash);
 }
 
-static bool bind_distances(struct gl_grids *grids, const struct scene_input *input, const struct gl_grid *grid,
-                           size_t medium, struct error *error)
+static double find_most(double min, double max, const void *user)
 {
-    struct kept_distances *kept = &grids->distances[medium];
+    const struct scene_grid *grid = user;
+
+    return grid->point_count == 0 ? max : transfer_function_max_opacity(grid->points, grid->point_count, min, max);
+}
+
+// A number of each brick: how far it is from one that is not empty, or its majorant.
+static bool bind_brick_numbers(struct gl_grids *grids, const struct scene_input *input, const struct gl_grid *grid,
+                               bool are_majorants, size_t medium, struct error *error)
+{
+    struct kept_numbers *kept = are_majorants ? &grids->majorants[medium] : &grids->distances[medium];
+    double slope = input->header.slope, intercept = input->header.intercept;
     char hash[HASH_TEXT_SIZE];
 
-    hash_distances(input, hash);
+    hash_numbers(input, hash);
     if (strcmp(hash, kept->hash) != 0) {
         if (kept->texture) grids->gl->DeleteTextures(1, &kept->texture);
-        *kept =
-            (struct kept_distances){.texture = gl_grid_create_distances(
-                                        grid, input->header.slope, input->header.intercept, is_empty, input->source)};
+        *kept = (struct kept_numbers){
+            .texture = are_majorants ? gl_grid_create_majorants(grid, slope, intercept, find_most, input->source)
+                                     : gl_grid_create_distances(grid, slope, intercept, is_empty, input->source)};
         if (!kept->texture) {
             error_set(error, "%s: out of memory", input->path);
             return false;
         }
         memcpy(kept->hash, hash, sizeof kept->hash);
     }
-    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium + 1), kept->texture);
+    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium + (are_majorants ? 2 : 1)), kept->texture);
     return true;
 }
 
@@ -247,8 +259,9 @@ static bool bind_bricks(struct gl_grids *grids, const struct scene_input *input,
     return true;
 }
 
-static bool bind_medium(struct gl_grids *grids, const struct scene_input *input, size_t medium, bool is_tabled,
-                        gl_grid_progress *on_progress, void *user, struct error *error)
+static bool bind_medium(struct gl_grids *grids, const struct scene_input *input, size_t medium,
+                        const struct job_quality *quality, gl_grid_progress *on_progress, void *user,
+                        struct error *error)
 {
     struct kept_grid *kept;
 
@@ -258,15 +271,16 @@ static bool bind_medium(struct gl_grids *grids, const struct scene_input *input,
     if (!kept) return false;
     kept->used = grids->frame_count;
     grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium), kept->grid.voxels);
-    if (is_tabled) bind_table(grids, input->source, medium);
-    return bind_distances(grids, input, &kept->grid, medium, error);
+    if (quality->method == JOB_METHOD_PREINTEGRATED && input->source->point_count > 0)
+        bind_table(grids, input->source, medium);
+    if (job_quality_has_majorants(quality) && !bind_brick_numbers(grids, input, &kept->grid, true, medium, error))
+        return false;
+    return bind_brick_numbers(grids, input, &kept->grid, false, medium, error);
 }
 
 bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
                    struct error *error)
 {
-    bool is_tabled = inputs->quality.method == JOB_METHOD_PREINTEGRATED;
-
     grids->frame_count++;
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
         struct kept_grid *kept = inputs->media[i].source ? find(grids, inputs->media[i].hash) : NULL;
@@ -277,9 +291,7 @@ bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl
         char place[64];
 
         if (!inputs->media[i].source || inputs->is_unneeded[i]) continue;
-        if (bind_medium(grids, &inputs->media[i], i, is_tabled && inputs->media[i].source->point_count > 0, on_progress,
-                        user, error))
-            continue;
+        if (bind_medium(grids, &inputs->media[i], i, &inputs->quality, on_progress, user, error)) continue;
         scene_format_medium_place(inputs->scene, i, place, sizeof place);
         error_prefix(error, "%s.density.file", place);
         return false;

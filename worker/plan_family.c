@@ -1,6 +1,5 @@
 #include "worker/plan_family.h"
 
-#include "core/job_later.h"
 #include "core/json_read.h"
 #include "core/step_check.h"
 #include "worker/density_bake.h"
@@ -247,21 +246,13 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
     return quality;
 }
 
-// Those that are not there yet are known by name.
-static bool is_there(const char *key, const char *text)
-{
-    for (const struct job_later *later = job_later_table; later->key; later++)
-        if (strcmp(later->key, key) == 0 && (!later->text || (text && strcmp(later->text, text) == 0))) return false;
-    return true;
-}
-
 bool plan_family_serves(const struct plan_family *family, const struct plan_scene *scene)
 {
     struct json_node nowhere = json_node_root(NULL);
     struct plan_point middle = {{8, 8, 8, 4, 0}};
     struct job planned = *scene->job;
 
-    if (!is_there("method", job_method_name(family->method)) || !family->serves(scene)) return false;
+    if (!family->serves(scene)) return false;
     planned.quality = plan_family_quality(family, scene, &middle);
     return step_check(&planned, &nowhere, NULL);
 }

@@ -95,6 +95,7 @@ static enum report_fault fault_of(enum renderer_fault fault)
     case RENDERER_FAULT_JOB:
         return REPORT_FAULT_JOB;
     case RENDERER_FAULT_ENDLESS:
+    case RENDERER_FAULT_MAJORANT:
         return REPORT_FAULT_ENDLESS;
     case RENDERER_FAULT_CONTEXT:
         return REPORT_FAULT_WORKER;

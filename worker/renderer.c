@@ -15,6 +15,7 @@
 #include "worker/gl_textures.h"
 #include "worker/image.h"
 #include "worker/passes.h"
+#include "worker/pixel_mark.h"
 #include "worker/pixel_samples.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_program.h"
@@ -47,7 +48,8 @@ struct renderer {
     char shown_hash[HASH_TEXT_SIZE];  // of the program
     char shown_files[HASH_TEXT_SIZE]; // what it read
     struct passes shown;
-    size_t cut_pixel; // the one of the frame that find_cut found
+    size_t cut_pixel; // the one of the frame that find_mark found
+    int low_medium;   // whose majorant it is about
 };
 
 static double now_s(void)
@@ -113,17 +115,14 @@ static bool check_gl(struct renderer *renderer, struct renderer_result *result, 
     return false;
 }
 
-// Shaders mark a pixel whose march the driver cut with an alpha that no picture has.
-static bool find_cut(struct renderer *renderer, const float *rgba, int first_row, int row_count)
+static enum renderer_fault find_mark(struct renderer *renderer, const float *rgba, int first_row, int row_count)
 {
-    size_t width = (size_t)renderer->target.width_px, count = width * (size_t)row_count;
+    size_t width = (size_t)renderer->target.width_px, at;
+    enum pixel_mark mark = pixel_mark_find(rgba, width * (size_t)row_count, &at, &renderer->low_medium);
 
-    for (size_t i = 0; i < count; ++i)
-        if (rgba[4 * i + 3] < -0.5f) {
-            renderer->cut_pixel = (size_t)first_row * width + i;
-            return true;
-        }
-    return false;
+    if (mark == PIXEL_MARK_IS_NONE) return RENDERER_FAULT_NONE;
+    renderer->cut_pixel = (size_t)first_row * width + at;
+    return mark == PIXEL_MARK_IS_CUT ? RENDERER_FAULT_ENDLESS : RENDERER_FAULT_MAJORANT;
 }
 
 struct reading {
@@ -161,7 +160,7 @@ static bool tile_is_cut(struct renderer *renderer, const struct tile *tile, stru
     if (tile->seconds <= TILE_ROWS_SECONDS) return false;
     rgba = xmalloc(4 * (size_t)renderer->target.width_px * (size_t)tile->row_count * sizeof *rgba);
     gl_target_read_rows(&renderer->target, tile->row, tile->row_count, rgba);
-    if (find_cut(renderer, rgba, tile->row, tile->row_count)) result->fault = RENDERER_FAULT_ENDLESS;
+    result->fault = find_mark(renderer, rgba, tile->row, tile->row_count);
     free(rgba);
     return result->fault != RENDERER_FAULT_NONE;
 }
@@ -311,7 +310,9 @@ static void note_shown(struct renderer *renderer, const struct scene_program *sc
 static void tell_cut(const struct renderer *renderer, const struct job *job, struct error *error)
 {
     const char *code = scene_find_code(&job->scene);
-    const char *longer_steps = job->scene.medium_count > 0 ? "longer steps, " : "";
+    const char *longer_steps = job->scene.medium_count == 0               ? ""
+                               : job_quality_has_majorants(&job->quality) ? "thinner media, "
+                                                                          : "longer steps, ";
     const char *fewer_paths = renderer->target.has_paths ? "a smaller max_depth, a larger min_throughput, " : "";
     size_t width = (size_t)renderer->target.width_px;
 
@@ -459,7 +460,7 @@ static bool render_inputs(struct renderer *renderer, const struct request *reque
     result->seconds = now_s() - start;
     result->cache_fills = gl_caches_count_fills(renderer->caches) - fills;
     result->shader_hash = renderer->shown_hash;
-    if (find_cut(renderer, image->rgba, 0, image->height_px)) result->fault = RENDERER_FAULT_ENDLESS;
+    result->fault = find_mark(renderer, image->rgba, 0, image->height_px);
     ok = result->fault == RENDERER_FAULT_NONE;
 out:
     passes_finish(&passes);
@@ -493,6 +494,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
         ok = render_inputs(renderer, &request, true, result, error);
 out:
     if (result->fault == RENDERER_FAULT_ENDLESS) tell_cut(renderer, job, error);
+    if (result->fault == RENDERER_FAULT_MAJORANT) pixel_mark_tell_majorant(&job->scene, renderer->low_medium, error);
     scene_inputs_finish(&inputs);
     return ok;
 }

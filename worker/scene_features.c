@@ -114,6 +114,15 @@ static void add_lights(struct scene_features *features, const struct scene *scen
             !features->objects[i].is_grey && (!features->objects[i].is_lit || features->surfaces_are_lit);
 }
 
+static void add_tracking(struct scene_features *features, const struct job_quality *quality)
+{
+    features->is_tracked = features->marches && quality->method == JOB_METHOD_TRACKING;
+    features->has_majorants = features->is_tracked && job_quality_has_majorants(quality);
+    for (size_t i = 0; i < features->medium_count; ++i)
+        features->estimates_columns |= features->is_tracked && (features->has_lights || !features->has_majorants) &&
+                                       medium_features_march_to_lights(&features->media[i]);
+}
+
 struct scene_features scene_features_of(const struct job *job, const bool *is_unneeded)
 {
     const struct scene *scene = &job->scene;
@@ -142,15 +151,17 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.is_jittered = features.marches && job->quality.method == JOB_METHOD_JITTERED;
     features.is_adaptive = features.marches && features.has_extinction && job->quality.depth_step > 0;
     features.is_gauss = features.marches && job->quality.method == JOB_METHOD_GAUSS;
+    add_tracking(&features, &job->quality);
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     for (size_t i = 0; i < scene->light_count; ++i)
         features.has_peaks |= features.light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]);
-    features.has_peaks &= features.marches && features.media_are_lit && job->quality.method != JOB_METHOD_RIEMANN;
+    features.has_peaks &=
+        features.marches && features.media_are_lit && !features.is_tracked && job->quality.method != JOB_METHOD_RIEMANN;
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);
     features.has_samples = (features.has_media || features.has_objects) && job->quality.samples > 1;
     features.has_roulette = features.marches && features.has_extinction && job->quality.roulette_below > 0;
-    features.is_random =
-        features.has_samples || features.has_roulette || features.has_roughness || features.is_jittered;
+    features.is_random = features.has_samples || features.has_roulette || features.has_roughness ||
+                         features.is_jittered || features.is_tracked;
     return features;
 }
 

@@ -50,15 +50,18 @@ struct scene_features {
     bool has_dielectrics; // light goes on in some object
     bool has_fresnel;     // which share some surface reflects follows from the angle
     bool has_roughness;
-    bool has_samples;  // each pixel has several
-    bool has_roulette; // rays with little left end by lot
-    bool has_peaks;    // segments are looked at in single points, and some light has a peak that these may miss
-    bool is_jittered;  // each segment is looked at somewhere in it
-    bool is_tabled;    // some medium is
-    bool is_adaptive;  // segments are bounded by their optical depth
-    bool is_gauss;     // segments are looked at in several nodes
-    bool is_sliced;    // the picture is drawn in slices, each as far as rays come at once
-    bool is_random;    // something is drawn by lot
+    bool has_samples;       // each pixel has several
+    bool has_roulette;      // rays with little left end by lot
+    bool has_peaks;         // segments are looked at in single points, and some light has a peak that these may miss
+    bool is_jittered;       // each segment is looked at somewhere in it
+    bool is_tabled;         // some medium is
+    bool is_adaptive;       // segments are bounded by their optical depth
+    bool is_gauss;          // segments are looked at in several nodes
+    bool is_tracked;        // light is estimated, each part right on the average or nearly so
+    bool has_majorants;     // so by free flights among a majorant of each medium; else by marches
+    bool estimates_columns; // media that vary leave an estimated share of light on some ways
+    bool is_sliced;         // the picture is drawn in slices, each as far as rays come at once
+    bool is_random;         // something is drawn by lot
 };
 
 // True for a point light whose irradiance falls with the square of the distance.

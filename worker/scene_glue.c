@@ -1,6 +1,7 @@
 #include "worker/scene_glue.h"
 
 #include "core/job.h"
+#include "worker/pixel_mark.h"
 #include "worker/pixel_samples.h"
 #include "worker/scene_glue_gather.h"
 #include "worker/scene_glue_path.h"
@@ -144,6 +145,23 @@ static void write_depth(FILE *out, const struct job *job, const char *depth)
         fprintf(out, "    depth = %s;\n", depth);
 }
 
+// What the job states itself may be too low.
+static bool majorant_mark_is_needed(const struct job *job, const struct scene_program *program)
+{
+    bool is_stated = false;
+
+    for (size_t i = 0; i < program->features.medium_count; ++i)
+        is_stated |= program->features.media[i].is_seen && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL;
+    return is_stated && program->features.has_majorants;
+}
+
+static void write_majorant_mark(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    if (majorant_mark_is_needed(job, program))
+        fprintf(out, "    if (majorant_low >= 0) rgba.a = %.9e * pow(%.1f, float(majorant_low));\n",
+                (double)PIXEL_MARK_MAJORANT, (double)PIXEL_MARK_FACTOR);
+}
+
 static void write_media_picture(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
@@ -166,6 +184,7 @@ static void write_media_picture(FILE *out, const struct job *job, const struct s
         fputs("    if (is_paused) rgba.a = -1e6; // it comes no further\n", out);
     else if (features->marches)
         fputs("    if (march_was_cut) rgba.a = -1e6; // no picture has it, nor has a sum of them\n", out);
+    write_majorant_mark(out, job, program);
 }
 
 static void write_media(FILE *out, const struct job *job, const struct scene_program *program)
@@ -188,7 +207,8 @@ static void write_media_main(FILE *out, const struct job *job, const struct scen
     if (features->is_sliced) fputs("    bool is_done = false;\n    if (slice_load()) {\n", out);
     if (features->has_media) write_media(out, job, program);
     if (features->is_sliced)
-        fputs("    bool is_paused = !slice_is_over;\n    is_done = slice_store(is_paused);\n", out);
+        fprintf(out, "    bool is_paused = !slice_is_over%s;\n    is_done = slice_store(is_paused);\n",
+                majorant_mark_is_needed(job, program) ? " && majorant_low < 0" : "");
     write_media_picture(out, job, program);
     if (features->is_sliced) fputs("    }\n    if (!is_done) discard;\n", out);
 }

@@ -4,6 +4,7 @@
 #include "worker/gauss_legendre.h"
 #include "worker/scene_glue_media.h"
 #include "worker/scene_glue_steps.h"
+#include "worker/scene_glue_tracking.h"
 #include "worker/scene_program.h"
 
 static void write_gathered(FILE *out, const struct job *job, const struct scene_features *features)
@@ -19,6 +20,8 @@ static void write_gathered(FILE *out, const struct job *job, const struct scene_
     fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
     if (!features->has_throughput)
         fputs("    return false;\n}\n", out);
+    else if (features->is_tracked) // an estimate may be negative
+        fputs("    return spectrum_max(abs(gathered.transmittance)) <= 0.0;\n}\n", out);
     else if (has_objects && job->quality.min_transmittance > 0)
         fputs("    return spectrum_max(gathered.transmittance) < gathered.least;\n}\n", out);
     else if (job->quality.min_transmittance > 0)
@@ -27,8 +30,8 @@ static void write_gathered(FILE *out, const struct job *job, const struct scene_
         fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
 }
 
-void scene_glue_write_transmittance(FILE *out, const struct job *job, const struct scene_program *program,
-                                    const char *spans, const char *distance)
+static void write_column(FILE *out, const struct job *job, const struct scene_program *program, const char *spans,
+                         const char *distance)
 {
     if (!program->features.marches_to_lights) {
         fprintf(out, "transmittance_closed(%s, %s)", spans, distance);
@@ -45,6 +48,21 @@ void scene_glue_write_transmittance(FILE *out, const struct job *job, const stru
     else
         fputs("transmittance_midpoint(TransmittanceMidpoint(quality_light_step)", out);
     fprintf(out, ", %s, point, light.direction, %s)", spans, distance);
+}
+
+void scene_glue_write_transmittance(FILE *out, const struct job *job, const struct scene_program *program,
+                                    const char *spans, const char *distance)
+{
+    bool takes_steps = program->features.estimates_columns && !program->features.has_majorants;
+
+    if (program->features.is_tracked) {
+        fprintf(out, "media_left(%s, point, light.direction, vec2(0.0, %s), %s)", spans, distance,
+                takes_steps ? "quality_light_step" : "0.0");
+        return;
+    }
+    fputs("media_transmittance(", out);
+    write_column(out, job, program, spans, distance);
+    fputs(")", out);
 }
 
 // The expression of what is left of a light at `place`, in the segment's region.
@@ -132,9 +150,9 @@ static void write_scattering(FILE *out, const struct job *job, const struct scen
         fputs(";\n    }\n", out);
         return;
     }
-    fputs("        MediaColumn column = ", out);
+    fputs("        source += scattered * light.irradiance * ", out);
     scene_glue_write_transmittance(out, job, program, "media_spans(point, light.direction)", "light.distance");
-    fputs(";\n        source += scattered * light.irradiance * media_transmittance(column);\n    }\n", out);
+    fputs(";\n    }\n", out);
 }
 
 // Light along the whole segment from points placed for this light. Where little of it is left we look no further.
@@ -224,6 +242,15 @@ static void write_sigma_t(FILE *out, const struct scene_program *program)
     fputs(";\n", out);
 }
 
+static void write_left(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    if (features->has_roulette)
+        fprintf(out, "    gathered.transmittance = integrator_roulette(IntegratorRoulette(%.9e, %.9e), after);\n",
+                job->quality.roulette_below, job->quality.roulette_survive);
+    else
+        fputs("    gathered.transmittance = after;\n", out);
+}
+
 // A segment of `length` leaves `after` of what came to it.
 static void write_passed(FILE *out, const struct job *job, const struct scene_features *features)
 {
@@ -232,11 +259,7 @@ static void write_passed(FILE *out, const struct job *job, const struct scene_fe
                 "    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5%s)\n"
                 "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
                 features->has_roulette || features->has_paths ? " && gathered.depth == 0.0" : "");
-    if (features->has_roulette)
-        fprintf(out, "    gathered.transmittance = integrator_roulette(IntegratorRoulette(%.9e, %.9e), after);\n",
-                job->quality.roulette_below, job->quality.roulette_survive);
-    else
-        fputs("    gathered.transmittance = after;\n", out);
+    write_left(out, job, features);
 }
 
 static void write_extinction(FILE *out, const struct job *job, const struct scene_features *features, bool has_source)
@@ -321,6 +344,28 @@ static void write_gather_segment(FILE *out, const struct job *job, const struct 
     fputs("}\n", out);
 }
 
+// Light of a place, times what is left of it and the length that it stands for; and what is left behind it.
+static void write_tracked(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    bool has_source = features->has_emission || features->media_are_lit;
+
+    fputs("void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, Spectrum weight)\n{\n",
+          out);
+    if (has_source) {
+        write_densities(out, job, program);
+        write_sources(out, job, program);
+        fputs("    gathered.radiance += weight * source;\n", out);
+    }
+    fprintf(out, "}\nSpectrum gathered_left(Gathered gathered)\n{\n    return %s;\n}\n",
+            features->has_throughput ? "gathered.transmittance" : "spectrum(1.0)");
+    fputs("void gathered_pass(inout Gathered gathered, Spectrum after, float at)\n{\n", out);
+    if (features->has_extinction && features->has_depth)
+        fputs("    if (gathered.depth == 0.0 && spectrum_mean(after) <= 0.5) gathered.depth = at;\n", out);
+    if (features->has_throughput) write_left(out, job, features);
+    fputs("}\n", out);
+}
+
 void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
 {
     const struct scene_features *features = &program->features;
@@ -328,6 +373,10 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
     bool has_source = features->has_emission || (features->media_are_lit && !features->places_points);
 
     write_gathered(out, job, features);
+    if (features->is_tracked) {
+        write_tracked(out, job, program);
+        return;
+    }
     if (features->is_gauss) {
         write_gather_node(out, job, program);
         write_gather_segment(out, job, features);
@@ -353,7 +402,12 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
 void scene_glue_write_integrator(FILE *out, const struct job *job, const struct scene_program *program,
                                  const char *stretch)
 {
-    if (program->features.is_jittered)
+    if (program->features.has_majorants)
+        fprintf(out, "    integrator_%s(Integrator%s(TRACKING_LOOKS)", scene_glue_estimator(job),
+                job->quality.estimator == JOB_ESTIMATOR_DELTA ? "Delta" : "Ratio");
+    else if (program->features.is_tracked)
+        fputs("    integrator_estimated(IntegratorEstimated(quality_step)", out);
+    else if (program->features.is_jittered)
         fputs("    integrator_jittered(IntegratorJittered(quality_step)", out);
     else if (program->features.is_tabled)
         fputs("    integrator_preintegrated(IntegratorPreintegrated(quality_step)", out);

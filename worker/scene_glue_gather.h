@@ -10,7 +10,7 @@ struct scene_program;
 void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program);
 // `PLACED_COUNT`, `placed_share(i)` and `placed_weight(i)`: the points of a stretch, for jobs that place them.
 void scene_glue_write_placed(FILE *out, const struct job *job);
-// The expression of the MediaColumn that is in `spans` between `point` and `distance` metres towards `light`.
+// The expression of what the media in `spans` leave of light between `point` and `distance` metres towards `light`.
 void scene_glue_write_transmittance(FILE *out, const struct job *job, const struct scene_program *program,
                                     const char *spans, const char *distance);
 // Calls the integrator (not that of Riemann sums) for `spans`; `stretch`: "origin, direction, interval".

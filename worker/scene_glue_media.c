@@ -410,12 +410,13 @@ void scene_glue_write_media(FILE *out, const struct job *job, const struct scene
     if (features->has_objects) write_spans_in(out, &job->scene, program);
     write_field(out, job, program);
     if (features->is_tabled) write_tables(out, job, program);
-    if (!features->has_lights || !features->has_extinction) return;
+    if ((!features->has_lights && !features->is_tracked) || !features->has_extinction) return;
     write_column(out, job, program);
     write_transmittance(out, program);
-    if (!features->marches_to_lights || features->has_light_grids) return;
+    if (!features->marches_to_lights && !features->estimates_columns) return;
+    if (features->has_light_grids) return;
     write_column_march(out, job, program);
-    write_column_depth(out, program);
+    if (!features->is_tracked) write_column_depth(out, program);
 }
 
 void scene_glue_write_columns(FILE *out, const struct job *job, const struct scene_program *program)

@@ -12,12 +12,12 @@ static void write_piece(FILE *out, const struct job *job, const struct scene_pro
     bool has_regions = program->features.has_dielectrics;
 
     if (!program->features.has_extinction) return;
-    fprintf(out, "        %s media_transmittance(", has_regions ? "passed *=" : "return");
+    fprintf(out, "        %s ", has_regions ? "passed *=" : "return");
     scene_glue_write_transmittance(out, job, program,
                                    has_regions ? "media_spans_in(spans, before, vec2(from, to))"
                                                : "media_spans(point, light.direction)",
                                    has_regions ? "to" : "light.distance");
-    fputs(");\n", out);
+    fputs(";\n", out);
 }
 
 // Opaque objects alone: the first one that is met stops it. A lamp that stands on a surface is before it.

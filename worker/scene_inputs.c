@@ -255,10 +255,10 @@ static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, 
         if (!inputs->media[i].source) continue;
         scene_format_medium_place(&job->scene, i, place, sizeof place);
         diagonal = box_diagonal(&inputs->media[i].header);
-        if (!check_steps(&(struct way){quality->step_voxels > 0 ? "step_voxels" : "step", place,
-                                       fmin(diagonal, camera->clip_far - camera->clip_near), quality->step,
-                                       job_find_step_limit(job)},
-                         error))
+        if (quality->step > 0 && !check_steps(&(struct way){quality->step_voxels > 0 ? "step_voxels" : "step", place,
+                                                            fmin(diagonal, camera->clip_far - camera->clip_near),
+                                                            quality->step, job_find_step_limit(job)},
+                                              error))
             return false;
         if (job->scene.light_count > 0 && quality->light_step > 0 &&
             !check_steps(&(struct way){quality->light_step_voxels > 0 ? "light_step_voxels" : "light_step", place,

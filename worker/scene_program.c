@@ -15,6 +15,7 @@
 #include "worker/scene_glue_slice.h"
 #include "worker/scene_glue_steps.h"
 #include "worker/scene_glue_surface.h"
+#include "worker/scene_glue_tracking.h"
 #include "worker/scene_inputs.h"
 #include "worker/scene_values.h"
 #include "worker/shader_assembly.h"
@@ -54,23 +55,49 @@ static void add_camera(struct assembly *assembly)
     add_module(assembly, "region/span.glsl");
 }
 
+static void add_density(struct assembly *assembly, size_t i)
+{
+    const struct scene_medium *medium = &assembly->job->scene.media[i];
+    const struct density_site site = {
+        .job = assembly->job, .medium = i, .source = medium, .inputs = assembly->program->inputs};
+
+    shader_assembly_add_density(&assembly->text, &site);
+    if (assembly->program->features.has_majorants && density_kind_of(&medium->density)->majorant_module)
+        add_module(assembly, density_kind_of(&medium->density)->majorant_module);
+}
+
+static void add_tracking(struct assembly *assembly)
+{
+    static const char *const modules[] = {[JOB_ESTIMATOR_DELTA] = "transmittance/delta.glsl",
+                                          [JOB_ESTIMATOR_RATIO] = "transmittance/ratio.glsl",
+                                          [JOB_ESTIMATOR_DEBIASED] = "transmittance/debiased.glsl",
+                                          [JOB_ESTIMATOR_JACKKNIFE] = "transmittance/jackknife.glsl"};
+    const struct scene_features *features = &assembly->program->features;
+
+    if (features->has_majorants) add_module(assembly, "math/tracking.glsl");
+    scene_glue_write_tracking(generate(assembly), assembly->job, assembly->program);
+    if (features->estimates_columns) {
+        if (!features->has_majorants) add_module(assembly, "math/segment.glsl");
+        if (!features->has_majorants) add_module(assembly, "transmittance/comb.glsl");
+        add_module(assembly, modules[assembly->job->quality.estimator]);
+    }
+    if (features->has_lights || !features->has_majorants)
+        scene_glue_write_left(generate(assembly), assembly->job, assembly->program);
+}
+
 static void add_media(struct assembly *assembly)
 {
     const struct scene_features *features = &assembly->program->features;
 
     for (size_t i = 0; i < features->medium_count; ++i)
-        if (features->media[i].is_seen)
-            shader_assembly_add_density(&assembly->text,
-                                        &(struct density_site){.job = assembly->job,
-                                                               .medium = i,
-                                                               .source = &assembly->job->scene.media[i],
-                                                               .inputs = assembly->program->inputs});
-    if (features->has_extinction && assembly->job->quality.method != JOB_METHOD_RIEMANN)
+        if (features->media[i].is_seen) add_density(assembly, i);
+    if (features->has_extinction && !features->is_tracked && assembly->job->quality.method != JOB_METHOD_RIEMANN)
         add_module(assembly, "math/segment.glsl");
-    if (features->has_extinction && features->has_depth)
+    if (features->has_extinction && features->has_depth && !features->is_tracked)
         add_module(assembly, features->extinction_is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
     scene_glue_write_media(generate(assembly), assembly->job, assembly->program);
     scene_glue_write_steps(assembly->text.out, assembly->job, assembly->program);
+    if (features->is_tracked) add_tracking(assembly);
 }
 
 static void add_phase(struct assembly *assembly, const struct scene_medium *medium,
@@ -129,7 +156,7 @@ static void add_lights(struct assembly *assembly)
         add_module(assembly, "math/arc.glsl");
         add_module(assembly, "light/point_segment.glsl");
     }
-    if (features->has_extinction)
+    if (features->has_extinction && !features->is_tracked)
         add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
                              : features->has_light_grids                           ? "transmittance/cached.glsl"
                              : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
@@ -155,6 +182,12 @@ static void add_slices(struct assembly *assembly)
     scene_glue_write_slice(generate(assembly), assembly->program);
 }
 
+static const char *tracked_module(const struct job *job)
+{
+    if (!job_quality_has_majorants(&job->quality)) return "integrator/estimated.glsl";
+    return job->quality.estimator == JOB_ESTIMATOR_DELTA ? "integrator/delta.glsl" : "integrator/ratio.glsl";
+}
+
 static void add_integrator(struct assembly *assembly)
 {
     if (assembly->program->features.places_points) add_placement(assembly);
@@ -165,9 +198,10 @@ static void add_integrator(struct assembly *assembly)
     }
     scene_glue_write_gather(generate(assembly), assembly->job, assembly->program);
     if (assembly->program->features.marches) add_slices(assembly);
-    if (assembly->program->features.marches)
+    if (assembly->program->features.marches && !assembly->program->features.is_tracked)
         scene_glue_write_reach(generate(assembly), assembly->job, assembly->program);
     add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
+                         : assembly->program->features.is_tracked            ? tracked_module(assembly->job)
                          : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
                          : assembly->program->features.is_tabled             ? "integrator/preintegrated.glsl"
                          : assembly->program->features.is_adaptive           ? "integrator/adaptive.glsl"

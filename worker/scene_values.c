@@ -160,12 +160,14 @@ static void add_place(struct frame_uniforms *uniforms, const struct density_site
 }
 
 static void add_medium(struct frame_uniforms *uniforms, const struct density_site *site,
-                       const struct medium_features *features, enum frame_value_type spectrum)
+                       const struct medium_features *features, enum frame_value_type spectrum, bool has_majorants)
 {
     const struct scene_medium *medium = site->source;
     size_t i = site->medium;
 
     add_place(uniforms, site);
+    if (has_majorants && density_kind_of(&medium->density)->add_majorant)
+        density_kind_of(&medium->density)->add_majorant(uniforms, site);
     if (medium_features_have_column(features))
         frame_uniforms_add(uniforms, sigma_t_of(medium, features, spectrum), "medium_%zu_sigma_t", i);
     if (features->emits)
@@ -231,8 +233,8 @@ static void add_steps(struct frame_uniforms *uniforms, const struct job *job, co
 {
     const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
 
-    if (features->marches) add_number(uniforms, job, &quality->step, "quality_step");
-    if (features->marches_to_lights && !features->has_light_grids)
+    if (features->marches && !features->has_majorants) add_number(uniforms, job, &quality->step, "quality_step");
+    if (features->marches_to_lights && !features->has_light_grids && !features->has_majorants)
         add_number(uniforms, job, &quality->light_step, "quality_light_step");
     if (features->is_adaptive) add_number(uniforms, job, &quality->depth_step, "quality_depth_step");
     if (features->has_media && (features->has_objects || quality->min_transmittance > 0.0))
@@ -305,7 +307,7 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
 
         if (!features->media[i].is_seen) continue;
         add_medium(uniforms, &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = inputs},
-                   &features->media[i], spectrum);
+                   &features->media[i], spectrum, features->has_majorants);
         if (!features->has_lights || !features->media[i].scatters) continue;
         frame_uniforms_add(uniforms, timeline_value(&medium->sigma_s, spectrum, value_range_not_negative, "sigma_s"),
                            "medium_%zu_sigma_s", i);

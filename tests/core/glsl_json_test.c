@@ -46,7 +46,7 @@ static void glsl_is_read(void **state)
 
     assert_string_equal(glsl->file, "/data/custom.glsl");
     assert_string_equal(glsl->source, "float density(vec3 p, float t)\n{\n    return 0.5 - length(p);\n}\n");
-    assert_true(glsl->lipschitz == 1.0 && glsl->scale.value[0] == 2.0);
+    assert_true(glsl->lipschitz == 1.0 && glsl->majorant == 4.0 && glsl->scale.value[0] == 2.0);
     assert_null(unread->source);
     assert_true(unread->lipschitz == 0.0 && unread->scale.value[0] == 1.0);
     assert_true(scene_density_is_sequence(&job.scene.media[0].density));
@@ -58,6 +58,10 @@ static void wrong_densities_are_refused_by_place(void **state)
     assert_edit_refused(PLACE ".bounds", NULL,
                         PLACE ".bounds: expected bounds, as nobody else knows where the density ends, got nothing");
     assert_edit_refused(PLACE ".lipschitz", "0", PLACE ".lipschitz: expected a number from 1e-09 to 1000000000, got 0");
+    assert_edit_refused(PLACE ".majorant", "0", PLACE ".majorant: expected a number from 1e-09 to 1000000000, got 0");
+    assert_edit_refused("quality", "{\"method\":\"tracking\",\"estimator\":\"ratio\"}",
+                        "scene.media[1].density.majorant: expected a number that density() is nowhere above, which the "
+                        "estimators delta and ratio need, got nothing");
     assert_edit_refused(PLACE ".file", "\"a.#.glsl\"", PLACE ".file: expected one file, not one a frame");
     assert_edit_refused(PLACE, "{\"kind\":\"glsl\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}",
                         PLACE ": expected file or source, got none of them");

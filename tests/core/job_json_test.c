@@ -4,7 +4,6 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/job.h"
-#include "core/job_later.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
@@ -305,26 +304,6 @@ static void a_direction_is_checked_at_the_frames(void **state)
     free(text);
 }
 
-static void what_comes_later_is_refused_by_name(void **state)
-{
-    for (const struct job_later *later = job_later_table; later->key; later++) {
-        char *path = xasprintf("quality.%s", later->key);
-        char *value = later->text ? xasprintf("\"%s\"", later->text) : xstrdup("{}");
-        char *text = json_edit_set(job_text_full, path, value);
-        char *expected;
-
-        if (later->text)
-            expected = xasprintf("%s: %s is not there yet", path, value);
-        else
-            expected = xasprintf("%s: %s is not there yet", path, later->key);
-        assert_refused(text, expected);
-        free(expected);
-        free(text);
-        free(value);
-        free(path);
-    }
-}
-
 static void unknown_keys_are_refused_with_the_nearest(void **state)
 {
     char *text = json_edit_rename(job_text_full, "camera.target", "tagret");
@@ -369,7 +348,6 @@ int main(void)
         cmocka_unit_test(absolute_paths_lie_below_the_root),
         cmocka_unit_test(geometry_without_a_picture_is_refused),
         cmocka_unit_test(a_direction_is_checked_at_the_frames),
-        cmocka_unit_test(what_comes_later_is_refused_by_name),
         cmocka_unit_test(unknown_keys_are_refused_with_the_nearest),
         cmocka_unit_test(what_is_no_job_is_refused),
     };

@@ -92,6 +92,27 @@ static void steps_by_depth_and_by_rule_are_read(void **state)
     job_finish(&adaptive);
 }
 
+static void tracking_is_read(void **state)
+{
+    char *text =
+        json_edit_set(job_text_noise, "quality", "{\"method\":\"tracking\",\"estimator\":\"ratio\",\"samples\":3}");
+    struct job ratio = parse(text), jackknife;
+
+    assert_int_equal(ratio.quality.method, JOB_METHOD_TRACKING);
+    assert_int_equal(ratio.quality.estimator, JOB_ESTIMATOR_RATIO);
+    assert_true(job_quality_has_majorants(&ratio.quality) && ratio.quality.step == 0.0);
+    free(text);
+    text = json_edit_set(job_text_noise, "quality",
+                         "{\"method\":\"tracking\",\"estimator\":\"jackknife\",\"step\":0.5,\"light_step\":0.25}");
+    jackknife = parse(text);
+    assert_int_equal(jackknife.quality.estimator, JOB_ESTIMATOR_JACKKNIFE);
+    assert_false(job_quality_has_majorants(&jackknife.quality));
+    assert_true(jackknife.quality.step == 0.5 && jackknife.quality.light_step == 0.25);
+    free(text);
+    job_finish(&ratio);
+    job_finish(&jackknife);
+}
+
 static void cached_is_read(void **state)
 {
     char *text =
@@ -148,6 +169,14 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality.depth_step: expected a number from 0.0001 to 100, got nothing"},
         {"quality", "{\"method\":\"gauss\",\"step\":1,\"light_step\":1,\"order\":5}",
          "quality.order: expected an integer from 2 to 4, got 5"},
+        {"quality", "{\"method\":\"tracking\"}",
+         "quality.estimator: expected one of \"delta\",\"ratio\",\"debiased\",\"jackknife\", got nothing"},
+        {"quality", "{\"method\":\"tracking\",\"estimator\":\"delta\",\"step\":1}",
+         "quality: unknown key \"step\" beside method \"tracking\""},
+        {"quality", "{\"method\":\"tracking\",\"estimator\":\"debiased\"}",
+         "quality.step: expected a number from 1e-09 to 1000000000, got nothing"},
+        {"quality", "{\"method\":\"tracking\",\"estimator\":\"debiased\",\"step\":1}",
+         "quality.light_step: expected a number of metres, as light marches through media, got nothing"},
         {"quality.tolerance", "0.1", "quality: unknown key \"tolerance\" beside method \"midpoint\""},
         {"quality", "{\"tolerance\":0.6}", "quality.tolerance: expected a number from 0.0001 to 0.5, got 0.6"},
         {"quality", "{\"tolerance\":0.1,\"step\":1}",
@@ -181,6 +210,7 @@ int main(void)
         cmocka_unit_test(jittered_and_preintegrated_are_read),
         cmocka_unit_test(steps_by_depth_and_by_rule_are_read),
         cmocka_unit_test(without_a_method_there_is_a_tolerance),
+        cmocka_unit_test(tracking_is_read),
         cmocka_unit_test(cached_is_read),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };

@@ -1,7 +1,6 @@
 #include "tests/support/schema_agreement.h"
 
 #include "core/alloc.h"
-#include "core/job_later.h"
 #include "core/scene.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
@@ -78,21 +77,6 @@ static void schema_and_code_agree_on_limits_of_counts(void **state)
     }
 }
 
-static void schema_refuses_what_is_not_there_yet(void **state)
-{
-    for (const struct job_later *later = job_later_table; later->key; later++) {
-        char *path = xasprintf("quality.%s", later->key);
-        char *value = later->text ? xasprintf("\"%s\"", later->text) : xstrdup("2");
-        char *text = json_edit_set(job_text_full, path, value);
-        struct schema_verdicts verdicts = schema_agreement_judge(text);
-
-        if (verdicts.schema || verdicts.code) fail_msg("%s = %s is taken", path, value);
-        free(text);
-        free(value);
-        free(path);
-    }
-}
-
 static void each_cross_rule_is_beyond_the_schema(void **state)
 {
     for (const struct cross_rule *rule = schema_cross_rules; rule->name; rule++) {
@@ -142,7 +126,6 @@ int main(void)
         cmocka_unit_test(schema_and_code_agree_on_changes_of_a_tolerance),
         cmocka_unit_test(schema_and_code_agree_on_every_change_of_a_job_with_every_key),
         cmocka_unit_test(schema_and_code_agree_on_limits_of_counts),
-        cmocka_unit_test(schema_refuses_what_is_not_there_yet),
         cmocka_unit_test(each_cross_rule_is_beyond_the_schema),
     };
 

@@ -96,7 +96,8 @@ const char job_text_glsl[] = OPENING
     "{\"density\":{\"kind\":\"glsl\",\"file\":\"/data/custom.glsl\",\"source\":\"float density(vec3 p, float t)\\n{\\n "
     "   return "
     "0.5 - "
-    "length(p);\\n}\\n\",\"lipschitz\":1,\"scale\":2,\"bounds\":{\"kind\":\"sphere\",\"radius\":1}},\"sigma_a\":1},"
+    "length(p);\\n}\\n\",\"lipschitz\":1,\"majorant\":4,\"scale\":2,\"bounds\":{\"kind\":\"sphere\",\"radius\":1}},"
+    "\"sigma_a\":1},"
     "{\"density\":{\"kind\":\"glsl\",\"file\":\"a.glsl\",\"bounds\":{\"kind\":\"slab\",\"thickness\":2}},\"sigma_a\":1}"
     "]},"
     "\"quality\":{\"method\":\"midpoint\",\"step\":0.5}}";

@@ -1,0 +1,34 @@
+// Segments of `step`, each looked at somewhere in it, by lot, for the light that it sends; what the media leave of that, and of
+// what comes from behind, are estimates of their own for the part before the place and the part behind it. Products of
+// independent estimates: where each is right on the average, so is the whole, whatever the step.
+struct IntegratorEstimated { float step; };
+
+// Only what the media's bounds show to be empty beyond a segment is left out. Distances are counted from where the media begin.
+void integrator_estimated(IntegratorEstimated method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
+                          inout Gathered gathered)
+{
+    vec3 entry = origin + interval.x * direction;
+    MediaSpans ahead = media_spans_from(spans, interval.x);
+    float end = interval.y - interval.x;
+    float at = march_resume(vec2(0.0), end, gathered).x;
+    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
+        float length = min(method.step, media_next_edge(ahead, at, end) - at);
+        float place = random_next() * length;
+        vec3 point = entry + (at + place) * direction;
+        MediaField field = media_field(ahead, point, direction, at + place);
+        Spectrum left = gathered_left(gathered);
+        int part = 0;
+        for (; part < 2; ++part) {
+            vec2 way = at + (part == 0 ? vec2(0.0, place) : vec2(place, length));
+            left *= media_left(ahead, entry, direction, way, method.step);
+            if (part == 0 && field.distance < 0.0) gather(gathered, field, point, direction, left * length);
+        }
+        if (part < 2) march_was_cut = true;
+        gathered_pass(gathered, left, interval.x + at + length);
+        at += max(length, place + field.distance);
+        bool is_end = at >= end || gathered_is_over(gathered);
+        march_keep(vec2(at, 0.0), is_end, gathered);
+        if (is_end) break;
+    }
+    if (at < end && !gathered_is_over(gathered)) march_was_cut = true;
+}
