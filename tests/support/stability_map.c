@@ -65,14 +65,29 @@ static void print_stretches(const struct stability_sweep *sweep, const struct st
 
 enum { CELL_WIDTH = 46, CELL_HEIGHT = 18, LEFT = 104, TITLE_HEIGHT = 22 };
 
-static int sweep_height(void)
+// Methods before `end` that have to do with a sweep.
+static int count_rows(const struct stability_sweep *sweep, size_t end)
 {
-    return TITLE_HEIGHT + CELL_HEIGHT * (int)(stability_method_count + 1) + 14;
+    int count = 0;
+
+    for (size_t k = 0; k < end; k++)
+        count += stability_concerns(sweep, &stability_methods[k]);
+    return count;
+}
+
+// Where a sweep's part of the picture begins.
+static int find_top(size_t sweep_index)
+{
+    int top = 26;
+
+    for (size_t i = 0; i < sweep_index; i++)
+        top += TITLE_HEIGHT + CELL_HEIGHT * (count_rows(&stability_sweeps[i], stability_method_count) + 1) + 14;
+    return top;
 }
 
 static void begin_svg(void)
 {
-    int width = LEFT + CELL_WIDTH * 9 + 10, height = sweep_height() * (int)stability_sweep_count + 30;
+    int width = LEFT + CELL_WIDTH * 9 + 10, height = find_top(stability_sweep_count) + 4;
 
     printf("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %d %d\" width=\"%d\" height=\"%d\" "
            "font-family=\"sans-serif\" font-size=\"11\">\n<style>\n"
@@ -90,8 +105,8 @@ static void draw_row(size_t sweep_index, size_t method_index, const struct stabi
 {
     static const char *const classes[] = {"good", "fair", "bad", "refused"};
     const struct stability_sweep *sweep = &stability_sweeps[sweep_index];
-    int top = 26 + sweep_height() * (int)sweep_index + TITLE_HEIGHT;
-    int y = top + CELL_HEIGHT * (int)(method_index + 1);
+    int top = find_top(sweep_index) + TITLE_HEIGHT;
+    int y = top + CELL_HEIGHT * (count_rows(sweep, method_index) + 1);
 
     if (method_index == 0) {
         printf("<text class=\"title\" x=\"8\" y=\"%d\">%s</text>\n", top - 6, sweep->name);
