@@ -61,8 +61,11 @@ static void print_segment(const struct json_node *plan)
 {
     struct json_node quality = json_node_child(plan, "quality");
 
-    printf("  frames %.0f to %.0f   %.3g s a frame, error %.2g\n    ", number_of(plan, "first_frame"),
-           number_of(plan, "last_frame"), number_of(plan, "frame_s"), number_of(plan, "error"));
+    printf("  frames %.0f to %.0f   %.3g s a frame (rendering %.2g, audit %.2g, file %.2g), planned in %.2g s; error "
+           "%.2g\n    ",
+           number_of(plan, "first_frame"), number_of(plan, "last_frame"), number_of(plan, "frame_s"),
+           number_of(plan, "render_s"), number_of(plan, "audit_s"), number_of(plan, "encode_s"),
+           number_of(plan, "plan_s"), number_of(plan, "error"));
     print_quality(&quality);
     printf("    %s\n", text_of(plan, "why"));
 }
@@ -90,6 +93,6 @@ void plan_report_print(const struct json_node *plan)
                segments);
     printf("  %.3g s a frame and ", number_of(plan, "frame_s"));
     print_duration(number_of(plan, "total_s"));
-    printf(" for %.0f frame%s on one worker like this one; error %.2g\n\n", number_of(plan, "frames"),
+    printf(" for %.0f frame%s with their plans on one worker like this one; error %.2g\n\n", number_of(plan, "frames"),
            number_of(plan, "frames") == 1.0 ? "" : "s", number_of(plan, "error"));
 }

@@ -5,11 +5,13 @@
 #include "core/log.h"
 #include "worker/plan_family.h"
 #include "worker/plan_pilot.h"
+#include "worker/plan_rest.h"
 #include "worker/plan_time.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <time.h>
 
 enum { FINEST_RUNGS = 6, FAMILY_LIMIT = 16 };
 
@@ -285,7 +287,8 @@ static void find_dearer(struct plan *plan, const struct plan_params *params, con
     plan->dearer = sum / (double)(scouting->last - scouting->first + 1);
 }
 
-bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error)
+static bool choose_plan(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                        struct error *error)
 {
     struct plan_pilot *pilot = plan_pilot_create(&(struct plan_pilot_params){.renderer = params->renderer,
                                                                              .job = params->job,
@@ -316,7 +319,32 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
                   plan->dearer, plan_pilot_count_renders(pilot));
     }
     plan_pilot_destroy(pilot);
-    return ok && (!params->is_timed || plan_time_predict(plan, params, fault, error));
+    return ok;
+}
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error)
+{
+    struct plan_evidence evidence = {0};
+    struct plan_params chosen = *params;
+    double start_s = now_s();
+    bool ok;
+
+    if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
+    ok = choose_plan(plan, &chosen, fault, error);
+    if (ok) plan->plan_s = now_s() - start_s;
+    if (params->is_timed)
+        ok = ok && plan_time_predict(plan, params, fault, error) &&
+             plan_rest_predict(plan, params, chosen.evidence, fault, error);
+    plan_evidence_finish(&evidence);
+    return ok;
 }
 
 bool plan_refine(struct plan *plan, const struct job *job, int rungs)

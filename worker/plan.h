@@ -14,10 +14,13 @@ struct plan {
     struct job_quality
         quality;        // of a method that renders, never auto; what the job itself says of samples and paths is in it
     double predicted_s; // a frame at the job's resolution, rendering alone, on this worker; 0: not known
-    double predicted_processor_s;  // the same of all processors together; 0: not known, or a GPU renders
-    double predicted_error;        // relative RMSE, the quadratic mean of the segment's frames
-    char reason[PLAN_REASON_SIZE]; // one sentence: why this and no other
-    double work;                   // evaluations of density a pixel, as plan_family_work counts them
+    double predicted_processor_s;                 // the same of all processors together; 0: not known, or a GPU renders
+    double predicted_audit_s, predicted_encode_s; // of a frame; 0: not known
+    double predicted_frame_s;                     // altogether
+    double plan_s;                                // that the plan took, timing apart
+    double predicted_error;                       // relative RMSE, the quadratic mean of the segment's frames
+    char reason[PLAN_REASON_SIZE];                // one sentence: why this and no other
+    double work;                                  // evaluations of density a pixel, as plan_family_work counts them
     double dearer; // work of all the segment's frames, of which some are rendered finer, beside that of `quality`
     struct plan_scouting scouting; // which frames these are
     size_t family;                 // of plan_families

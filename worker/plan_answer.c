@@ -61,18 +61,25 @@ static void write_plan(struct json_writer *writer, const struct job *job, const 
     json_write_integer_member(writer, "last_frame", frame_range_at(&job->frames, segment->first + segment->count - 1));
     write_quality(writer, job, &plan->quality);
     json_write_string_member(writer, "why", plan->reason);
-    json_write_number_member(writer, "frame_s", plan->predicted_s);
+    json_write_number_member(writer, "frame_s", plan->predicted_frame_s);
+    json_write_number_member(writer, "render_s", plan->predicted_s);
+    json_write_number_member(writer, "audit_s", plan->predicted_audit_s);
+    json_write_number_member(writer, "encode_s", plan->predicted_encode_s);
+    json_write_number_member(writer, "plan_s", plan->plan_s);
     json_write_number_member(writer, "error", plan->predicted_error);
     json_write_end_object(writer);
 }
 
 // Segments between those that were planned count as the ones around them.
-static void write_totals(struct json_writer *writer, const struct job *job, double seconds, double error)
+static void write_totals(struct json_writer *writer, const struct job *job, double seconds, double plan_s, double error)
 {
+    double plans_s = plan_s * (double)plan_segment_count(job);
+
     json_write_integer_member(writer, "frames", frame_range_count(&job->frames));
     json_write_integer_member(writer, "segments", plan_segment_count(job));
     json_write_number_member(writer, "frame_s", seconds);
-    json_write_number_member(writer, "total_s", seconds * (double)frame_range_count(&job->frames));
+    json_write_number_member(writer, "plans_s", plans_s);
+    json_write_number_member(writer, "total_s", seconds * (double)frame_range_count(&job->frames) + plans_s);
     json_write_number_member(writer, "error", error);
 }
 
@@ -80,7 +87,7 @@ bool plan_answer_write(const struct job *job, const struct request_tools *tools,
                        struct plan *first, struct error *error)
 {
     int64_t count = plan_segment_count(job), looked = count < SEGMENT_LIMIT ? count : SEGMENT_LIMIT;
-    double seconds = 0.0, largest = 0.0;
+    double seconds = 0.0, plan_s = 0.0, largest = 0.0;
 
     if (!tools->renderer) {
         error_set(error, "quality.tolerance: planning for it needs a GL context, and this worker has none");
@@ -106,11 +113,12 @@ bool plan_answer_write(const struct job *job, const struct request_tools *tools,
             return false;
         if (first && i == 0) *first = plan;
         write_plan(writer, job, &segment, &plan);
-        seconds += plan.predicted_s / (double)looked;
+        seconds += plan.predicted_frame_s / (double)looked;
+        plan_s += plan.plan_s / (double)looked;
         if (plan.predicted_error > largest) largest = plan.predicted_error;
     }
     json_write_end_array(writer);
-    write_totals(writer, job, seconds, largest);
+    write_totals(writer, job, seconds, plan_s, largest);
     json_write_end_object(writer);
     return true;
 }

@@ -9,6 +9,7 @@
 #include <time.h>
 
 enum { PIXELS = 480 * 270, SMALLER = 2 }; // of the larger renders, at most; a side of the smaller ones is a part
+enum { FRAMES = 5 };                      // of the segment
 // Frames that take less are timed so often, and the median counts.
 enum { REPEATS = 3 };
 static const double LONG_S = 2.0;
@@ -103,23 +104,26 @@ static bool find_fixed(struct timing *timing, int32_t frame, double first_s, str
     return true;
 }
 
-// The mean of the pilot's frames, extrapolated to the job's size.
+// The mean over the segment by a few of its frames, what lies between them being in between, extrapolated to the job's size.
 static bool time_frames(struct timing *timing, double *seconds)
 {
     const struct plan_segment *segment = &timing->params->segment;
     const struct job *job = timing->params->job;
     double ratio = (double)job->width_px * job->height_px / pixels_at(timing, timing->scale), sum = 0.0;
+    int count = segment->count < FRAMES ? (int)segment->count : FRAMES;
     struct fixed fixed = {0};
 
-    for (int i = 0; i < segment->pilot_count; i++) {
+    for (int i = 0; i < count; i++) {
+        int64_t index = count > 1 ? segment->first + i * (segment->count - 1) / (count - 1) : segment->first;
+        int32_t frame = frame_range_at(&job->frames, index);
+        bool is_end = i == 0 || i == count - 1;
         double frame_s;
 
         if (!timing->keeps_grids) renderer_forget(timing->params->renderer);
-        if (!time_render(timing, segment->pilot[i], timing->scale, &frame_s)) return false;
-        if (i == 0 && ratio > 1.0 && !find_fixed(timing, segment->pilot[i], frame_s, &fixed)) return false;
-        sum += frame_s;
+        if (!time_render(timing, frame, timing->scale, &frame_s)) return false;
+        if (i == 0 && ratio > 1.0 && !find_fixed(timing, frame, frame_s, &fixed)) return false;
+        sum += count > 1 ? frame_s * (is_end ? 0.5 : 1.0) / (count - 1) : frame_s;
     }
-    sum /= segment->pilot_count;
     *seconds = fmax(sum - fixed.frame_s - fixed.grids_s, 0.0) * ratio + fixed.frame_s + fixed.grids_s;
     return true;
 }

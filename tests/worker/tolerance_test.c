@@ -22,6 +22,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 
 #include <cmocka.h>
 
@@ -269,6 +270,49 @@ static void what_is_further_off_is_rendered_finer(void **state)
     assert_int_equal(tolerance_find_retry_rungs(NAN, 0.01), tolerance_find_retry_rungs(1.0, 0.01));
 }
 
+static double processor_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+// In so small a picture the light's grid takes most of it, which each frame has anew.
+static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
+{
+    enum { FRAMES = 6 };
+    struct stage stage = open_stage(NULL);
+    struct job job = cloud_job(0.1);
+    struct image image = make_image(&job);
+    struct renderer_result result;
+    enum renderer_fault fault;
+    double seconds = 0.0;
+    struct plan plan;
+
+    assert_true(
+        plan_make(&plan,
+                  &(struct plan_params){
+                      .renderer = stage.renderer, .job = &job, .segment = plan_segment_of(&job, 0), .is_timed = true},
+                  &fault, NULL));
+    for (int i = 0; i < FRAMES; i++) {
+        struct plan of_frame = plan_of_frame(&plan, &job, 8 * i + 4);
+        struct job planned = plan_apply(&of_frame, &job);
+        double start_s = processor_s();
+
+        assert_true(renderer_render(stage.renderer, &planned, 8 * i + 4, &image, NULL, NULL, &result, NULL));
+        seconds += (processor_s() - start_s) / FRAMES;
+    }
+    print_message("%s: foretold %.3g s, took %.3g s\n", plan.reason, plan.predicted_processor_s, seconds);
+    // Timings scatter; without grids they come to a fifth.
+    assert_true(plan.predicted_processor_s > 0.45 * seconds && plan.predicted_processor_s < 3.0 * seconds);
+    assert_true(plan.predicted_audit_s > 0.0 && plan.predicted_encode_s > 0.0 && plan.plan_s > 0.0);
+    assert_true(plan.predicted_frame_s >= plan.predicted_s + plan.predicted_audit_s);
+    image_finish(&image);
+    job_finish(&job);
+    close_stage(stage);
+}
+
 // A shader whose phase function scatters backwards what goes forwards.
 static void break_phase(const char *folder)
 {
@@ -410,6 +454,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(a_plan_is_as_cheap_as_halving_and_the_finest_is_not),
         cmocka_unit_test(the_coarsest_setting_fails_the_audit),
         cmocka_unit_test(what_is_further_off_is_rendered_finer),
+        cmocka_unit_test(a_timed_plan_counts_all_that_a_frame_takes),
         cmocka_unit_test_setup_teardown(a_broken_frame_is_rendered_again_and_given_up, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test(equal_frames_are_copied_with_their_audit),
