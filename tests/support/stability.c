@@ -295,8 +295,9 @@ bool stability_measure(struct gl_context *context, const struct stability_sweep 
     bool is_apart = sweep->is_apart || method->tolerance > 0;
     size_t together = is_apart ? 1 : sweep->count;
     void *folder = NULL;
-    bool ok = temp_folder_create(&folder) == 0;
+    bool ok = true;
 
+    if (temp_folder_create(&folder) != 0) abort();
     memset(points, 0, sweep->count * sizeof *points);
     stand.tolerance = tolerance_create(stand.renderer);
     for (size_t i = 0; ok && i < sweep->count; i += together) {
@@ -305,6 +306,6 @@ bool stability_measure(struct gl_context *context, const struct stability_sweep 
     }
     tolerance_destroy(stand.tolerance);
     renderer_destroy(stand.renderer);
-    if (ok && temp_folder_destroy(&folder) != 0) ok = false;
+    if (temp_folder_destroy(&folder) != 0) ok = false;
     return ok;
 }
