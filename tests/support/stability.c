@@ -100,6 +100,7 @@ const struct stability_method stability_methods[] = {
     {.name = "equiangular", .quality = "\"method\":\"equiangular\",\"points\":16", .wants_even = true},
     {.name = "cached", .quality = "\"method\":\"cached\",\"step\":0.05,\"light_grid\":64"},
     {.name = "preintegrated", .quality = "\"method\":\"preintegrated\",\"step\":0.05", .only = "transfer"},
+    {.name = "tracking", .quality = "\"method\":\"tracking\",\"estimator\":\"ratio\"", .only = "furnace"},
     {.name = "auto", .quality = "\"tolerance\":0.01", .tolerance = 0.01},
 };
 const size_t stability_method_count = sizeof stability_methods / sizeof *stability_methods;

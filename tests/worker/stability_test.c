@@ -30,6 +30,7 @@ static const struct promise promises[] = {
     {"furnace", "gauss", 1e-3, 1000, 1e-5, 1e-6},
     {"furnace", "equiangular", 1e-3, 1000, 1e-5, 1e-6},
     {"furnace", "cached", 1e-3, 1000, 1e-5, 1e-6},
+    {"furnace", "tracking", 1e-3, 1000, 2e-5, 1e-5},
     {"depth", "cached", 1e-6, 10, 1e-2, 5e-3},
     {"forward", "cached", -0.999, 0.999, 3e-3, 3e-3},
     {"backward", "cached", -0.999, 0.999, 3e-3, 3e-3},
