@@ -110,33 +110,17 @@ static void write(FILE *out, const struct density_site *site)
     fprintf(out, "}\nfloat medium_%zu_distance(float field)\n{\n    return field;\n}\n", i);
 }
 
-// In the middle of the ball, where folded space has a point at all.
-static void evaluate_majorant(const void *source, double time, double value[static 9])
+// The distance changes by no more than the way does: within `own` metres of p it is above distance - own.
+static void write_most(FILE *out, const struct density_site *site)
 {
-    const struct scene_fold_fractal *fractal = source;
-    double radius[9] = {0}, exponent[9] = {0}, scale[9] = {0};
+    size_t i = site->medium;
 
-    timeline_value_evaluate(&fractal->radius, time, radius);
-    timeline_value_evaluate(&fractal->exponent, time, exponent);
-    timeline_value_evaluate(&fractal->scale, time, scale);
-    value[0] = radius[0] > 0 ? scale[0] * pow(radius[0], exponent[0]) : 0;
-}
-
-static void add_majorant(struct frame_uniforms *uniforms, const struct density_site *site)
-{
-    const struct scene_fold_fractal *fractal = &site->source->density.fold_fractal;
-
-    frame_uniforms_add(uniforms,
-                       (struct frame_value){.type = FRAME_VALUE_FLOAT,
-                                            .is_constant = timeline_is_constant(&fractal->radius) &&
-                                                           timeline_is_constant(&fractal->exponent) &&
-                                                           timeline_is_constant(&fractal->scale),
-                                            .evaluate = evaluate_majorant,
-                                            .source = fractal,
-                                            .min = value_range_not_negative.min,
-                                            .max = value_range_not_negative.max,
-                                            .meaning = "density.scale radius^exponent"},
-                       "medium_%zu_majorant", site->medium);
+    fprintf(
+        out,
+        "float medium_%zu_most(vec3 p, vec3 direction, inout float reach)\n{\n"
+        "    float distance = medium_%zu_field(p);\n    float own = max(0.1 * medium_%zu_radius, -distance);\n"
+        "    reach = min(reach, max(own, distance));\n    return medium_%zu_density(min(distance - own, 0.0));\n}\n",
+        i, i, i, i);
 }
 
 const struct density_kind density_kind_fold_fractal = {
@@ -149,5 +133,5 @@ const struct density_kind density_kind_fold_fractal = {
     .add_values = add_values,
     .modules = modules,
     .write = write,
-    .add_majorant = add_majorant,
+    .write_most = write_most,
 };
