@@ -2,7 +2,7 @@
 // among a majorant of particles. Right on the average, and never negative. Novak, Selle and Jarosz, SIGGRAPH Asia 2014.
 Spectrum transmittance_ratio(MediaSpans spans, vec3 origin, vec3 direction, vec2 way)
 {
-    const float FAINT = 0.05;
+    const float FAINT = 1e-3;
     Spectrum left = spectrum(1.0);
     float at = way.x;
     for (int turn = 0; turn < MARCH_LIMIT && at < way.y; ++turn) {
