@@ -5,9 +5,9 @@
 #include "core/job_json.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
 #include "tests/support/shader_dir.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/tolerance_stage.h"
 #include "tests/support/true_error.h"
 #include "worker/gl_context.h"
 #include "worker/image.h"
@@ -26,31 +26,6 @@
 
 #include <cmocka.h>
 
-struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
-    struct tolerance *tolerance;
-};
-
-static struct stage open_stage(const char *shader_dir)
-{
-    struct error error = {{0}};
-    struct stage stage = {.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error)};
-
-    if (!stage.context) fail_msg("%s", error.message);
-    keep_libraries();
-    stage.renderer = renderer_create(stage.context, shader_dir);
-    stage.tolerance = tolerance_create(stage.renderer);
-    return stage;
-}
-
-static void close_stage(struct stage stage)
-{
-    tolerance_destroy(stage.tolerance);
-    renderer_destroy(stage.renderer);
-    gl_context_destroy(stage.context);
-}
-
 static struct job cloud_job(double tolerance)
 {
     struct job job;
@@ -63,28 +38,10 @@ static struct job cloud_job(double tolerance)
     return job;
 }
 
-static struct image make_image(const struct job *job)
-{
-    struct image image;
-
-    assert_true(
-        image_init(&image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance, NULL));
-    return image;
-}
-
-static bool render(struct stage stage, const struct job *job, int32_t frame, struct image *image,
-                   struct tolerance_result *result, struct error *error)
-{
-    *image = make_image(job);
-    return tolerance_render(stage.tolerance,
-                            &(struct tolerance_params){.job = job, .serial = 1, .frame = frame, .image = image}, result,
-                            error);
-}
-
 static void frames_keep_their_tolerance(void **state)
 {
     static const double tolerances[] = {0.1, 0.03, 0.01};
-    struct stage stage = open_stage(NULL);
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
 
     for (size_t i = 0; i < sizeof tolerances / sizeof *tolerances; i++) {
         struct job job = cloud_job(tolerances[i]);
@@ -94,7 +51,8 @@ static void frames_keep_their_tolerance(void **state)
         double truly;
 
         // Of another segment than the last.
-        if (!render(stage, &job, 48 * (int32_t)i + 5, &image, &result, &error)) fail_msg("%s", error.message);
+        if (!tolerance_stage_render(stage, &job, 48 * (int32_t)i + 5, &image, &result, &error))
+            fail_msg("%s", error.message);
         truly = true_error_measure(&job, 48 * (int32_t)i + 5, &image);
         print_message("tolerance %g: truly %.2e, audited %.2e (at most %.2e): %s\n", tolerances[i], truly,
                       result.audit.error, result.audit.error95, result.reason);
@@ -106,7 +64,7 @@ static void frames_keep_their_tolerance(void **state)
         image_finish(&image);
         job_finish(&job);
     }
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 static void equal_renderers_make_equal_frames(void **state)
@@ -117,16 +75,16 @@ static void equal_renderers_make_equal_frames(void **state)
     struct image images[2];
 
     for (int i = 0; i < 2; i++) {
-        struct stage stage = open_stage(NULL);
+        struct tolerance_stage stage = tolerance_stage_open(NULL);
         struct image other;
 
         // One has rendered another frame of the segment before.
         if (i == 1) {
-            assert_true(render(stage, &job, 11, &other, &results[i], NULL));
+            assert_true(tolerance_stage_render(stage, &job, 11, &other, &results[i], NULL));
             image_finish(&other);
         }
-        assert_true(render(stage, &job, 10, &images[i], &results[i], NULL));
-        close_stage(stage);
+        assert_true(tolerance_stage_render(stage, &job, 10, &images[i], &results[i], NULL));
+        tolerance_stage_close(stage);
     }
     assert_memory_equal(images[0].rgba, images[1].rgba, size_bytes);
     assert_memory_equal(&results[0].quality, &results[1].quality, sizeof results[0].quality);
@@ -135,7 +93,7 @@ static void equal_renderers_make_equal_frames(void **state)
     job_finish(&job);
 }
 
-static struct plan make_plan(struct stage stage, const struct job *job, enum plan_choice choice)
+static struct plan make_plan(struct tolerance_stage stage, const struct job *job, enum plan_choice choice)
 {
     enum renderer_fault fault;
     struct error error = {{0}};
@@ -172,7 +130,7 @@ static const struct plan_family *find_family(enum job_method method)
 }
 
 // What a user would take who halves all steps until the frames of the pilot keep the tolerance.
-static double work_by_halving(struct stage stage, const struct job *job)
+static double work_by_halving(struct tolerance_stage stage, const struct job *job)
 {
     static const int32_t frames[] = {0, 23, 47};
     const struct plan_family *family = find_family(JOB_METHOD_MIDPOINT);
@@ -189,7 +147,7 @@ static double work_by_halving(struct stage stage, const struct job *job)
         work = work_of(job, &planned.quality);
         is_within = true;
         for (size_t i = 0; is_within && i < sizeof frames / sizeof *frames; ++i) {
-            struct image image = make_image(job);
+            struct image image = tolerance_stage_make_image(job);
             struct renderer_result result;
 
             assert_true(renderer_render(stage.renderer, &planned, frames[i], &image, NULL, NULL, &result, NULL));
@@ -203,7 +161,7 @@ static double work_by_halving(struct stage stage, const struct job *job)
 
 static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
 {
-    struct stage stage = open_stage(NULL);
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
     struct job job = cloud_job(0.02);
     double halving = work_by_halving(stage, &job);
     struct plan plan = make_plan(stage, &job, PLAN_CHOICE_CHEAPEST);
@@ -216,20 +174,20 @@ static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
     assert_true(work_of(&job, &finest.quality) > 1.5 * halving);
     assert_true(finest.predicted_error < plan.predicted_error);
     job_finish(&job);
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 // Audited true in its first rendering, that is far over the tolerance, and made good by the second, which goes by how far.
 static void the_coarsest_setting_fails_the_audit(void **state)
 {
     static const int32_t frames[] = {3, 45};
-    struct stage stage = open_stage(NULL);
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
     struct job job = cloud_job(0.01), coarsest = job;
     struct plan plan = make_plan(stage, &job, PLAN_CHOICE_COARSEST), second = plan;
 
     coarsest.quality = plan.quality;
     for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
-        struct image image = make_image(&job);
+        struct image image = tolerance_stage_make_image(&job);
         struct tolerance_params params = {
             .job = &job, .serial = 1, .frame = frames[i], .image = &image, .choice = PLAN_CHOICE_COARSEST};
         struct tolerance_result result;
@@ -252,7 +210,7 @@ static void the_coarsest_setting_fails_the_audit(void **state)
         image_finish(&image);
     }
     job_finish(&job);
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 // Of an error that falls as the steps to the power of three halves half the tolerance is left, and no more steps are taken than
@@ -282,9 +240,9 @@ static double processor_s(void)
 static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
 {
     enum { FRAMES = 6 };
-    struct stage stage = open_stage(NULL);
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
     struct job job = cloud_job(0.1);
-    struct image image = make_image(&job);
+    struct image image = tolerance_stage_make_image(&job);
     struct renderer_result result;
     enum renderer_fault fault;
     double seconds = 0.0;
@@ -310,7 +268,7 @@ static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
     assert_true(plan.predicted_frame_s >= plan.predicted_s + plan.predicted_audit_s);
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 // A shader whose phase function scatters backwards what goes forwards.
@@ -343,31 +301,31 @@ static void a_broken_frame_is_rendered_again_and_given_up(void **state)
     struct job job = cloud_job(0.05);
     struct tolerance_result result;
     struct error error = {{0}};
-    struct stage stage;
+    struct tolerance_stage stage;
     struct image image;
 
     break_phase(folder);
-    stage = open_stage(folder);
-    assert_false(render(stage, &job, 3, &image, &result, &error));
+    stage = tolerance_stage_open(folder);
+    assert_false(tolerance_stage_render(stage, &job, 3, &image, &result, &error));
     print_message("%s\n", error.message);
     assert_int_equal(result.render.fault, RENDERER_FAULT_MISSED);
     assert_true(result.is_second && result.audit.error > 0.05);
     assert_non_null(strstr(error.message, "quality.tolerance: expected an error of at most 0.05, got "));
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 static void equal_frames_are_copied_with_their_audit(void **state)
 {
-    struct stage stage = open_stage(NULL);
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
     struct tolerance_result first, second;
     struct image images[2];
     struct job job;
 
     ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", \"quality\": {\"tolerance\": 0.02}");
-    assert_true(render(stage, &job, 0, &images[0], &first, NULL));
-    assert_true(render(stage, &job, 1, &images[1], &second, NULL));
+    assert_true(tolerance_stage_render(stage, &job, 0, &images[0], &first, NULL));
+    assert_true(tolerance_stage_render(stage, &job, 1, &images[1], &second, NULL));
     assert_true(first.audit.seconds > 0.0);
     assert_true(second.render.is_copy);
     assert_true(second.audit.kind == AUDIT_REFERENCE && second.audit.error == first.audit.error);
@@ -375,7 +333,7 @@ static void equal_frames_are_copied_with_their_audit(void **state)
     image_finish(&images[0]);
     image_finish(&images[1]);
     job_finish(&job);
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 static bool stop_later(void *user, double done)
@@ -392,7 +350,7 @@ static void light_that_is_no_number_is_told_of(void **state)
         "[1,2,-1]}],\"scene\":{\"media\":[{\"sigma_s\":8,\"density\":{\"kind\":\"glsl\",\"source\":"
         "\"float density(vec3 p, float t) { return sqrt(p.x); }\",\"bounds\":{\"kind\":\"sphere\",\"center\":"
         "[0,0,0],\"radius\":1}}}]},\"output\":{\"path\":\"nan.####.exr\"},\"quality\":{\"tolerance\":0.02}}";
-    struct stage stage = open_stage(test_shader_dir());
+    struct tolerance_stage stage = tolerance_stage_open(test_shader_dir());
     struct tolerance_result result;
     struct error error = {{0}};
     struct image image;
@@ -400,18 +358,18 @@ static void light_that_is_no_number_is_told_of(void **state)
 
     (void)state;
     if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    assert_false(render(stage, &job, 0, &image, &result, &error));
+    assert_false(tolerance_stage_render(stage, &job, 0, &image, &result, &error));
     assert_non_null(strstr(error.message, "finite"));
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 static void a_pilot_can_be_stopped(void **state)
 {
-    struct stage stage = open_stage(NULL);
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
     struct job job = cloud_job(0.05);
-    struct image image = make_image(&job);
+    struct image image = tolerance_stage_make_image(&job);
 
     for (int after = 1; after < 60; after *= 3) {
         struct tolerance_result result;
@@ -426,23 +384,23 @@ static void a_pilot_can_be_stopped(void **state)
     }
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 static void a_job_that_says_how_is_not_audited(void **state)
 {
-    struct stage stage = open_stage(NULL);
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
     struct tolerance_result result;
     struct image image;
     struct job job;
 
     ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    assert_true(render(stage, &job, 0, &image, &result, NULL));
+    assert_true(tolerance_stage_render(stage, &job, 0, &image, &result, NULL));
     assert_true(result.audit.kind == AUDIT_NONE && result.reason[0] == 0);
     assert_int_equal(result.quality.method, JOB_METHOD_MIDPOINT);
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    tolerance_stage_close(stage);
 }
 
 // One argument: the tests to run, by a pattern.

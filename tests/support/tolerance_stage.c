@@ -1,0 +1,51 @@
+#include "tests/support/tolerance_stage.h"
+
+#include "core/error.h"
+#include "core/job.h"
+#include "tests/support/keep_libraries.h"
+#include "worker/gl_context.h"
+#include "worker/image.h"
+#include "worker/renderer.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+struct tolerance_stage tolerance_stage_open(const char *shader_dir)
+{
+    struct error error = {{0}};
+    struct tolerance_stage stage = {.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error)};
+
+    if (!stage.context) fail_msg("%s", error.message);
+    keep_libraries();
+    stage.renderer = renderer_create(stage.context, shader_dir);
+    stage.tolerance = tolerance_create(stage.renderer);
+    return stage;
+}
+
+void tolerance_stage_close(struct tolerance_stage stage)
+{
+    tolerance_destroy(stage.tolerance);
+    renderer_destroy(stage.renderer);
+    gl_context_destroy(stage.context);
+}
+
+struct image tolerance_stage_make_image(const struct job *job)
+{
+    struct image image;
+
+    assert_true(
+        image_init(&image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance, NULL));
+    return image;
+}
+
+bool tolerance_stage_render(struct tolerance_stage stage, const struct job *job, int32_t frame, struct image *image,
+                            struct tolerance_result *result, struct error *error)
+{
+    *image = tolerance_stage_make_image(job);
+    return tolerance_render(stage.tolerance,
+                            &(struct tolerance_params){.job = job, .serial = 1, .frame = frame, .image = image}, result,
+                            error);
+}
