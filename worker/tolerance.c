@@ -165,15 +165,6 @@ static bool has_promise(const struct scene_density *density)
     return density->kind == SCENE_DENSITY_GLSL && density->glsl.lipschitz > 0.0;
 }
 
-static bool has_promises(const struct scene *scene)
-{
-    bool promises = false;
-
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        promises |= has_promise(&scene->media[i].density);
-    return promises;
-}
-
 // Another size than the frame's, so that a frame that is equal is not copied after this: for scenes that stay, the plan's
 // own small frames do. Not `is_bounded`: what the user's code promises of empty space is not counted on.
 static bool render_small(const struct rendering *rendering, const struct plan *plan, const struct image *size,
@@ -208,8 +199,7 @@ static bool audit_by_steps(const struct rendering *rendering, const struct plan 
     bool ok = view != NULL;
 
     (void)plan_refine(&halved, params->job, HALVED_RUNGS);
-    // Pilots believe what the code promises.
-    if (ok && scene_is_constant(&params->job->scene) && !rendering->is_finer && !has_promises(&params->job->scene)) {
+    if (ok && scene_is_constant(&params->job->scene) && !rendering->is_finer) {
         audit_by_halving(params->job, &view->coarser, &view->finer, &rendering->result->audit);
         rendering->result->audit.is_pooled = true;
         return true;
@@ -272,14 +262,17 @@ static void note_shown(struct rendering *rendering)
 static bool miss(const struct rendering *rendering)
 {
     const struct audit_result *audit = &rendering->result->audit;
+    const struct scene *scene = &rendering->params->job->scene;
+    bool promises = false;
 
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        promises |= has_promise(&scene->media[i].density);
     rendering->result->render.fault = RENDERER_FAULT_MISSED;
     error_set(rendering->error,
               "quality.tolerance: expected an error of at most %g, got %.3g (with confidence below %.3g), and %.3g in "
               "longer steps before%s; %s",
               rendering->params->job->quality.tolerance, audit->error, audit->error95, rendering->result->first_error,
-              has_promises(&rendering->params->job->scene) ? " (is a density.lipschitz too low?)" : "",
-              rendering->kept->plan.reason);
+              promises ? " (is a density.lipschitz too low?)" : "", rendering->kept->plan.reason);
     return false;
 }
 
