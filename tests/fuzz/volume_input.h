@@ -29,11 +29,13 @@ static inline void volume_input_remove_folder(void)
 static inline const char *volume_input_write(const char *name, const uint8_t *bytes, size_t size)
 {
     static char path[512];
+    static bool is_made;
     FILE *file;
 
-    if (strchr(volume_input_folder, 'X')) {
+    if (!is_made) {
         volume_input_require(mkdtemp(volume_input_folder));
         atexit(volume_input_remove_folder);
+        is_made = true;
     }
     snprintf(path, sizeof path, "%s/%s", volume_input_folder, name);
     file = fopen(path, "wb");
