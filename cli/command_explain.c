@@ -80,7 +80,8 @@ static enum exit_status explain(const struct options *options, const struct job 
     status = worker_child_ask(options,
                               &(struct worker_question){.method = "worker.explain",
                                                         .params = params.text,
-                                                        .needs_gl = job->quality.method == JOB_METHOD_AUTO},
+                                                        .needs_gl = job->quality.method == JOB_METHOD_AUTO,
+                                                        .label = "planning"},
                               &reply, error);
     json_writer_finish(&params);
     if (status != EXIT_STATUS_DONE) return status;

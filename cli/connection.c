@@ -26,6 +26,8 @@ struct connection {
     size_t kept_count, kept_capacity, kept_start;
     int64_t last_id;
     enum exit_status failure;
+    void (*on_wait)(void *user); // NULL: nobody
+    void *wait_user;
 };
 
 struct connection *connection_adopt(int fd, const char *peer)
@@ -86,6 +88,12 @@ void connection_close(struct connection *connection)
         message_finish(&connection->kept[i]);
     free(connection->kept);
     free(connection);
+}
+
+void connection_set_wait(struct connection *connection, void (*on_wait)(void *user), void *user)
+{
+    connection->on_wait = on_wait;
+    connection->wait_user = user;
 }
 
 void connection_set_interrupt(struct connection *connection, struct interrupt *interrupt)
@@ -218,6 +226,7 @@ static bool await_answer(struct connection *connection, const char *id, struct m
         if (event != CONNECTION_MESSAGE) return false;
         if (!is_answer(reply, id)) {
             keep(connection, reply);
+            if (connection->on_wait) connection->on_wait(connection->wait_user);
             continue;
         }
         if (reply->kind == MESSAGE_RESULT) return true;

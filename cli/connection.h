@@ -20,6 +20,8 @@ struct connection *connection_adopt(int fd, const char *peer);
 void connection_close(struct connection *connection); // accepts NULL
 // Waiting ends when `interrupt` (borrowed; outlives us) is requested.
 void connection_set_interrupt(struct connection *connection, struct interrupt *interrupt);
+// `on_wait` (NULL: nobody) hears of each message that comes while an answer is waited for; of a worker that works one a second.
+void connection_set_wait(struct connection *connection, void (*on_wait)(void *user), void *user);
 
 // What the program's exit code should be after the last failure.
 enum exit_status connection_failure(const struct connection *connection);

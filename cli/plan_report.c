@@ -36,9 +36,11 @@ enum exit_status plan_report_ask(const struct options *options, const char *docu
     json_write_raw(&params, document, strlen(document));
     json_write_string_member(&params, "root", "/");
     json_write_end_object(&params);
-    status = worker_child_ask(
-        options, &(struct worker_question){.method = "worker.plan", .params = params.text, .needs_gl = true}, reply,
-        error);
+    status =
+        worker_child_ask(options,
+                         &(struct worker_question){
+                             .method = "worker.plan", .params = params.text, .needs_gl = true, .label = "planning"},
+                         reply, error);
     json_writer_finish(&params);
     return status;
 }

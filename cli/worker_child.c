@@ -3,6 +3,7 @@
 #include "cli/connection.h"
 #include "cli/interrupt.h"
 #include "cli/options.h"
+#include "cli/progress.h"
 #include "core/alloc.h"
 #include "core/error.h"
 
@@ -210,6 +211,27 @@ enum exit_status worker_child_call(struct worker_child *child, const char *metho
     return status;
 }
 
+enum { SHOWN_AFTER_MS = 2000 };
+
+struct waiting {
+    const char *label;
+    int64_t start_ms;
+    bool is_shown;
+};
+
+static void on_wait(void *user)
+{
+    struct waiting *waiting = user;
+    int64_t gone_ms = progress_now_ms() - waiting->start_ms;
+    char *duration;
+
+    if (gone_ms < SHOWN_AFTER_MS) return;
+    duration = progress_format_duration((double)(gone_ms / 1000));
+    fprintf(stderr, "\r%s, %s so far\033[K", waiting->label, duration);
+    waiting->is_shown = true;
+    free(duration);
+}
+
 enum exit_status worker_child_ask(const struct options *options, const struct worker_question *question,
                                   struct message *reply, struct error *error)
 {
@@ -220,7 +242,13 @@ enum exit_status worker_child_ask(const struct options *options, const struct wo
 
     interrupt_init(&interrupt);
     if (start(&child, options, backend, &interrupt, error)) {
+        struct waiting waiting = {.label = question->label, .start_ms = progress_now_ms()};
+        struct progress_display terminal;
+
+        progress_display_init(&terminal, stderr);
+        if (question->label && terminal.is_live) connection_set_wait(child.connection, on_wait, &waiting);
         status = worker_child_call(&child, question->method, question->params, reply, error);
+        if (waiting.is_shown) fputs("\r\033[K", stderr);
         worker_child_stop(&child, status != EXIT_STATUS_DONE);
     }
     interrupt_finish(&interrupt);

@@ -37,6 +37,7 @@ enum exit_status worker_child_call(struct worker_child *child, const char *metho
 struct worker_question {
     const char *method, *params; // as connection_call has them
     bool needs_gl;               // else the worker makes no context
+    const char *label;           // shown on a terminal, with the time gone by, while the answer takes long; may be NULL
 };
 
 // One request to a worker started for it and stopped after it; `reply` is as connection_call has it.
