@@ -310,6 +310,7 @@ int chart_choice_next(const struct chart_choice *choice, const struct chart_poin
 {
     const struct series *of = &all_series[series];
 
+    if (choice->count == 0 && limits->is_short && of->kind == HAS_SAMPLES) return -1;
     if (choice->count == 0) return chart_ladder_next(points, series, limits);
     for (size_t i = 0; i < choice->count; i++) {
         const struct chart_choice_name *name = &choice->names[i];

@@ -21,6 +21,8 @@ struct chart_scale {
 struct chart_limits {
     double seconds; // that a picture may take
     double error;   // below it more exact is not told from less
+    bool
+        is_short; // ladders of samples, each rung of which has a truth of its own, are climbed only where they are named
 };
 
 // Series are numbered from 0; one is a method with all but one of its numbers tied to that one.

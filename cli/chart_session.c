@@ -393,6 +393,7 @@ enum exit_status chart_session_run(const struct chart_session_params *params, st
     session.limits.seconds = options->point_limit_s > 0 ? (double)options->point_limit_s
                              : options->quick           ? QUICK_LIMIT
                                                         : LIMIT;
+    session.limits.is_short = options->quick;
     if (options->quick) session.end_s = now_s() + QUICK_POINTS;
     if (options->methods && !chart_choice_parse(&session.choice, options->methods, error)) return status;
     interrupt_init(&interrupt);

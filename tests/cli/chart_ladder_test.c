@@ -263,6 +263,19 @@ static void no_choice_is_all(void **state)
         assert_int_equal(chart_choice_next(&choice, &points, series, &LIMITS), 0);
 }
 
+static void a_short_chart_leaves_samples_out_that_nobody_named(void **state)
+{
+    const struct chart_limits limits = {.seconds = 10, .error = 3e-5, .is_short = true};
+    struct chart_points points = {0};
+    struct chart_choice choice = {0};
+
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("tracking"), &limits), -1);
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("jittered"), &limits), 0);
+    assert_true(chart_choice_parse(&choice, "tracking", NULL));
+    assert_int_equal(chart_choice_next(&choice, &points, find_series("tracking"), &limits), 0);
+    chart_choice_finish(&choice);
+}
+
 static void wrong_choices_are_refused(void **state)
 {
     static const char *const wrong[] = {"", "riemann,", "magic", "riemann:", "riemann:x", "riemann:-1", "riemann:20"};
@@ -295,6 +308,7 @@ int main(void)
         cmocka_unit_test(choice_names_methods_series_and_rungs),
         cmocka_unit_test(planner_is_chosen_by_name),
         cmocka_unit_test(no_choice_is_all),
+        cmocka_unit_test(a_short_chart_leaves_samples_out_that_nobody_named),
         cmocka_unit_test(wrong_choices_are_refused),
     };
 
