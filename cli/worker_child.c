@@ -222,11 +222,11 @@ struct waiting {
 static void on_wait(void *user)
 {
     struct waiting *waiting = user;
-    int64_t gone_ms = progress_now_ms() - waiting->start_ms;
+    int64_t gone_ms = progress_now_ms() - waiting->start_ms, gone_s = gone_ms / 1000;
     char *duration;
 
     if (gone_ms < SHOWN_AFTER_MS) return;
-    duration = progress_format_duration((double)(gone_ms / 1000));
+    duration = progress_format_duration((double)gone_s);
     fprintf(stderr, "\r%s, %s so far\033[K", waiting->label, duration);
     waiting->is_shown = true;
     free(duration);
