@@ -142,17 +142,26 @@ static void copy_text(const struct message *reply, const char *key, char *text, 
     snprintf(text, size, "%s", json_read_string(&node, &value, NULL) ? value : "");
 }
 
-enum exit_status chart_query_reach(struct chart_query *query, const char *document, struct chart_scale *scale,
-                                   struct error *error)
+// Of the document alone.
+static enum exit_status ask_of(struct chart_query *query, const char *method, const char *document,
+                               struct message *reply, struct error *error)
 {
     struct json_writer params = {0};
     enum exit_status status;
-    struct message reply;
 
     begin(&params, query, document);
     json_write_end_object(&params);
-    status = ask(query, "worker.reach", &params, &reply, error);
+    status = ask(query, method, &params, reply, error);
     json_writer_finish(&params);
+    return status;
+}
+
+enum exit_status chart_query_reach(struct chart_query *query, const char *document, struct chart_scale *scale,
+                                   struct error *error)
+{
+    struct message reply;
+    enum exit_status status = ask_of(query, "worker.reach", document, &reply, error);
+
     if (status != EXIT_STATUS_DONE) return status;
     *scale = (struct chart_scale){.near = number_of(&reply, "near", 0),
                                   .far = number_of(&reply, "far", INFINITY),
@@ -254,14 +263,9 @@ enum exit_status chart_query_point(struct chart_query *query, const char *docume
 enum exit_status chart_query_program(struct chart_query *query, const char *document, char hash[static HASH_TEXT_SIZE],
                                      struct error *error)
 {
-    struct json_writer params = {0};
-    enum exit_status status;
     struct message reply;
+    enum exit_status status = ask_of(query, "worker.explain", document, &reply, error);
 
-    begin(&params, query, document);
-    json_write_end_object(&params);
-    status = ask(query, "worker.explain", &params, &reply, error);
-    json_writer_finish(&params);
     if (status != EXIT_STATUS_DONE) return status;
     copy_text(&reply, "shader_hash", hash, HASH_TEXT_SIZE);
     message_finish(&reply);
