@@ -53,7 +53,7 @@ static void on_signal(uv_signal_t *handle, int signal_number);
 
 static bool open_store(struct daemon *daemon, const struct options *options, struct error *error)
 {
-    if (!folders_make(options->state_folder, 0700, error) || !folders_make(options->output_root, 0755, error))
+    if (!folders_make(options->state_folder, 0700, error) || !folders_make(options->output_roots.paths[0], 0755, error))
         return false;
     daemon->store = store_open(options->state_folder, error);
     if (!daemon->store) return false;
@@ -95,7 +95,7 @@ static void start(struct daemon *daemon)
     restore_wind_up(&daemon->farm);
     farm_want_feed(&daemon->farm);
     log_info("marchd %s: %zu jobs, %lld frames queued, output below %s", MARCHD_VERSION, daemon->farm.jobs.count,
-             (long long)queue_count(daemon->farm.queue, FRAME_QUEUED), daemon->farm.options->output_root);
+             (long long)queue_count(daemon->farm.queue, FRAME_QUEUED), daemon->farm.options->output_roots.paths[0]);
     sd_notify(0, "READY=1");
 }
 

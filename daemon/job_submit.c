@@ -85,7 +85,7 @@ const char *job_submit_find_collision(const struct farm *farm, const struct job_
 static bool check_collisions(struct request *request, const struct job *job)
 {
     const struct farm *farm = request->farm;
-    const struct job_files files = {farm->options->output_root, &job->output.path, &job->frames};
+    const struct job_files files = {farm->options->output_roots.paths[0], &job->output.path, &job->frames};
     const struct job_record *record;
     const char *name;
     int32_t frame;
@@ -111,7 +111,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
                                      .priority = job->priority,
                                      .is_paused = paused,
                                      .submitted_ms = farm_clock_ms(),
-                                     .root = xstrdup(request->farm->options->output_root)};
+                                     .root = xstrdup(request->farm->options->output_roots.paths[0])};
     submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
     submit->frames = job->frames;
     submit->path = job->output.path;
@@ -129,7 +129,7 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     bool ok = false;
 
     request->code = MESSAGE_CODE_PARAMS;
-    if (!job_from_json(&job, document, farm->options->output_root, &request->error) ||
+    if (!job_from_json(&job, document, farm->options->output_roots.paths[0], &request->error) ||
         !job_check_inputs(&job, document, &request->error))
         goto out;
     if (!check_collisions(request, &job)) goto out;

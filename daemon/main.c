@@ -31,7 +31,7 @@ static bool read_options(struct options *options, int argc, char **argv, struct 
                                                 .xdg_state_home = getenv("XDG_STATE_HOME"),
                                                 .xdg_runtime_dir = getenv("XDG_RUNTIME_DIR"),
                                                 .marchd_socket = getenv("MARCHD_SOCKET"),
-                                                .config_path = geteuid() == 0 ? "/etc/marchd/marchd.conf" : NULL,
+                                                .config_path = "/etc/marchd/marchd.conf",
                                                 .current_folder = current_folder,
                                                 .program_folder = program_folder,
                                                 .is_root = geteuid() == 0};

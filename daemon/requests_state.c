@@ -43,7 +43,7 @@ enum request_outcome requests_daemon_status(struct request *request)
     json_write_string_member(writer, "version", MARCHD_VERSION);
     json_write_integer_member(writer, "pid", getpid());
     json_write_number_member(writer, "started", (double)farm->started_ms / 1000);
-    json_write_string_member(writer, "output_root", farm->options->output_root);
+    json_write_string_member(writer, "output_root", farm->options->output_roots.paths[0]);
     json_write_string_member(writer, "state_folder", farm->options->state_folder);
     json_write_key(writer, "jobs");
     write_job_counts(farm, writer);

@@ -63,7 +63,7 @@ static void a_user_gets_folders_of_their_own(void **state)
 
     assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
     assert_string_equal(options.state_folder, "/home/ann/.local/state/marchd");
-    assert_string_equal(options.output_root, "/home/ann/marchd");
+    assert_string_equal(options.output_roots.paths[0], "/home/ann/marchd");
     options_finish(&options);
     surroundings.xdg_state_home = "/s";
     surroundings.xdg_runtime_dir = "/run/user/7";
@@ -92,7 +92,7 @@ static void relative_paths_are_taken_from_the_current_folder(void **state)
     struct options options;
 
     assert_true(PARSE(&options, &user, (char[]){"--output-root=out/"}, (char[]){"--state"}, (char[]){"s"}));
-    assert_string_equal(options.output_root, "/srv/out");
+    assert_string_equal(options.output_roots.paths[0], "/srv/out");
     assert_string_equal(options.state_folder, "/srv/s");
     options_finish(&options);
 }
@@ -163,6 +163,7 @@ static void a_file_comes_after_all_that_is_said(void **state)
     options_finish(&options);
     surroundings.marchd_socket = "/env.sock";
     surroundings.config_path = path;
+    surroundings.is_root = true;
     assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
     assert_int_equal(options.thread_count, 3);
     assert_string_equal(options.socket_path, "/env.sock");
@@ -171,7 +172,7 @@ static void a_file_comes_after_all_that_is_said(void **state)
 
 static void only_a_file_that_was_named_must_be_there(void **state)
 {
-    struct options_surroundings surroundings = user;
+    struct options_surroundings surroundings = root;
     struct options options;
 
     surroundings.config_path = "/no/such/file";
@@ -210,6 +211,13 @@ static size_t uncomment(char *text)
     return count;
 }
 
+static void assert_same_paths(const struct path_list *told, const struct path_list *held)
+{
+    assert_int_equal(told->count, held->count);
+    for (size_t i = 0; i < told->count; i++)
+        assert_string_equal(told->paths[i], held->paths[i]);
+}
+
 static void the_file_that_is_shipped_tells_the_defaults(void **state)
 {
     struct options told, held;
@@ -219,13 +227,12 @@ static void the_file_that_is_shipped_tells_the_defaults(void **state)
     path = write_config(state, text);
     assert_true(PARSE(&told, &root, (char[]){"--config"}, path));
     options_finish(&told);
-    assert_int_equal(uncomment(text), 11);
+    assert_int_equal(uncomment(text), 20);
     path = write_config(state, text);
     assert_true(PARSE(&told, &user, (char[]){"--config"}, path));
     assert_true(parse(&held, &root, (char *[]){(char[]){"marchd"}, NULL}, NULL));
     assert_string_equal(told.state_folder, held.state_folder);
     assert_string_equal(told.socket_path, held.socket_path);
-    assert_string_equal(told.output_root, held.output_root);
     assert_string_equal(told.worker_program, held.worker_program);
     assert_string_equal(told.backend, held.backend);
     assert_int_equal(told.worker_count, held.worker_count);
@@ -234,9 +241,82 @@ static void the_file_that_is_shipped_tells_the_defaults(void **state)
     assert_int_equal(told.progress_limit_ms, held.progress_limit_ms);
     assert_int_equal(told.stop_timeout_ms, held.stop_timeout_ms);
     assert_int_equal(told.log_level, held.log_level);
+    assert_same_paths(&told.output_roots, &held.output_roots);
+    assert_same_paths(&told.input_roots, &held.input_roots);
+    assert_string_equal(told.admin_group, held.admin_group);
+    assert_int_equal(told.user_jobs, held.user_jobs);
+    assert_int_equal(told.user_frames, held.user_frames);
+    assert_int_equal(told.user_pixels, held.user_pixels);
+    assert_int_equal(told.user_disk_bytes, held.user_disk_bytes);
+    assert_int_equal(told.worker_memory_bytes, held.worker_memory_bytes);
+    assert_int_equal(told.has_sandbox, held.has_sandbox);
     options_finish(&held);
     options_finish(&told);
     free(text);
+}
+
+static void amounts_have_letters(void **state)
+{
+    struct options options;
+
+    assert_true(PARSE(&options, &user, (char[]){"--user-jobs=20"}, (char[]){"--user-frames=3K"},
+                      (char[]){"--user-pixels=500G"}, (char[]){"--user-disk=2T"}, (char[]){"--worker-memory=4G"},
+                      (char[]){"--sandbox=no"}, (char[]){"--admin-group=wheel"}));
+    assert_int_equal(options.user_jobs, 20);
+    assert_int_equal(options.user_frames, 3000);
+    assert_int_equal(options.user_pixels, 500 * INT64_C(1000000000));
+    assert_int_equal(options.user_disk_bytes, INT64_C(2) << 40);
+    assert_int_equal(options.worker_memory_bytes, INT64_C(4) << 30);
+    assert_false(options.has_sandbox);
+    assert_string_equal(options.admin_group, "wheel");
+    options_finish(&options);
+    assert_true(PARSE(&options, &user, (char[]){"--user-jobs=none"}, (char[]){"--worker-memory=none"}));
+    assert_int_equal(options.user_jobs, 0);
+    assert_int_equal(options.worker_memory_bytes, -1);
+    options_finish(&options);
+    REFUSE("--user-jobs: expected \"none\"", (char[]){"--user-jobs=0"});
+    REFUSE("--user-disk: expected \"none\"", (char[]){"--user-disk=2TB"});
+    REFUSE("--user-disk: expected \"none\"", (char[]){"--user-disk=9999999999T"});
+    REFUSE("--user-pixels: expected \"none\"", (char[]){"--user-pixels=-1"});
+    REFUSE("--worker-memory: expected", (char[]){"--worker-memory=all"});
+    REFUSE("--sandbox: expected yes or no", (char[]){"--sandbox=maybe"});
+    REFUSE("--admin-group: expected", (char[]){"--admin-group="});
+}
+
+static void roots_add_up_within_one_source(void **state)
+{
+    char *path = write_config(state, "output-root = /file/a\noutput-root = /file/b\ninput-root = /file/in\n");
+    struct options options;
+
+    assert_true(PARSE(&options, &user, (char[]){"--config"}, path, (char[]){"--input-root=in"},
+                      (char[]){"--input-root=/line/"}));
+    assert_int_equal(options.output_roots.count, 2);
+    assert_string_equal(options.output_roots.paths[0], "/file/a");
+    assert_string_equal(options.output_roots.paths[1], "/file/b");
+    assert_int_equal(options.input_roots.count, 2);
+    assert_string_equal(options.input_roots.paths[0], "/srv/in");
+    assert_string_equal(options.input_roots.paths[1], "/line");
+    options_finish(&options);
+}
+
+static void a_system_daemon_needs_not_be_root(void **state)
+{
+    char *path = write_config(state, "workers = 3\n");
+    struct options_surroundings surroundings = user;
+    struct options options;
+
+    surroundings.config_path = path;
+    assert_true(PARSE(&options, &surroundings, (char[]){"--system"}));
+    assert_string_equal(options.state_folder, "/var/lib/marchd");
+    assert_string_equal(options.socket_path, "/run/marchd/marchd.sock");
+    assert_string_equal(options.output_roots.paths[0], "/srv/marchd");
+    assert_int_equal(options.worker_count, 3);
+    options_finish(&options);
+    // A user's own daemon leaves the system's file alone.
+    assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_int_equal(options.worker_count, 0);
+    assert_string_equal(options.input_roots.paths[0], "/");
+    options_finish(&options);
 }
 
 static void without_a_home_the_folders_must_be_given(void **state)
@@ -267,6 +347,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_files_mistakes_have_a_line, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(the_file_that_is_shipped_tells_the_defaults, temp_folder_create,
                                         temp_folder_destroy),
+        cmocka_unit_test(amounts_have_letters),
+        cmocka_unit_test_setup_teardown(roots_add_up_within_one_source, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_system_daemon_needs_not_be_root, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(without_a_home_the_folders_must_be_given),
     };
 

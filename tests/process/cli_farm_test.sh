@@ -20,7 +20,7 @@ expect_stdout() { [ "$(cat out)" = "$1" ] || fail "expected stdout \"$1\""; }
 submit() { march submit "$cloud" --set 'resolution=[32,18]' --set quality.step=0.05 --set quality.light_step=0.05 "$@"; }
 
 mkdir pictures
-marchd --state "$scratch/state" --output-root "$scratch/pictures" --workers 1 2>marchd.log &
+marchd --state "$scratch/state" --output-root "$scratch/pictures" --input-root / --workers 1 2>marchd.log &
 daemon=$!
 tries=0
 until march workers >/dev/null 2>&1; do

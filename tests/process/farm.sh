@@ -33,10 +33,12 @@ stub()
     echo "$program"
 }
 
-# start_daemon OPTION...: returns once it answers.
+# start_daemon OPTION...: returns once it answers. It writes below $scratch/out unless told otherwise.
 start_daemon()
 {
-    "$bin/marchd" --state "$scratch/state" --socket "$socket" --output-root "$scratch/out" --workers 2 "$@" \
+    [[ " $* " == *" --output-root "* ]] || set -- --output-root "$scratch/out" "$@"
+    [[ " $* " == *" --input-root "* ]] || set -- --input-root / "$@"
+    "$bin/marchd" --state "$scratch/state" --socket "$socket" --workers 2 "$@" \
         2>>"$scratch/daemon.log" &
     daemon_pid=$!
     for _ in $(seq 200); do

@@ -1,0 +1,31 @@
+#include "core/path_list.h"
+
+#include "core/alloc.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void path_list_add(struct path_list *list, char *path)
+{
+    list->paths = xgrow(list->paths, &list->capacity, list->count + 1, sizeof list->paths[0]);
+    list->paths[list->count++] = path;
+}
+
+void path_list_finish(struct path_list *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        free(list->paths[i]);
+    free(list->paths);
+    *list = (struct path_list){0};
+}
+
+const char *path_list_find_root(const struct path_list *list, const char *path)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        size_t length = strcmp(list->paths[i], "/") == 0 ? 0 : strlen(list->paths[i]);
+
+        if (strncmp(path, list->paths[i], length) == 0 && path[length] == '/' && path[length + 1])
+            return list->paths[i];
+    }
+    return NULL;
+}
