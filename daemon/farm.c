@@ -37,10 +37,12 @@ void farm_store_job(struct farm *farm, const struct job_record *record)
 // Its end is written down only after its leftovers are gone, so that a restart removes what a crash left.
 static void wind_up(struct farm *farm, struct job_record *record)
 {
+    struct log_subject subject = job_record_subject(record);
+
     record->is_ending = true;
     record->is_sweeping = true;
-    log_info("job %lld (\"%s\"): %s", (long long)record->id, record->name,
-             job_state_name(queue_job_state(record->queued)));
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): %s", (long long)record->id, record->name,
+              job_state_name(queue_job_state(record->queued)));
     worker_pool_forget_job(farm->pool, record->id);
     sweeper_sweep_job(farm->sweeper, record);
 }

@@ -56,9 +56,10 @@ static void write_assignment(int64_t job, const struct queue_ticket *tickets, si
 // Without its document the job cannot go on, but others can.
 static void hold_job(struct farm *farm, struct job_record *record, const struct error *error)
 {
+    struct log_subject subject = job_record_subject(record);
     char *reason = xasprintf("paused: %s", error->message);
 
-    log_error("job %lld: %s", (long long)record->id, reason);
+    log_about(LOG_ERROR, &subject, "job %lld: %s", (long long)record->id, reason);
     job_record_set_reason(record, reason);
     free(reason);
     queue_pause(farm->queue, record->queued);

@@ -30,6 +30,18 @@ struct attempt_end {
     const char *log;
 };
 
+static void log_attempt(enum log_level level, const struct job_record *record, const struct queue_ticket *ticket,
+                        int worker, const char *text, const char *outcome)
+{
+    struct log_subject subject = job_record_subject(record);
+
+    subject.frame = ticket->frame;
+    subject.attempt = ticket->attempt;
+    subject.worker = worker;
+    log_about(level, &subject, "job %lld frame %d attempt %d: %s%s%s", (long long)ticket->job, ticket->frame,
+              ticket->attempt, text, *outcome ? "; now " : "", outcome);
+}
+
 static void put_silent(struct farm *farm, struct store_op op)
 {
     committer_put(farm->committer, COMMIT_SILENT, &op, 1, NULL, NULL);
@@ -79,13 +91,15 @@ static void fail_job(struct farm *farm, const struct attempt_end *end)
 
 static void pause_job(struct farm *farm, const struct attempt_end *end)
 {
+    struct log_subject subject;
     char *reason;
 
     queue_return(farm->queue, &end->ticket);
     if (end->record->queued->is_paused || !queue_job_is_live(end->record->queued)) return;
     reason = xasprintf("paused: output: %s", end->error);
     job_record_set_reason(end->record, reason);
-    log_warn("job %lld: %s", (long long)end->record->id, reason);
+    subject = job_record_subject(end->record);
+    log_about(LOG_WARN, &subject, "job %lld: %s", (long long)end->record->id, reason);
     free(reason);
     queue_pause(farm->queue, end->record->queued);
     worker_pool_drop_job(farm->pool, end->record->id, false);
@@ -131,8 +145,8 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     else if (end->has_row)
         remove_row(farm, end);
     if (end->is_started) {
-        log_info("job %lld frame %d attempt %d: %s", (long long)end->ticket.job, end->ticket.frame, end->ticket.attempt,
-                 end->error);
+        log_attempt(state == FRAME_FAILED ? LOG_WARN : LOG_INFO, end->record, &end->ticket, end->worker, end->error,
+                    frame_state_name(state));
         store_attempt(farm, end, end->is_lost ? "lost" : "failed");
         events_tell_frame(farm->events, &end->ticket, state, end->error);
     }
@@ -314,6 +328,7 @@ void frame_life_on_published(void *user, const struct publish_request *request)
     if (request->outcome != PUBLISH_OUTCOME_DONE) {
         note_unpublished(farm, request);
     } else if (queue_succeed(farm->queue, &request->ticket)) {
+        log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
         put_silent(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
         events_tell_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
     }

@@ -44,12 +44,19 @@ void hand_remove(struct hand *hand, struct hand_frame *frame)
     memmove(frame, frame + 1, (hand->count - index) * sizeof *frame);
 }
 
-int64_t hand_current_job(const struct hand *hand)
+const struct hand_frame *hand_current(const struct hand *hand)
 {
     for (size_t i = 0; i < hand->count; i++) {
-        if (!hand->frames[i].is_rendered) return hand->frames[i].ticket.job;
+        if (!hand->frames[i].is_rendered) return &hand->frames[i];
     }
-    return hand->count > 0 ? hand->frames[0].ticket.job : 0;
+    return hand->count > 0 ? hand->frames : NULL;
+}
+
+int64_t hand_current_job(const struct hand *hand)
+{
+    const struct hand_frame *frame = hand_current(hand);
+
+    return frame ? frame->ticket.job : 0;
 }
 
 bool hand_holds_job(const struct hand *hand, int64_t job)

@@ -26,6 +26,8 @@ void hand_add(struct hand *hand, const struct queue_ticket *ticket);
 struct hand_frame *hand_find(const struct hand *hand, int64_t job, int32_t frame, int32_t attempt);
 void hand_render(struct hand *hand, struct hand_frame *frame);
 void hand_remove(struct hand *hand, struct hand_frame *frame);
-// The job of the frame that is being rendered, or else would be next; 0: none.
+// The frame that is being rendered, or else would be next; NULL: none. The pointer is good until the hand changes.
+const struct hand_frame *hand_current(const struct hand *hand);
+// Its job; 0: none.
 int64_t hand_current_job(const struct hand *hand);
 bool hand_holds_job(const struct hand *hand, int64_t job);

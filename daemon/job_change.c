@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/json_write.h"
+#include "core/log.h"
 #include "daemon/committer.h"
 #include "daemon/farm.h"
 #include "daemon/requests.h"
@@ -20,11 +21,19 @@ struct job_retry {
     struct job_retry *next; // on the farm's list of waiting retries
 };
 
+static void log_change(const struct job_record *record, const char *what)
+{
+    struct log_subject subject = job_record_subject(record);
+
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): %s", (long long)record->id, record->name, what);
+}
+
 static void set_reason_by(struct job_record *record, const char *what, const char *user)
 {
     char *reason = xasprintf("%s by %s", what, user);
 
     job_record_set_reason(record, reason);
+    log_change(record, reason);
     free(reason);
 }
 
@@ -42,6 +51,7 @@ void job_change_resume(struct farm *farm, struct job_record *record)
     if (!record->queued->is_paused) return;
     queue_resume(farm->queue, record->queued);
     job_record_set_reason(record, NULL);
+    log_change(record, "resumed");
     farm_want_feed(farm);
     farm_note_change(farm, record);
 }
@@ -132,7 +142,10 @@ static void run_retry(struct job_retry *retry)
     if (ops[0].reset.count > 0 && queued->is_canceled) add_mark(queued, FRAME_CANCELED, &ops[0], &ops[op_count++]);
     if (ops[0].reset.count > 0 && queued->is_failed) add_mark(queued, FRAME_FAILED, &ops[0], &ops[op_count++]);
     retry->retried = queue_retry(farm->queue, queued, retry->states, range);
-    if (retry->retried > 0) revive(record);
+    if (retry->retried > 0) {
+        log_change(record, "frames of it are queued again");
+        revive(record);
+    }
     ops[op_count++] = job_record_format_op(record);
     committer_put(farm->committer, COMMIT_REPORTED, ops, op_count, on_retry_committed, retry);
     farm_want_feed(farm);

@@ -209,13 +209,16 @@ static void on_committed(void *user, bool ok, const struct error *error)
     struct farm *farm = submit->farm;
     struct json_writer value = {0};
     struct job_record *record;
+    struct log_subject subject;
 
     if (!ok) {
         refuse(submit, MESSAGE_CODE_STORE, error->message);
         return;
     }
     record = queue_submit(submit);
-    log_info("job %lld (\"%s\"): submitted by %s", (long long)record->id, record->name, record->owner);
+    subject = job_record_subject(record);
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): submitted by %s", (long long)record->id, record->name,
+              record->owner);
     json_write_begin_object(&value);
     json_write_integer_member(&value, "id", record->id);
     json_write_end_object(&value);

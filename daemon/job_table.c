@@ -52,6 +52,11 @@ struct job_record *job_table_find(const struct job_table *table, int64_t id)
     return NULL;
 }
 
+struct log_subject job_record_subject(const struct job_record *record)
+{
+    return (struct log_subject){.job = record->id, .owner = record->owner};
+}
+
 void job_record_set_reason(struct job_record *record, const char *reason)
 {
     char *copy = reason ? xstrdup(reason) : NULL;

@@ -1,6 +1,7 @@
 // What the daemon knows of each job beside the states of its frames.
 #pragma once
 
+#include "core/log.h"
 #include "core/output_path.h"
 #include "daemon/estimate.h"
 #include "daemon/queue.h"
@@ -42,6 +43,7 @@ void job_table_finish(struct job_table *table);
 struct job_record *job_table_add(struct job_table *table, int64_t id);        // greater than any before
 struct job_record *job_table_find(const struct job_table *table, int64_t id); // NULL: there is none
 
+struct log_subject job_record_subject(const struct job_record *record);    // job and owner; good as long as the record
 void job_record_set_reason(struct job_record *record, const char *reason); // copies; NULL: none
 // An op that stores what may change of the job.
 struct store_op job_record_format_op(const struct job_record *record);

@@ -2,6 +2,7 @@
 #include "core/error.h"
 #include "core/log.h"
 #include "daemon/daemon.h"
+#include "daemon/journal.h"
 #include "daemon/options.h"
 
 #include <limits.h>
@@ -46,6 +47,7 @@ static int run(const struct options *options)
     struct error error = {0};
     struct daemon *daemon;
 
+    journal_open(getenv("JOURNAL_STREAM"), journal_socket_path);
     log_set_level(options->log_level);
     signal(SIGPIPE, SIG_IGN);
     daemon = daemon_create(options, &error);

@@ -38,7 +38,8 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
 
     // It stays in the store, untouched, for a daemon that can read it.
     if (!job_parse(&job, row->document, strlen(row->document), row->root, &cause)) {
-        log_error("job %lld of the store is left out: %s", (long long)row->id, cause.message);
+        log_about(LOG_ERROR, &(struct log_subject){.job = row->id, .owner = row->owner},
+                  "job %lld of the store is left out: %s", (long long)row->id, cause.message);
         return true;
     }
     record = job_table_add(&farm->jobs, row->id);
@@ -105,6 +106,7 @@ static void settle(struct restore_state *state, const struct store_frame *row)
     struct job_record *record = job_table_find(&state->farm->jobs, row->job);
     bool is_published = settle_file(record, row);
     struct store_op op = {.kind = STORE_SET_FRAME, .frame = *row};
+    struct log_subject subject = job_record_subject(record);
 
     queue_restore_frame(record->queued, row->index, is_published ? FRAME_SUCCEEDED : FRAME_QUEUED, row->attempts);
     if (is_published) {
@@ -116,8 +118,10 @@ static void settle(struct restore_state *state, const struct store_frame *row)
     }
     state->ops = xgrow(state->ops, &state->op_capacity, state->op_count + 1, sizeof op);
     state->ops[state->op_count++] = op;
-    log_info("job %lld: a file was being published when the daemon ended: %s", (long long)row->job,
-             is_published ? "it has its name" : "its frame is rendered again");
+    subject.frame = frame_range_at(&record->queued->frames, row->index);
+    subject.attempt = row->attempts;
+    log_about(LOG_INFO, &subject, "job %lld frame %d: its file was being published when the daemon ended: %s",
+              (long long)row->job, subject.frame, is_published ? "it has its name" : "it is rendered again");
 }
 
 // A job that was stopped as a whole has no rows for the frames that went with it.

@@ -58,15 +58,16 @@ static void start_worker(struct worker_pool *pool, int index)
                                    .thread_count = options->thread_count,
                                    .progress_limit_ms = options->progress_limit_ms,
                                    .id = index + 1};
+    struct log_subject subject = {.worker = index + 1};
     struct error error = {0};
 
     slot->worker = worker_process_start(pool->farm->loop, &params, &pool->handlers, &error);
     if (slot->worker) {
-        log_debug("worker %d: started, pid %d", index + 1, worker_process_pid(slot->worker));
+        log_about(LOG_DEBUG, &subject, "worker %d: started, pid %d", index + 1, worker_process_pid(slot->worker));
     } else {
         retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
         worker_slot_set_reason(slot, xstrdup(error.message));
-        log_warn("worker %d: %s", index + 1, error.message);
+        log_about(LOG_WARN, &subject, "worker %d: %s", index + 1, error.message);
     }
     events_tell_worker(pool->farm->events, index);
 }
@@ -93,11 +94,13 @@ static void check_liveness(struct worker_pool *pool, struct worker_process *work
     double median_s = record ? estimate_median_s(&record->estimate) : 0;
     size_t known = record ? estimate_count(&record->estimate) : 0;
     char reason[LIVENESS_REASON_SIZE];
+    struct log_subject subject;
     enum liveness_verdict verdict = liveness_check(&worker->liveness, median_s, known, now_ms, reason);
 
     if (verdict == LIVENESS_ALIVE || worker->end_reason) return;
     if (record && (verdict == LIVENESS_STUCK || verdict == LIVENESS_OVERLONG)) worker->suspect = record->code;
-    log_warn("worker %d: killed: %s", worker->id, reason);
+    subject = worker_process_subject(worker);
+    log_about(LOG_WARN, &subject, "worker %d: killed: %s", worker->id, reason);
     worker_process_kill(worker, reason);
 }
 
@@ -128,7 +131,8 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     worker->renderer = xstrdup(report->renderer);
     worker->version = xstrdup(report->version);
     worker->device_uuid = copy_text(report->device_uuid);
-    log_info("worker %d: ready: %s on %s (%s)", worker->id, report->backend, report->renderer, report->version);
+    log_about(LOG_INFO, &(struct log_subject){.worker = worker->id}, "worker %d: ready: %s on %s (%s)", worker->id,
+              report->backend, report->renderer, report->version);
     worker_slot_set_reason(slot_of(pool, worker), NULL);
     events_tell_worker(pool->farm->events, worker->id - 1);
     farm_want_feed(pool->farm);
@@ -182,9 +186,11 @@ static void on_gone(void *user, struct worker_process *worker)
     struct worker_pool *pool = user;
     struct worker_slot *slot = slot_of(pool, worker);
     char *reason = worker_process_describe_end(worker);
+    struct log_subject subject = worker_process_subject(worker);
     bool is_expected = pool->is_stopping && worker->exit_status == 0 && worker->exit_signal == 0;
 
-    if (!is_expected) log_warn("worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
+    if (!is_expected)
+        log_about(LOG_WARN, &subject, "worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
     frame_life_lose_hand(pool->farm, worker, reason);
     slot->done += worker->done;
     slot->worker = NULL;

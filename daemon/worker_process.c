@@ -89,6 +89,17 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
     return worker;
 }
 
+struct log_subject worker_process_subject(const struct worker_process *worker)
+{
+    const struct hand_frame *frame = hand_current(&worker->hand);
+
+    if (!frame) return (struct log_subject){.worker = worker->id};
+    return (struct log_subject){.job = frame->ticket.job,
+                                .frame = frame->ticket.frame,
+                                .attempt = frame->is_started ? frame->ticket.attempt : 0,
+                                .worker = worker->id};
+}
+
 int worker_process_pid(const struct worker_process *worker)
 {
     return uv_process_get_pid(&worker->process);
@@ -168,7 +179,9 @@ static void on_allocate_errors(uv_handle_t *handle, size_t suggested, uv_buf_t *
 
 static void note_errors(struct worker_process *worker, size_t count)
 {
-    log_debug("worker %d says: %.*s", worker->id, (int)count, worker->log + worker->log_length);
+    struct log_subject subject = worker_process_subject(worker);
+
+    log_about(LOG_DEBUG, &subject, "worker %d says: %.*s", worker->id, (int)count, worker->log + worker->log_length);
     worker->log_length += count;
     worker->log[worker->log_length] = '\0';
 }

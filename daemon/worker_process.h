@@ -1,6 +1,7 @@
 // One worker process: its start, its messages both ways, what it holds, its last words and its end.
 #pragma once
 
+#include "core/log.h"
 #include "core/message_stream.h"
 #include "daemon/hand.h"
 #include "daemon/liveness.h"
@@ -71,6 +72,7 @@ struct worker_process {
 // NULL on failure, with the cause.
 struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker_params *params,
                                             const struct worker_handlers *handlers, struct error *error);
+struct log_subject worker_process_subject(const struct worker_process *worker); // it, and the frame that it renders
 int worker_process_pid(const struct worker_process *worker);
 // Ends it with SIGKILL; `reason` goes into the log of the attempts it held.
 void worker_process_kill(struct worker_process *worker, const char *reason);

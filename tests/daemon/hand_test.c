@@ -55,6 +55,7 @@ static void the_current_job_is_that_of_the_frame_being_rendered(void **state)
     struct hand hand = {0};
 
     assert_int_equal(hand_current_job(&hand), 0);
+    assert_null(hand_current(&hand));
     give(&hand, 3, 0, 1);
     give(&hand, 5, 0, 1);
     assert_int_equal(hand_current_job(&hand), 3);
