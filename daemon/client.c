@@ -6,6 +6,7 @@
 #include "core/log.h"
 #include "core/message.h"
 
+#include <errno.h>
 #include <pwd.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,6 +15,7 @@
 enum {
     TURN_MESSAGE_LIMIT = 64,        // messages of one client in a turn of the loop
     OWED_LIMIT = 16,                // answers being made for it
+    FIRST_GROUPS = 64,              // of a peer; there may be more
     BACKLOG_LIMIT = 1 * 1024 * 1024 // bytes it has not read, above which it is not heard
 };
 
@@ -31,22 +33,41 @@ static void on_shutdown(uv_shutdown_t *request, int status);
 static void on_handle_closed(uv_handle_t *handle);
 static void pump(struct client *client);
 
+// Its further groups, and its primary one, which is not among them unless it is there twice.
+static void read_groups(struct client *client, int fd, gid_t primary)
+{
+    socklen_t size = FIRST_GROUPS * sizeof(gid_t);
+    int result = -1;
+
+    for (int tries = 0; tries < 2 && result != 0; tries++) {
+        client->groups = xrealloc(client->groups, size + sizeof(gid_t));
+        result = getsockopt(fd, SOL_SOCKET, SO_PEERGROUPS, client->groups, &size);
+        if (result != 0 && errno != ERANGE) break;
+    }
+    if (result != 0) size = 0;
+    client->peer.group_count = size / sizeof(gid_t);
+    client->groups[client->peer.group_count++] = primary;
+    client->peer.groups = client->groups;
+}
+
 static void read_peer(struct client *client)
 {
-    struct ucred peer = {.uid = (uid_t)-1};
+    struct ucred peer = {.uid = (uid_t)-1, .gid = (gid_t)-1};
     socklen_t length = sizeof peer;
     struct passwd entry, *found = NULL;
     char text[4096];
     uv_os_fd_t fd;
 
-    client->uid = -1;
+    client->peer.uid = -1;
     if (uv_fileno((uv_handle_t *)&client->pipe, &fd) == 0 &&
-        getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0)
-        client->uid = peer.uid;
-    if (client->uid >= 0 && getpwuid_r(peer.uid, &entry, text, sizeof text, &found) == 0 && found)
+        getsockopt(fd, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.uid != (uid_t)-1) {
+        client->peer.uid = peer.uid;
+        read_groups(client, fd, peer.gid);
+    }
+    if (client->peer.uid >= 0 && getpwuid_r(peer.uid, &entry, text, sizeof text, &found) == 0 && found)
         client->user = xstrdup(entry.pw_name);
     else
-        client->user = xasprintf("%lld", (long long)client->uid);
+        client->user = xasprintf("%lld", (long long)client->peer.uid);
 }
 
 struct client *client_accept(uv_stream_t *server, const struct client_handlers *handlers)
@@ -236,6 +257,7 @@ static void free_if_done(struct client *client)
 {
     if (client->open_handles > 0 || client->owed > 0) return;
     message_stream_finish(&client->stream);
+    free(client->groups);
     free(client->user);
     free(client);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/message_stream.h"
+#include "daemon/rights.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,9 +25,10 @@ struct client {
     uv_idle_t idle; // active while whole lines wait in `stream`
     const struct client_handlers *handlers;
     struct message_stream stream;
-    int64_t uid; // of the peer; -1: unknown
-    char *user;  // owned; the peer's user name, or its number
-    size_t owed; // answers that are still being made
+    struct rights_peer peer; // as it was when it connected
+    gid_t *groups;           // owned; the peer's
+    char *user;              // owned; the peer's user name, or its number
+    size_t owed;             // answers that are still being made
     int open_handles;
     bool is_reading;
     bool has_ended; // the peer sends no more

@@ -122,7 +122,7 @@ struct daemon *daemon_create(const struct options *options, struct error *error)
     farm->options = options;
     farm->queue = queue_create(options->max_attempts);
     farm->started_ms = farm_clock_ms();
-    farm->owner_uid = geteuid();
+    rights_init(&farm->rights, geteuid(), options->admin_group);
     if (!open_store(daemon, options, error) || !restore_farm(farm, daemon->store, error)) {
         daemon_destroy(daemon);
         return NULL;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "daemon/job_table.h"
+#include "daemon/rights.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -33,8 +34,8 @@ struct farm {
     int64_t epoch;
     int64_t next_job_id;
     int64_t started_ms; // unix time
-    int64_t owner_uid;  // the daemon's own user
-    bool wants_feed;    // a worker may take frames: looked into at the end of the loop's turn
+    struct rights rights;
+    bool wants_feed; // a worker may take frames: looked into at the end of the loop's turn
 };
 
 int64_t farm_now_ms(const struct farm *farm); // monotonic

@@ -107,7 +107,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     submit->row = (struct store_job){.document = owned_document,
                                      .name = xstrdup(job->name),
                                      .owner = xstrdup(request->client->user),
-                                     .owner_uid = request->client->uid,
+                                     .owner_uid = request->client->peer.uid,
                                      .priority = job->priority,
                                      .is_paused = paused,
                                      .submitted_ms = farm_clock_ms(),
@@ -128,6 +128,11 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     char *text = NULL;
     bool ok = false;
 
+    if (!rights_is_known(&request->client->peer)) {
+        request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
+                     "the system does not say who you are (user %s): nobody could own the job", request->client->user);
+        return false;
+    }
     request->code = MESSAGE_CODE_PARAMS;
     if (!job_from_json(&job, document, farm->options->output_roots.paths[0], &request->error) ||
         !job_check_inputs(&job, document, &request->error))

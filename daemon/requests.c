@@ -5,6 +5,7 @@
 #include "daemon/client.h"
 #include "daemon/farm.h"
 #include "daemon/job_view.h"
+#include "daemon/options.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -132,15 +133,19 @@ struct job_record *request_find_job(struct request *request)
     return record;
 }
 
+bool request_may_change(const struct request *request, const struct job_record *record)
+{
+    return rights_may_change(&request->farm->rights, &request->client->peer, record->owner_uid);
+}
+
 struct job_record *request_find_own_job(struct request *request)
 {
     struct job_record *record = request_find_job(request);
-    int64_t uid = request->client->uid;
 
-    if (!record || uid == 0 || uid == record->owner_uid || uid == request->farm->owner_uid) return record;
+    if (!record || request_may_change(request, record)) return record;
     request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
-                 "job %lld belongs to %s: only they, root and the daemon's user may change it", (long long)record->id,
-                 record->owner);
+                 "job %lld belongs to %s: only they, root, the daemon's user and group %s may change it, not %s",
+                 (long long)record->id, record->owner, request->farm->options->admin_group, request->client->user);
     return NULL;
 }
 

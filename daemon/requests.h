@@ -37,6 +37,7 @@ enum request_outcome request_fail(struct request *request, enum message_code cod
     __attribute__((format(printf, 3, 4)));
 // Reads params.id; NULL: REQUEST_FAILED, with code and error filled.
 struct job_record *request_find_job(struct request *request);
+bool request_may_change(const struct request *request, const struct job_record *record);
 // As request_find_job, for a job that the client may change.
 struct job_record *request_find_own_job(struct request *request);
 // A set of names, as one string or an array of them: bit 1 << index for each. Absent: `fallback`.

@@ -108,15 +108,21 @@ enum request_outcome requests_job_list(struct request *request)
 enum request_outcome requests_job_show(struct request *request)
 {
     struct job_record *record = request_find_job(request);
-    char *document;
+    char *document = NULL;
 
     if (!record) return REQUEST_FAILED;
     request->code = MESSAGE_CODE_INTERNAL;
-    if (!store_read_document(request->farm->reader, record->id, &document, &request->error)) return REQUEST_FAILED;
+    // It holds text of files that others may not be allowed to read.
+    if (request_may_change(request, record) &&
+        !store_read_document(request->farm->reader, record->id, &document, &request->error))
+        return REQUEST_FAILED;
     json_write_begin_object(request->result);
     job_view_write_members(request->farm, record, request->result);
     json_write_key(request->result, "document");
-    json_write_raw(request->result, document, strlen(document));
+    if (document)
+        json_write_raw(request->result, document, strlen(document));
+    else
+        json_write_null(request->result);
     json_write_end_object(request->result);
     free(document);
     return REQUEST_ANSWERED;
