@@ -22,7 +22,10 @@ enum {
     NUMBER_WIDTH = 7, // of the largest frame number
     // ".<job>.<epoch>.<attempt>.part" with the longest numbers of their types
     PART_SUFFIX_LIMIT = 1 + 19 + 1 + 19 + 1 + 10 + 5,
-    FOLDER_FLAGS = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC
+    FOLDER_FLAGS = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC,
+    // On the way to the last folder nothing is read, so that neither a right to list what is there is needed nor one of a
+    // sandbox.
+    PASSED_FLAGS = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC
 };
 
 static const char name_ending[] = ".exr";
@@ -258,14 +261,14 @@ bool output_path_may_collide(const struct output_path *a, const struct output_pa
 }
 
 // One component, so that even without openat2 there is nothing but its last link to refuse.
-static int open_component(int parent_fd, const char *name)
+static int open_component(int parent_fd, const char *name, int flags)
 {
-    struct open_how how = {.flags = FOLDER_FLAGS,
+    struct open_how how = {.flags = (uint64_t)flags,
                            .resolve = RESOLVE_BENEATH | RESOLVE_NO_SYMLINKS | RESOLVE_NO_MAGICLINKS};
     int fd = (int)syscall(SYS_openat2, parent_fd, name, &how, sizeof how);
 
     // A sandbox that does not know the call may answer EPERM.
-    if (fd < 0 && (errno == ENOSYS || errno == EPERM)) fd = openat(parent_fd, name, FOLDER_FLAGS);
+    if (fd < 0 && (errno == ENOSYS || errno == EPERM)) fd = openat(parent_fd, name, flags);
     return fd;
 }
 
@@ -282,22 +285,33 @@ static void set_reason(struct error *error, int errnum, int parent_fd, const cha
         error_set_errno(error, errnum, "cannot open folder \"%s\" below \"%s\"", reached, root);
 }
 
-static int enter_component(int parent_fd, const char *name, const char *reached, const char *root, bool create,
-                           struct error *error)
+// A file synced into a new folder is lost with it unless the folder's own entry is on disk too.
+static bool sync_folder(int passed_fd)
 {
-    int fd = open_component(parent_fd, name);
+    int fd = openat(passed_fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    bool ok = fd >= 0 && fsync(fd) == 0;
+    int errnum = errno;
+
+    if (fd >= 0) close(fd);
+    errno = errnum;
+    return ok;
+}
+
+static int enter_component(int parent_fd, const char *name, int flags, const char *reached, const char *root,
+                           bool create, struct error *error)
+{
+    int fd = open_component(parent_fd, name, flags);
 
     if (fd < 0 && errno == ENOENT && create) {
         if (mkdirat(parent_fd, name, 0777) < 0 && errno != EEXIST) {
             error_set_errno(error, errno, "cannot make folder \"%s\" below \"%s\"", reached, root);
             return -1;
         }
-        // A file synced into the new folder is lost with it unless its own entry is on disk too.
-        if (fsync(parent_fd) < 0) {
+        if (!sync_folder(parent_fd)) {
             error_set_errno(error, errno, "cannot sync the folder of \"%s\" below \"%s\"", reached, root);
             return -1;
         }
-        fd = open_component(parent_fd, name);
+        fd = open_component(parent_fd, name, flags);
     }
     if (fd < 0) set_reason(error, errno, parent_fd, name, reached, root);
     return fd;
@@ -305,8 +319,8 @@ static int enter_component(int parent_fd, const char *name, const char *reached,
 
 int output_path_open_folder(const struct output_path *path, const char *root, bool create, struct error *error)
 {
-    int fd = open(root, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     size_t length = strlen(path->folder);
+    int fd = open(root, (length > 0 ? O_PATH : O_RDONLY) | O_DIRECTORY | O_CLOEXEC);
     char reached[sizeof error->message];
 
     if (fd < 0) error_set_errno(error, errno, "cannot open output root \"%s\"", root);
@@ -317,7 +331,7 @@ int output_path_open_folder(const struct output_path *path, const char *root, bo
         end = start + strcspn(path->folder + start, "/");
         snprintf(name, sizeof name, "%.*s", (int)(end - start), path->folder + start);
         snprintf(reached, sizeof reached, "%.*s", (int)end, path->folder);
-        fd = enter_component(parent_fd, name, reached, root, create, error);
+        fd = enter_component(parent_fd, name, end < length ? PASSED_FLAGS : FOLDER_FLAGS, reached, root, create, error);
         close(parent_fd);
     }
     return fd;

@@ -1,4 +1,4 @@
-// The environment a worker is started with: the daemon's own and how many threads llvmpipe may use.
+// The environment a worker is started with: of the daemon's own what it needs, no disk cache of shaders, llvmpipe's threads.
 #pragma once
 
 char **worker_environment_create(int thread_count); // ends in NULL

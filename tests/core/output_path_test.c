@@ -320,6 +320,34 @@ static void root_may_be_reached_through_a_link(void **state)
     output_path_finish(&path);
 }
 
+// What a sandbox leaves to a worker: folders on the way may be passed, not read.
+static void folders_on_the_way_need_not_be_readable(void **state)
+{
+    struct output_path path = parse("a/b/x.#.exr");
+    bool is_root = geteuid() == 0;
+    int fd;
+
+    assert_int_equal(mkdir(temp_folder_path(state, "a"), 0700), 0);
+    assert_int_equal(mkdir(temp_folder_path(state, "a/b"), 0777), 0);
+    assert_int_equal(chmod(temp_folder_path(state, "a/b"), 0777), 0);
+    assert_int_equal(chmod(temp_folder_path(state, "a"), 0711), 0);
+    assert_int_equal(chmod(*state, 0711), 0);
+    if (is_root) {
+        assert_int_equal(seteuid(65534), 0);
+    } else {
+        assert_int_equal(chmod(temp_folder_path(state, "a"), 0111), 0);
+        assert_int_equal(chmod(*state, 0111), 0);
+    }
+    fd = output_path_open_folder(&path, *state, true, NULL);
+    if (is_root) assert_int_equal(seteuid(0), 0);
+    assert_int_equal(chmod(*state, 0700), 0);
+    assert_int_equal(chmod(temp_folder_path(state, "a"), 0700), 0);
+    assert_true(fd >= 0);
+    assert_int_equal(fsync(fd), 0);
+    close(fd);
+    output_path_finish(&path);
+}
+
 static void missing_root_is_an_error(void **state)
 {
     struct output_path path = parse("x.#.exr");
@@ -353,6 +381,7 @@ int main(void)
         WITH_FOLDER(dangling_link_is_not_made_real),
         WITH_FOLDER(file_on_the_way_is_refused_by_name),
         WITH_FOLDER(root_may_be_reached_through_a_link),
+        WITH_FOLDER(folders_on_the_way_need_not_be_readable),
         WITH_FOLDER(missing_root_is_an_error),
     };
 
