@@ -10,8 +10,10 @@
 #include "daemon/folders.h"
 #include "daemon/frame_life.h"
 #include "daemon/listener.h"
+#include "daemon/manager.h"
 #include "daemon/options.h"
 #include "daemon/publisher.h"
+#include "daemon/reload.h"
 #include "daemon/requests.h"
 #include "daemon/restore.h"
 #include "daemon/store.h"
@@ -22,7 +24,6 @@
 
 #include <signal.h>
 #include <stdlib.h>
-#include <systemd/sd-daemon.h>
 #include <unistd.h>
 
 enum { GIVE_UP_MS = 5000 }; // on a store that does not commit, when stopping
@@ -40,7 +41,11 @@ struct daemon {
     struct store *store;
     struct listener *listener;
     struct watchdog *watchdog; // NULL: nobody waits for it
-    uv_signal_t terminate, interrupt;
+    struct manager *manager;
+    struct options *options; // borrowed; outlive us
+    daemon_read_options *read_options;
+    void *read_user; // borrowed; outlives us
+    uv_signal_t terminate, interrupt, hang_up;
     uv_prepare_t turn; // at the end of each turn of the loop
     enum daemon_phase phase;
     int64_t flushing_since_ms;
@@ -50,6 +55,7 @@ static void on_message(void *user, struct client *client, const struct message *
 static void on_client_gone(void *user, struct client *client);
 static void on_turn(uv_prepare_t *turn);
 static void on_signal(uv_signal_t *handle, int signal_number);
+static void on_hang_up(uv_signal_t *handle, int signal_number);
 
 static bool open_store(struct daemon *daemon, const struct options *options, struct error *error)
 {
@@ -72,10 +78,12 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     farm->events = events_create(farm);
     farm->pool = worker_pool_create(farm, slots);
     daemon->watchdog = watchdog_open(farm->loop);
+    daemon->manager = manager_open(farm);
     uv_signal_init(farm->loop, &daemon->terminate);
     uv_signal_init(farm->loop, &daemon->interrupt);
+    uv_signal_init(farm->loop, &daemon->hang_up);
     uv_prepare_init(farm->loop, &daemon->turn);
-    daemon->terminate.data = daemon->interrupt.data = daemon->turn.data = daemon;
+    daemon->terminate.data = daemon->interrupt.data = daemon->hang_up.data = daemon->turn.data = daemon;
 }
 
 static bool listen_for_clients(struct daemon *daemon, const struct options *options, struct error *error)
@@ -90,13 +98,14 @@ static void start(struct daemon *daemon)
 {
     uv_signal_start(&daemon->terminate, on_signal, SIGTERM);
     uv_signal_start(&daemon->interrupt, on_signal, SIGINT);
+    uv_signal_start(&daemon->hang_up, isatty(STDERR_FILENO) ? on_signal : on_hang_up, SIGHUP);
     uv_prepare_start(&daemon->turn, on_turn);
     worker_pool_start(daemon->farm.pool);
     restore_wind_up(&daemon->farm);
     farm_want_feed(&daemon->farm);
     log_info("marchd %s: %zu jobs, %lld frames queued, output below %s", MARCHD_VERSION, daemon->farm.jobs.count,
              (long long)queue_count(daemon->farm.queue, FRAME_QUEUED), daemon->farm.options->output_roots.paths[0]);
-    sd_notify(0, "READY=1");
+    manager_tell_ready(daemon->manager);
 }
 
 static void close_all(struct daemon *daemon)
@@ -104,19 +113,25 @@ static void close_all(struct daemon *daemon)
     daemon->phase = DAEMON_CLOSING;
     if (daemon->listener) listener_close(daemon->listener);
     watchdog_close(daemon->watchdog);
+    manager_close(daemon->manager);
     worker_pool_close(daemon->farm.pool);
     events_close(daemon->farm.events);
     committer_close(daemon->farm.committer);
     uv_close((uv_handle_t *)&daemon->terminate, NULL);
     uv_close((uv_handle_t *)&daemon->interrupt, NULL);
+    uv_close((uv_handle_t *)&daemon->hang_up, NULL);
     uv_close((uv_handle_t *)&daemon->turn, NULL);
 }
 
-struct daemon *daemon_create(const struct options *options, struct error *error)
+struct daemon *daemon_create(struct options *options, daemon_read_options *read_options, void *user,
+                             struct error *error)
 {
     struct daemon *daemon = xcalloc(1, sizeof *daemon);
     struct farm *farm = &daemon->farm;
 
+    daemon->options = options;
+    daemon->read_options = read_options;
+    daemon->read_user = user;
     uv_loop_init(&daemon->loop);
     farm->loop = &daemon->loop;
     farm->options = options;
@@ -180,8 +195,8 @@ static void on_client_gone(void *user, struct client *client)
 static void begin_stop(struct daemon *daemon)
 {
     log_info("stopping: running frames get %lld s", (long long)daemon->farm.options->stop_timeout_ms / 1000);
-    sd_notify(0, "STOPPING=1");
     daemon->phase = DAEMON_STOPPING;
+    manager_tell_stopping(daemon->manager, daemon->farm.options->stop_timeout_ms);
     listener_stop(daemon->listener);
     worker_pool_stop(daemon->farm.pool, daemon->farm.options->stop_timeout_ms);
 }
@@ -196,6 +211,52 @@ static void on_signal(uv_signal_t *handle, int signal_number)
     }
     log_warn("stopped at once by a second signal");
     _exit(128 + signal_number);
+}
+
+static void log_changes(const struct reload_changes *changes)
+{
+    if (changes->held[0])
+        log_info("settings: changed: %s", changes->held);
+    else
+        log_info("settings: read again, nothing else holds now");
+    if (changes->waiting[0]) log_warn("settings: changed, but need a restart: %s", changes->waiting);
+}
+
+static void hold_options(struct daemon *daemon, struct options *fresh)
+{
+    struct reload_changes changes;
+    bool was_quiet = daemon->options->log_level > LOG_INFO;
+
+    reload_take(daemon->options, fresh, &changes);
+    if (!was_quiet) log_changes(&changes);
+    log_set_level(daemon->options->log_level);
+    if (was_quiet) log_changes(&changes);
+    queue_set_max_attempts(daemon->farm.queue, daemon->options->max_attempts);
+    worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
+}
+
+// Settings that cannot be read, or do not hold here, change nothing.
+static void reload(struct daemon *daemon)
+{
+    struct options fresh = {0};
+    struct error error = {0};
+
+    manager_tell_reloading(daemon->manager);
+    if (daemon->read_options(daemon->read_user, &fresh, &error) &&
+        folders_make(fresh.output_roots.paths[0], 0755, &error))
+        hold_options(daemon, &fresh);
+    else
+        log_error("settings: all as before: %s", error.message);
+    options_finish(&fresh);
+    manager_tell_ready(daemon->manager);
+}
+
+static void on_hang_up(uv_signal_t *handle, int signal_number)
+{
+    struct daemon *daemon = handle->data;
+
+    (void)signal_number;
+    if (daemon->phase == DAEMON_RUNNING) reload(daemon);
 }
 
 static bool is_flushed(const struct farm *farm)

@@ -24,8 +24,14 @@ static void find_program_folder(char folder[static PATH_MAX])
     if (slash) *slash = '\0';
 }
 
-static bool read_options(struct options *options, int argc, char **argv, struct error *error)
+struct command_line {
+    int argc;
+    char **argv;
+};
+
+static bool read_options(void *user, struct options *options, struct error *error)
 {
+    const struct command_line *line = user;
     char program_folder[PATH_MAX];
     char current_folder[PATH_MAX];
     struct options_surroundings surroundings = {.home = getenv("HOME"),
@@ -39,10 +45,10 @@ static bool read_options(struct options *options, int argc, char **argv, struct 
 
     find_program_folder(program_folder);
     if (!getcwd(current_folder, sizeof current_folder)) strcpy(current_folder, "/");
-    return options_parse(options, argc, argv, &surroundings, error);
+    return options_parse(options, line->argc, line->argv, &surroundings, error);
 }
 
-static int run(const struct options *options)
+static int run(struct options *options, struct command_line *line)
 {
     struct error error = {0};
     struct daemon *daemon;
@@ -50,7 +56,7 @@ static int run(const struct options *options)
     journal_open(getenv("JOURNAL_STREAM"), journal_socket_path);
     log_set_level(options->log_level);
     signal(SIGPIPE, SIG_IGN);
-    daemon = daemon_create(options, &error);
+    daemon = daemon_create(options, read_options, line, &error);
     if (!daemon) {
         log_error("%s", error.message);
         return EXIT_FAILURE;
@@ -62,11 +68,12 @@ static int run(const struct options *options)
 
 int main(int argc, char **argv)
 {
+    struct command_line line = {argc, argv};
     struct options options;
     struct error error = {0};
     int status = EXIT_SUCCESS;
 
-    if (!read_options(&options, argc, argv, &error)) {
+    if (!read_options(&line, &options, &error)) {
         fprintf(stderr, "marchd: %s\n", error.message);
         return EXIT_USAGE;
     }
@@ -75,7 +82,7 @@ int main(int argc, char **argv)
     else if (options.wants_version)
         puts("marchd " MARCHD_VERSION);
     else
-        status = run(&options);
+        status = run(&options, &line);
     options_finish(&options);
     return status;
 }

@@ -45,7 +45,7 @@ const char options_help[] =
     "\n"
     "The command line counts before the environment, that before the file. MARCHD_SOCKET in the environment stands for "
     "--socket.\n"
-    "SIGTERM stops in order, a second one at once.\n";
+    "SIGTERM stops in order, a second one at once. SIGHUP reads the settings again.\n";
 
 enum option_code {
     OPTION_CONFIG = 256,

@@ -43,6 +43,12 @@ struct queue *queue_create(int max_attempts)
     return queue;
 }
 
+void queue_set_max_attempts(struct queue *queue, int max_attempts)
+{
+    assert(max_attempts >= 1 && max_attempts <= UINT16_MAX);
+    queue->max_attempts = max_attempts;
+}
+
 static void destroy_job(struct queue_job *job)
 {
     frame_range_finish(&job->frames);

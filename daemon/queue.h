@@ -75,6 +75,7 @@ struct queue_ticket {
 
 struct queue *queue_create(int max_attempts); // attempts a frame has before it is failed, [1, 65535]
 void queue_destroy(struct queue *queue);      // accepts NULL
+void queue_set_max_attempts(struct queue *queue, int max_attempts); // for what fails from now on
 
 // `frames` moves into the queue (left empty). The id must be new. Returns the job.
 struct queue_job *queue_add_job(struct queue *queue, int64_t id, struct frame_range *frames, int priority, bool paused);

@@ -5,8 +5,9 @@
 
 struct watchdog;
 
-// Feeds twice in the time that the manager waits, from a timer of `loop`: when the loop stops, so does the feeding. NULL
-// where nobody waits.
+// Feeds twice in the time that the manager waits, from a timer of `loop`: when a callback does not end or the process stops,
+// so does the feeding. Each turn of a loop reads its sockets, too: one that spins is slow, and still serves. NULL where
+// nobody waits.
 struct watchdog *watchdog_open(uv_loop_t *loop);
 // Frees itself when the loop has closed the timer; accepts NULL.
 void watchdog_close(struct watchdog *watchdog);

@@ -202,6 +202,13 @@ static void on_gone(void *user, struct worker_process *worker)
     start_due(pool);
 }
 
+void worker_pool_set_progress_limit(struct worker_pool *pool, int64_t limit_ms)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        if (pool->slots[i].worker) pool->slots[i].worker->liveness.limits.progress_ms = limit_ms;
+    }
+}
+
 void worker_pool_stop(struct worker_pool *pool, int64_t timeout_ms)
 {
     int64_t stop_by_ms = farm_now_ms(pool->farm) + timeout_ms;

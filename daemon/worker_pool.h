@@ -13,6 +13,7 @@ struct worker_pool;
 
 struct worker_pool *worker_pool_create(struct farm *farm, int slot_count);
 void worker_pool_start(struct worker_pool *pool);
+void worker_pool_set_progress_limit(struct worker_pool *pool, int64_t limit_ms); // of workers that run
 // Tells all workers to exit; those still here after `timeout_ms` are killed.
 void worker_pool_stop(struct worker_pool *pool, int64_t timeout_ms);
 bool worker_pool_is_empty(const struct worker_pool *pool); // no process is left
