@@ -4,7 +4,6 @@
 #include "core/error.h"
 #include "core/json_write.h"
 #include "core/log.h"
-#include "core/message.h"
 
 #include <errno.h>
 #include <pwd.h>
@@ -197,6 +196,12 @@ static void pump(struct client *client)
         set_reading(client, has_room(client) && !client->has_ended);
         if (has_room(client) && client->has_ended && client->owed == 0) end(client);
     }
+}
+
+void client_refuse(struct client *client, enum message_code code, const char *why)
+{
+    send_error(client, "", code, why);
+    if (!client->is_closing) end(client);
 }
 
 void client_stop_hearing(struct client *client)

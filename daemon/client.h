@@ -1,6 +1,7 @@
 // One connection: cuts its bytes into messages, answers in any order, and pays alone for what it floods.
 #pragma once
 
+#include "core/message.h"
 #include "core/message_stream.h"
 #include "daemon/rights.h"
 
@@ -11,7 +12,6 @@
 #include <uv.h>
 
 struct client;
-struct message;
 
 // What a connection needs from outside; lent for as long as it lives.
 struct client_handlers {
@@ -41,6 +41,8 @@ struct client {
 // Takes the connection that waits at `server`; NULL when there is none. It frees itself after it is closed.
 struct client *client_accept(uv_stream_t *server, const struct client_handlers *handlers);
 void client_close(struct client *client); // at once; legal twice
+// Takes no messages from it, says why, and closes.
+void client_refuse(struct client *client, enum message_code code, const char *why);
 // Takes no more messages from it; what it is owed or subscribed to still goes out.
 void client_stop_hearing(struct client *client);
 

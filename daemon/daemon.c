@@ -137,7 +137,7 @@ struct daemon *daemon_create(struct options *options, daemon_read_options *read_
     farm->options = options;
     farm->queue = queue_create(options->max_attempts);
     farm->started_ms = farm_clock_ms();
-    rights_init(&farm->rights, geteuid(), options->admin_group);
+    farm->rights.daemon_uid = geteuid();
     if (!open_store(daemon, options, error) || !restore_farm(farm, daemon->store, error)) {
         daemon_destroy(daemon);
         return NULL;
@@ -171,6 +171,7 @@ void daemon_destroy(struct daemon *daemon)
     committer_destroy(farm->committer);
     queue_destroy(farm->queue);
     job_table_finish(&farm->jobs);
+    quota_finish(&farm->quota);
     store_reader_close(farm->reader);
     store_close(daemon->store);
     // A handle that is left open is our mistake, and its memory is about to go.

@@ -4,6 +4,7 @@
 #include "daemon/committer.h"
 #include "daemon/events.h"
 #include "daemon/job_change.h"
+#include "daemon/limits.h"
 #include "daemon/sweeper.h"
 #include "daemon/worker_pool.h"
 
@@ -61,6 +62,7 @@ void farm_note_change(struct farm *farm, struct job_record *record)
 {
     bool is_live = queue_job_is_live(record->queued);
 
+    limits_count_job(farm, record);
     if (record->queued->has_started && record->started_ms == 0) {
         record->started_ms = farm_clock_ms();
         farm_store_job(farm, record);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "daemon/job_table.h"
+#include "daemon/quota.h"
 #include "daemon/rights.h"
 
 #include <stdbool.h>
@@ -24,6 +25,7 @@ struct farm {
     struct store_reader *reader; // for small reads on the loop
     struct queue *queue;
     struct job_table jobs; // owned
+    struct quota quota;    // owned; what users have
     struct committer *committer;
     struct publisher *publisher;
     struct sweeper *sweeper;
@@ -44,7 +46,7 @@ void farm_want_feed(struct farm *farm);
 
 // Stores what may change of the job.
 void farm_store_job(struct farm *farm, const struct job_record *record);
-// To be called after any change to a job or its frames: tells subscribers, notes that it started, winds it up when it
+// To be called after any change to a job or its frames: counts what its owner has, tells subscribers, notes that it started, winds it up when it
 // has ended and nobody holds a frame of it.
 void farm_note_change(struct farm *farm, struct job_record *record);
 void farm_on_swept(void *user, struct job_record *record); // the sweeper's callback; `user` is the farm

@@ -1,10 +1,13 @@
 #include "daemon/frame_life.h"
 
 #include "core/alloc.h"
+#include "core/error.h"
 #include "core/log.h"
 #include "daemon/committer.h"
 #include "daemon/events.h"
 #include "daemon/farm.h"
+#include "daemon/job_change.h"
+#include "daemon/limits.h"
 #include "daemon/options.h"
 #include "daemon/publisher.h"
 #include "daemon/retry.h"
@@ -91,19 +94,11 @@ static void fail_job(struct farm *farm, const struct attempt_end *end)
 
 static void pause_job(struct farm *farm, const struct attempt_end *end)
 {
-    struct log_subject subject;
-    char *reason;
+    struct error reason;
 
     queue_return(farm->queue, &end->ticket);
-    if (end->record->queued->is_paused || !queue_job_is_live(end->record->queued)) return;
-    reason = xasprintf("paused: output: %s", end->error);
-    job_record_set_reason(end->record, reason);
-    subject = job_record_subject(end->record);
-    log_about(LOG_WARN, &subject, "job %lld: %s", (long long)end->record->id, reason);
-    free(reason);
-    queue_pause(farm->queue, end->record->queued);
-    worker_pool_drop_job(farm->pool, end->record->id, false);
-    farm_store_job(farm, end->record);
+    error_set(&reason, "output: %s", end->error);
+    job_change_hold(farm, end->record, &reason);
 }
 
 static bool is_hopeless(const struct queue_job *queued)
@@ -323,6 +318,7 @@ static void note_unpublished(struct farm *farm, const struct publish_request *re
 void frame_life_on_published(void *user, const struct publish_request *request)
 {
     struct farm *farm = user;
+    struct error reason;
 
     request->record->in_hand--;
     if (request->outcome != PUBLISH_OUTCOME_DONE) {
@@ -330,7 +326,9 @@ void frame_life_on_published(void *user, const struct publish_request *request)
     } else if (queue_succeed(farm->queue, &request->ticket)) {
         log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
         put_silent(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
+        request->record->disk_bytes += (int64_t)request->file.size_bytes;
         events_tell_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
     }
     farm_note_change(farm, request->record);
+    if (!limits_check_disk(farm, request->record, &reason)) job_change_hold(farm, request->record, &reason);
 }

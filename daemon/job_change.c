@@ -6,7 +6,9 @@
 #include "core/log.h"
 #include "daemon/committer.h"
 #include "daemon/farm.h"
+#include "daemon/limits.h"
 #include "daemon/requests.h"
+#include "daemon/store_reader.h"
 #include "daemon/worker_pool.h"
 
 #include <stdlib.h>
@@ -17,6 +19,7 @@ struct job_retry {
     unsigned states;
     struct frame_range range; // owned; empty: all
     struct answer *answer;    // owned
+    bool by_admin;
     int64_t retried;
     struct job_retry *next; // on the farm's list of waiting retries
 };
@@ -43,6 +46,22 @@ void job_change_pause(struct farm *farm, struct job_record *record, const char *
     queue_pause(farm->queue, record->queued);
     set_reason_by(record, "paused", user);
     worker_pool_drop_job(farm->pool, record->id, false);
+    farm_note_change(farm, record);
+}
+
+void job_change_hold(struct farm *farm, struct job_record *record, const struct error *why)
+{
+    struct log_subject subject = job_record_subject(record);
+    char *reason;
+
+    if (record->queued->is_paused || !queue_job_is_live(record->queued)) return;
+    reason = xasprintf("paused: %s", why->message);
+    job_record_set_reason(record, reason);
+    log_about(LOG_WARN, &subject, "job %lld: %s", (long long)record->id, reason);
+    free(reason);
+    queue_pause(farm->queue, record->queued);
+    worker_pool_drop_job(farm->pool, record->id, false);
+    farm_store_job(farm, record);
     farm_note_change(farm, record);
 }
 
@@ -129,6 +148,22 @@ static void revive(struct job_record *record)
     if (!record->queued->is_paused) job_record_set_reason(record, NULL);
 }
 
+// Files of frames that are to be rendered again are counted anew when they are there again.
+static void uncount_files(struct farm *farm, struct job_record *record, const int32_t *indices, size_t count)
+{
+    const struct queue_frame *states = record->queued->states;
+    int64_t bytes, sum = 0;
+
+    for (size_t first = 0, next; first < count; first = next) {
+        next = first + 1;
+        if (states[indices[first]].state != FRAME_SUCCEEDED) continue;
+        while (next < count && indices[next] == indices[next - 1] + 1 && states[indices[next]].state == FRAME_SUCCEEDED)
+            next++;
+        if (store_read_bytes(farm->reader, record->id, indices[first], indices[next - 1], &bytes, NULL)) sum += bytes;
+    }
+    record->disk_bytes = sum < record->disk_bytes ? record->disk_bytes - sum : 0;
+}
+
 static void run_retry(struct job_retry *retry)
 {
     struct farm *farm = retry->farm;
@@ -137,8 +172,16 @@ static void run_retry(struct job_retry *retry)
     const struct frame_range *range = frame_range_count(&retry->range) > 0 ? &retry->range : NULL;
     struct store_op ops[4] = {{.kind = STORE_RESET_FRAMES, .reset = {.job = record->id}}};
     size_t op_count = 1;
+    struct error error;
 
     ops[0].reset.count = queue_find_frames(queued, retry->states, range, &ops[0].reset.indices);
+    if (!limits_check_retry(farm, record, (int64_t)ops[0].reset.count, retry->by_admin, &error)) {
+        answer_send_error(retry->answer, MESSAGE_CODE_NOT_ALLOWED, error.message);
+        store_op_finish(&ops[0]);
+        finish_retry(retry);
+        return;
+    }
+    uncount_files(farm, record, ops[0].reset.indices, ops[0].reset.count);
     if (ops[0].reset.count > 0 && queued->is_canceled) add_mark(queued, FRAME_CANCELED, &ops[0], &ops[op_count++]);
     if (ops[0].reset.count > 0 && queued->is_failed) add_mark(queued, FRAME_FAILED, &ops[0], &ops[op_count++]);
     retry->retried = queue_retry(farm->queue, queued, retry->states, range);
@@ -152,13 +195,16 @@ static void run_retry(struct job_retry *retry)
     farm_note_change(farm, record);
 }
 
-void job_change_retry(struct farm *farm, struct job_record *record, unsigned states, struct frame_range *range,
-                      struct answer *answer)
+void job_change_retry(struct farm *farm, struct job_record *record, const struct job_retry_params *params)
 {
     struct job_retry *retry = xcalloc(1, sizeof *retry);
 
-    *retry = (struct job_retry){.farm = farm, .record = record, .states = states, .range = *range, .answer = answer};
-    *range = (struct frame_range){0};
+    *retry = (struct job_retry){.farm = farm,
+                                .record = record,
+                                .states = params->states,
+                                .range = params->range,
+                                .by_admin = params->by_admin,
+                                .answer = params->answer};
     if (record->is_sweeping) {
         record->is_retry_waiting = true;
         retry->next = farm->waiting_retries;

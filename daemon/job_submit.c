@@ -11,6 +11,7 @@
 #include "daemon/committer.h"
 #include "daemon/events.h"
 #include "daemon/farm.h"
+#include "daemon/limits.h"
 #include "daemon/options.h"
 #include "daemon/requests.h"
 
@@ -27,6 +28,9 @@ struct job_submit {
     struct frame_range frames; // owned
     struct output_path path;   // owned
     char *code;                // owned; as in the job's record
+    int64_t frame_pixels;
+    struct quota_user *user;    // borrowed; the owner
+    struct quota_amounts share; // what is counted of it on its way
     bool folder_ok;
     struct error error;
     struct job_submit *next; // on the farm's list of submits
@@ -44,6 +48,7 @@ static void submit_destroy(struct job_submit *submit)
     while (*link && *link != submit)
         link = &(*link)->next;
     if (*link) *link = submit->next;
+    quota_set(submit->user, &submit->share, (struct quota_amounts){0});
     store_op_finish(&op);
     frame_range_finish(&submit->frames);
     output_path_finish(&submit->path);
@@ -96,6 +101,24 @@ static bool check_collisions(struct request *request, const struct job *job)
     return !name || fail_collision(request, files.path, frame, 0, name);
 }
 
+static struct quota_amounts job_amounts(const struct job *job)
+{
+    int64_t frames = frame_range_count(&job->frames);
+
+    return (struct quota_amounts){.jobs = 1, .frames = frames, .pixels = frames * job->width_px * job->height_px};
+}
+
+// Those on their way in count as well.
+static bool check_limits(struct request *request, const struct job *job)
+{
+    struct farm *farm = request->farm;
+    const struct quota_user *user = limits_find_peer(farm, &request->client->peer, request->client->user);
+    const struct quota_amounts amounts = job_amounts(job);
+
+    request->code = MESSAGE_CODE_NOT_ALLOWED;
+    return limits_check_submit(farm, user, &amounts, &request->error);
+}
+
 // Takes over what it needs of `job`.
 static struct job_submit *create_submit(const struct request *request, struct job *job, char *owned_document,
                                         bool paused)
@@ -112,6 +135,9 @@ static struct job_submit *create_submit(const struct request *request, struct jo
                                      .is_paused = paused,
                                      .submitted_ms = farm_clock_ms(),
                                      .root = xstrdup(request->farm->options->output_roots.paths[0])};
+    submit->frame_pixels = (int64_t)job->width_px * job->height_px;
+    submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
+    quota_set(submit->user, &submit->share, job_amounts(job));
     submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
     submit->frames = job->frames;
     submit->path = job->output.path;
@@ -137,7 +163,7 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     if (!job_from_json(&job, document, farm->options->output_roots.paths[0], &request->error) ||
         !job_check_inputs(&job, document, &request->error))
         goto out;
-    if (!check_collisions(request, &job)) goto out;
+    if (!check_limits(request, &job) || !check_collisions(request, &job)) goto out;
     text = json_format(document);
     submit = create_submit(request, &job, text, paused);
     submit->work.data = submit;
@@ -199,6 +225,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->submitted_ms = row->submitted_ms;
     record->path = submit->path;
     record->code = submit->code;
+    record->frame_pixels = submit->frame_pixels;
     record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
     record->told_state = JOB_STATE_COUNT;
     if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);

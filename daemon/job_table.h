@@ -5,6 +5,7 @@
 #include "core/output_path.h"
 #include "daemon/estimate.h"
 #include "daemon/queue.h"
+#include "daemon/quota.h"
 #include "daemon/store.h"
 
 #include <stdbool.h>
@@ -22,6 +23,10 @@ struct job_record {
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; why it is paused or failed; NULL: none
     char *code;                                    // owned; the name of a text by the user that it runs; NULL: none
+    int64_t frame_pixels;                          // of one picture
+    int64_t disk_bytes;                            // of its files, as they were published
+    struct quota_user *user;                       // borrowed from the quota; the owner
+    struct quota_amounts share;                    // what is counted of it
     struct estimate estimate;
     int in_hand;                             // frames that workers hold or that are being published
     bool is_retry_waiting;                   // it lives again once it is swept

@@ -5,15 +5,17 @@
 #include "core/log.h"
 
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
-enum { WAITING_LIMIT = 128, SOCKET_MODE = 0660 };
+enum { WAITING_LIMIT = 128, SOCKET_MODE = 0660, CONNECTIONS_LIMIT = 64 }; // of one user
 
 struct listener {
     uv_pipe_t pipe;
@@ -104,6 +106,16 @@ fail:
     return -1;
 }
 
+// As many connections as the system lets us have: the soft limit is there for programs that use select().
+static void raise_file_limit(void)
+{
+    struct rlimit limit;
+
+    if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 struct listener *listener_open(uv_loop_t *loop, const char *path, const struct listener_handlers *handlers,
                                struct error *error)
 {
@@ -113,6 +125,7 @@ struct listener *listener_open(uv_loop_t *loop, const char *path, const struct l
     int fd = is_inherited ? SD_LISTEN_FDS_START : make_socket(path, &inode, error);
 
     if (fd < 0) return NULL;
+    raise_file_limit();
     listener = xcalloc(1, sizeof *listener);
     listener->handlers = *handlers;
     listener->client_handlers =
@@ -130,6 +143,21 @@ struct listener *listener_open(uv_loop_t *loop, const char *path, const struct l
     return listener;
 }
 
+// Nobody takes all descriptors there are. Root and the daemon's own user could end the daemon just as well.
+static void check_crowd(const struct listener *listener, struct client *client)
+{
+    int64_t uid = client->peer.uid;
+    size_t count = 0;
+    char why[128];
+
+    if (uid == 0 || uid == geteuid()) return;
+    for (const struct client *other = listener->clients; other; other = other->next)
+        if (other->peer.uid == uid) count++;
+    if (count <= CONNECTIONS_LIMIT) return;
+    snprintf(why, sizeof why, "connections: %.40s may have %d at a time", client->user, CONNECTIONS_LIMIT);
+    client_refuse(client, MESSAGE_CODE_NOT_ALLOWED, why);
+}
+
 static void on_connection(uv_stream_t *server, int status)
 {
     struct listener *listener = server->data;
@@ -144,6 +172,7 @@ static void on_connection(uv_stream_t *server, int status)
     client->next = listener->clients;
     if (client->next) client->next->previous = client;
     listener->clients = client;
+    check_crowd(listener, client);
 }
 
 static void on_client_message(void *user, struct client *client, const struct message *message)

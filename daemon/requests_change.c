@@ -7,6 +7,7 @@
 #include "daemon/farm.h"
 #include "daemon/job_change.h"
 #include "daemon/job_submit.h"
+#include "daemon/limits.h"
 
 #include <stdlib.h>
 
@@ -64,6 +65,8 @@ enum request_outcome requests_job_resume(struct request *request)
     struct job_record *record = find_live_job(request);
 
     if (!record) return REQUEST_FAILED;
+    request->code = MESSAGE_CODE_NOT_ALLOWED;
+    if (!limits_check_disk(request->farm, record, &request->error)) return REQUEST_FAILED;
     job_change_resume(request->farm, record);
     return commit_change(request, record);
 }
@@ -137,7 +140,12 @@ enum request_outcome requests_job_retry(struct request *request)
         return request_fail(request, MESSAGE_CODE_PARAMS,
                             "params.state: expected failed, canceled, succeeded or skipped: the others are under way");
     if (!check_files_are_free(request, record) || !read_retry_range(request, &range)) return REQUEST_FAILED;
-    job_change_retry(request->farm, record, states, &range, answer_owe(request));
+    job_change_retry(
+        request->farm, record,
+        &(struct job_retry_params){.states = states,
+                                   .range = range,
+                                   .by_admin = rights_is_admin(&request->farm->rights, &request->client->peer),
+                                   .answer = answer_owe(request)});
     return REQUEST_OWED;
 }
 

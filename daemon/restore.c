@@ -8,6 +8,7 @@
 #include "core/output_path.h"
 #include "core/publish.h"
 #include "daemon/farm.h"
+#include "daemon/limits.h"
 #include "daemon/store.h"
 
 #include <stdlib.h>
@@ -54,6 +55,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->finished_ms = row->finished_ms;
     record->is_ending = record->is_settled = row->finished_ms != 0;
     record->path = job.output.path;
+    record->frame_pixels = (int64_t)job.width_px * job.height_px;
     job.output.path = (struct output_path){0};
     record->queued = queue_add_job(farm->queue, row->id, &job.frames, row->priority, row->is_paused);
     record->queued->has_started = row->started_ms != 0;
@@ -72,6 +74,7 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
         return true;
     if (row->state != FRAME_RUNNING) {
         queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);
+        if (row->state == FRAME_SUCCEEDED) state->record->disk_bytes += (int64_t)row->size_bytes;
         return true;
     }
     state->intents = xgrow(state->intents, &state->intent_capacity, state->intent_count + 1, sizeof *row);
@@ -110,6 +113,7 @@ static void settle(struct restore_state *state, const struct store_frame *row)
 
     queue_restore_frame(record->queued, row->index, is_published ? FRAME_SUCCEEDED : FRAME_QUEUED, row->attempts);
     if (is_published) {
+        record->disk_bytes += (int64_t)row->size_bytes;
         op.frame.state = FRAME_SUCCEEDED;
     } else {
         op = (struct store_op){.kind = STORE_RESET_FRAMES, .reset = {.job = row->job, .count = 1}};
@@ -132,6 +136,7 @@ static void stop_again(struct farm *farm)
 
         queue_restore_end(record->queued, record->restored_canceled, record->restored_failed);
         record->told_state = queue_job_state(record->queued);
+        limits_count_job(farm, record);
     }
 }
 
@@ -144,6 +149,7 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
         settle(&state, &state.intents[i]);
     if (ok && state.op_count > 0) ok = store_commit(store, state.ops, state.op_count, error);
     stop_again(farm);
+    limits_refresh(farm);
     for (size_t i = 0; i < state.op_count; i++)
         store_op_finish(&state.ops[i]);
     free(state.ops);

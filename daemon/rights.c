@@ -31,7 +31,7 @@ void rights_init(struct rights *rights, int64_t daemon_uid, const char *admin_gr
     rights->daemon_uid = daemon_uid;
     rights->admin_gid = admin_group ? find_group(admin_group) : -1;
     if (rights->admin_gid < 0 && admin_group)
-        log_info("there is no group \"%s\": nobody administers by it", admin_group);
+        log_debug("there is no group \"%s\": nobody administers by it", admin_group);
 }
 
 bool rights_is_known(const struct rights_peer *peer)

@@ -100,6 +100,6 @@ bool store_commit(struct store *store, const struct store_op *ops, size_t op_cou
 // Called once a row; what they are given is lent for the call. False stops with the callback's error.
 typedef bool store_on_job(void *user, const struct store_job *job, struct error *error);
 typedef bool store_on_frame(void *user, const struct store_frame *frame, struct error *error);
-// All jobs by id, then all frames by job and index. Of a frame with no publish intent only job, index, state and
-// attempts are set: a restart needs no more, and a million rows are read in a second.
+// All jobs by id, then all frames by job and index. Of a frame with no publish intent only job, index, state, attempts
+// and size_bytes are set: a restart needs no more, and a million rows are read in a second.
 bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error);

@@ -12,6 +12,9 @@ void store_reader_close(struct store_reader *reader);                           
 // Rows for the frames with index in [first, last], ascending and complete; those without a row are not called.
 bool store_read_frames(struct store_reader *reader, int64_t job, int32_t first, int32_t last, store_on_frame *on_frame,
                        void *user, struct error *error);
+// The bytes of the files of those frames that were published, or were about to be.
+bool store_read_bytes(struct store_reader *reader, int64_t job, int32_t first, int32_t last, int64_t *bytes,
+                      struct error *error);
 typedef bool store_on_attempt(void *user, const struct store_attempt *attempt, struct error *error);
 // Newest first; frame -1: all.
 bool store_read_attempts(struct store_reader *reader, int64_t job, int32_t frame, int limit,

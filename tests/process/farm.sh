@@ -5,6 +5,7 @@ bin=${PROGRAM_FOLDER:?}
 scratch=$(mktemp -d)
 socket=$scratch/sock
 daemon_pid=
+as_daemon=() # what marchd is started with
 
 fail()
 {
@@ -38,7 +39,7 @@ start_daemon()
 {
     [[ " $* " == *" --output-root "* ]] || set -- --output-root "$scratch/out" "$@"
     [[ " $* " == *" --input-root "* ]] || set -- --input-root / "$@"
-    "$bin/marchd" --state "$scratch/state" --socket "$socket" --workers 2 "$@" \
+    "${as_daemon[@]}" "$bin/marchd" --state "$scratch/state" --socket "$socket" --workers 2 "$@" \
         2>>"$scratch/daemon.log" &
     daemon_pid=$!
     for _ in $(seq 200); do
@@ -71,6 +72,21 @@ kill_daemon()
 ask()
 {
     printf '{"jsonrpc":"2.0","id":1,"method":"%s","params":%s}\n' "$1" "${2:-{\}}" | "$bin/socket-client" "$socket"
+}
+
+# as UID GIDS COMMAND...: the command as another user, whose groups (comma-separated) are these, the first the primary one.
+as()
+{
+    local uid=$1 gids=$2
+
+    shift 2
+    setpriv --reuid="$uid" --regid="${gids%%,*}" --groups="$gids" "$@"
+}
+
+# ask_as UID GIDS METHOD [PARAMS]: as ask, by another user.
+ask_as()
+{
+    printf '{"jsonrpc":"2.0","id":1,"method":"%s","params":%s}\n' "$3" "${4:-{\}}" | as "$1" "$2" "$bin/socket-client" "$socket"
 }
 
 # ask_raw: standard input is sent as it is.
