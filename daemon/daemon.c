@@ -9,6 +9,7 @@
 #include "daemon/feed.h"
 #include "daemon/folders.h"
 #include "daemon/frame_life.h"
+#include "daemon/limits.h"
 #include "daemon/listener.h"
 #include "daemon/manager.h"
 #include "daemon/options.h"
@@ -232,6 +233,7 @@ static void hold_options(struct daemon *daemon, struct options *fresh)
     if (!was_quiet) log_changes(&changes);
     log_set_level(daemon->options->log_level);
     if (was_quiet) log_changes(&changes);
+    limits_refresh(&daemon->farm);
     queue_set_max_attempts(daemon->farm.queue, daemon->options->max_attempts);
     worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
 }
