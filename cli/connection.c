@@ -248,7 +248,9 @@ bool connection_call(struct connection *connection, const char *method, const ch
     message_begin_request(&line, connection->last_id, method);
     json_write_raw(&line, params ? params : "{}", params ? strlen(params) : 2);
     message_end(&line);
-    ok = connection_send(connection, &line, error) && await_answer(connection, id, reply, error);
+    // A peer that takes no messages any more may have said why before it closed.
+    connection_send(connection, &line, error);
+    ok = await_answer(connection, id, reply, error);
     json_writer_finish(&line);
     return ok;
 }

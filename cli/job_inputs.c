@@ -73,10 +73,23 @@ static bool set_member(char **document, const char *place, const char *key, cons
     return ok;
 }
 
-// Owned by the caller.
+// Owned by the caller. Ways up ("../volumes/a.nvdb") are gone once: a daemon takes none, for they might lead out of its
+// roots.
 static char *make_absolute(const char *path, const char *folder)
 {
-    return *path == '/' ? xstrdup(path) : xasprintf("%s/%s", strcmp(folder, "/") == 0 ? "" : folder, path);
+    char *joined = *path == '/' ? xstrdup(path) : xasprintf("%s/%s", strcmp(folder, "/") == 0 ? "" : folder, path);
+    char *slash = strrchr(joined, '/');
+    char *real, *plain = NULL;
+
+    if (input_path_is_plain(joined)) return joined;
+    *slash = '\0';
+    real = realpath(joined, NULL);
+    *slash = '/';
+    if (real) plain = xasprintf("%s/%s", strcmp(real, "/") == 0 ? "" : real, slash + 1);
+    free(real);
+    if (!plain) return joined;
+    free(joined);
+    return plain;
 }
 
 // Of the object in the document that is resolved next.

@@ -59,3 +59,16 @@ bool input_path_has_ending(const char *path, const char *ending)
 
     return length > ending_length && strcasecmp(name + length - ending_length, ending) == 0;
 }
+
+bool input_path_is_plain(const char *path)
+{
+    if (*path != '/') return false;
+    while (*path == '/') {
+        size_t length = strcspn(++path, "/");
+
+        if (length == 0 || (length == 1 && path[0] == '.') || (length == 2 && path[0] == '.' && path[1] == '.'))
+            return false;
+        path += length;
+    }
+    return true;
+}

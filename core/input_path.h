@@ -14,5 +14,7 @@ bool input_path_check(const char *path, struct error *error);
 bool input_path_is_sequence(const char *path);
 // The number is padded with zeros to the run's length. Owned by the caller.
 char *input_path_format(const char *path, int32_t frame);
+// True of an absolute path each of whose names is one: not "", "." or "..".
+bool input_path_is_plain(const char *path);
 // Upper and lower case are alike; an ending alone is no name.
 bool input_path_has_ending(const char *path, const char *ending);

@@ -15,31 +15,11 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-// True when every name between slashes is one: not "", "." or "..".
-static bool is_plain(const char *path)
-{
-    if (*path != '/') return false;
-    while (*path == '/') {
-        size_t length = strcspn(++path, "/");
-
-        if (length == 0 || (length == 1 && path[0] == '.') || (length == 2 && path[0] == '.' && path[1] == '.'))
-            return false;
-        path += length;
-    }
-    return true;
-}
-
 static bool fail_outside(const char *place, const char *path, const struct path_list *roots, struct error *error)
 {
-    char list[512] = "";
-    size_t length = 0;
+    char list[512];
 
-    for (size_t i = 0; i < roots->count && length < sizeof list; i++)
-        length += (size_t)snprintf(list + length, sizeof list - length, "%s%.200s",
-                                   i == 0                 ? ""
-                                   : i + 1 < roots->count ? ", "
-                                                          : " or ",
-                                   roots->paths[i]);
+    path_list_format(roots, list, sizeof list);
     error_set(error, "%s: expected a file below %s, got \"%.300s\"", place, list, path);
     return false;
 }
@@ -61,7 +41,7 @@ static bool add_input(struct job_inputs *inputs, const char *place, const char *
     struct job_input *input;
     const char *root;
 
-    if (!is_plain(path)) {
+    if (!input_path_is_plain(path)) {
         error_set(error, "%s: expected an absolute path without \".\", \"..\" and doubled slashes, got \"%.300s\"",
                   place, path);
         return false;
@@ -70,7 +50,7 @@ static bool add_input(struct job_inputs *inputs, const char *place, const char *
     if (!root) return fail_outside(place, path, roots, error);
     inputs->inputs = xgrow(inputs->inputs, &inputs->capacity, inputs->count + 1, sizeof inputs->inputs[0]);
     input = &inputs->inputs[inputs->count++];
-    *input = (struct job_input){.path = path, .root = root, .folder = folder_below(root, path)};
+    *input = (struct job_input){.path = xstrdup(path), .root = xstrdup(root), .folder = folder_below(root, path)};
     snprintf(input->place, sizeof input->place, "%s", place);
     return true;
 }
@@ -100,8 +80,11 @@ bool input_roots_find(struct job_inputs *inputs, const struct job *job, const st
 
 void job_inputs_finish(struct job_inputs *inputs)
 {
-    for (size_t i = 0; i < inputs->count; i++)
+    for (size_t i = 0; i < inputs->count; i++) {
+        free(inputs->inputs[i].path);
+        free(inputs->inputs[i].root);
         free(inputs->inputs[i].folder);
+    }
     free(inputs->inputs);
     *inputs = (struct job_inputs){0};
 }
@@ -132,7 +115,9 @@ int input_roots_open_folder(const char *root, const char *folder, struct error *
     int root_fd = open(root, O_PATH | O_DIRECTORY | O_CLOEXEC), fd, reason;
 
     if (root_fd < 0) {
-        error_set_errno(error, errno, "cannot open input root %.200s", root);
+        reason = errno;
+        error_set_errno(error, reason, "cannot open input root %.200s", root);
+        errno = reason;
         return -1;
     }
     if (!*folder) return root_fd;
@@ -141,35 +126,35 @@ int input_roots_open_folder(const char *root, const char *folder, struct error *
     reason = errno;
     close(root_fd);
     if (fd < 0) set_cause(error, reason, root, folder);
+    errno = reason;
     return fd;
 }
 
 // A file that is not there is its frame's matter, and one of a sequence as well.
-static bool check_file(const struct job_input *input, struct error *error)
+static int check_file(const struct job_input *input, struct error *error)
 {
     int root_fd, fd, reason;
     char *below;
-    bool ok;
 
-    if (is_everything(input->root) || input_path_is_sequence(input->path)) return true;
+    if (is_everything(input->root) || input_path_is_sequence(input->path)) return 0;
     root_fd = open(input->root, O_PATH | O_DIRECTORY | O_CLOEXEC);
     below = xasprintf("%s%s%s", input->folder, *input->folder ? "/" : "", strrchr(input->path, '/') + 1);
     fd = root_fd < 0 ? -1 : open_beneath(root_fd, below, 0);
-    reason = errno;
-    ok = fd >= 0 || (reason != EXDEV && reason != ELOOP);
-    if (!ok) set_cause(error, reason, input->root, below);
+    reason = fd < 0 ? errno : 0;
+    if (reason != EXDEV && reason != ELOOP) reason = 0;
+    if (reason) set_cause(error, reason, input->root, below);
     free(below);
     if (fd >= 0) close(fd);
     if (root_fd >= 0) close(root_fd);
-    return ok;
+    return reason;
 }
 
-bool input_roots_check_opening(const struct job_input *input, struct error *error)
+int input_roots_check_opening(const struct job_input *input, struct error *error)
 {
     int fd = input_roots_open_folder(input->root, input->folder, error);
-    bool ok = fd >= 0 && check_file(input, error);
+    int reason = fd < 0 ? errno : check_file(input, error);
 
     if (fd >= 0) close(fd);
-    if (!ok) error_prefix(error, "%s", input->place);
-    return ok;
+    if (reason) error_prefix(error, "%s", input->place);
+    return reason;
 }

@@ -2,6 +2,7 @@
 
 #include "core/alloc.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,18 @@ void path_list_finish(struct path_list *list)
         free(list->paths[i]);
     free(list->paths);
     *list = (struct path_list){0};
+}
+
+void path_list_format(const struct path_list *list, char *text, size_t size)
+{
+    size_t length = 0;
+
+    text[0] = '\0';
+    for (size_t i = 0; i < list->count && length < size; i++) {
+        const char *before = i == 0 ? "" : i + 1 < list->count ? ", " : " or ";
+
+        length += (size_t)snprintf(text + length, size - length, "%s%s", before, list->paths[i]);
+    }
 }
 
 const char *path_list_find_root(const struct path_list *list, const char *path)

@@ -2,11 +2,13 @@
 
 #include "core/alloc.h"
 #include "core/error.h"
+#include "core/input_roots.h"
 #include "core/job.h"
 #include "core/job_check.h"
 #include "core/job_json.h"
 #include "core/json_write.h"
 #include "core/log.h"
+#include "core/path_list.h"
 #include "daemon/client.h"
 #include "daemon/committer.h"
 #include "daemon/events.h"
@@ -15,6 +17,7 @@
 #include "daemon/options.h"
 #include "daemon/requests.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -27,11 +30,12 @@ struct job_submit {
     struct store_job row;      // owned, until it moves into the commit
     struct frame_range frames; // owned
     struct output_path path;   // owned
+    struct job_inputs inputs;  // owned
     char *code;                // owned; as in the job's record
     int64_t frame_pixels;
     struct quota_user *user;    // borrowed; the owner
     struct quota_amounts share; // what is counted of it on its way
-    bool folder_ok;
+    int failure;                // enum message_code of `error`; 0: none
     struct error error;
     struct job_submit *next; // on the farm's list of submits
 };
@@ -52,6 +56,7 @@ static void submit_destroy(struct job_submit *submit)
     store_op_finish(&op);
     frame_range_finish(&submit->frames);
     output_path_finish(&submit->path);
+    job_inputs_finish(&submit->inputs);
     free(submit->code);
     free(submit);
 }
@@ -87,10 +92,27 @@ const char *job_submit_find_collision(const struct farm *farm, const struct job_
     return NULL;
 }
 
-static bool check_collisions(struct request *request, const struct job *job)
+// A picture that is done is its owner's as well as the job.
+static bool check_owners(struct request *request, const struct job_files *files)
+{
+    const struct rights_peer *peer = &request->client->peer;
+    const struct job_record *record;
+    char file[OUTPUT_NAME_SIZE];
+    int32_t frame;
+
+    if (rights_is_admin(&request->farm->rights, peer)) return true;
+    record = job_table_find_owned_files(&request->farm->jobs, files, peer->uid, &frame);
+    if (!record) return true;
+    output_path_format_name(files->path, frame, file);
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "output.path: %s is of job %lld of %s", file, (long long)record->id,
+                 record->owner);
+    return false;
+}
+
+static bool check_collisions(struct request *request, const struct job *job, const char *root)
 {
     const struct farm *farm = request->farm;
-    const struct job_files files = {farm->options->output_roots.paths[0], &job->output.path, &job->frames};
+    const struct job_files files = {root, &job->output.path, &job->frames};
     const struct job_record *record;
     const char *name;
     int32_t frame;
@@ -98,7 +120,26 @@ static bool check_collisions(struct request *request, const struct job *job)
     record = job_table_find_collision(&farm->jobs, &files, &frame);
     if (record) return fail_collision(request, files.path, frame, record->id, record->name);
     name = job_submit_find_collision(farm, &files, &frame);
-    return !name || fail_collision(request, files.path, frame, 0, name);
+    if (name) return fail_collision(request, files.path, frame, 0, name);
+    return check_owners(request, &files);
+}
+
+// The root that the output goes below: the first, or the one that an absolute path names. NULL with the failure filled.
+static const char *choose_root(struct request *request, const struct json_node *document)
+{
+    const struct path_list *roots = &request->farm->options->output_roots;
+    struct json_node output = json_node_child(document, "output"), path = json_node_child(&output, "path");
+    const char *text, *root;
+    char list[512];
+
+    // What is no path at all is told by whoever reads the document.
+    if (!json_read_string(&path, &text, NULL) || *text != '/') return roots->paths[0];
+    root = path_list_find_root(roots, text);
+    if (root) return root;
+    path_list_format(roots, list, sizeof list);
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "output.path: expected a path below %s, got \"%.200s\"", list,
+                 text);
+    return NULL;
 }
 
 static struct quota_amounts job_amounts(const struct job *job)
@@ -121,7 +162,7 @@ static bool check_limits(struct request *request, const struct job *job)
 
 // Takes over what it needs of `job`.
 static struct job_submit *create_submit(const struct request *request, struct job *job, char *owned_document,
-                                        bool paused)
+                                        const char *root)
 {
     struct job_submit *submit = xcalloc(1, sizeof *submit);
 
@@ -132,9 +173,8 @@ static struct job_submit *create_submit(const struct request *request, struct jo
                                      .owner = xstrdup(request->client->user),
                                      .owner_uid = request->client->peer.uid,
                                      .priority = job->priority,
-                                     .is_paused = paused,
                                      .submitted_ms = farm_clock_ms(),
-                                     .root = xstrdup(request->farm->options->output_roots.paths[0])};
+                                     .root = xstrdup(root)};
     submit->frame_pixels = (int64_t)job->width_px * job->height_px;
     submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
     quota_set(submit->user, &submit->share, job_amounts(job));
@@ -146,32 +186,47 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     return submit;
 }
 
+static bool check_peer(struct request *request)
+{
+    if (rights_is_known(&request->client->peer)) return true;
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
+                 "the system does not say who you are (user %s): nobody could own the job", request->client->user);
+    return false;
+}
+
+static bool find_inputs(struct request *request, const struct job *job, struct job_inputs *inputs)
+{
+    request->code = MESSAGE_CODE_NOT_ALLOWED;
+    return input_roots_find(inputs, job, &request->farm->options->input_roots, &request->error);
+}
+
 bool job_submit_start(struct request *request, const struct json_node *document, bool paused)
 {
     struct farm *farm = request->farm;
     struct job job = {0};
+    struct job_inputs inputs = {0};
     struct job_submit *submit;
-    char *text = NULL;
+    const char *root = choose_root(request, document);
     bool ok = false;
 
-    if (!rights_is_known(&request->client->peer)) {
-        request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
-                     "the system does not say who you are (user %s): nobody could own the job", request->client->user);
-        return false;
-    }
+    if (!root || !check_peer(request)) return false;
+
     request->code = MESSAGE_CODE_PARAMS;
-    if (!job_from_json(&job, document, farm->options->output_roots.paths[0], &request->error) ||
-        !job_check_inputs(&job, document, &request->error))
+    if (!job_from_json(&job, document, root, &request->error) || !job_check_inputs(&job, document, &request->error))
         goto out;
-    if (!check_limits(request, &job) || !check_collisions(request, &job)) goto out;
-    text = json_format(document);
-    submit = create_submit(request, &job, text, paused);
+    if (!find_inputs(request, &job, &inputs) || !check_limits(request, &job) || !check_collisions(request, &job, root))
+        goto out;
+    submit = create_submit(request, &job, json_format(document), root);
+    submit->row.is_paused = paused;
+    submit->inputs = inputs;
+    inputs = (struct job_inputs){0};
     submit->work.data = submit;
     submit->next = farm->submits;
     farm->submits = submit;
     uv_queue_work(farm->loop, &submit->work, on_folder_run, on_folder_done);
     ok = true;
 out:
+    job_inputs_finish(&inputs);
     job_finish(&job);
     return ok;
 }
@@ -179,10 +234,22 @@ out:
 static void on_folder_run(uv_work_t *work)
 {
     struct job_submit *submit = work->data;
-    int folder = output_path_open_folder(&submit->path, submit->row.root, true, &submit->error);
+    int folder;
 
-    submit->folder_ok = folder >= 0;
-    if (folder >= 0) close(folder);
+    for (size_t i = 0; i < submit->inputs.count; i++) {
+        int reason = input_roots_check_opening(&submit->inputs.inputs[i], &submit->error);
+
+        if (reason == 0) continue;
+        submit->failure = reason == EXDEV || reason == ELOOP ? MESSAGE_CODE_NOT_ALLOWED : MESSAGE_CODE_PARAMS;
+        return;
+    }
+    folder = output_path_open_folder(&submit->path, submit->row.root, true, &submit->error);
+    if (folder >= 0) {
+        close(folder);
+        return;
+    }
+    error_prefix(&submit->error, "output.path");
+    submit->failure = MESSAGE_CODE_PARAMS;
 }
 
 static struct store_op format_op(const struct job_submit *submit)
@@ -201,9 +268,8 @@ static void on_folder_done(uv_work_t *work, int status)
     struct job_submit *submit = work->data;
     struct store_op op;
 
-    if (!submit->folder_ok) {
-        error_prefix(&submit->error, "output.path");
-        refuse(submit, MESSAGE_CODE_PARAMS, submit->error.message);
+    if (submit->failure) {
+        refuse(submit, (enum message_code)submit->failure, submit->error.message);
         return;
     }
     submit->row.id = submit->farm->next_job_id++;

@@ -143,3 +143,16 @@ struct job_record *job_table_find_collision(const struct job_table *table, const
     }
     return NULL;
 }
+
+struct job_record *job_table_find_owned_files(const struct job_table *table, const struct job_files *files,
+                                              int64_t owner_uid, int32_t *frame)
+{
+    for (size_t i = 0; i < table->count; i++) {
+        struct job_record *record = table->records[i];
+        struct job_files others = {record->root, &record->path, &record->queued->frames};
+
+        if (record->owner_uid == owner_uid || record->queued->counts[FRAME_SUCCEEDED] == 0) continue;
+        if (job_files_collide(files, &others, frame)) return record;
+    }
+    return NULL;
+}

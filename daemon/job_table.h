@@ -62,6 +62,9 @@ struct job_files {
 
 // True when they have a file in common; `*frame` is its frame in `files`.
 bool job_files_collide(const struct job_files *files, const struct job_files *others, int32_t *frame);
+// The first job of another user that has files and collides with `files`; NULL: none.
+struct job_record *job_table_find_owned_files(const struct job_table *table, const struct job_files *files,
+                                              int64_t owner_uid, int32_t *frame);
 // The first other job that is live or about to be, or whose frames are still in hand, and collides with `files`; NULL:
 // none.
 struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,

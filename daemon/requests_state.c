@@ -34,6 +34,15 @@ static void write_frame_counts(const struct farm *farm, struct json_writer *writ
     json_write_end_object(writer);
 }
 
+static void write_roots(struct json_writer *writer, const char *key, const struct path_list *roots)
+{
+    json_write_key(writer, key);
+    json_write_begin_array(writer);
+    for (size_t i = 0; i < roots->count; i++)
+        json_write_string(writer, roots->paths[i]);
+    json_write_end_array(writer);
+}
+
 enum request_outcome requests_daemon_status(struct request *request)
 {
     const struct farm *farm = request->farm;
@@ -44,6 +53,8 @@ enum request_outcome requests_daemon_status(struct request *request)
     json_write_integer_member(writer, "pid", getpid());
     json_write_number_member(writer, "started", (double)farm->started_ms / 1000);
     json_write_string_member(writer, "output_root", farm->options->output_roots.paths[0]);
+    write_roots(writer, "output_roots", &farm->options->output_roots);
+    write_roots(writer, "input_roots", &farm->options->input_roots);
     json_write_string_member(writer, "state_folder", farm->options->state_folder);
     json_write_key(writer, "jobs");
     write_job_counts(farm, writer);

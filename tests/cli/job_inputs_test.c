@@ -101,6 +101,28 @@ static void absolute_paths_stay(void **state)
     free(density);
 }
 
+// What is behind a link is where the link leads to, as the system itself reads "..".
+static void ways_up_are_gone(void **state)
+{
+    static const char *const sets[] = {"scene.media[0].density.file=link/.././/head.nii"};
+    char *text = one_medium("{\"kind\":\"grid\",\"file\":\"in/../head.nii\"}");
+    struct job job;
+
+    assert_int_equal(mkdir(temp_folder_path(state, "in"), 0700), 0);
+    assert_int_equal(mkdir(temp_folder_path(state, "in/deep"), 0700), 0);
+    assert_int_equal(symlink("in/deep", temp_folder_path(state, "link")), 0);
+    write_file(state, "head.nii", "x", 1);
+    write_file(state, "in/head.nii", "x", 1);
+    write_job(state, text);
+    job = load(state, NULL, 0);
+    assert_string_equal(job.scene.media[0].density.grid.file, temp_folder_path(state, "head.nii"));
+    job_finish(&job);
+    job = load(state, sets, 1);
+    assert_string_equal(job.scene.media[0].density.grid.file, temp_folder_path(state, "in/head.nii"));
+    job_finish(&job);
+    free(text);
+}
+
 static void glsl_becomes_part_of_the_job(void **state)
 {
     static const char source[] = "// \"quoted\" \\ \xc3\xa9\nfloat density(vec3 p, float t) { return 1.0; }\n";
@@ -315,6 +337,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         WITH_FOLDER(paths_are_relative_to_the_job_file),
         WITH_FOLDER(absolute_paths_stay),
+        WITH_FOLDER(ways_up_are_gone),
         WITH_FOLDER(glsl_becomes_part_of_the_job),
         WITH_FOLDER(glsl_may_begin_with_a_byte_order_mark),
         WITH_FOLDER(a_source_that_is_there_stays),

@@ -46,6 +46,19 @@ static void endings_are_compared_without_case(void **state)
     assert_false(input_path_has_ending("a.raw/b", ".raw"));
 }
 
+static void a_plain_path_has_names_alone(void **state)
+{
+    assert_true(input_path_is_plain("/a"));
+    assert_true(input_path_is_plain("/a/..b/.c/d.."));
+    assert_false(input_path_is_plain("/"));
+    assert_false(input_path_is_plain("a"));
+    assert_false(input_path_is_plain("/a/"));
+    assert_false(input_path_is_plain("/a//b"));
+    assert_false(input_path_is_plain("/a/./b"));
+    assert_false(input_path_is_plain("/../b"));
+    assert_false(input_path_is_plain("/a/.."));
+}
+
 static void assert_refused(const char *path, const char *expected)
 {
     struct error error = {0};
@@ -74,9 +87,8 @@ static void what_names_no_file_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_run_is_the_frames_number),
-        cmocka_unit_test(a_folders_name_holds_no_number),
-        cmocka_unit_test(endings_are_compared_without_case),
+        cmocka_unit_test(a_run_is_the_frames_number),    cmocka_unit_test(a_folders_name_holds_no_number),
+        cmocka_unit_test(a_plain_path_has_names_alone),  cmocka_unit_test(endings_are_compared_without_case),
         cmocka_unit_test(what_names_no_file_is_refused),
     };
 

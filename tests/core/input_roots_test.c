@@ -152,7 +152,7 @@ static bool checks(void **state, const char *name, const char *cause)
 
     snprintf(root, sizeof root, "%s", temp_folder_path(state, "in"));
     input.root = root;
-    ok = input_roots_check_opening(&input, &error);
+    ok = input_roots_check_opening(&input, &error) == 0;
     if (!ok && (!strstr(error.message, cause) || strncmp(error.message, "here: ", 6) != 0))
         fail_msg("%s", error.message);
     free(path);

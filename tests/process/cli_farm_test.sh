@@ -44,7 +44,7 @@ grep -q '{"jobs":\[{"id":3,.*"state":"succeeded"' out || fail "submit --wait --j
 
 expect 2 submit --set output.path=../out.####.exr
 grep -q "cloud.json: " err || fail "a refused job is named by its file"
-expect 2 submit --set output.path=/etc/x.####.exr
+expect 4 submit --set output.path=/etc/x.####.exr
 grep -q "output" err || fail "a path outside the root"
 
 expect 0 submit --paused --set frames=0-9 --set output.path=four/four.####.exr --priority 7

@@ -17,7 +17,7 @@ expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.scene.media[0].phase[0
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.resolution = [1e9, 2]')}")" -32602 "resolution"
 expect_error "$(ask job.submit "{\"document\":$(job 0-9999999)}")" -32602 "frames"
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "../up.####.exr"')}")" -32602 "output.path"
-expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "/etc/up.####.exr"')}")" -32602 "output.path"
+expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "/etc/up.####.exr"')}")" 2 "output.path: expected a path below $scratch/out"
 # The daemon stands in no job file's folder.
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.scene.media[0].density = {"kind": "grid", "file": "head.nii"} | del(.scene.media[0].phase)')}")" \
     -32602 'scene.media[0].density.file: expected an absolute path, got "head.nii"'
