@@ -14,7 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <unistd.h>
 
 struct connection {
@@ -38,45 +37,6 @@ struct connection *connection_adopt(int fd, const char *peer)
     connection->peer = peer;
     connection->failure = EXIT_STATUS_FAILED;
     return connection;
-}
-
-static void fail_connect(const char *path, int reason, enum exit_status *status, struct error *error)
-{
-    if (reason == EACCES || reason == EPERM) {
-        *status = EXIT_STATUS_NOT_ALLOWED;
-        error_set_errno(error, reason, "the socket %s is not for you", path);
-        return;
-    }
-    error_set(error,
-              "no daemon answers at %s (%s); start one with `systemctl start marchd`, or `marchd --socket PATH "
-              "--state FOLDER --output-root FOLDER`, and name its socket with --socket or $MARCHD_SOCKET",
-              path, strerrordesc_np(reason));
-}
-
-struct connection *connection_open(const char *path, enum exit_status *status, struct error *error)
-{
-    struct sockaddr_un address = {.sun_family = AF_UNIX};
-    int fd;
-
-    *status = EXIT_STATUS_NO_DAEMON;
-    if (strlen(path) >= sizeof address.sun_path) {
-        error_set(error, "%s: a socket's path has at most %zu bytes", path, sizeof address.sun_path - 1);
-        return NULL;
-    }
-    memcpy(address.sun_path, path, strlen(path) + 1);
-    fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd < 0) {
-        error_set_errno(error, errno, "no socket");
-        return NULL;
-    }
-    if (connect(fd, (struct sockaddr *)&address, sizeof address) != 0) {
-        int reason = errno;
-
-        close(fd);
-        fail_connect(path, reason, status, error);
-        return NULL;
-    }
-    return connection_adopt(fd, "the daemon");
 }
 
 void connection_close(struct connection *connection)

@@ -12,9 +12,6 @@ struct error;
 struct interrupt;
 struct json_writer;
 
-// Connects to the daemon's socket. NULL when none answers or it may not be reached: the message names the path and what to do,
-// `status` is the exit code to end with.
-struct connection *connection_open(const char *path, enum exit_status *status, struct error *error);
 // Takes a connected stream socket over; `peer` (borrowed; outlives us) names the other side in messages.
 struct connection *connection_adopt(int fd, const char *peer);
 void connection_close(struct connection *connection); // accepts NULL

@@ -1,6 +1,7 @@
 #include "cli/daemon_call.h"
 
 #include "cli/connection.h"
+#include "cli/daemon_socket.h"
 #include "cli/job_report.h"
 #include "cli/options.h"
 #include "cli/print.h"
@@ -19,11 +20,15 @@ struct connection *daemon_call_connect(const struct options *options, enum exit_
     const struct socket_path_params params = {.option = options->socket,
                                               .environment = getenv("MARCHD_SOCKET"),
                                               .system_path = SOCKET_PATH_SYSTEM,
-                                              .runtime_folder = getenv("XDG_RUNTIME_DIR")};
-    char *path = socket_path_choose(&params);
-    struct connection *connection = connection_open(path, status, error);
+                                              .runtime_folder = getenv("XDG_RUNTIME_DIR"),
+                                              .state_home = getenv("XDG_STATE_HOME"),
+                                              .home = getenv("HOME")};
+    struct socket_path_list list;
+    struct connection *connection;
 
-    free(path);
+    socket_path_choose(&list, &params);
+    connection = daemon_socket_connect(list.paths, list.count, status, error);
+    socket_path_finish(&list);
     return connection;
 }
 

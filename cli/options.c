@@ -26,7 +26,7 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_HELP] = {"help", KIND_FLAG, FIELD(help), NULL, 0, 0, "show this help"},
     [OPTION_JSON] = {"json", KIND_FLAG, FIELD(json), NULL, 0, 0, "print JSON"},
     [OPTION_SOCKET] = {"socket", KIND_TEXT, FIELD(socket), "PATH", 0, 0,
-                       "the daemon's socket (default: $MARCHD_SOCKET)"},
+                       "the daemon's socket (default: $MARCHD_SOCKET, else the system's, else your own)"},
     [OPTION_WAIT] = {"wait", KIND_FLAG, FIELD(wait), NULL, 0, 0,
                      "return when the job has ended; 1 unless it succeeded"},
     [OPTION_WATCH] = {"watch", KIND_FLAG, FIELD(watch), NULL, 0, 0, "like --wait, and show progress"},

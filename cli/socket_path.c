@@ -3,18 +3,42 @@
 #include "core/alloc.h"
 
 #include <stdbool.h>
-#include <unistd.h>
+#include <stdlib.h>
 
 static bool is_given(const char *text)
 {
     return text && *text;
 }
 
-char *socket_path_choose(const struct socket_path_params *params)
+static void add(struct socket_path_list *list, char *path)
 {
-    if (is_given(params->option)) return xstrdup(params->option);
-    if (is_given(params->environment)) return xstrdup(params->environment);
-    if (is_given(params->system_path) && access(params->system_path, F_OK) == 0) return xstrdup(params->system_path);
+    if (path) list->paths[list->count++] = path;
+}
+
+static char *own_path(const struct socket_path_params *params)
+{
     if (is_given(params->runtime_folder)) return xasprintf("%s/marchd.sock", params->runtime_folder);
-    return xstrdup(is_given(params->system_path) ? params->system_path : SOCKET_PATH_SYSTEM);
+    if (is_given(params->state_home)) return xasprintf("%s/marchd/marchd.sock", params->state_home);
+    if (is_given(params->home)) return xasprintf("%s/.local/state/marchd/marchd.sock", params->home);
+    return NULL;
+}
+
+void socket_path_choose(struct socket_path_list *list, const struct socket_path_params *params)
+{
+    const char *named = is_given(params->option) ? params->option : params->environment;
+
+    *list = (struct socket_path_list){.count = 0};
+    if (is_given(named)) {
+        add(list, xstrdup(named));
+        return;
+    }
+    add(list, xstrdup(params->system_path));
+    add(list, own_path(params));
+}
+
+void socket_path_finish(struct socket_path_list *list)
+{
+    for (size_t i = 0; i < list->count; i++)
+        free(list->paths[i]);
+    *list = (struct socket_path_list){.count = 0};
 }

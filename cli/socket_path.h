@@ -1,16 +1,27 @@
 // Where the daemon's socket is expected.
 #pragma once
 
-// Each may be NULL.
+#include <stddef.h>
+
+// Each may be NULL; empty strings count as absent.
 struct socket_path_params {
     const char *option;         // --socket
     const char *environment;    // $MARCHD_SOCKET
     const char *system_path;    // the installed service's socket
     const char *runtime_folder; // $XDG_RUNTIME_DIR
+    const char *state_home;     // $XDG_STATE_HOME
+    const char *home;           // $HOME
 };
 
 #define SOCKET_PATH_SYSTEM "/run/marchd/marchd.sock"
 
-// The option, else the environment, else the system's socket if there is one, else the one in the runtime folder, else the
-// system's. Empty strings count as absent. Owned by the caller.
-char *socket_path_choose(const struct socket_path_params *params);
+// The zero value is empty.
+struct socket_path_list {
+    char *paths[2]; // owned
+    size_t count;
+};
+
+// The places to try in their order: the option alone, else the environment alone, else the system's and the user's own,
+// which is where a daemon that the user starts puts it: in the runtime folder, else in its state folder.
+void socket_path_choose(struct socket_path_list *list, const struct socket_path_params *params);
+void socket_path_finish(struct socket_path_list *list); // accepts an empty list

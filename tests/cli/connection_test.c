@@ -138,17 +138,6 @@ static void interrupt_ends_waiting(void **state)
     interrupt_finish(&interrupt);
 }
 
-static void path_that_is_no_socket_is_named(void **state)
-{
-    struct error error = {0};
-    enum exit_status status = EXIT_STATUS_DONE;
-
-    assert_null(connection_open("/nowhere/marchd.sock", &status, &error));
-    assert_int_equal(status, EXIT_STATUS_NO_DAEMON);
-    assert_non_null(strstr(error.message, "/nowhere/marchd.sock"));
-    assert_non_null(strstr(error.message, "marchd --socket"));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -158,7 +147,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(closed_connection_means_no_daemon, set_up, tear_down),
         cmocka_unit_test_setup_teardown(nonsense_is_named, set_up, tear_down),
         cmocka_unit_test_setup_teardown(interrupt_ends_waiting, set_up, tear_down),
-        cmocka_unit_test(path_that_is_no_socket_is_named),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,36 +10,42 @@
 
 #include <cmocka.h>
 
-static void assert_chosen(const struct socket_path_params *params, const char *expected)
+// `second` NULL: there is but one.
+static void assert_chosen(const struct socket_path_params *params, const char *first, const char *second)
 {
-    char *path = socket_path_choose(params);
+    struct socket_path_list list;
 
-    assert_string_equal(path, expected);
-    free(path);
+    socket_path_choose(&list, params);
+    assert_int_equal(list.count, second ? 2 : 1);
+    assert_string_equal(list.paths[0], first);
+    if (second) assert_string_equal(list.paths[1], second);
+    socket_path_finish(&list);
 }
 
 static void option_wins_over_everything(void **state)
 {
-    assert_chosen(&(struct socket_path_params){"/o", "/e", "/", "/run/user/1"}, "/o");
+    assert_chosen(&(struct socket_path_params){"/o", "/e", "/s", "/run/user/1", NULL, "/home/a"}, "/o", NULL);
 }
 
 static void environment_comes_next(void **state)
 {
-    assert_chosen(&(struct socket_path_params){NULL, "/e", "/", "/run/user/1"}, "/e");
-    assert_chosen(&(struct socket_path_params){"", "/e", "/", NULL}, "/e");
+    assert_chosen(&(struct socket_path_params){NULL, "/e", "/s", "/run/user/1", NULL, NULL}, "/e", NULL);
+    assert_chosen(&(struct socket_path_params){"", "/e", "/s", NULL, NULL, NULL}, "/e", NULL);
 }
 
-static void system_socket_is_used_only_if_it_is_there(void **state)
+static void system_comes_before_the_users_own(void **state)
 {
-    assert_chosen(&(struct socket_path_params){NULL, "", "/", "/run/user/1"}, "/");
-    assert_chosen(&(struct socket_path_params){NULL, NULL, "/nowhere/at/all", "/run/user/1"},
+    assert_chosen(&(struct socket_path_params){NULL, "", "/s", "/run/user/1", NULL, NULL}, "/s",
                   "/run/user/1/marchd.sock");
+    assert_chosen(&(struct socket_path_params){NULL, NULL, "/s", NULL, NULL, NULL}, "/s", NULL);
 }
 
-static void system_socket_is_named_when_nothing_is_there(void **state)
+static void users_own_is_in_the_state_folder_without_a_runtime_folder(void **state)
 {
-    assert_chosen(&(struct socket_path_params){NULL, NULL, "/nowhere/at/all", NULL}, "/nowhere/at/all");
-    assert_chosen(&(struct socket_path_params){NULL, NULL, NULL, ""}, SOCKET_PATH_SYSTEM);
+    assert_chosen(&(struct socket_path_params){NULL, NULL, "/s", "", "/state", "/home/a"}, "/s",
+                  "/state/marchd/marchd.sock");
+    assert_chosen(&(struct socket_path_params){NULL, NULL, "/s", NULL, "", "/home/a"}, "/s",
+                  "/home/a/.local/state/marchd/marchd.sock");
 }
 
 int main(void)
@@ -47,8 +53,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(option_wins_over_everything),
         cmocka_unit_test(environment_comes_next),
-        cmocka_unit_test(system_socket_is_used_only_if_it_is_there),
-        cmocka_unit_test(system_socket_is_named_when_nothing_is_there),
+        cmocka_unit_test(system_comes_before_the_users_own),
+        cmocka_unit_test(users_own_is_in_the_state_folder_without_a_runtime_folder),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
