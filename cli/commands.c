@@ -58,6 +58,8 @@ static const struct command commands[] = {
     {"verify", "DIR|JOB", 1, 1, WORKER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(TOLERANCE),
      "Checks files: complete, whole, of one job, and their error measured and within its tolerance; 1 when not.",
      "march verify cloud --frames 0-239", command_verify},
+    {"completion", "SHELL", 1, ANY, EVERY, "Prints what bash, zsh or fish load to complete what is typed.",
+     "march completion bash", command_completion},
     {"version", "", 0, 0, EVERY, "Prints the version.", "march version", command_version},
     {"help", "[VERB]", 0, 1, EVERY, "Explains a verb.", "march help submit", command_help},
 };
@@ -69,6 +71,11 @@ const struct command *command_find(const char *name)
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         if (strcmp(commands[i].name, name) == 0) return &commands[i];
     return NULL;
+}
+
+const struct command *command_at(size_t index)
+{
+    return index < COMMAND_COUNT ? &commands[index] : NULL;
 }
 
 void command_fail_unknown(const char *name, struct error *error)
@@ -98,7 +105,7 @@ void command_print_overview(FILE *out)
     fputs("usage: march VERB [OPTION...]\n\nWith a daemon:\n", out);
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
         if (i == FIRST_LOCAL) fputs("\nWithout:\n", out);
-        fprintf(out, "  %-9s %-16s %s\n", commands[i].name, commands[i].operands, commands[i].summary);
+        fprintf(out, "  %-10s %-15s %s\n", commands[i].name, commands[i].operands, commands[i].summary);
     }
     fputs("\n`march VERB --help` tells the options of a verb.\n"
           "Exit codes: 0 done, 1 the work failed, 2 wrong usage or job file, 3 no daemon, 4 not allowed,\n"

@@ -26,6 +26,7 @@ struct command {
 };
 
 const struct command *command_find(const char *name); // NULL when there is none
+const struct command *command_at(size_t index);       // in the order of the help; NULL behind the last
 void command_fail_unknown(const char *name, struct error *error);
 void command_print_help(FILE *out, const struct command *command);
 void command_print_overview(FILE *out);
@@ -34,4 +35,4 @@ void command_write_overview(struct json_writer *writer); // {"verbs":[{"name","o
 command_run command_submit, command_list, command_show, command_frames, command_log, command_watch, command_wait;
 command_run command_pause, command_resume, command_cancel, command_retry, command_prio, command_workers;
 command_run command_validate, command_render, command_explain, command_chart, command_preview, command_verify;
-command_run command_version, command_help;
+command_run command_completion, command_version, command_help;

@@ -230,6 +230,21 @@ void options_finish(struct options *options)
     memset(options, 0, sizeof *options);
 }
 
+const char *option_name(enum option option)
+{
+    return rules[option].name;
+}
+
+const char *option_value(enum option option)
+{
+    return rules[option].value;
+}
+
+const char *option_help(enum option option)
+{
+    return rules[option].help;
+}
+
 void options_print_help(FILE *out, uint64_t accepted)
 {
     for (int i = 0; i < OPTION_COUNT; i++) {

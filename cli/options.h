@@ -62,6 +62,11 @@ bool options_parse(struct options *options, uint64_t accepted, const char *const
                    struct error *error);
 void options_finish(struct options *options);
 
+// What an option is called, what its value is called (NULL of a flag) and what it does.
+const char *option_name(enum option option);
+const char *option_value(enum option option);
+const char *option_help(enum option option);
+
 // One line of help an accepted option.
 void options_print_help(FILE *out, uint64_t accepted);
 

@@ -1,0 +1,5 @@
+// What the shells load to complete `march` and `marchd`: they ask the programs themselves, so nothing goes out of date.
+#pragma once
+
+// Of "bash", "zsh" or "fish"; NULL of any other.
+const char *completion_script(const char *shell);
