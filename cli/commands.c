@@ -13,7 +13,7 @@
 #define WORKER (EVERY | BIT(WORKER_PROGRAM))
 #define RENDERER (WORKER | BIT(BACKEND) | BIT(DEVICE) | BIT(SHADER_DIR))
 
-enum { ANY = 1 << 20, FIRST_LOCAL = 13 };
+enum { ANY = 1 << 20, FIRST_LOCAL = 14 };
 
 static const struct command commands[] = {
     {"submit", "JOB", 1, 1, DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(DRY_RUN) | BIT(SET) | BIT(PAUSED) | BIT(PRIORITY),
@@ -38,6 +38,9 @@ static const struct command commands[] = {
      command_retry},
     {"prio", "ID PRIORITY", 2, 2, DAEMON, "Sets a job's priority, 0 to 100; higher goes first.", "march prio 7 80",
      command_prio},
+    {"delete", "ID...", 1, ANY, DAEMON | BIT(FILES),
+     "Makes the daemon forget jobs that are over; what they rendered stays, unless --files says that it goes too.",
+     "march delete 7 --files", command_delete},
     {"workers", "", 0, 0, DAEMON, "Lists the workers and what they run on.", "march workers", command_workers},
     {"validate", "FILE...", 1, ANY, EVERY | BIT(SET), "Checks job files.", "march validate jobs/*.json",
      command_validate},

@@ -62,27 +62,34 @@ void daemon_call_write_states(struct json_writer *params, const char *states)
     json_write_end_array(params);
 }
 
-static bool call_job(struct connection *connection, const char *method, int64_t id, struct json_writer *results,
-                     struct error *error)
+static bool tell_job(const struct json_node *result, int64_t id, struct json_writer *results, struct error *error)
 {
     struct job_report report = {0};
-    struct message reply;
-    char params[64];
     char *text;
-    bool ok;
 
-    snprintf(params, sizeof params, "{\"id\":%" PRId64 "}", id);
-    if (!connection_call(connection, method, params, &reply, error)) return false;
-    ok = job_report_read(&report, &reply.body, error);
-    if (ok && results) {
-        text = json_format(&reply.body);
+    if (!job_report_read(&report, result, error)) return false;
+    if (results) {
+        text = json_format(result);
         json_write_raw(results, text, strlen(text));
         free(text);
-    } else if (ok) {
+    } else {
         printf("job %" PRId64 ": %s%s%s\n", id, report.state, report.reason ? ": " : "",
                report.reason ? report.reason : "");
     }
     job_report_finish(&report);
+    return true;
+}
+
+static bool call(struct connection *connection, const struct daemon_call_each *each, int64_t id,
+                 struct json_writer *results, struct error *error)
+{
+    struct message reply;
+    char params[96];
+    bool ok;
+
+    snprintf(params, sizeof params, "{\"id\":%" PRId64 "%s}", id, each->more);
+    if (!connection_call(connection, each->method, params, &reply, error)) return false;
+    ok = each->tell(&reply.body, id, results, error);
     message_finish(&reply);
     return ok;
 }
@@ -97,14 +104,14 @@ static void tell_error(int64_t id, const char *message, struct json_writer *erro
     json_write_end_object(errors);
 }
 
-static void print_results(struct json_writer *jobs, struct json_writer *errors)
+static void print_results(const char *key, struct json_writer *jobs, struct json_writer *errors)
 {
     struct json_writer whole = {0};
 
     json_write_end_array(jobs);
     json_write_end_array(errors);
     json_write_begin_object(&whole);
-    json_write_key(&whole, "jobs");
+    json_write_key(&whole, key);
     json_write_raw(&whole, jobs->text, jobs->length);
     json_write_key(&whole, "errors");
     json_write_raw(&whole, errors->text, errors->length);
@@ -114,6 +121,13 @@ static void print_results(struct json_writer *jobs, struct json_writer *errors)
 }
 
 enum exit_status daemon_call_each_job(const struct options *options, const char *method, struct error *error)
+{
+    return daemon_call_each(
+        options, &(struct daemon_call_each){.method = method, .more = "", .key = "jobs", .tell = tell_job}, error);
+}
+
+enum exit_status daemon_call_each(const struct options *options, const struct daemon_call_each *each,
+                                  struct error *error)
 {
     struct connection *connection = NULL;
     struct json_writer jobs = {0}, errors = {0};
@@ -132,13 +146,13 @@ enum exit_status daemon_call_each_job(const struct options *options, const char 
         enum exit_status failure;
 
         options_parse_id(options->operands[i], &id, NULL);
-        if (call_job(connection, method, id, options->json ? &jobs : NULL, &wrong)) continue;
+        if (call(connection, each, id, options->json ? &jobs : NULL, &wrong)) continue;
         failure = connection_failure(connection);
         if (status == EXIT_STATUS_DONE) status = failure ? failure : EXIT_STATUS_FAILED;
         tell_error(id, wrong.message, options->json ? &errors : NULL);
         if (failure == EXIT_STATUS_NO_DAEMON) break;
     }
-    if (options->json) print_results(&jobs, &errors);
+    if (options->json) print_results(each->key, &jobs, &errors);
     json_writer_finish(&jobs);
     json_writer_finish(&errors);
     connection_close(connection);

@@ -16,6 +16,18 @@ enum exit_status daemon_call(const struct options *options, const char *method, 
                              struct message *reply, struct error *error);
 // Writes member "state" as an array from "failed,canceled"; nothing when `states` is NULL.
 void daemon_call_write_states(struct json_writer *params, const char *states);
-// For verbs of the form VERB ID...: calls `method` with each id and prints what became of the job, or why it could not be
-// done; goes on with the others and returns the first failure.
+// Reads the result for job `id`; prints it when `results` is NULL, else adds a value to it.
+typedef bool daemon_call_tell(const struct json_node *result, int64_t id, struct json_writer *results,
+                              struct error *error);
+
+// For verbs of the form VERB ID...: calls `method` with each id, goes on with the others when one fails, and returns the
+// first failure. `more` is what the params have beside the id (",\"files\":true", or empty), `key` names the array of results
+// in what --json prints.
+struct daemon_call_each {
+    const char *method, *more, *key;
+    daemon_call_tell *tell;
+};
+enum exit_status daemon_call_each(const struct options *options, const struct daemon_call_each *each,
+                                  struct error *error);
+// For those that are answered with the job: calls `method` likewise and prints what became of each job.
 enum exit_status daemon_call_each_job(const struct options *options, const char *method, struct error *error);

@@ -61,6 +61,7 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_METHODS] = {"methods", KIND_TEXT, FIELD(methods), "NAME[,NAME]", 0, 0,
                         "only these; NAME:N is rung N of its ladder alone"},
     [OPTION_SIZE] = {"size", KIND_TEXT, FIELD(size), "WIDTHxHEIGHT", 0, 0, "pixels (default 320x180)"},
+    [OPTION_FILES] = {"files", KIND_FLAG, FIELD(files), NULL, 0, 0, "remove the files too that the jobs published"},
     [OPTION_QUICK] = {"quick", KIND_FLAG, FIELD(quick), NULL, 0, 0, "end within 5 minutes"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
                             "no picture may take longer (default 60; with --quick 8)"},

@@ -39,6 +39,7 @@ enum option {
     OPTION_SIZE,
     OPTION_QUICK,
     OPTION_POINT_LIMIT,
+    OPTION_FILES,
     OPTION_COUNT
 };
 
@@ -46,7 +47,7 @@ enum option {
 
 // Strings are borrowed from argv. Integers are -1 and numbers NAN when not given.
 struct options {
-    bool help, json, wait, watch, dry_run, paused, shader, quick;
+    bool help, json, wait, watch, dry_run, paused, shader, quick, files;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s;
     double exposure, fps, tolerance;

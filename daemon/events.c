@@ -139,6 +139,26 @@ static void on_interval(uv_timer_t *timer)
     events->changed_count = 0;
 }
 
+static void forget_change(struct events *events, const struct job_record *record)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < events->changed_count; i++)
+        if (events->changed[i] != record) events->changed[kept++] = events->changed[i];
+    events->changed_count = kept;
+}
+
+void events_tell_deleted(struct events *events, struct job_record *record)
+{
+    struct json_writer *writer;
+
+    forget_change(events, record);
+    if (events->count == 0) return;
+    writer = begin_event(events, "deleted");
+    json_write_integer_member(writer, "id", record->id);
+    end_event(events, record->id, false);
+}
+
 void events_tell_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
                        const char *error)
 {

@@ -4,6 +4,7 @@
 #include "daemon/committer.h"
 #include "daemon/events.h"
 #include "daemon/job_change.h"
+#include "daemon/job_delete.h"
 #include "daemon/limits.h"
 #include "daemon/sweeper.h"
 #include "daemon/worker_pool.h"
@@ -56,6 +57,7 @@ void farm_on_swept(void *user, struct job_record *record)
     record->is_settled = record->is_ending;
     farm_store_job(farm, record);
     job_change_retry_waiting(farm, record);
+    job_delete_go_on(farm);
 }
 
 void farm_note_change(struct farm *farm, struct job_record *record)

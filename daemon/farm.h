@@ -32,6 +32,7 @@ struct farm {
     struct worker_pool *pool;
     struct events *events;
     struct job_submit *submits;        // list of those whose commit is under way
+    struct job_delete *deletions;      // list of those under way
     struct job_retry *waiting_retries; // list of those that wait until their job is swept
     int64_t epoch;
     int64_t next_job_id;

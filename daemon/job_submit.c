@@ -13,6 +13,7 @@
 #include "daemon/committer.h"
 #include "daemon/events.h"
 #include "daemon/farm.h"
+#include "daemon/job_delete.h"
 #include "daemon/limits.h"
 #include "daemon/options.h"
 #include "daemon/requests.h"
@@ -82,6 +83,13 @@ static bool fail_collision(struct request *request, const struct output_path *pa
     return false;
 }
 
+bool job_submit_uses_folder(const struct farm *farm, const char *root, const char *folder)
+{
+    for (const struct job_submit *submit = farm->submits; submit; submit = submit->next)
+        if (strcmp(submit->row.root, root) == 0 && strcmp(submit->path.folder, folder) == 0) return true;
+    return false;
+}
+
 const char *job_submit_find_collision(const struct farm *farm, const struct job_files *files, int32_t *frame)
 {
     for (const struct job_submit *submit = farm->submits; submit; submit = submit->next) {
@@ -117,6 +125,13 @@ static bool check_collisions(struct request *request, const struct job *job, con
     const char *name;
     int32_t frame;
 
+    record = job_delete_find_folder(farm, root, files.path->folder);
+    if (record) {
+        request_fail(request, MESSAGE_CODE_CONFLICT,
+                     "output.path: files of job %lld are being removed from this folder: try again",
+                     (long long)record->id);
+        return false;
+    }
     record = job_table_find_collision(&farm->jobs, &files, &frame);
     if (record) return fail_collision(request, files.path, frame, record->id, record->name);
     name = job_submit_find_collision(farm, &files, &frame);

@@ -36,6 +36,28 @@ struct job_record *job_table_add(struct job_table *table, int64_t id)
     return record;
 }
 
+void job_table_remove(struct job_table *table, struct job_record *record)
+{
+    size_t i = 0;
+
+    while (table->records[i] != record)
+        i++;
+    memmove(&table->records[i], &table->records[i + 1], (table->count - i - 1) * sizeof(struct job_record *));
+    table->count--;
+    record->is_removed = true;
+    if (record->holds == 0) record_destroy(record);
+}
+
+void job_record_hold(struct job_record *record)
+{
+    record->holds++;
+}
+
+void job_record_release(struct job_record *record)
+{
+    if (--record->holds == 0 && record->is_removed) record_destroy(record);
+}
+
 struct job_record *job_table_find(const struct job_table *table, int64_t id)
 {
     size_t low = 0, high = table->count;
@@ -138,7 +160,9 @@ struct job_record *job_table_find_collision(const struct job_table *table, const
         struct job_files others = {record->root, &record->path, &record->queued->frames};
 
         if (others.frames == files->frames) continue;
-        if (!queue_job_is_live(record->queued) && record->in_hand == 0 && !record->is_retry_waiting) continue;
+        if (!queue_job_is_live(record->queued) && record->in_hand == 0 && !record->is_retry_waiting &&
+            !record->is_deleting)
+            continue;
         if (job_files_collide(files, &others, frame)) return record;
     }
     return NULL;

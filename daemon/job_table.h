@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Lives as long as the table, so that threads may read what never changes: id, root and path.
+// Lives until it is deleted and nobody holds it, so that threads may read what never changes: id, root and path.
 struct job_record {
     int64_t id;
     struct queue_job *queued; // borrowed from the queue
@@ -29,6 +29,9 @@ struct job_record {
     struct quota_amounts share;                    // what is counted of it
     struct estimate estimate;
     int in_hand;                             // frames that workers hold or that are being published
+    int holds;                               // of those who outlive it on the table
+    bool is_removed;                         // from the table
+    bool is_deleting;                        // it will be forgotten
     bool is_retry_waiting;                   // it lives again once it is swept
     bool is_ending;                          // it ended, and nobody holds a frame of it
     bool is_sweeping;                        // its leftovers are being removed
@@ -46,9 +49,13 @@ struct job_table {
 
 void job_table_finish(struct job_table *table);
 struct job_record *job_table_add(struct job_table *table, int64_t id);        // greater than any before
+void job_table_remove(struct job_table *table, struct job_record *record);    // freed when nobody holds it
 struct job_record *job_table_find(const struct job_table *table, int64_t id); // NULL: there is none
 
-struct log_subject job_record_subject(const struct job_record *record);    // job and owner; good as long as the record
+struct log_subject job_record_subject(const struct job_record *record); // job and owner; good as long as the record
+void job_record_hold(struct job_record *record);
+void job_record_release(struct job_record *record);
+
 void job_record_set_reason(struct job_record *record, const char *reason); // copies; NULL: none
 // An op that stores what may change of the job.
 struct store_op job_record_format_op(const struct job_record *record);
@@ -65,7 +72,7 @@ bool job_files_collide(const struct job_files *files, const struct job_files *ot
 // The first job of another user that has files and collides with `files`; NULL: none.
 struct job_record *job_table_find_owned_files(const struct job_table *table, const struct job_files *files,
                                               int64_t owner_uid, int32_t *frame);
-// The first other job that is live or about to be, or whose frames are still in hand, and collides with `files`; NULL:
+// The first other job that is live or about to be, whose frames are still in hand or that is being deleted, and collides with `files`; NULL:
 // none.
 struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
                                             int32_t *frame);

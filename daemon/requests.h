@@ -64,3 +64,4 @@ enum request_outcome requests_job_resume(struct request *request);
 enum request_outcome requests_job_cancel(struct request *request);
 enum request_outcome requests_job_priority(struct request *request);
 enum request_outcome requests_job_retry(struct request *request);
+enum request_outcome requests_job_delete(struct request *request);

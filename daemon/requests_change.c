@@ -6,6 +6,7 @@
 #include "daemon/committer.h"
 #include "daemon/farm.h"
 #include "daemon/job_change.h"
+#include "daemon/job_delete.h"
 #include "daemon/job_submit.h"
 #include "daemon/limits.h"
 
@@ -127,6 +128,29 @@ static bool check_files_are_free(struct request *request, const struct job_recor
     return !other && !name;
 }
 
+static bool check_stays(struct request *request, const struct job_record *record)
+{
+    if (!record->is_deleting) return true;
+    request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is being deleted", (long long)record->id);
+    return false;
+}
+
+enum request_outcome requests_job_delete(struct request *request)
+{
+    struct json_node node = json_node_child(&request->params, "files");
+    struct job_record *record = request_find_own_job(request);
+    bool with_files = false;
+
+    if (!record || !check_stays(request, record)) return REQUEST_FAILED;
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!json_node_is_absent(&node) && !json_read_bool(&node, &with_files, &request->error)) return REQUEST_FAILED;
+    if (queue_job_is_live(record->queued) || record->is_retry_waiting)
+        return request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is not over: cancel it first",
+                            (long long)record->id);
+    job_delete_start(request->farm, record, with_files, answer_owe(request));
+    return REQUEST_OWED;
+}
+
 enum request_outcome requests_job_retry(struct request *request)
 {
     const unsigned allowed = 1U << FRAME_FAILED | 1U << FRAME_CANCELED | 1U << FRAME_SUCCEEDED | 1U << FRAME_SKIPPED;
@@ -134,7 +158,8 @@ enum request_outcome requests_job_retry(struct request *request)
     struct frame_range range;
     unsigned states;
 
-    if (!record || !request_read_set(request, "state", frame_state_names, 1U << FRAME_FAILED, &states))
+    if (!record || !check_stays(request, record) ||
+        !request_read_set(request, "state", frame_state_names, 1U << FRAME_FAILED, &states))
         return REQUEST_FAILED;
     if (states & ~allowed)
         return request_fail(request, MESSAGE_CODE_PARAMS,

@@ -27,11 +27,11 @@ struct details_task {
     uv_work_t work;
     uv_loop_t *loop; // borrowed; outlives us
     uv_work_cb run;
-    struct answer *answer;           // owned
-    const struct job_record *record; // borrowed: id, root and path never change
-    const char *state_folder;        // borrowed; outlives us
-    struct listed_frame *frames;     // owned; by ascending index
-    size_t frame_count, next;        // next: not written yet
+    struct answer *answer;       // owned
+    struct job_record *record;   // held: id, root and path never change
+    const char *state_folder;    // borrowed; outlives us
+    struct listed_frame *frames; // owned; by ascending index
+    size_t frame_count, next;    // next: not written yet
     int64_t total;
     int32_t attempts_of; // frame, or -1
     int limit;
@@ -44,11 +44,12 @@ static void on_frames_run(uv_work_t *work);
 static void on_log_run(uv_work_t *work);
 static void on_details_done(uv_work_t *work, int status);
 
-static struct details_task *create_task(struct request *request, const struct job_record *record)
+static struct details_task *create_task(struct request *request, struct job_record *record)
 {
     struct details_task *task = xcalloc(1, sizeof *task);
 
     task->record = record;
+    job_record_hold(record);
     task->state_folder = request->farm->options->state_folder;
     task->work.data = task;
     return task;
@@ -79,6 +80,7 @@ static void on_details_done(uv_work_t *work, int status)
         answer_send_result(task->answer, &task->value);
     else
         answer_send_error(task->answer, MESSAGE_CODE_INTERNAL, task->error.message);
+    job_record_release(task->record);
     json_writer_finish(&task->value);
     free(task->frames);
     free(task);

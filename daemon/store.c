@@ -24,6 +24,11 @@ enum statement {
     MARK_FRAME,
     ADD_ATTEMPT,
     TRIM_ATTEMPTS,
+    KEEP_ID,
+    DELETE_JOB,
+    DELETE_DOCUMENT,
+    DELETE_FRAMES,
+    DELETE_ATTEMPTS,
     LOAD_JOBS,
     LOAD_FRAMES,
     LOAD_FRAME,
@@ -47,6 +52,11 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
                     " ?2, ?3, ?4, ?5, ?6, ?7)",
     [TRIM_ATTEMPTS] = "DELETE FROM attempt WHERE job = ?1 AND number <="
                       " (SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1) - ?2",
+    [KEEP_ID] = "UPDATE daemon SET last_job_id = max(last_job_id, ?)",
+    [DELETE_JOB] = "DELETE FROM job WHERE id = ?",
+    [DELETE_DOCUMENT] = "DELETE FROM document WHERE job = ?",
+    [DELETE_FRAMES] = "DELETE FROM frame WHERE job = ?",
+    [DELETE_ATTEMPTS] = "DELETE FROM attempt WHERE job = ?",
     [LOAD_JOBS] =
         "SELECT id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms, finished_ms, reason,"
         " name, owner, owner_uid, root, text FROM job JOIN document ON document.job = id ORDER BY id",
@@ -76,6 +86,7 @@ void store_op_finish(struct store_op *op)
     switch (op->kind) {
     case STORE_ADD_JOB:
     case STORE_SET_JOB:
+    case STORE_DELETE_JOB:
         finish_job(&op->job);
         break;
     case STORE_SET_FRAME:
@@ -118,7 +129,9 @@ static bool open_database(struct store *store, const char *path, struct error *e
     if (!store_sql_execute(store->db, "UPDATE daemon SET epoch = epoch + 1; COMMIT", "count this start", error))
         return false;
     if (!store_sql_read_integer(store->db, "SELECT epoch FROM daemon", &store->epoch, error)) return false;
-    if (!store_sql_read_integer(store->db, "SELECT coalesce(max(id), 0) FROM job", &last_id, error)) return false;
+    if (!store_sql_read_integer(
+            store->db, "SELECT max(last_job_id, (SELECT coalesce(max(id), 0) FROM job)) FROM daemon", &last_id, error))
+        return false;
     store->next_job_id = last_id + 1;
     return true;
 }
@@ -279,6 +292,15 @@ static bool mark_frames(struct store *store, int64_t job, const int32_t *indices
     return true;
 }
 
+static bool delete_job(struct store *store, int64_t job, struct error *error)
+{
+    for (int i = KEEP_ID; i <= DELETE_ATTEMPTS; i++) {
+        sqlite3_bind_int64(store->statements[i], 1, job);
+        if (!store_sql_run(store->statements[i], "delete a job", error)) return false;
+    }
+    return true;
+}
+
 static bool apply(struct store *store, const struct store_op *op, struct error *error)
 {
     switch (op->kind) {
@@ -286,6 +308,8 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
         return add_job(store, &op->job, error);
     case STORE_SET_JOB:
         return set_job(store, &op->job, error);
+    case STORE_DELETE_JOB:
+        return delete_job(store, op->job.id, error);
     case STORE_SET_FRAME:
         return set_frame(store, &op->frame, error);
     case STORE_ADD_ATTEMPT:

@@ -20,6 +20,7 @@ enum store_op_kind {
     STORE_SET_FRAME,    // one frame's row, new or in place of the old one
     STORE_ADD_ATTEMPT,  // an attempt ended; only the newest STORE_ATTEMPT_LIMIT of a job are kept
     STORE_RESET_FRAMES, // delete frame rows of a job by index list: they are queued again (retry)
+    STORE_DELETE_JOB,   // and all rows of it; of `job` the id alone counts. Its id is not used again
     STORE_MARK_FRAMES   // a row with just `state` for each frame of an index list that has none
 };
 

@@ -45,6 +45,8 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "ALTER TABLE frame ADD COLUMN audit_rays INTEGER;"
           "ALTER TABLE frame ADD COLUMN method TEXT;"
           "ALTER TABLE frame ADD COLUMN cut_share REAL;",
+    // Of jobs that are deleted; the others are in `job`.
+    [2] = "ALTER TABLE daemon ADD COLUMN last_job_id INTEGER NOT NULL DEFAULT 0;",
 };
 
 bool store_schema_check(sqlite3 *db, int *found, struct error *error)

@@ -8,7 +8,7 @@ struct sqlite3;
 struct sqlite3_stmt;
 struct store_frame;
 
-#define STORE_SCHEMA_VERSION 2 // a macro because SQL text holds it
+#define STORE_SCHEMA_VERSION 3 // a macro because SQL text holds it
 
 // Whether this version may use the database, and which one wrote it (0: it is empty); changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);

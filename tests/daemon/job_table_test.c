@@ -118,6 +118,71 @@ static void a_job_that_is_over_keeps_nobody_out(void **state)
     assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 0);
 }
 
+static void a_job_that_is_being_deleted_keeps_others_out(void **state)
+{
+    struct fixture *fixture = *state;
+    struct job_record *record = add(fixture, 1, "c.#.exr", "1-9");
+    int32_t frame = -1;
+
+    queue_cancel(fixture->queue, record->queued);
+    record->is_deleting = true;
+    assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 1);
+}
+
+// Reading it after job_table_remove is what the sanitizer would see.
+static void a_removed_job_lives_as_long_as_somebody_holds_it(void **state)
+{
+    struct fixture *fixture = *state;
+    struct job_record *first = add(fixture, 1, "a.#.exr", "1"), *second = add(fixture, 2, "b.#.exr", "1");
+    struct job_record *third = add(fixture, 3, "c.#.exr", "1");
+
+    job_record_hold(second);
+    job_record_hold(second);
+    job_table_remove(&fixture->table, second);
+    assert_null(job_table_find(&fixture->table, 2));
+    assert_ptr_equal(job_table_find(&fixture->table, 1), first);
+    assert_ptr_equal(job_table_find(&fixture->table, 3), third);
+    job_record_release(second);
+    assert_int_equal(second->id, 2);
+    job_record_release(second);
+    job_table_remove(&fixture->table, third);
+    assert_int_equal(fixture->table.count, 1);
+    job_record_hold(first);
+    job_record_release(first);
+    assert_ptr_equal(job_table_find(&fixture->table, 1), first);
+}
+
+static struct job_record *find_owned(struct fixture *fixture, const char *pattern, int64_t owner_uid, int32_t *frame)
+{
+    struct output_path path;
+    struct frame_range frames;
+    struct job_record *record;
+
+    assert_true(output_path_parse(&path, pattern, NULL));
+    assert_true(frame_range_parse(&frames, "5-12", NULL));
+    record = job_table_find_owned_files(&fixture->table, &(struct job_files){"/out", &path, &frames}, owner_uid, frame);
+    output_path_finish(&path);
+    frame_range_finish(&frames);
+    return record;
+}
+
+static void pictures_are_their_owners(void **state)
+{
+    struct fixture *fixture = *state;
+    struct job_record *record = add(fixture, 1, "c.#.exr", "1-9");
+    int32_t frame = -1;
+
+    record->owner_uid = 1000;
+    queue_cancel(fixture->queue, record->queued);
+    assert_null(find_owned(fixture, "c.#.exr", 1001, &frame)); // it made none
+    record->queued->counts[FRAME_SUCCEEDED] = 1;
+    assert_ptr_equal(find_owned(fixture, "c.#.exr", 1001, &frame), record);
+    assert_int_equal(frame, 5);
+    assert_null(find_owned(fixture, "c.#.exr", 1000, &frame));
+    assert_null(find_owned(fixture, "d.#.exr", 1001, &frame));
+    record->queued->counts[FRAME_SUCCEEDED] = 0;
+}
+
 static void only_the_jobs_own_parts_are_swept(void **state)
 {
     struct fixture *fixture = *state;
@@ -140,6 +205,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_wider_number_of_the_same_digits_is_the_same_file, create, destroy),
         cmocka_unit_test_setup_teardown(another_root_is_compared_in_full, create, destroy),
         cmocka_unit_test_setup_teardown(a_job_that_is_over_keeps_nobody_out, create, destroy),
+        cmocka_unit_test_setup_teardown(a_job_that_is_being_deleted_keeps_others_out, create, destroy),
+        cmocka_unit_test_setup_teardown(a_removed_job_lives_as_long_as_somebody_holds_it, create, destroy),
+        cmocka_unit_test_setup_teardown(pictures_are_their_owners, create, destroy),
         cmocka_unit_test_setup_teardown(only_the_jobs_own_parts_are_swept, create, destroy),
     };
 

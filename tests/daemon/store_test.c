@@ -253,6 +253,63 @@ static void only_the_newest_attempts_of_a_job_are_kept(void **state)
     store_close(store);
 }
 
+static bool on_any_attempt(void *user, const struct store_attempt *attempt, struct error *error)
+{
+    ++*(int *)user;
+    return true;
+}
+
+static void nothing_of_a_deleted_job_is_left_nor_its_number_given_again(void **state)
+{
+    const struct folder *folder = *state;
+    struct store *store = open_store(folder);
+    struct store_reader *reader = store_reader_open(folder->path, NULL);
+    struct loaded loaded;
+    char *document = NULL;
+    int attempts = 0;
+
+    commit_one(store, job_op(6));
+    commit_one(store, job_op(7));
+    commit_one(store, frame_op(6, 0, FRAME_SUCCEEDED));
+    commit_one(store, frame_op(7, 0, FRAME_SUCCEEDED));
+    commit_one(store, frame_op(7, 1, FRAME_FAILED));
+    commit_one(store, attempt_op(7, 1, 1));
+    commit_one(store, (struct store_op){.kind = STORE_DELETE_JOB, .job = {.id = 7}});
+    assert_false(store_read_document(reader, 7, &document, NULL));
+    assert_true(store_read_attempts(reader, 7, -1, 10, on_any_attempt, &attempts, NULL));
+    assert_int_equal(attempts, 0);
+    store_reader_close(reader);
+    store_close(store);
+
+    store = open_store(folder);
+    loaded = load(store);
+    assert_int_equal(loaded.jobs, 1);
+    assert_int_equal(loaded.job.id, 6);
+    assert_int_equal(loaded.frames, 1);
+    assert_int_equal(loaded.frame.job, 6);
+    assert_true(loaded.frame.size_bytes == 123456789012);
+    assert_int_equal(store_next_job_id(store), 8);
+    store_close(store);
+}
+
+static void bytes_of_a_jobs_files_are_summed_up(void **state)
+{
+    const struct folder *folder = *state;
+    struct store *store = open_store(folder);
+    struct store_reader *reader = store_reader_open(folder->path, NULL);
+    int64_t bytes = -1;
+
+    for (int32_t index = 0; index < 4; index++)
+        commit_one(store, frame_op(5, index, FRAME_SUCCEEDED));
+    commit_one(store, frame_op(6, 1, FRAME_SUCCEEDED));
+    assert_true(store_read_bytes(reader, 5, 1, 2, &bytes, NULL));
+    assert_true(bytes == 2 * INT64_C(123456789012));
+    assert_true(store_read_bytes(reader, 5, 8, 9, &bytes, NULL));
+    assert_int_equal(bytes, 0);
+    store_reader_close(reader);
+    store_close(store);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -266,6 +323,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(marking_leaves_rows_that_are_there, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(reader_sees_what_is_committed, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(attempts_are_read_newest_first, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(nothing_of_a_deleted_job_is_left_nor_its_number_given_again, make_folder,
+                                        remove_folder),
+        cmocka_unit_test_setup_teardown(bytes_of_a_jobs_files_are_summed_up, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(only_the_newest_attempts_of_a_job_are_kept, make_folder, remove_folder),
     };
 
