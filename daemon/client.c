@@ -286,6 +286,7 @@ void client_release(struct client *client)
     client->owed--;
     if (client->open_handles == 0)
         free_if_done(client);
-    else if (!client->is_closing && !uv_is_active((uv_handle_t *)&client->idle))
-        pump(client);
+    else if (!client->is_closing)
+        // In the next turn: whoever just answered is still at it, and the next message may be about the same things.
+        uv_idle_start(&client->idle, on_idle);
 }

@@ -49,7 +49,7 @@ void client_stop_hearing(struct client *client);
 void client_send(struct client *client, const char *bytes, size_t size_bytes); // copies; nothing when it is closing
 size_t client_backlog_bytes(const struct client *client);                      // sent, not yet taken by the peer
 
-// An answer that comes later: the client lives at least until client_release, and takes no new message while it is owed
-// too many.
+// An answer that comes later: the client lives at least until client_release, which hears no message itself, and takes no
+// new message while it is owed too many.
 void client_hold(struct client *client);
 void client_release(struct client *client);

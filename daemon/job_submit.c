@@ -297,14 +297,12 @@ static struct job_record *queue_submit(struct job_submit *submit)
 {
     struct farm *farm = submit->farm;
     struct store_job *row = &submit->row;
-    struct job_record *record = job_table_add(&farm->jobs, row->id);
+    struct job_record *record = job_table_add(&farm->jobs, row->id, row->root, &submit->path);
 
     record->name = row->name;
     record->owner = row->owner;
     record->owner_uid = row->owner_uid;
-    record->root = row->root;
     record->submitted_ms = row->submitted_ms;
-    record->path = submit->path;
     record->code = submit->code;
     record->frame_pixels = submit->frame_pixels;
     record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
@@ -312,7 +310,6 @@ static struct job_record *queue_submit(struct job_submit *submit)
     if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);
     row->name = row->owner = row->root = NULL;
     submit->code = NULL;
-    submit->path = (struct output_path){0};
     return record;
 }
 

@@ -22,16 +22,43 @@ void job_table_finish(struct job_table *table)
     for (size_t i = 0; i < table->count; i++)
         record_destroy(table->records[i]);
     free(table->records);
+    free(table->folder_hashes);
     *table = (struct job_table){0};
 }
 
-struct job_record *job_table_add(struct job_table *table, int64_t id)
+static uint64_t add_to_hash(uint64_t hash, const char *text, size_t length)
+{
+    for (size_t i = 0; i < length; i++)
+        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+// Of "ROOT/FOLDER", wherever the root ends. Fowler, Noll and Vo's, 1991.
+static uint64_t hash_folder(const char *root, const char *folder)
+{
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    size_t length = strlen(root);
+
+    while (length > 0 && root[length - 1] == '/')
+        length--;
+    hash = add_to_hash(hash, root, length);
+    if (*folder) hash = add_to_hash(hash, "/", 1);
+    return add_to_hash(hash, folder, strlen(folder));
+}
+
+struct job_record *job_table_add(struct job_table *table, int64_t id, char *root, struct output_path *path)
 {
     struct job_record *record = xcalloc(1, sizeof *record);
 
     assert(table->count == 0 || table->records[table->count - 1]->id < id);
     record->id = id;
+    record->root = root;
+    record->path = *path;
+    *path = (struct output_path){0};
     table->records = xgrow(table->records, &table->capacity, table->count + 1, sizeof(struct job_record *));
+    table->folder_hashes =
+        xgrow(table->folder_hashes, &table->hash_capacity, table->count + 1, sizeof table->folder_hashes[0]);
+    table->folder_hashes[table->count] = hash_folder(record->root, record->path.folder);
     table->records[table->count++] = record;
     return record;
 }
@@ -43,6 +70,8 @@ void job_table_remove(struct job_table *table, struct job_record *record)
     while (table->records[i] != record)
         i++;
     memmove(&table->records[i], &table->records[i + 1], (table->count - i - 1) * sizeof(struct job_record *));
+    memmove(&table->folder_hashes[i], &table->folder_hashes[i + 1],
+            (table->count - i - 1) * sizeof table->folder_hashes[0]);
     table->count--;
     record->is_removed = true;
     if (record->holds == 0) record_destroy(record);
@@ -152,11 +181,21 @@ bool job_files_collide(const struct job_files *files, const struct job_files *ot
     return may_collide(files, others) && ranges_collide(files, others, frame);
 }
 
+// The next record at or after `*index` that writes into the same folder; NULL at the end.
+static struct job_record *next_neighbour(const struct job_table *table, uint64_t hash, size_t *index)
+{
+    while (*index < table->count)
+        if (table->folder_hashes[(*index)++] == hash) return table->records[*index - 1];
+    return NULL;
+}
+
 struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
                                             int32_t *frame)
 {
-    for (size_t i = 0; i < table->count; i++) {
-        struct job_record *record = table->records[i];
+    uint64_t hash = hash_folder(files->root, files->path->folder);
+    struct job_record *record;
+
+    for (size_t i = 0; (record = next_neighbour(table, hash, &i));) {
         struct job_files others = {record->root, &record->path, &record->queued->frames};
 
         if (others.frames == files->frames) continue;
@@ -171,8 +210,10 @@ struct job_record *job_table_find_collision(const struct job_table *table, const
 struct job_record *job_table_find_owned_files(const struct job_table *table, const struct job_files *files,
                                               int64_t owner_uid, int32_t *frame)
 {
-    for (size_t i = 0; i < table->count; i++) {
-        struct job_record *record = table->records[i];
+    uint64_t hash = hash_folder(files->root, files->path->folder);
+    struct job_record *record;
+
+    for (size_t i = 0; (record = next_neighbour(table, hash, &i));) {
         struct job_files others = {record->root, &record->path, &record->queued->frames};
 
         if (record->owner_uid == owner_uid || record->queued->counts[FRAME_SUCCEEDED] == 0) continue;

@@ -44,11 +44,13 @@ struct job_record {
 // The zero value is empty. Ascending by id.
 struct job_table {
     struct job_record **records; // owned
-    size_t count, capacity;
+    uint64_t *folder_hashes;     // owned; of where each writes, so that few records are looked at among many
+    size_t count, capacity, hash_capacity;
 };
 
 void job_table_finish(struct job_table *table);
-struct job_record *job_table_add(struct job_table *table, int64_t id);        // greater than any before
+// An id greater than any before; `root` (owned) and `path` move in.
+struct job_record *job_table_add(struct job_table *table, int64_t id, char *root, struct output_path *path);
 void job_table_remove(struct job_table *table, struct job_record *record);    // freed when nobody holds it
 struct job_record *job_table_find(const struct job_table *table, int64_t id); // NULL: there is none
 

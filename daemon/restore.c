@@ -43,20 +43,17 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
                   "job %lld of the store is left out: %s", (long long)row->id, cause.message);
         return true;
     }
-    record = job_table_add(&farm->jobs, row->id);
+    record = job_table_add(&farm->jobs, row->id, xstrdup(row->root), &job.output.path);
     record->name = xstrdup(row->name);
     record->owner = xstrdup(row->owner);
     record->owner_uid = row->owner_uid;
-    record->root = xstrdup(row->root);
     record->reason = copy_text(row->reason);
     record->code = copy_text(scene_find_code(&job.scene));
     record->submitted_ms = row->submitted_ms;
     record->started_ms = row->started_ms;
     record->finished_ms = row->finished_ms;
     record->is_ending = record->is_settled = row->finished_ms != 0;
-    record->path = job.output.path;
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
-    job.output.path = (struct output_path){0};
     record->queued = queue_add_job(farm->queue, row->id, &job.frames, row->priority, row->is_paused);
     record->queued->has_started = row->started_ms != 0;
     record->restored_canceled = row->is_canceled;

@@ -35,11 +35,12 @@ static int destroy(void **state)
 
 static struct job_record *add(struct fixture *fixture, int64_t id, const char *pattern, const char *range)
 {
-    struct job_record *record = job_table_add(&fixture->table, id);
+    struct job_record *record;
     struct frame_range frames = {0};
+    struct output_path path;
 
-    record->root = xstrdup("/out");
-    assert_true(output_path_parse(&record->path, pattern, NULL));
+    assert_true(output_path_parse(&path, pattern, NULL));
+    record = job_table_add(&fixture->table, id, xstrdup("/out"), &path);
     assert_true(frame_range_parse(&frames, range, NULL));
     record->queued = queue_add_job(fixture->queue, id, &frames, 50, false);
     return record;

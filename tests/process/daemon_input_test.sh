@@ -60,6 +60,12 @@ expect "a submit of the same file beside a cancel and a retry" "$(
     printf '{"jsonrpc":"2.0","id":1,"method":"job.cancel","params":{"id":%s}}\n{"jsonrpc":"2.0","id":2,"method":"job.retry","params":{"id":%s,"state":"canceled"}}\n{"jsonrpc":"2.0","id":3,"method":"job.submit","params":{"paused":true,"document":%s}}\n' \
         "$again" "$again" "$(job 41)" | ask_raw | jq -c '[.id, .error.code]' | sort | xargs)" "[1,null] [2,null] [3,3]"
 
+# More submits in one breath than are worked on at a time.
+for n in $(seq 60); do
+    printf '{"jsonrpc":"2.0","id":%s,"method":"job.submit","params":{"paused":true,"document":%s}}\n' "$n" "$(job 1 ".output.path = \"many$n/m.####.exr\"")"
+done | ask_raw >"$scratch/many"
+expect "answers to many submits" "$(jq -c 'has("result")' "$scratch/many" | sort | uniq -c | xargs)" "60 true"
+
 # Lines without end, half lines, floods.
 head -c 104857600 /dev/zero | tr '\0' 'x' | ask_raw >"$scratch/long" 2>/dev/null
 expect_error "$(cat "$scratch/long")" -32600 ""
