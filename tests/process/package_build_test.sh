@@ -1,0 +1,59 @@
+#!/bin/sh
+# The Debian package is built by one command and holds what is installed, its setting file, its scripts and what it needs.
+set -eu
+. "$PROJECT_ROOT/tests/process/package_files.sh"
+for program in dpkg-buildpackage dpkg-deb dh; do
+    command -v $program >/dev/null || { echo "skipped: there is no $program (deploy/packages package)"; exit 77; }
+done
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/package_build_test.XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+
+package=$("$PROJECT_ROOT/deploy/package" --out "$scratch/out" --revision 7) || fail "deploy/package"
+version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/CMakeLists.txt")
+[ "$package" = "$scratch/out/marchd_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $package"
+[ "$(dpkg-deb -f "$package" Version)" = "$version-7" ] || fail "version $(dpkg-deb -f "$package" Version)"
+
+# Its files are the installed ones, and what Debian wants of a package beside them; pages are compressed.
+{
+    installed_files /usr /lib/systemd/system | sed 's|^\(/usr/share/man/.*\)|\1.gz|'
+    echo /usr/share/doc/marchd/changelog.Debian.gz
+    echo /usr/share/doc/marchd/copyright
+    echo /usr/share/lintian/overrides/marchd
+} | sort >"$scratch/expected"
+dpkg-deb -c "$package" >"$scratch/listed"
+grep -v '^d' "$scratch/listed" | awk '{ print $6 }' | sed 's/^\.//' | sort >"$scratch/found"
+diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "packed otherwise (< expected, > found): $(cat "$scratch/diff")"
+! grep -v ' root/root ' "$scratch/listed" || fail "files of another than root"
+
+dpkg-deb -e "$package" "$scratch/control"
+[ "$(cat "$scratch/control/conffiles")" = /etc/marchd/marchd.conf ] || fail "conffiles: $(cat "$scratch/control/conffiles")"
+for need in libc6 libuv1 libsqlite3-0 libsystemd0 libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 systemd; do
+    dpkg-deb -f "$package" Depends | sed 's,[|\,],\n,g' | grep -q "^ *$need *\((.*\)\{0,1\}$" || fail "does not depend on $need"
+done
+dpkg-deb -f "$package" Suggests | grep -q libnanovdb-tools || fail "does not suggest the OpenVDB converter"
+
+# does SCRIPT TEXT
+does() { grep -qF -- "$2" "$scratch/control/$1" || fail "$1: expected $2"; }
+for script in postinst prerm postrm; do
+    sh -n "$scratch/control/$script" || fail "$script is no shell script"
+done
+does postinst 'systemd-sysusers'
+does postinst 'systemd-tmpfiles'
+does postinst "deb-systemd-helper enable 'marchd.service'"
+does postinst "deb-systemd-helper enable 'marchd.socket'"
+does postinst "deb-systemd-invoke \$_dh_action 'marchd.service'"
+does postinst "deb-systemd-invoke start 'marchd.socket'"
+does prerm "deb-systemd-invoke stop 'marchd.service'"
+does prerm "deb-systemd-invoke stop 'marchd.socket'"
+# The user that owns the folders is there before they are; clients wait at the socket while an upgrade goes on.
+users=$(grep -n systemd-sysusers "$scratch/control/postinst" | head -n 1 | cut -d: -f1)
+folders=$(grep -n systemd-tmpfiles "$scratch/control/postinst" | head -n 1 | cut -d: -f1)
+[ "$users" -lt "$folders" ] || fail "folders are made before their owner"
+! grep -A 2 '= *upgrade' "$scratch/control/prerm" || fail "an upgrade stops something before the new files are there"
+
+if command -v shellcheck >/dev/null; then
+    shellcheck -s sh "$PROJECT_ROOT/deploy/package" "$PROJECT_ROOT/deploy/debian/postrm" || fail "shellcheck"
+fi
+if command -v lintian >/dev/null; then
+    lintian --fail-on error --allow-root "$package" || fail "lintian"
+fi

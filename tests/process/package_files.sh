@@ -1,0 +1,38 @@
+# Shared by the package's tests: what is installed, from the tree's own lists where a folder goes as a whole.
+fail() {
+    echo "FAILED: $*"
+    exit 1
+}
+
+# below FOLDER PLACE: the folder's files, named as they lie in the place.
+below() { (cd "$PROJECT_ROOT/$1" && find . -type f | sed "s|^\.|$2|"); }
+
+# installed_files PREFIX UNIT-FOLDER
+installed_files() {
+    {
+        cat <<END
+$1/bin/march
+$1/bin/march-worker
+$1/bin/marchd
+$1/lib/systemd/user/marchd.service
+$1/lib/systemd/user/marchd.socket
+$1/lib/sysusers.d/marchd.conf
+$1/lib/tmpfiles.d/marchd.conf
+$1/share/bash-completion/completions/march
+$1/share/bash-completion/completions/marchd
+$1/share/doc/marchd/README.md
+$1/share/doc/marchd/STYLE.md
+$1/share/fish/vendor_completions.d/march.fish
+$1/share/fish/vendor_completions.d/marchd.fish
+$1/share/zsh/vendor-completions/_march
+$2/marchd.service
+$2/marchd.socket
+/etc/marchd/marchd.conf
+END
+        below docs "$1/share/doc/marchd/docs"
+        below jobs "$1/share/marchd/jobs" | grep -Ev '/smoke/convert$|/textures/draw_[a-z]*$'
+        for page in "$PROJECT_ROOT"/deploy/man/*.[158]; do
+            [ ! -f "$page" ] || echo "$1/share/man/man${page##*.}/${page##*/}"
+        done
+    } | sort
+}

@@ -1,0 +1,32 @@
+#!/bin/sh
+# cmake --install puts exactly what is listed where it is listed, units name the programs that were installed, and the
+# programs run from there: the daemon finds its worker, and the examples are valid.
+set -eu
+. "$PROJECT_ROOT/tests/process/package_files.sh"
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/package_install_test.XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+built=$(dirname "$PROGRAM_FOLDER")
+prefix=$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$built/CMakeCache.txt")
+root=$scratch/root
+
+DESTDIR=$root cmake --install "$built" >"$scratch/log" 2>&1 || fail "cmake --install: $(tail -n 5 "$scratch/log")"
+installed_files "$prefix" "$prefix/lib/systemd/system" >"$scratch/expected"
+(cd "$root" && find . ! -type d | sed 's/^\.//' | sort) >"$scratch/found"
+diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "installed otherwise (< expected, > found): $(cat "$scratch/diff")"
+odd=$(find "$root" -type f ! -perm 644 ! -path '*/bin/*')
+[ -z "$odd" ] || fail "expected mode 644: $odd"
+[ -x "$root$prefix/bin/march-worker" ] || fail "march-worker cannot be run"
+
+for unit in system/marchd.service user/marchd.service; do
+    grep -q "^ExecStart=$prefix/bin/marchd" "$root$prefix/lib/systemd/$unit" || fail "$unit starts another marchd"
+done
+cmp -s "$PROJECT_ROOT/deploy/marchd.conf" "$root/etc/marchd/marchd.conf" || fail "marchd.conf is not the one of the tree"
+
+# Examples name their files relative to themselves; the scan's comes from another package.
+for job in "$root$prefix"/share/marchd/jobs/*.json; do
+    case "$job" in */schema.json | */scan.json) continue ;; esac
+    "$root$prefix/bin/march" validate "$job" >"$scratch/log" 2>&1 || fail "$job: $(cat "$scratch/log")"
+done
+"$root$prefix/bin/march" render "$root$prefix/share/marchd/jobs/opaque.json" --frames 0 --set 'resolution=[32,18]' \
+    --out "$scratch/out/####.exr" >"$scratch/log" 2>&1 || fail "what is installed does not render: $(cat "$scratch/log")"
+[ -s "$scratch/out/0000.exr" ] || fail "nothing was rendered"

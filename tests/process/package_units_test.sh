@@ -1,0 +1,88 @@
+#!/bin/sh
+# Units are what systemd understands, as closed as promised, and open where rendering needs it.
+set -eu
+. "$PROJECT_ROOT/tests/process/package_files.sh"
+command -v systemd-analyze >/dev/null || { echo "skipped: there is no systemd-analyze"; exit 77; }
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/package_units_test.XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+deploy=$PROJECT_ROOT/deploy
+
+# systemd warns of what it does not know, and goes on.
+understands() { # WHOSE OPTION...
+    whose=$1
+    shift
+    XDG_RUNTIME_DIR=$scratch systemd-analyze verify --man=no "$@" >"$scratch/said" 2>&1 || fail "$whose units: $(cat "$scratch/said")"
+    ! grep marchd "$scratch/said" || fail "systemd does not understand the $whose units"
+}
+# The system's, in a root of their own, where the program is where they say.
+mkdir -p "$scratch/root/usr/lib/systemd/system" "$scratch/root/usr/bin"
+ln -s usr/bin usr/lib "$scratch/root"
+cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy/marchd.service" "$deploy/marchd.socket" \
+    "$scratch/root/usr/lib/systemd/system"
+cp /bin/true "$scratch/root/usr/bin/marchd"
+cp /bin/kill "$scratch/root/usr/bin/kill"
+understands system --root="$scratch/root" marchd.service marchd.socket
+# A user's, with another program: no root can be given for them.
+mkdir "$scratch/user"
+sed 's|^ExecStart=/usr/bin/marchd$|ExecStart=/bin/true|' "$deploy/user/marchd.service" >"$scratch/user/marchd.service"
+cp "$deploy/user/marchd.socket" "$scratch/user"
+understands user --user "$scratch/user/marchd.service" "$scratch/user/marchd.socket"
+
+# Exposure is at most 2.0.
+systemd-analyze security --offline=true --no-pager --threshold=20 "$deploy/marchd.service" >"$scratch/said" 2>&1 ||
+    fail "exposure above 2.0: $(tail -n 1 "$scratch/said")"
+grep -q 'Overall exposure level' "$scratch/said" || fail "systemd-analyze tells no exposure: $(cat "$scratch/said")"
+
+# has UNIT LINE, lacks UNIT KEY
+has() { grep -qxF -- "$2" "$deploy/$1" || fail "$1: expected $2"; }
+lacks() { ! grep -qE -- "^$2=" "$deploy/$1" || fail "$1: $2 must not be set"; }
+lacks marchd.service MemoryDenyWriteExecute # llvmpipe compiles what it renders
+lacks marchd.service PrivateDevices         # GPUs
+lacks marchd.service PrivateUsers           # peers' user ids
+lacks marchd.service ProcSubset             # NVIDIA's driver
+lacks marchd.service RuntimeDirectory       # it would take the socket away
+lacks marchd.service DynamicUser            # pictures have an owner
+lacks user/marchd.service MemoryDenyWriteExecute
+for unit in marchd.service user/marchd.service; do
+    has $unit Type=notify
+    has $unit NotifyAccess=main
+    has $unit WatchdogSec=30
+    has $unit KillMode=mixed
+    has $unit OOMPolicy=continue
+    has $unit Requires=marchd.socket
+    for call in seccomp landlock_create_ruleset landlock_add_rule landlock_restrict_self; do
+        grep -E '^SystemCallFilter=[^~]' "$deploy/$unit" | grep -qw $call || fail "$unit: a worker may not call $call"
+    done
+done
+has marchd.service 'DeviceAllow=char-drm rw'
+has marchd.service 'DeviceAllow=char-nvidia* rw'
+has marchd.service 'StateDirectoryMode=0700'
+has marchd.socket 'ListenStream=/run/marchd/marchd.sock'
+has marchd.socket 'SocketMode=0660'
+has marchd.socket 'SocketGroup=marchd'
+has user/marchd.socket 'ListenStream=%t/marchd.sock'
+has user/marchd.socket 'SocketMode=0600'
+
+# systemd waits longer than the daemon does.
+limit=$(sed -n 's/^#stop-timeout = //p' "$deploy/marchd.conf")
+waits=$(sed -n 's/^TimeoutStopSec=//p' "$deploy/marchd.service")
+[ "$waits" -gt "$((limit + 10))" ] || fail "systemd kills after $waits s what may take $limit s to finish"
+
+# Users and folders are what the programs ask for.
+if [ "$(id -u)" -ne 0 ]; then
+    echo "users and folders: only root can make them, not looked at"
+    exit 0
+fi
+mkdir "$scratch/root/etc"
+systemd-sysusers --root="$scratch/root" "$deploy/marchd.sysusers" >"$scratch/said" 2>&1 || fail "sysusers: $(cat "$scratch/said")"
+for group in marchd "$(sed -n 's/^#admin-group = //p' "$deploy/marchd.conf")"; do
+    grep -q "^$group:" "$scratch/root/etc/group" || fail "sysusers make no group $group"
+done
+for group in video render; do
+    grep -q "^$group:.*:marchd$" "$scratch/root/etc/group" || fail "marchd is not of group $group, whose the GPUs are"
+done
+systemd-tmpfiles --root="$scratch/root" --create "$deploy/marchd.tmpfiles" >"$scratch/said" 2>&1 || fail "tmpfiles: $(cat "$scratch/said")"
+uid=$(sed -n 's/^marchd:[^:]*:\([0-9]*\):.*/\1/p' "$scratch/root/etc/passwd")
+gid=$(sed -n 's/^marchd:[^:]*:\([0-9]*\):.*/\1/p' "$scratch/root/etc/group")
+found=$(cd "$scratch/root" && stat -c '%n %a %u:%g' run/marchd srv/marchd srv/marchd-input | tr '\n' ' ')
+[ "$found" = "run/marchd 755 0:0 srv/marchd 755 $uid:$gid srv/marchd-input 2775 0:$gid " ] || fail "folders: $found"
