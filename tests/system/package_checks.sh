@@ -1,0 +1,93 @@
+# Installing, looking at, upgrading and purging the package. Sourced by tests/service.
+
+# make_revision DEB FILE SUFFIX: the same package under a later version.
+make_revision()
+{
+    local folder=$work/revision
+
+    rm -rf "$folder"
+    dpkg-deb -R "$1" "$folder"
+    sed -i "s/^Version: .*/&$3/" "$folder/DEBIAN/control"
+    dpkg-deb --root-owner-group -b "$folder" "$2" >/dev/null
+    rm -rf "$folder"
+}
+
+apt()
+{
+    inside env DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o Dpkg::Use-Pty=0 "$@"
+}
+
+# Files that no package owns, without those that come and go by themselves: logs, what systemd and apt note, the test's own.
+unowned_files()
+{
+    comm -23 <(find "$root" -xdev \( -path "$root/proc" -o -path "$root/sys" -o -path "$root/dev" -o -path "$root/run" \
+        -o -path "$root/tmp" -o -path "$root/var/tmp" -o -path "$root/var/log" -o -path "$root/var/lib/dpkg" \
+        -o -path "$root/var/lib/apt" -o -path "$root/var/cache/apt" -o -path "$root/root" -o -path "$root/home" \) -prune \
+        -o -printf '/%P\n' | sort) <(cat "$root"/var/lib/dpkg/info/*.list | sort -u)
+}
+
+package_installs()
+{
+    unowned_files >"$work/before"
+    apt install /root/marchd.deb
+    expect "state of the package" "$(inside dpkg-query -W -f '${db:Status-Status}' marchd)" installed
+    expect "version" "$(inside marchd --version)" "marchd $(inside dpkg-query -W -f '${Version}' marchd | sed 's/-.*//')"
+    inside march help >/dev/null
+}
+
+service_is_active()
+{
+    expect "socket" "$(inside systemctl is-active marchd.socket)" active
+    expect "service" "$(inside systemctl is-active marchd.service)" active
+    expect "at a boot" "$(inside systemctl is-enabled marchd.socket marchd.service | tr '\n' ' ')" "enabled enabled "
+    expect "the socket's rights" "$(inside stat -c '%G %a' /run/marchd/marchd.sock)" "marchd 660"
+    expect "who runs it" "$(inside ps -o user= -p "$(main_pid)")" marchd
+    expect "the queue's folder" "$(inside stat -c '%U %a' /var/lib/marchd)" "marchd 700"
+    until_true 20 "a worker is ready" eval '[ "$(journal -u marchd.service | grep -c "ready: ")" -ge 1 ]'
+}
+
+status_tells()
+{
+    inside systemctl status --no-pager -l marchd.service >"$work/status"
+    grep -q 'Status: "0 jobs, 0 frames queued, 0 running"' "$work/status" || { cat "$work/status"; fail "no such line"; }
+    expect "failed units" "$(inside systemctl --failed --no-legend --plain | grep -c marchd)" 0
+}
+
+exposure_is_low()
+{
+    local exposure
+
+    exposure=$(inside systemd-analyze security --no-pager marchd.service | sed -nE 's/.*exposure level.*: ([0-9.]+) .*/\1/p')
+    echo "exposure: $exposure"
+    awk -v e="$exposure" 'BEGIN { exit !(e != "" && e <= 2.0) }' || fail "exposure is $exposure"
+}
+
+upgrade_goes_on()
+{
+    local id
+
+    id=$(submit ann "$(cloud_job 1-10 480 270 upgraded)")
+    until_true 30 "two frames are done" has_done ann "$id" 2
+    list_files upgraded >"$work/list"
+    apt install /root/marchd-next.deb
+    [[ $(inside dpkg-query -W -f '${Version}' marchd) == *+next ]] || fail "the package is not the next"
+    expect "service" "$(inside systemctl is-active marchd.service)" active
+    as ann march wait "$id"
+    landed_once upgraded 10 "$work/list"
+    expect "attempts" "$(as ann march frames --json "$id" | jq -c '[.. | .attempts? // empty] | unique')" "[1]"
+    grep -q '^user-jobs = 3$' "$root/etc/marchd/marchd.conf" || fail "the administrator's settings are gone"
+}
+
+purge_leaves_nothing()
+{
+    apt purge marchd
+    expect "processes" "$(inside pgrep -a 'march' || true)" ""
+    expect "unit" "$(inside systemctl is-active marchd.service marchd.socket | tr '\n' ' ')" "inactive inactive "
+    [ ! -e "$root/run/marchd" ] && [ ! -e "$root/var/lib/marchd" ] && [ ! -e "$root/etc/marchd" ] || fail "folders are left"
+    inside test ! -e /run/marchd || fail "/run/marchd is left"
+    unowned_files >"$work/after"
+    # By Debian's custom a user that owned files stays, in files that were there before.
+    comm -13 "$work/before" "$work/after" | grep -vE '^/srv/marchd(/|$)' >"$work/left" || true
+    expect "what is left" "$(cat "$work/left")" ""
+    [ "$(find "$root/srv/marchd" -name '*.exr' | wc -l)" -gt 0 ] || fail "what was rendered is gone"
+}

@@ -1,0 +1,64 @@
+# A Debian root for the system test: made once by debootstrap, kept as a tarball, unpacked for each run. Sourced by
+# tests/service.
+suite=bookworm
+# jq and procps are the test's own; the rest is what any Debian with systemd has.
+root_packages=systemd,systemd-sysv,dbus,dbus-user-session,libpam-systemd,jq,procps
+cache=${XDG_CACHE_HOME:-/var/cache}/marchd-tests
+
+# The mirror that this machine's own packages come from, where it says so.
+find_mirror()
+{
+    local mirror
+
+    mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2>/dev/null |
+        grep -oE 'https?://[^ ]+/debian/?( |$)' | head -n 1 | tr -d ' ')
+    echo "${mirror:-http://deb.debian.org/debian}"
+}
+
+# make_base DEB FILE: packages are fetched, not installed: to bring the right ones is what the .deb's Depends are for.
+make_base()
+{
+    local deb=$1 file=$2 mirror
+    local root=$work/base
+
+    mirror=$(find_mirror)
+    echo "making a Debian root from $mirror (once, a minute or two)"
+    debootstrap --variant=minbase --include="$root_packages" "$suite" "$root" "$mirror" >"$work/debootstrap.log" 2>&1 ||
+        skip "debootstrap could not make a root: $(tail -n 1 "$work/debootstrap.log")"
+    # Old snapshots are mirrors, too. Without timers of apt's that wake up in the middle of a check.
+    printf '%s\n' 'Acquire::Check-Valid-Until "false";' 'Acquire::Check-Date "false";' \
+        'APT::Keep-Downloaded-Packages "true";' >"$root/etc/apt/apt.conf.d/90test"
+    ln -s /dev/null "$root/etc/systemd/system/apt-daily.timer"
+    ln -s /dev/null "$root/etc/systemd/system/apt-daily-upgrade.timer"
+    ln -s /dev/null "$root/etc/systemd/system/console-getty.service"
+    cp "$deb" "$root/marchd.deb"
+    chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --download-only /marchd.deb' \
+        >"$work/download.log" 2>&1 ||
+        skip "apt could not fetch what the package depends on: $(tail -n 1 "$work/download.log")"
+    rm "$root/marchd.deb"
+    tar -C "$root" -cf "$file.$$" . && mv "$file.$$" "$file"
+    rm -rf "$root"
+}
+
+# make_root DEB FOLDER: unpacks the root that fits the package's dependencies.
+make_root()
+{
+    local deb=$1 folder=$2 key file
+
+    key=$({
+        echo "$suite $root_packages"
+        dpkg-deb --field "$deb" Depends Pre-Depends Recommends
+        cat "$here/system/root.sh"
+    } | sha256sum | cut -c 1-16)
+    file=$cache/root-$key.tar
+    mkdir -p "$cache" "$folder"
+    {
+        flock 8
+        if [ ! -f "$file" ]; then
+            make_base "$deb" "$file"
+            # Roots of other dependencies than the newest few are not asked for again.
+            find "$cache" -name 'root-*.tar' -printf '%T@ %p\n' | sort -rn | tail -n +4 | cut -d ' ' -f 2- | xargs -r rm -f
+        fi
+        tar -C "$folder" -xf "$file"
+    } 8>"$cache/lock"
+}
