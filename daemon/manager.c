@@ -3,6 +3,7 @@
 #include "core/alloc.h"
 #include "daemon/farm.h"
 #include "daemon/queue.h"
+#include "daemon/worker_pool.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -24,13 +25,18 @@ static void on_interval(uv_timer_t *timer);
 static void format_line(const struct manager *manager, char line[static LINE_SIZE])
 {
     const struct queue *queue = manager->farm->queue;
+    char *trouble = manager->is_stopping ? NULL : worker_pool_format_trouble(manager->farm->pool);
     int64_t jobs = 0;
 
     for (const struct queue_job *job = queue_first_job(queue); job; job = job->next)
         jobs += queue_job_is_live(job);
-    snprintf(line, LINE_SIZE, "%s%" PRId64 " jobs, %" PRId64 " frames queued, %" PRId64 " running",
-             manager->is_stopping ? "stopping: " : "", jobs, queue_count(queue, FRAME_QUEUED),
-             queue_count(queue, FRAME_RUNNING));
+    snprintf(line, LINE_SIZE, "%sjobs: %" PRId64 "; frames: %" PRId64 " queued, %" PRId64 " running%s%s",
+             manager->is_stopping ? "stopping; " : "", jobs, queue_count(queue, FRAME_QUEUED),
+             queue_count(queue, FRAME_RUNNING), trouble ? "; " : "", trouble ? trouble : "");
+    free(trouble);
+    // A line feed would begin another assignment.
+    for (char *at = line; *at; at++)
+        if (*at == '\n') *at = ' ';
 }
 
 struct manager *manager_open(struct farm *farm)

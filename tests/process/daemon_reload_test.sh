@@ -28,7 +28,7 @@ export NOTIFY_SOCKET=$scratch/notify
 
 printf '%s\n' "user-jobs = 5" >"$conf"
 start_daemon --config "$conf" --worker-program "$(stub write:700)" --max-attempts 2
-wait_until 5 "ready is told" grep -q '^READY=1 STATUS=0 jobs, 0 frames queued, 0 running$' "$notes"
+wait_until 5 "ready is told" grep -q '^READY=1 STATUS=jobs: 0; frames: 0 queued, 0 running' "$notes"
 
 # A limit and a level that hold from then on; the command line stays.
 reload "log-level = debug" "stop-timeout = 9" "progress-limit = 33" "max-attempts = 50"
@@ -58,7 +58,7 @@ expect "its state" "$(ask daemon.status | jq -r .result.pid)" "$daemon_pid"
 reload "stop-timeout = 2"
 id=$(submit "$(job 1-40)")
 wait_until 10 "it runs" has_state "$id" running
-wait_until 10 "the line tells of it" grep -qE '^STATUS=1 jobs, [0-9]+ frames queued, [1-9] running$' "$notes"
+wait_until 10 "the line tells of it" grep -qE '^STATUS=jobs: 1; frames: [0-9]+ queued, [1-9] running$' "$notes"
 stop_daemon
-wait_until 5 "stopping is told" grep -qE '^STOPPING=1 STATUS=stopping: 1 jobs, .* EXTEND_TIMEOUT_USEC=22000000$' "$notes"
+wait_until 5 "stopping is told" grep -qE '^STOPPING=1 STATUS=stopping; jobs: 1; .* EXTEND_TIMEOUT_USEC=22000000$' "$notes"
 expect "all that is told" "$(grep -cvE '^(READY=1 |RELOADING=1 |STOPPING=1 |STATUS=)' "$notes")" 0

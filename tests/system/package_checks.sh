@@ -48,8 +48,12 @@ service_is_active()
 
 status_tells()
 {
-    inside systemctl status --no-pager -l marchd.service >"$work/status"
-    grep -q 'Status: "0 jobs, 0 frames queued, 0 running"' "$work/status" || { cat "$work/status"; fail "no such line"; }
+    tells_status()
+    {
+        inside systemctl status --no-pager -l marchd.service >"$work/status"
+        grep -q 'Status: "jobs: 0; frames: 0 queued, 0 running"' "$work/status"
+    }
+    comes_true 10 tells_status || { cat "$work/status"; fail "no such line"; }
     expect "failed units" "$(inside systemctl --failed --no-legend --plain | grep -c marchd)" 0
 }
 

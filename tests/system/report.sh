@@ -21,16 +21,25 @@ expect()
     [ "$2" = "$3" ] || fail "$1: expected \"$3\", got \"$2\""
 }
 
+# comes_true SECONDS COMMAND...
+comes_true()
+{
+    local end=$((SECONDS + $1))
+
+    shift
+    until "$@"; do
+        [ "$SECONDS" -lt "$end" ] || return 1
+        sleep 0.1
+    done
+}
+
 # until_true SECONDS WHAT COMMAND...
 until_true()
 {
-    local end=$((SECONDS + $1)) what=$2 seconds=$1
+    local seconds=$1 what=$2
 
     shift 2
-    until "$@"; do
-        [ "$SECONDS" -lt "$end" ] || fail "not within $seconds s: $what"
-        sleep 0.1
-    done
+    comes_true "$seconds" "$@" || fail "not within $seconds s: $what"
 }
 
 # check TITLE FUNCTION: a check of its own; what it says is shown only if it fails. Must not stand in a condition, which

@@ -93,7 +93,7 @@ inputs_stay_below_roots()
     for file in /home/ann/own.raw /etc/own.raw /srv/marchd-input/../../home/ann/own.raw; do
         document=$(volume_job "$file" stolen)
         printf '%s\n' "$document" >"$root/home/ann/job.json"
-        ends 4 "$file" as ann march submit job.json
+        ends 4 "expected a file below .*own.raw" as ann march submit job.json
     done
     # Below a root, by a link that leads out of it.
     inside ln -s /etc/own.raw /srv/marchd-input/way-out.raw
