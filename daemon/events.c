@@ -11,7 +11,7 @@
 
 #include <stdlib.h>
 
-enum { INTERVAL_MS = 250, SUBSCRIBER_BACKLOG_LIMIT = 16 * 1024 * 1024 };
+enum { SUBSCRIPTIONS_LIMIT = 64, INTERVAL_MS = 250, SUBSCRIBER_BACKLOG_LIMIT = 16 * 1024 * 1024 };
 
 struct subscription {
     struct client *client; // borrowed; events_forget comes before it is freed
@@ -55,12 +55,18 @@ void events_destroy(struct events *events)
     free(events);
 }
 
-void events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames)
+bool events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames)
 {
+    size_t count = 0;
+
+    for (size_t i = 0; i < events->count; i++)
+        if (events->subscriptions[i].client == client) count++;
+    if (count == SUBSCRIPTIONS_LIMIT) return false;
     events->subscriptions =
         xgrow(events->subscriptions, &events->capacity, events->count + 1, sizeof events->subscriptions[0]);
     events->subscriptions[events->count++] =
         (struct subscription){.client = client, .job = job, .wants_frames = wants_frames};
+    return true;
 }
 
 void events_forget(struct events *events, const struct client *client)

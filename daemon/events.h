@@ -15,8 +15,9 @@ struct events *events_create(struct farm *farm);
 void events_close(struct events *events);
 void events_destroy(struct events *events); // after the loop closed its handles; accepts NULL
 
-void events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames); // job 0: all
-void events_forget(struct events *events, const struct client *client);                              // it is gone
+// `job` 0: all. False when the client has too many subscriptions already.
+bool events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames);
+void events_forget(struct events *events, const struct client *client); // it is gone
 
 void events_note_job(struct events *events,
                      struct job_record *record); // a change of state at once, counts 4 times a second

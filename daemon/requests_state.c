@@ -91,7 +91,8 @@ enum request_outcome requests_events_subscribe(struct request *request)
     if (!json_node_is_absent(&id) && !(record = request_find_job(request))) return REQUEST_FAILED;
     if (!json_node_is_absent(&frames) && !json_read_bool(&frames, &wants_frames, &request->error))
         return REQUEST_FAILED;
-    events_subscribe(request->farm->events, request->client, record ? record->id : 0, wants_frames);
+    if (!events_subscribe(request->farm->events, request->client, record ? record->id : 0, wants_frames))
+        return request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "events: a connection may subscribe 64 times");
     json_write_begin_object(request->result);
     json_write_end_object(request->result);
     return REQUEST_ANSWERED;

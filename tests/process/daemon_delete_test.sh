@@ -30,8 +30,9 @@ expect "deleted with its files" "$(delete "$id" true | jq -c .result)" '{"files_
 [ ! -e "$scratch/out/a/gone" ] || fail "the folder is there: $(ls "$scratch/out/a/gone")"
 [ -d "$scratch/out/a" ] || fail "the folder above went too"
 id=$(done_job "$(job 1-6 '.output.path = "b/g.####.exr"')")
-cp "$scratch/out/b/g.0001.exr" "$scratch/copy" && cp --remove-destination "$scratch/copy" "$scratch/out/b/g.0001.exr" # another file
-echo more >>"$scratch/out/b/g.0002.exr"
+cp "$scratch/out/b/g.0001.exr" "$scratch/copy" && touch -d 2000-01-01 "$scratch/copy"
+cp -p "$scratch/copy" "$scratch/out/b/new" && mv "$scratch/out/b/new" "$scratch/out/b/g.0001.exr" # another file
+echo more >>"$scratch/out/b/g.0002.exr" && touch -d 2000-01-01 "$scratch/out/b/g.0002.exr"
 touch "$scratch/out/b/g.0003.exr" # the same file, perhaps with other bytes
 ln -sf ../../copy "$scratch/out/b/g.0004.exr"
 rm "$scratch/out/b/g.0005.exr"
@@ -73,6 +74,17 @@ expect "march delete" "$("$bin/march" delete "$id" --files --socket "$socket")" 
 id=$(done_job "$(job 1-2 '.output.path = "f/g.####.exr"')")
 expect "march delete --json" "$("$bin/march" delete "$id" 9999 --json --socket "$socket" 2>/dev/null | jq -c .)" \
     "{\"deleted\":[{\"id\":$id,\"files_removed\":0,\"files_kept\":0}],\"errors\":[{\"id\":9999,\"error\":\"job 9999: there is no such job\"}]}"
+
+# What was there before the job is not its own.
+id=$(done_job "$(job 1-2 '.output.path = "g/g.####.exr"')")
+stop_daemon
+start_daemon --worker-program "$(stub skip)"
+skipped=$(done_job "$(job 1-2 '.output.path = "g/g.####.exr"')")
+expect "skipped frames" "$(field "$skipped" .skipped)" 2
+expect "files of skipped frames" "$(delete "$skipped" true | jq -c .result)" '{"files_removed":0,"files_kept":0}'
+expect "whose they are" "$(delete "$id" true | jq -c .result)" '{"files_removed":2,"files_kept":0}'
+stop_daemon
+start_daemon --worker-program "$(stub write:5)"
 
 # Killed anywhere on the way: the job is there, whole, and can be deleted again, or nothing of it is.
 for delay in 0 2 5 10 20 35; do

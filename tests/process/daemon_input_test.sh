@@ -66,6 +66,10 @@ for n in $(seq 60); do
 done | ask_raw >"$scratch/many"
 expect "answers to many submits" "$(jq -c 'has("result")' "$scratch/many" | sort | uniq -c | xargs)" "60 true"
 
+# Events are not told a thousandfold.
+yes '{"jsonrpc":"2.0","id":1,"method":"events.subscribe"}' | head -n 100 | ask_raw >"$scratch/subscribed"
+expect "subscriptions that are refused" "$(grep -c 'a connection may subscribe 64 times' "$scratch/subscribed")" 36
+
 # Lines without end, half lines, floods.
 head -c 104857600 /dev/zero | tr '\0' 'x' | ask_raw >"$scratch/long" 2>/dev/null
 expect_error "$(cat "$scratch/long")" -32600 ""
