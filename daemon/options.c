@@ -45,7 +45,11 @@ const char options_help[] =
     "\n"
     "The command line counts before the environment, that before the file. MARCHD_SOCKET in the environment stands for "
     "--socket.\n"
-    "SIGTERM stops in order, a second one at once. SIGHUP reads the settings again.\n";
+    "SIGTERM stops in order, a second one at once. SIGHUP reads the settings again.\n"
+    "\n"
+    "Examples:\n"
+    "  marchd --state /tmp/farm --socket /tmp/farm.sock --output-root /tmp/pictures\n"
+    "  marchd --workers 2 --backend osmesa --log-level debug\n";
 
 enum option_code {
     OPTION_CONFIG = 256,

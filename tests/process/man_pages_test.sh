@@ -1,0 +1,35 @@
+#!/bin/bash
+# The man pages say what the programs' help and marchd.conf say, no more and no less, and a formatter finds nothing wrong in them.
+. "$PROJECT_ROOT/tests/process/farm.sh"
+pages=$PROJECT_ROOT/deploy/man
+
+"$pages/update" --check "$bin" || fail "a page is out of date"
+
+# Nothing was lost on the way: each verb and option of the help is a tag of its page, and each tag one of the help.
+verbs=$("$bin/march" help --json | jq -r '.verbs[].name')
+expect "verbs of march(1)" "$(sed -n 's/^\.SS march \([a-z]*\).*/\1/p' "$pages/march.1")" "$verbs"
+for verb in $verbs; do
+    expect "options of march $verb" \
+        "$(sed -n "/^\.SS march $verb /,/^\.EX/s/^\.B \(\\\\-\\\\-[^ ]*\).*/\1/p" "$pages/march.1" | sed 's/\\//g')" \
+        "$("$bin/march" help "$verb" | sed -nE 's/^  (--[^ ]+) .*/\1/p' | grep -vxE -- '--(help|json|socket)')"
+done
+expect "options of marchd(8)" "$(sed -n '/BEGIN/,/END/s/^\.B \(.*\)/\1/p' "$pages/marchd.8" | grep -o -- '\\-\\-[a-z\-]*' | sed 's/\\//g')" \
+    "$("$bin/marchd" --help | grep -oE '^  --[a-z-]+|, --version' | grep -o -- '--.*')"
+# A setting is an option that a file may have.
+expect "settings of marchd.conf(5)" "$(sed -n 's/^\.B \([a-z\-]*\) = *.*/\1/p' "$pages/marchd.conf.5" | sed 's/\\//g' | sort -u)" \
+    "$("$bin/marchd" --help | sed -nE 's/^  --([a-z-]+) [^ ].*/\1/p' | grep -vxE 'config|system' | sort -u)"
+while read -r option; do
+    grep -qE "^\.(B|BI|BR) $option( |\$)" "$pages/march-worker.8" || fail "march-worker(8) lacks $option"
+done < <("$bin/march-worker" --help 2>&1 | grep -oE -- '--[a-z-]+' | sed 's/-/\\\\-/g')
+
+# The job of marchd-job(5) is one.
+sed -n '/^\.EX/,/^\.EE/{//!p}' "$pages/marchd-job.5" | sed 's/\\-/-/g; s/\\e/\\/g' >"$scratch/first.json"
+"$bin/march" validate "$scratch/first.json" || fail "marchd-job(5) shows a wrong job"
+
+if command -v groff >/dev/null; then
+    for page in "$pages"/*.[158]; do
+        expect "groff's complaints about $page" "$(groff -man -ww -z -Tutf8 -Kutf8 "$page" 2>&1)" ""
+    done
+else
+    echo "no groff here: pages not formatted"
+fi
