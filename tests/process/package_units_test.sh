@@ -50,7 +50,7 @@ for unit in marchd.service user/marchd.service; do
     has $unit KillMode=mixed
     has $unit OOMPolicy=continue
     has $unit Requires=marchd.socket
-    for call in seccomp landlock_create_ruleset landlock_add_rule landlock_restrict_self; do
+    for call in seccomp landlock_create_ruleset landlock_add_rule landlock_restrict_self capset; do
         grep -E '^SystemCallFilter=[^~]' "$deploy/$unit" | grep -qw $call || fail "$unit: a worker may not call $call"
     done
 done
