@@ -55,5 +55,5 @@ if command -v shellcheck >/dev/null; then
     shellcheck -s sh "$PROJECT_ROOT/deploy/package" "$PROJECT_ROOT/deploy/debian/postrm" || fail "shellcheck"
 fi
 if command -v lintian >/dev/null; then
-    lintian --fail-on error --allow-root "$package" || fail "lintian"
+    lintian --fail-on error,warning --allow-root "$package" || fail "lintian"
 fi
