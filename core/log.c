@@ -28,8 +28,7 @@ static bool is_control(const unsigned char *text)
     return text[0] < 0x20 || text[0] == 0x7f || (text[0] == 0xc2 && text[1] >= 0x80 && text[1] < 0xa0);
 }
 
-// Names and errors are strangers' words: a terminal must not obey them.
-static void disarm(char *line)
+void log_disarm(char *line)
 {
     for (unsigned char *at = (unsigned char *)line; *at; at++) {
         if (!is_control(at)) continue;
@@ -49,7 +48,7 @@ static void say(enum log_level level, const struct log_subject *subject, const c
 
     if (level < lowest) return;
     vsnprintf(line, sizeof line, format, arguments);
-    disarm(line);
+    log_disarm(line);
     sink(level, subject, line);
 }
 

@@ -23,6 +23,9 @@ void log_set_level(enum log_level level); // LOG_INFO before the first call
 void log_set_sink(log_sink *sink);        // NULL, as before the first call: standard error
 void log_to_stderr(enum log_level level, const struct log_subject *subject, const char *line); // that sink
 
+// Strangers' words for a terminal: control bytes but line feeds and tabs become "?", and line feeds at the end go.
+void log_disarm(char *text);
+
 void log_debug(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void log_info(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void log_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));

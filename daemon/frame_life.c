@@ -211,20 +211,25 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
 {
     struct queue_ticket ticket = frame->ticket;
     char *log = worker_process_take_log(worker, report->error);
+    char *error = xstrdup(report->error);
     struct attempt_end end = {.record = record,
                               .ticket = ticket,
                               .fault = report->fault,
                               .is_started = true,
                               .worker = worker->id,
-                              .error = report->error,
+                              .error = error,
                               .log = log};
 
+    // They are shown to others, whose terminals must not obey them.
+    log_disarm(error);
+    log_disarm(log);
     if (report->fault == RETRY_FAULT_WORKER)
         worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
     frame_seconds(worker);
     leave_hand(record, worker, frame);
     if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
     sweeper_remove_part(farm->sweeper, record, ticket.frame, farm->epoch, ticket.attempt);
+    free(error);
     free(log);
 }
 
@@ -277,6 +282,7 @@ void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, cons
     char *log = worker_process_take_log(worker, reason);
     char *suspicion = worker->suspect ? xasprintf("%s: does density in %s end?", reason, worker->suspect) : NULL;
 
+    log_disarm(log);
     while (worker->hand.count > 0) {
         struct hand_frame frame = worker->hand.frames[0];
         struct job_record *record = job_table_find(&farm->jobs, frame.ticket.job);

@@ -49,17 +49,28 @@ expect_error "$(give "${bob[@]}" q 0-3999999 '.resolution = [8192, 8192]')" 2 "f
 
 # Many at once, before the first is on disk.
 line() { printf '{"jsonrpc":"2.0","id":%s,"method":"job.submit","params":{"paused":true,"document":%s}}\n' "$1" "$(job 1 ".output.path = \"r$1/x.####.exr\"")"; }
-for n in 1 2 3 4 5 6; do line "$n"; done | as 9 13 "$bin/socket-client" "$socket" >"$scratch/rush"
+for n in 1 2 3 4 5 6; do line "$n"; done >"$scratch/six"
+as 9 13 "$bin/socket-client" "$socket" <"$scratch/six" >"$scratch/rush"
 expect "of six at once" "$(jq -c .error.code "$scratch/rush" | sort | uniq -c | xargs)" "3 2 3 null"
 kill_daemon
 
 # Everything counts after a restart as before, also with other limits, which a reload may change.
-printf 'user-jobs = 4\nuser-frames = none\nuser-pixels = none\n' >"$scratch/conf"
-start --config "$scratch/conf"
+export NOTIFY_SOCKET=$scratch/none # a service manager's daemon reads its settings again
+settings() { printf '%s\n' "user-frames = none" "user-pixels = none" "$@" >"$scratch/conf"; }
+settings "user-jobs = 4" "admin-group = operator"
+start_daemon --worker-program "$(stub write:20)" --config "$scratch/conf"
+chmod 666 "$socket"
 fifth=$(id_of "$(give "${ann[@]}" q 1)")
 [ -n "$fifth" ] || fail "a fourth job after a restart"
 expect_error "$(give "${ann[@]}" s 1)" 2 "jobs: games may have 4 that are not over, has 4"
+expect "who administers" "$(ask_as "${chief[@]}" job.priority "{\"id\":$fifth,\"priority\":7}" | jq .result.priority)" 7
+settings "user-jobs = 5" "admin-group = no-such-group"
+kill -HUP "$daemon_pid"
+wait_until 5 "settings are read again" grep -q "settings: changed: .*user-jobs" "$scratch/daemon.log"
+[ -n "$(id_of "$(give "${ann[@]}" s 1)")" ] || fail "a fifth job after a reload"
+expect_error "$(ask_as "${chief[@]}" job.priority "{\"id\":$fifth,\"priority\":8}")" 2 "belongs to games"
 stop_daemon
+unset NOTIFY_SOCKET
 
 # Bytes of files: a job whose owner has used them up pauses, and goes on when there is room.
 rm -rf "$scratch/state" "$scratch/out"
@@ -99,6 +110,8 @@ wait_until 5 "it is quiet" eval '[ "$(field "$big" .running)" = 0 ]'
 expect_error "$(ask_as "${ann[@]}" job.resume "{\"id\":$big}")" 2 "has $(bytes "$scratch/out/a" "$scratch/out/b")"
 # Room is made: by deleting, with the files or without, or by a larger limit.
 expect "the small job, deleted" "$(ask_as "${ann[@]}" job.delete "{\"id\":$small,\"files\":true}" | jq .result.files_removed)" 2
+answer=$(ask_as "${ann[@]}" job.resume "{\"id\":$big}")
+grep -q '"result"' <<<"$answer" || expect_error "$answer" 2 "has $(bytes "$scratch/out/b"):"
 expect_error "$(ask_as "${bob[@]}" job.delete "{\"id\":$other,\"id2\":1}")" -32602 "id2"
 expect_error "$(ask_as "${ann[@]}" job.delete "{\"id\":$other}")" 2 "belongs to man"
 stop_daemon

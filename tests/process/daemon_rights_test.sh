@@ -43,6 +43,8 @@ for who in "${ann[*]}" "${chief[*]}" "7 37" "7 7,$many,37" "0 0" "${service[*]}"
     # shellcheck disable=SC2086 # two words
     expect "the priority that $who sets" "$(ask_as $who job.priority "{\"id\":$id,\"priority\":60}" | jq .result.priority)" 60
 done
+expect "the priority by the primary group alone" "$(printf '{"jsonrpc":"2.0","id":1,"method":"job.priority","params":{"id":%s,"priority":60}}\n' "$id" |
+    setpriv --reuid=7 --regid=37 --clear-groups "$bin/socket-client" "$socket" | jq .result.priority)" 60
 expect_error "$(ask_as 7 "7,$many" job.priority "{\"id\":$id,\"priority\":61}")" 2 "belongs to games"
 # Another who has the owner's group is not the owner.
 expect_error "$(ask_as 6 60 job.cancel "{\"id\":$id}")" 2 "belongs to games"
@@ -98,6 +100,18 @@ expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.name = "a
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.output.path = "x\ny/a.####.exr"')}")" -32602 "output.path"
 grep -q "^<3>forged\|^forged" "$scratch/daemon.log" && fail "a forged line: $(grep forged "$scratch/daemon.log")"
 
+# Nor do words of a worker, which rendered strangers' code.
+stop_daemon
+printf '#!/bin/sh\nprintf "a\\033[2Jb\\n12:00:00.000 info: forged\\n" >&2\nexec "%s/stub-worker" --mode crash "$@"\n' "$bin" >"$scratch/loud"
+chmod 755 "$scratch/loud"
+start_daemon --worker-program "$scratch/loud" --admin-group operator --max-attempts 1
+chmod 666 "$socket"
+loud=$(ask_as "${ann[@]}" job.submit "{\"document\":$(job 1 '.output.path = "loud/l.####.exr"')}" | jq .result.id)
+wait_state "$loud" failed
+said=$(ask job.log "{\"id\":$loud}")
+[[ $said == *'a?[2Jb'* ]] || fail "the log: $said"
+grep -q "^12:00:00.000 info: forged" "$scratch/daemon.log" && fail "a forged line"
+
 # The largest requests: as many frames as there are numbers, the deepest JSON, the longest line.
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 0-2147483647)}")" -32602 "frames"
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 0-9999999)}")" -32602 "frames"
@@ -105,6 +119,19 @@ expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.resolutio
 line=$(head -c 4194000 /dev/zero | tr '\0' x)
 expect_error "$(printf '{"jsonrpc":"2.0","id":1,"method":"job.show","params":{"id":"%s"}}\n' "$line" | as "${bob[@]}" "$bin/socket-client" "$socket")" -32602 "params.id"
 expect "the daemon is there" "$(ask daemon.status | jq 'has("result")')" true
+stop_daemon
+
+# A file that the daemon's user may not read: its frames say which.
+install -d -m 755 "$scratch/in"
+head -c 512 /dev/zero >"$scratch/in/v_8x8x8xuint8.raw"
+chmod 600 "$scratch/in/v_8x8x8xuint8.raw"
+start_daemon --backend osmesa --workers 1 --input-root "$scratch/in"
+chmod 666 "$socket"
+grid='.output.path = "grid/g.####.exr" | .scene.media = [{density: {kind: "grid", file: $file}, sigma_a: 1}] | .lights = [] | .quality = {method: "midpoint", step_voxels: 0.5}'
+locked=$(ask_as "${ann[@]}" job.submit "{\"document\":$(job 1-2 | jq -c --arg file "$scratch/in/v_8x8x8xuint8.raw" "$grid")}" | jq .result.id)
+wait_state "$locked" failed
+said=$(field "$locked" .reason)$(ask job.frames "{\"id\":$locked}" | jq -r '.result.frames[].error')
+[[ $said == *"$scratch/in/v_8x8x8xuint8.raw: "*"Permission denied"* ]] || fail "a file that may not be read: $said"
 stop_daemon
 
 # Who owns what is as it was after a restart.
