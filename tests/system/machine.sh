@@ -42,6 +42,7 @@ boot()
             echo $BASHPID >"$group/cgroup.procs" || true
         done
         exec setpriv --pdeathsig KILL systemd-nspawn -q --register=no --keep-unit --console=pipe -D "$1" \
+            --system-call-filter='landlock_create_ruleset landlock_add_rule landlock_restrict_self' \
             --machine="service-$$" -b </dev/null >"$work/console.log" 2>&1
     ) &
     nspawn=$!
