@@ -1,10 +1,14 @@
 #include "core/error.h"
 #include "core/log.h"
+#include "core/message.h"
 #include "worker/encoder.h"
+#include "worker/fence.h"
+#include "worker/memory_end.h"
 #include "worker/options.h"
 #include "worker/orders.h"
 #include "worker/render_loop.h"
 #include "worker/report.h"
+#include "worker/sandbox.h"
 #include "worker/worker.h"
 
 #include <errno.h>
@@ -140,6 +144,38 @@ static bool start_threads(struct worker *worker, pthread_t threads[2])
     return true;
 }
 
+// The first line says what the job may reach; nothing else is looked at before that holds.
+static bool receive_fence(struct connection *connection, struct fence *fence, struct error *error)
+{
+    struct message message = {0};
+    enum message_code code;
+    const char *line;
+    size_t length;
+    bool ok;
+
+    while (!(line = connection_next(connection, &length, error)))
+        if (error->message[0] || !connection_receive(connection)) return false;
+    ok = message_decode(&message, line, length, &code, error) && fence_read(fence, &message, error);
+    message_finish(&message);
+    return ok;
+}
+
+static bool fence_in(struct worker *worker)
+{
+    static const char *const faults[] = {"worker", "job", "output"};
+    const struct options *options = worker->options;
+    enum sandbox_fault fault = SANDBOX_FAULT_WORKER;
+    struct fence fence = {0};
+    const struct sandbox_job job = {.fence = &fence, .shader_folder = options->shader_dir};
+    struct error error = {0};
+    bool ok = receive_fence(&worker->connection, &fence, &error) &&
+              (!options->has_sandbox || sandbox_enter_job(&job, worker->sandbox, &fault, &error));
+
+    fence_finish(&fence);
+    if (!ok) report_unable(&worker->connection, faults[fault], error.message);
+    return ok;
+}
+
 int main(int argc, char *argv[])
 {
     struct options options;
@@ -154,8 +190,12 @@ int main(int argc, char *argv[])
     }
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     keep_memory_whole();
+    if (options.is_fenced) sandbox_close_files(options.fd);
+    sandbox_limit(options.memory_bytes);
+    memory_end_watch(options.memory_bytes);
     signal_fd = open_signals();
     if (signal_fd < 0 || !worker_init(&worker, &options)) return 1;
+    if (options.is_fenced && !fence_in(&worker)) return 1;
     // Threads that do not end, or were not all started, are left to the end of the process.
     if (!start_threads(&worker, threads) || !serve(&worker, signal_fd)) _exit(1);
     for (int i = 0; i < 2; i++)

@@ -27,6 +27,25 @@ static bool parse_number(const char *name, const char *text, int min, int max, i
     return true;
 }
 
+static bool parse_bytes(const char *text, int64_t *bytes, struct error *error)
+{
+    char *end;
+
+    errno = 0;
+    *bytes = strtoll(text, &end, 10);
+    if (!errno && end != text && !*end && *bytes > 0) return true;
+    error_set(error, "--memory: expected a number of bytes, got \"%s\"", text);
+    return false;
+}
+
+static bool parse_yes(const char *name, const char *text, bool *is_yes, struct error *error)
+{
+    *is_yes = strcmp(text, "yes") == 0;
+    if (*is_yes || strcmp(text, "no") == 0) return true;
+    error_set(error, "--%s: expected yes or no, got \"%s\"", name, text);
+    return false;
+}
+
 static bool parse_backend(struct options *options, const char *text, struct error *error)
 {
     static const struct {
@@ -73,9 +92,16 @@ static bool parse_option(struct options *options, int option, const char *text, 
         return check_folder("shader-dir", text, error);
     case 'e':
         return parse_number("encode-threads", text, 1, ENCODE_THREAD_LIMIT, &options->encode_threads, error);
+    case 'S':
+        return parse_yes("sandbox", text, &options->has_sandbox, error);
+    case 'F':
+        options->is_fenced = true;
+        return true;
+    case 'm':
+        return parse_bytes(text, &options->memory_bytes, error);
     default:
         error_set(error, "usage: march-worker --fd N [--backend auto|egl|osmesa|none] [--device UUID-or-index] "
-                         "[--shader-dir DIR] [--encode-threads N]");
+                         "[--shader-dir DIR] [--encode-threads N] [--memory BYTES] [--sandbox yes|no] [--fenced]");
         return false;
     }
 }
@@ -87,10 +113,14 @@ bool options_parse(struct options *options, int argc, char *const argv[], struct
                                           {"device", required_argument, NULL, 'd'},
                                           {"shader-dir", required_argument, NULL, 's'},
                                           {"encode-threads", required_argument, NULL, 'e'},
+                                          {"memory", required_argument, NULL, 'm'},
+                                          {"sandbox", required_argument, NULL, 'S'},
+                                          {"fenced", no_argument, NULL, 'F'},
                                           {NULL, 0, NULL, 0}};
     int option;
 
-    *options = (struct options){.fd = -1, .has_context = true, .backend = GL_BACKEND_AUTO, .encode_threads = 1};
+    *options = (struct options){
+        .fd = -1, .has_context = true, .backend = GL_BACKEND_AUTO, .encode_threads = 1, .has_sandbox = true};
     optind = 0; // starts over, so that a test may parse more than once
     opterr = 0;
     while ((option = getopt_long(argc, argv, "", known, NULL)) != -1)

@@ -4,6 +4,7 @@
 #include "worker/gl_context.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 struct error;
 
@@ -14,6 +15,9 @@ struct options {
     const char *device;     // borrowed from argv; NULL: the first that works
     const char *shader_dir; // borrowed from argv; NULL: the shaders built in
     int encode_threads;
+    bool has_sandbox;     // restricts itself
+    bool is_fenced;       // serves one job, which worker.fence tells of
+    int64_t memory_bytes; // that it may allocate; 0: any amount
 };
 
 bool options_parse(struct options *options, int argc, char *const argv[], struct error *error);

@@ -9,6 +9,7 @@
 #include "worker/renderer.h"
 #include "worker/report.h"
 #include "worker/request.h"
+#include "worker/sandbox.h"
 #include "worker/tolerance.h"
 #include "worker/worker.h"
 
@@ -62,6 +63,17 @@ static void on_plan(void *user, bool is_made)
     (is_made ? report_planned : report_planning)(&loop->worker->connection, loop->frame);
 }
 
+// A worker that is fenced is so since before it had threads.
+static bool close_sandbox(struct worker *worker)
+{
+    struct error error = {0};
+
+    if (!worker->options->has_sandbox || worker->options->is_fenced || sandbox_enter(worker->sandbox, &error))
+        return true;
+    report_unable(&worker->connection, "worker", error.message);
+    return false;
+}
+
 static bool make_renderer(struct render_loop *loop)
 {
     struct worker *worker = loop->worker;
@@ -70,21 +82,24 @@ static bool make_renderer(struct render_loop *loop)
     struct error error = {0};
 
     if (!options->has_context) {
-        report_ready(&worker->connection, NULL);
+        if (!close_sandbox(worker)) return false;
+        report_ready(&worker->connection, NULL, worker->sandbox);
         worker_set_ready(worker);
         return true;
     }
     loop->context = gl_context_create(options->backend, options->device, &error);
     if (!loop->context) {
-        report_no_context(&worker->connection, error.message);
+        error_prefix(&error, "no GL context");
+        report_unable(&worker->connection, "worker", error.message);
         return false;
     }
+    if (!close_sandbox(worker)) return false;
     loop->renderer = renderer_create(loop->context, options->shader_dir);
     loop->tolerance = tolerance_create(loop->renderer);
     facts = gl_context_facts(loop->context);
     snprintf(worker->backend, sizeof worker->backend, "%s", facts->backend);
     snprintf(worker->renderer, sizeof worker->renderer, "%s", facts->renderer);
-    report_ready(&worker->connection, facts);
+    report_ready(&worker->connection, facts, worker->sandbox);
     worker_set_ready(worker);
     return true;
 }

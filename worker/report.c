@@ -35,7 +35,7 @@ static void send_and_finish(struct connection *connection, struct json_writer *w
     json_writer_finish(writer);
 }
 
-void report_ready(struct connection *connection, const struct gl_context_facts *facts)
+void report_ready(struct connection *connection, const struct gl_context_facts *facts, const char *sandbox)
 {
     struct json_writer writer = {0};
 
@@ -46,15 +46,17 @@ void report_ready(struct connection *connection, const struct gl_context_facts *
     json_write_string_member(&writer, "renderer", facts ? facts->renderer : NULL);
     json_write_string_member(&writer, "version", facts ? facts->version : NULL);
     json_write_string_member(&writer, "device_uuid", facts && facts->device_uuid[0] ? facts->device_uuid : NULL);
+    json_write_string_member(&writer, "sandbox", sandbox);
     send_and_finish(connection, &writer);
 }
 
-void report_no_context(struct connection *connection, const char *reason)
+void report_unable(struct connection *connection, const char *fault, const char *reason)
 {
     struct json_writer writer = {0};
 
-    log_error("no GL context: %s", reason);
+    log_error("%s", reason);
     begin(&writer, "worker.failed");
+    json_write_string_member(&writer, "fault", fault);
     json_write_string_member(&writer, "error", reason);
     send_and_finish(connection, &writer);
 }

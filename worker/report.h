@@ -10,8 +10,10 @@ struct frame_accuracy;
 struct gl_context_facts;
 struct published_file;
 
-void report_ready(struct connection *connection, const struct gl_context_facts *facts); // NULL: without a context
-void report_no_context(struct connection *connection, const char *reason);
+// `facts` NULL: without a context; `sandbox`: what it sees to.
+void report_ready(struct connection *connection, const struct gl_context_facts *facts, const char *sandbox);
+// `fault` is "worker", or what of the job it could not be fenced in for: "job", its inputs, or "output".
+void report_unable(struct connection *connection, const char *fault, const char *reason);
 void report_beat(struct connection *connection, uint64_t progress);
 void report_started(struct connection *connection, const struct assignment_frame *frame);
 // A plan for the frame's part of the animation is being made, which may take longer than the frame; or is made.

@@ -55,7 +55,7 @@ void worker_return_picture(struct worker *worker, struct picture *picture)
 
 bool worker_init(struct worker *worker, const struct options *options)
 {
-    *worker = (struct worker){.options = options};
+    *worker = (struct worker){.options = options, .sandbox = "none"};
     worker->wake_fd = eventfd(0, EFD_CLOEXEC);
     if (worker->wake_fd < 0) {
         log_error("eventfd: %s", strerrordesc_np(errno));

@@ -7,6 +7,7 @@
 #include "worker/image.h"
 #include "worker/plan.h"
 #include "worker/ray_counts.h"
+#include "worker/sandbox.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -38,10 +39,11 @@ void picture_destroy(struct picture *picture); // accepts NULL
 struct worker {
     const struct options *options; // borrowed; outlives us
     struct connection connection;
-    int wake_fd;            // readable once a thread has ended
-    atomic_ullong progress; // grows whenever rendering or encoding moves on
-    char backend[16];       // set before the first frame, then constant
-    char renderer[128];     // likewise
+    int wake_fd;                     // readable once a thread has ended
+    atomic_ullong progress;          // grows whenever rendering or encoding moves on
+    char backend[16];                // set before the first frame, then constant
+    char renderer[128];              // likewise
+    char sandbox[SANDBOX_TEXT_SIZE]; // likewise; what it sees to
 
     pthread_mutex_t lock; // guards what follows
     pthread_cond_t changed;

@@ -1,0 +1,12 @@
+// What a fenced worker reads of the machine: libraries, GL drivers and their settings, devices, facts about itself.
+#pragma once
+
+#include <stdbool.h>
+
+struct error;
+struct sandbox_landlock;
+
+// `shader_folder` may be NULL.
+bool sandbox_system_allow(const struct sandbox_landlock *landlock, const char *shader_folder, struct error *error);
+// nanovdb_convert, as $PATH finds it, and what loads it.
+bool sandbox_system_allow_converter(const struct sandbox_landlock *landlock, struct error *error);

@@ -1,0 +1,14 @@
+// Whether this is built with the address sanitizer, which needs memory and calls of the kernel that a renderer does not.
+#pragma once
+
+#ifdef __SANITIZE_ADDRESS__
+enum { IS_SANITIZED = 1 };
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+enum { IS_SANITIZED = 1 };
+#else
+enum { IS_SANITIZED = 0 };
+#endif
+#else
+enum { IS_SANITIZED = 0 };
+#endif
