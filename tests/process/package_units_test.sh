@@ -20,7 +20,7 @@ ln -s usr/bin usr/lib "$scratch/root"
 cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy/marchd.service" "$deploy/marchd.socket" \
     "$scratch/root/usr/lib/systemd/system"
 cp /bin/true "$scratch/root/usr/bin/marchd"
-cp /bin/kill "$scratch/root/usr/bin/kill"
+cp /bin/sh "$scratch/root/usr/bin/sh"
 understands system --root="$scratch/root" marchd.service marchd.socket
 # A user's, with another program: no root can be given for them.
 mkdir "$scratch/user"
@@ -36,13 +36,15 @@ grep -q 'Overall exposure level' "$scratch/said" || fail "systemd-analyze tells 
 # has UNIT LINE, lacks UNIT KEY
 has() { grep -qxF -- "$2" "$deploy/$1" || fail "$1: expected $2"; }
 lacks() { ! grep -qE -- "^$2=" "$deploy/$1" || fail "$1: $2 must not be set"; }
-lacks marchd.service MemoryDenyWriteExecute # llvmpipe compiles what it renders
-lacks marchd.service PrivateDevices         # GPUs
-lacks marchd.service PrivateUsers           # peers' user ids
-lacks marchd.service ProcSubset             # NVIDIA's driver
-lacks marchd.service RuntimeDirectory       # it would take the socket away
-lacks marchd.service DynamicUser            # pictures have an owner
-lacks user/marchd.service MemoryDenyWriteExecute
+lacks marchd.service PrivateDevices   # GPUs
+lacks marchd.service PrivateUsers     # peers' user ids
+lacks marchd.service ProcSubset       # NVIDIA's driver
+lacks marchd.service RuntimeDirectory # it would take the socket away
+lacks marchd.service DynamicUser      # pictures have an owner
+for unit in marchd.service user/marchd.service; do
+    lacks $unit MemoryDenyWriteExecute # llvmpipe compiles what it renders
+    lacks $unit RestrictSUIDSGID       # openat2, by which files are opened below their roots
+done
 for unit in marchd.service user/marchd.service; do
     has $unit Type=notify
     has $unit NotifyAccess=main
