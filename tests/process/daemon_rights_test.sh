@@ -61,6 +61,8 @@ march_as "${bob[@]}" retry "$id"
 expect "the exit code of a refused retry" $? 4
 march_as "${bob[@]}" prio "$id" 3
 expect "the exit code of a refused priority" $? 4
+march_as "${bob[@]}" delete "$id" --files
+expect "the exit code of a refused delete" $? 4
 march_as "${bob[@]}" show "$id" || fail "march show: $(cat "$scratch/err")"
 march_as "${ann[@]}" resume "$id" || fail "march resume: $(cat "$scratch/err")"
 wait_state "$id" succeeded
