@@ -91,7 +91,7 @@ for verb in list workers "show 1" "frames 1" "log 1" "watch 1" "wait 1" "pause 1
     # shellcheck disable=SC2086 # the verb and its operands
     expect 3 "$scratch/none.sock" march $verb --socket "$scratch/none.sock"
 done
-expect 3 "marchd --socket" march submit "$cloud" --socket "$scratch/none.sock"
+expect 3 "one of your own with" march submit "$cloud" --socket "$scratch/none.sock"
 expect 3 "$scratch/env.sock" env MARCHD_SOCKET="$scratch/env.sock" march list
 expect 3 '{"error":' march list --json --socket "$scratch/none.sock"
 : >file.sock
