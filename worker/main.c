@@ -154,7 +154,10 @@ static bool receive_fence(struct connection *connection, struct fence *fence, st
     bool ok;
 
     while (!(line = connection_next(connection, &length, error)))
-        if (error->message[0] || !connection_receive(connection)) return false;
+        if (error->message[0] || !connection_receive(connection)) {
+            if (!error->message[0]) error_set(error, "expected worker.fence, got the end");
+            return false;
+        }
     ok = message_decode(&message, line, length, &code, error) && fence_read(fence, &message, error);
     message_finish(&message);
     return ok;
@@ -195,7 +198,10 @@ int main(int argc, char *argv[])
     memory_end_watch(options.memory_bytes);
     signal_fd = open_signals();
     if (signal_fd < 0 || !worker_init(&worker, &options)) return 1;
-    if (options.is_fenced && !fence_in(&worker)) return 1;
+    if (options.is_fenced && !fence_in(&worker)) {
+        worker_finish(&worker);
+        return 1;
+    }
     // Threads that do not end, or were not all started, are left to the end of the process.
     if (!start_threads(&worker, threads) || !serve(&worker, signal_fd)) _exit(1);
     for (int i = 0; i < 2; i++)

@@ -2,6 +2,7 @@
 
 #include "core/alloc.h"
 #include "worker/sandbox_landlock.h"
+#include "worker/sanitizer.h"
 
 #include <dirent.h>
 #include <elf.h>
@@ -41,12 +42,15 @@ static bool allow_list(const struct sandbox_landlock *landlock, const char *cons
 
 static bool allow_variable(const struct sandbox_landlock *landlock, const char *name, struct error *error)
 {
+    static const char suppressions[] = "suppressions="; // a sanitizer's, which it reads in the end
     const char *value = getenv(name);
     char *copy = xstrdup(value ? value : ""), *rest = copy, *path;
     bool ok = true;
 
-    while (ok && (path = strsep(&rest, ":")))
+    while (ok && (path = strsep(&rest, ":"))) {
+        if (strncmp(path, suppressions, strlen(suppressions)) == 0) path += strlen(suppressions);
         if (path[0] == '/') ok = sandbox_landlock_allow_path(landlock, path, SANDBOX_READ, error);
+    }
     free(copy);
     return ok;
 }
@@ -74,6 +78,7 @@ bool sandbox_system_allow(const struct sandbox_landlock *landlock, const char *s
 {
     for (size_t i = 0; i < sizeof path_variables / sizeof path_variables[0]; i++)
         if (!allow_variable(landlock, path_variables[i], error)) return false;
+    if (IS_SANITIZED && !allow_variable(landlock, "LSAN_OPTIONS", error)) return false;
     if (shader_folder && !sandbox_landlock_allow_path(landlock, shader_folder, SANDBOX_READ, error)) return false;
     return allow_list(landlock, read_paths, sizeof read_paths / sizeof read_paths[0], SANDBOX_READ, error) &&
            allow_list(landlock, device_paths, sizeof device_paths / sizeof device_paths[0], SANDBOX_DEVICE, error) &&

@@ -23,6 +23,14 @@ enum { MESSAGE_TIMEOUT_MS = 60 * 1000, EXIT_TIMEOUT_MS = 20 * 1000 };
 
 void worker_child_start(struct worker_child *child, const char *backend, const char *device)
 {
+    const char *const options[] = {"--backend", backend, device ? "--device" : NULL, device, NULL};
+
+    worker_child_start_with(child, options);
+}
+
+void worker_child_start_with(struct worker_child *child, const char *const options[])
+{
+    const char *arguments[16] = {"march-worker", "--fd"};
     int fds[2];
     char number[16];
 
@@ -35,8 +43,10 @@ void worker_child_start(struct worker_child *child, const char *backend, const c
     if (child->pid == 0) {
         fcntl(fds[1], F_SETFD, 0);
         snprintf(number, sizeof number, "%d", fds[1]);
-        execl(PROGRAM_FOLDER "/march-worker", "march-worker", "--fd", number, "--backend", backend,
-              device ? "--device" : NULL, device, NULL);
+        arguments[2] = number;
+        for (size_t i = 0; options[i] && i + 4 < sizeof arguments / sizeof arguments[0]; i++)
+            arguments[3 + i] = options[i];
+        execv(PROGRAM_FOLDER "/march-worker", (char *const *)arguments);
         _exit(127);
     }
     close(fds[1]);

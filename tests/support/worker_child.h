@@ -16,6 +16,7 @@ struct worker_child {
 };
 
 void worker_child_start(struct worker_child *child, const char *backend, const char *device); // NULL: any
+void worker_child_start_with(struct worker_child *child, const char *const options[]);        // a NULL ends them
 // Starts one with OSMesa and hears that it is ready; without OSMesa the test is skipped.
 void worker_child_start_renderer(struct worker_child *child);
 // Waits for the worker to end by itself and returns its exit status, -1 when it did not or a signal ended it. Its folder
