@@ -87,6 +87,7 @@ inputs_stay_below_roots()
 {
     local document file id
 
+    trap 'rm -f "$root/etc/own.raw" "$root/srv/marchd-input/way-out.raw"' EXIT
     # Whole volumes, readable for all: it is the roots that count.
     inside sh -c 'for file in /home/ann/own.raw /etc/own.raw; do head -c 4096 /dev/urandom >$file; chmod 644 $file; done'
     inside chmod 755 /home/ann
