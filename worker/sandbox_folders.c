@@ -52,6 +52,17 @@ static const char *find_closed_in(const struct fence *fence, int folder_fd)
     return NULL;
 }
 
+// Whether the descriptor's file or folder is in a closed place.
+static bool is_closed(const struct fence *fence, int fd)
+{
+    char place[PATH_MAX], real[PATH_MAX];
+
+    if (!find_place(fd, place)) return fence->closed.count > 0;
+    for (size_t i = 0; i < fence->closed.count; i++)
+        if (is_in(place, realpath(fence->closed.paths[i], real) ? real : fence->closed.paths[i])) return true;
+    return false;
+}
+
 static bool is_root_itself(const struct fence_input *input, int folder_fd)
 {
     struct stat root, folder;
@@ -74,9 +85,10 @@ static bool has_name_of(const char *name, const char *pattern)
     return false;
 }
 
-// Where a link leads that stays below the root. One that does not is left out: who follows it is refused.
-static bool allow_file(const struct sandbox_landlock *landlock, const struct fence_input *input, const char *name,
-                       struct error *error)
+// Where a link leads that stays below the root. One that does not, or leads to a closed place, is left out: who follows it
+// is refused.
+static bool allow_file(const struct sandbox_landlock *landlock, const struct fence *fence,
+                       const struct fence_input *input, const char *name, struct error *error)
 {
     const char *root = strcmp(input->root, "/") == 0 ? "" : input->root;
     struct open_how how = {.flags = O_PATH | O_CLOEXEC, .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
@@ -86,7 +98,7 @@ static bool allow_file(const struct sandbox_landlock *landlock, const struct fen
     bool ok = true;
 
     fd = *root ? (int)syscall(SYS_openat2, root_fd, path, &how, sizeof how) : openat(root_fd, path, O_PATH | O_CLOEXEC);
-    if (fd >= 0 && fstat(fd, &status) == 0 && S_ISREG(status.st_mode))
+    if (fd >= 0 && fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && !is_closed(fence, fd))
         ok = sandbox_landlock_allow(landlock, fd, SANDBOX_READ, error);
     if (fd >= 0) close(fd);
     if (root_fd >= 0) close(root_fd);
@@ -95,8 +107,8 @@ static bool allow_file(const struct sandbox_landlock *landlock, const struct fen
 }
 
 // `folder_fd` is the input's folder. Files that are no links are left to a rule about their folder if there is one.
-static bool allow_files(const struct sandbox_landlock *landlock, const struct fence_input *input, int folder_fd,
-                        bool links_only, struct error *error)
+static bool allow_files(const struct sandbox_landlock *landlock, const struct fence *fence,
+                        const struct fence_input *input, int folder_fd, bool links_only, struct error *error)
 {
     int fd = openat(folder_fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *entries = fd >= 0 ? fdopendir(fd) : NULL;
@@ -105,10 +117,10 @@ static bool allow_files(const struct sandbox_landlock *landlock, const struct fe
     bool ok = true;
 
     // Some folders may be passed but not listed; their files' names are then all that counts.
-    if (!entries) return input_path_is_sequence(pattern) || allow_file(landlock, input, pattern, error);
+    if (!entries) return input_path_is_sequence(pattern) || allow_file(landlock, fence, input, pattern, error);
     while (ok && (entry = readdir(entries)))
         if ((!links_only || entry->d_type != DT_REG) && has_name_of(entry->d_name, pattern))
-            ok = allow_file(landlock, input, entry->d_name, error);
+            ok = allow_file(landlock, fence, input, entry->d_name, error);
     closedir(entries);
     return ok;
 }
@@ -124,9 +136,9 @@ bool sandbox_folders_allow_input(const struct sandbox_landlock *landlock, const 
     if (input_roots_check_opening(&checked, error) != 0) return false;
     fd = input_roots_open_folder(input->root, input->folder, error);
     if (fd < 0) return false;
-    is_open = !is_root_itself(input, fd) && !find_closed_in(fence, fd);
+    is_open = !is_root_itself(input, fd) && !find_closed_in(fence, fd) && !is_closed(fence, fd);
     ok = (!is_open || sandbox_landlock_allow(landlock, fd, SANDBOX_READ, error)) &&
-         allow_files(landlock, input, fd, is_open, error);
+         allow_files(landlock, fence, input, fd, is_open, error);
     close(fd);
     return ok;
 }

@@ -10,7 +10,8 @@ struct sandbox_landlock;
 
 // The folder that the input's file is in, so that files beside it are read too and one may be replaced by another: unless
 // that is the root itself, or holds a place that is closed. Then the files alone that are there now and have its name.
-// Links inside the root are followed. One that leads out of it, and a folder that is not there, are errors.
+// Nothing that is in a closed place is opened. Links inside the root are followed. One that leads out of it, and a folder
+// that is not there, are errors.
 bool sandbox_folders_allow_input(const struct sandbox_landlock *landlock, const struct fence *fence,
                                  const struct fence_input *input, struct error *error);
 // The output folder, made if it is missing. One that holds a closed place is an error.

@@ -158,6 +158,37 @@ static void assert_refused(struct fence fence, enum sandbox_fault wanted, const 
     assert_int_equal(WEXITSTATUS(status), 0);
 }
 
+static int read_the_store(void)
+{
+    if (!fence_places_can_open(fence_places_at("in/ann/b.raw"), O_RDONLY)) return 1;
+    if (fence_places_can_open(fence_places_at("in/state/store"), O_RDONLY)) return 2;
+    if (fence_places_can_open(fence_places_at("in/ann/link"), O_RDONLY)) return 3;
+    return 0;
+}
+
+static struct fence fence_with_store(const char *folder, const char *name)
+{
+    struct fence fence = fence_places_job(folder, name, "ann"), other = fence_places_job("ann", "b.raw", "ann");
+
+    // Both files are the job's.
+    fence.inputs = realloc(fence.inputs, 2 * sizeof fence.inputs[0]);
+    fence.inputs[fence.input_count++] = other.inputs[0];
+    other.input_count = 0;
+    fence_finish(&other);
+    path_list_add(&fence.closed, strdup(fence_places_at("in/state")));
+    return fence;
+}
+
+static void store_is_no_input(void **state)
+{
+    fence_places_skip_without_landlock();
+    assert_int_equal(mkdir(fence_places_at("in/state"), 0700), 0);
+    fence_places_write_file(fence_places_at("in/state/store"));
+    assert_int_equal(symlink("../state/store", fence_places_at("in/ann/link")), 0);
+    fence_places_run(fence_with_store("state", "store"), read_the_store);
+    fence_places_run(fence_with_store("ann", "link"), read_the_store);
+}
+
 static void what_leads_out_of_a_root_is_refused(void **state)
 {
     struct fence holder = fence_places_job("ann", "a.raw", "");
@@ -289,6 +320,7 @@ int main(void)
         IN_PLACES(file_in_the_root_itself_opens_no_more_than_itself),
         IN_PLACES(sequence_in_the_root_opens_files_of_its_name),
         IN_PLACES(folder_that_holds_the_store_is_not_opened),
+        IN_PLACES(store_is_no_input),
         IN_PLACES(what_leads_out_of_a_root_is_refused),
         IN_PLACES(code_made_at_run_time_and_threads_run),
         IN_PLACES(converter_is_the_only_program),
