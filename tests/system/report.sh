@@ -57,6 +57,7 @@ check()
     seconds=$(awk -v a="$begin" -v b="$EPOCHREALTIME" 'BEGIN { printf "%.1f", b - a }')
     if [ "$status" -eq 0 ]; then
         printf 'ok   %6s s  %s\n' "$seconds" "$title"
+        [ -z "${VERBOSE:-}" ] || sed 's/^/       /' "$work/said"
         passed=$((passed + 1))
         return
     fi
