@@ -338,3 +338,20 @@ void frame_life_on_published(void *user, const struct publish_request *request)
     farm_note_change(farm, request->record);
     if (!limits_check_disk(farm, request->record, &reason)) job_change_hold(farm, request->record, &reason);
 }
+
+void frame_life_refuse_job(struct farm *farm, struct job_record *record, bool is_job_fault, const char *reason)
+{
+    struct error cause;
+
+    if (!queue_job_is_live(record->queued)) return;
+    error_set(&cause, "%s", reason);
+    if (is_job_fault) {
+        job_record_set_reason(record, reason);
+        queue_fail_job(farm->queue, record->queued);
+        worker_pool_drop_job(farm->pool, record->id, true);
+        farm_store_job(farm, record);
+    } else {
+        job_change_hold(farm, record, &cause);
+    }
+    farm_note_change(farm, record);
+}

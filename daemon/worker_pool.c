@@ -8,6 +8,7 @@
 #include "daemon/events.h"
 #include "daemon/farm.h"
 #include "daemon/frame_life.h"
+#include "daemon/job_fence.h"
 #include "daemon/options.h"
 #include "daemon/worker_slot.h"
 
@@ -48,8 +49,55 @@ static struct worker_slot *slot_of(struct worker_pool *pool, const struct worker
     return &pool->slots[worker->id - 1];
 }
 
+// Workers that are about to take a frame of the job, or as good as.
+static int64_t count_waiting_for(const struct worker_pool *pool, int64_t job)
+{
+    int64_t count = 0;
+
+    for (int i = 0; i < pool->slot_count; i++) {
+        const struct worker_process *worker = pool->slots[i].worker;
+
+        if (!worker) continue;
+        if (worker->state == WORKER_STOPPING)
+            count += worker->next_job == job;
+        else
+            count += worker->job == job && worker->hand.count == 0;
+    }
+    return count;
+}
+
+// The job that a worker is started for; NULL: for any, or for none yet.
+static struct job_record *find_job_to_serve(const struct worker_pool *pool)
+{
+    const struct queue_job *next = pool->farm->options->has_sandbox ? queue_next_job(pool->farm->queue) : NULL;
+
+    if (!next || count_waiting_for(pool, next->id) >= next->counts[FRAME_QUEUED]) return NULL;
+    return job_table_find(&pool->farm->jobs, next->id);
+}
+
+static int64_t find_memory_limit(const struct worker_pool *pool)
+{
+    int64_t limit = pool->farm->options->worker_memory_bytes;
+
+    if (limit != 0) return limit > 0 ? limit : 0;
+    return (int64_t)((double)uv_get_total_memory() * 0.9 / pool->slot_count);
+}
+
+// False: the job cannot be served, and is not tried again.
+static bool write_fence(struct worker_pool *pool, struct job_record *record, struct json_writer *fence)
+{
+    struct error error = {0};
+    bool is_job_fault;
+
+    if (job_fence_write(pool->farm, record, fence, &is_job_fault, &error)) return true;
+    frame_life_refuse_job(pool->farm, record, is_job_fault, error.message);
+    return false;
+}
+
 static void start_worker(struct worker_pool *pool, int index)
 {
+    struct job_record *record = find_job_to_serve(pool);
+    struct json_writer fence = {0};
     const struct options *options = pool->farm->options;
     struct worker_slot *slot = &pool->slots[index];
     struct worker_params params = {.program = options->worker_program,
@@ -57,10 +105,14 @@ static void start_worker(struct worker_pool *pool, int index)
                                    .shader_folder = options->shader_folder,
                                    .thread_count = options->thread_count,
                                    .progress_limit_ms = options->progress_limit_ms,
+                                   .has_sandbox = options->has_sandbox,
+                                   .memory_bytes = options->has_sandbox ? find_memory_limit(pool) : 0,
+                                   .fence = &fence,
                                    .id = index + 1};
     struct log_subject subject = {.worker = index + 1};
     struct error error = {0};
 
+    if (record && write_fence(pool, record, &fence)) params.job = record->id;
     slot->worker = worker_process_start(pool->farm->loop, &params, &pool->handlers, &error);
     if (slot->worker) {
         log_about(LOG_DEBUG, &subject, "worker %d: started, pid %d", index + 1, worker_process_pid(slot->worker));
@@ -69,6 +121,7 @@ static void start_worker(struct worker_pool *pool, int index)
         worker_slot_set_reason(slot, xstrdup(error.message));
         log_about(LOG_WARN, &subject, "worker %d: %s", index + 1, error.message);
     }
+    json_writer_finish(&fence);
     events_tell_worker(pool->farm->events, index);
 }
 
@@ -131,6 +184,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     worker->renderer = xstrdup(report->renderer);
     worker->version = xstrdup(report->version);
     worker->device_uuid = copy_text(report->device_uuid);
+    worker->sandbox = copy_text(report->sandbox);
     log_about(LOG_INFO, &(struct log_subject){.worker = worker->id}, "worker %d: ready: %s on %s (%s)", worker->id,
               report->backend, report->renderer, report->version);
     worker_slot_set_reason(slot_of(pool, worker), NULL);
@@ -138,9 +192,17 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     farm_want_feed(pool->farm);
 }
 
-static void note_unable(struct worker_process *worker, const char *error, int64_t now_ms)
+// That the job cannot be fenced in says nothing about the worker.
+static void note_unable(struct worker_pool *pool, struct worker_process *worker, const struct worker_report *report,
+                        int64_t now_ms)
 {
-    if (!worker->end_reason) worker->end_reason = xstrdup(error);
+    struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
+
+    if (!worker->end_reason) worker->end_reason = xstrdup(report->error);
+    if (record && worker->state == WORKER_STARTING && report->fault != RETRY_FAULT_WORKER) {
+        worker->is_replaced = true;
+        frame_life_refuse_job(pool->farm, record, report->fault == RETRY_FAULT_JOB, report->error);
+    }
     worker_process_expect_exit(worker, now_ms + EXIT_MS);
 }
 
@@ -173,7 +235,7 @@ static void on_report(void *user, struct worker_process *worker, const struct wo
 
     note_clocks(worker, report, now_ms);
     if (report->kind == WORKER_REPORT_READY) note_ready(pool, worker, report);
-    if (report->kind == WORKER_REPORT_UNABLE) note_unable(worker, report->error, now_ms);
+    if (report->kind == WORKER_REPORT_UNABLE) note_unable(pool, worker, report, now_ms);
     if (report->kind >= WORKER_REPORT_STARTED && report->kind <= WORKER_REPORT_DROPPED)
         frame_life_note_report(pool->farm, worker, report);
     if (report->kind == WORKER_REPORT_FINISHED || report->kind == WORKER_REPORT_SKIPPED)
@@ -187,7 +249,8 @@ static void on_gone(void *user, struct worker_process *worker)
     struct worker_slot *slot = slot_of(pool, worker);
     char *reason = worker_process_describe_end(worker);
     struct log_subject subject = worker_process_subject(worker);
-    bool is_expected = pool->is_stopping && worker->exit_status == 0 && worker->exit_signal == 0;
+    bool is_replaced = worker->is_replaced && worker->hand.count == 0 && worker->exit_signal == 0;
+    bool is_expected = is_replaced || (pool->is_stopping && worker->exit_status == 0 && worker->exit_signal == 0);
 
     if (!is_expected)
         log_about(LOG_WARN, &subject, "worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
@@ -195,7 +258,12 @@ static void on_gone(void *user, struct worker_process *worker)
     slot->done += worker->done;
     slot->worker = NULL;
     // Code that does not end says nothing about the slot.
-    if (worker->done == 0 && !worker->suspect) retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
+    if (worker->done == 0 && !worker->suspect && !is_replaced)
+        retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
+    if (is_replaced) {
+        free(reason);
+        reason = NULL;
+    }
     worker_slot_set_reason(slot, reason);
     events_tell_worker(pool->farm->events, worker->id - 1);
     worker_process_close(worker);
@@ -261,6 +329,16 @@ struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int 
     return worker && worker->state == WORKER_READY ? worker : NULL;
 }
 
+bool worker_pool_suits(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job)
+{
+    if (!pool->farm->options->has_sandbox || worker->job == job->id) return true;
+    if (worker->hand.count > 0 || count_waiting_for(pool, job->id) >= job->counts[FRAME_QUEUED]) return false;
+    worker->is_replaced = true;
+    worker->next_job = job->id;
+    worker_process_exit(worker, farm_now_ms(pool->farm) + EXIT_MS);
+    return false;
+}
+
 int worker_pool_ready_count(const struct worker_pool *pool)
 {
     int count = 0;
@@ -312,6 +390,8 @@ void worker_pool_forget_job(struct worker_pool *pool, int64_t job)
         struct worker_process *worker = pool->slots[i].worker;
 
         if (!worker || !worker_process_knows_job(worker, job)) continue;
+        // Brought back, it may read other files: what was opened may be gone.
+        if (worker->job == job) worker->job = WORKER_NO_JOB;
         worker_process_forget_job(worker, job);
         send_about_job(worker, "worker.forget", job, false, false);
     }

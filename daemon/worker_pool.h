@@ -9,6 +9,7 @@
 
 struct farm;
 struct json_writer;
+struct queue_job;
 struct worker_pool;
 
 struct worker_pool *worker_pool_create(struct farm *farm, int slot_count);
@@ -24,6 +25,9 @@ int worker_pool_slot_count(const struct worker_pool *pool);
 int worker_pool_ready_count(const struct worker_pool *pool);
 // The worker in slot `index` that may be given frames, else NULL.
 struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index);
+// Whether frames of the job go to the worker as it is. If not, and its hand is empty and no other worker is about to take
+// them, it is told to exit, for one that serves that job to take its place.
+bool worker_pool_suits(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job);
 // Why no worker can be given frames; NULL when one can. Owned by the caller.
 char *worker_pool_format_trouble(const struct worker_pool *pool);
 

@@ -5,9 +5,11 @@
 #include "core/json_write.h"
 #include "core/log.h"
 #include "core/message.h"
+#include "core/worker_status.h"
 #include "daemon/worker_environment.h"
 
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -42,13 +44,13 @@ static void init_pipes(uv_loop_t *loop, struct worker_process *worker)
 // The worker is in a session of its own, so that a terminal's ctrl-C stops the daemon first, which stops it in order.
 static int spawn(uv_loop_t *loop, struct worker_process *worker, const struct worker_params *params, char **environment)
 {
+    char memory[24];
     // libuv takes them without const and changes none.
-    const char *arguments[] = {
-        params->program,       "--fd", "3", "--backend", params->backend, params->shader_folder ? "--shader-dir" : NULL,
-        params->shader_folder, NULL};
+    const char *arguments[16] = {params->program, "--fd", "3", "--backend", params->backend};
+    size_t count = 5;
     uv_stdio_container_t stdio[] = {
         {.flags = UV_IGNORE},
-        {.flags = UV_INHERIT_FD, .data.fd = 2},
+        {.flags = UV_IGNORE}, // not to the daemon's log, where it could pass for the daemon
         {.flags = UV_CREATE_PIPE | UV_WRITABLE_PIPE, .data.stream = (uv_stream_t *)&worker->errors},
         {.flags = UV_CREATE_PIPE | UV_READABLE_PIPE | UV_WRITABLE_PIPE, .data.stream = (uv_stream_t *)&worker->channel},
     };
@@ -60,6 +62,20 @@ static int spawn(uv_loop_t *loop, struct worker_process *worker, const struct wo
                                     .stdio_count = CHANNEL_FD + 1,
                                     .stdio = stdio};
 
+    if (params->shader_folder) {
+        arguments[count++] = "--shader-dir";
+        arguments[count++] = params->shader_folder;
+    }
+    if (params->memory_bytes > 0) {
+        snprintf(memory, sizeof memory, "%lld", (long long)params->memory_bytes);
+        arguments[count++] = "--memory";
+        arguments[count++] = memory;
+    }
+    if (!params->has_sandbox) {
+        arguments[count++] = "--sandbox";
+        arguments[count++] = "no";
+    }
+    if (params->job) arguments[count++] = "--fenced";
     return uv_spawn(loop, &worker->process, &options);
 }
 
@@ -72,6 +88,8 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
 
     worker->id = params->id;
     worker->handlers = handlers;
+    worker->job = params->job;
+    worker->memory_bytes = params->memory_bytes;
     worker->open_handles = 3;
     init_pipes(loop, worker);
     status = spawn(loop, worker, params, environment);
@@ -86,6 +104,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
     liveness_start(&worker->liveness, (int64_t)uv_now(loop));
     uv_read_start((uv_stream_t *)&worker->channel, on_allocate_channel, on_channel_read);
     uv_read_start((uv_stream_t *)&worker->errors, on_allocate_errors, on_errors_read);
+    if (params->job) worker_process_send(worker, params->fence);
     return worker;
 }
 
@@ -274,6 +293,9 @@ char *worker_process_describe_end(const struct worker_process *worker)
     if (worker->end_reason) return xstrdup(worker->end_reason);
     if (worker->exit_signal)
         return xasprintf("killed by signal %d (%s)", worker->exit_signal, strsignal(worker->exit_signal));
+    if (worker->exit_status == WORKER_STATUS_MEMORY && worker->memory_bytes > 0)
+        return xasprintf("out of memory: a worker may have %.3g GiB (worker-memory)",
+                         (double)worker->memory_bytes / (1 << 30));
     return xasprintf("exit status %lld", (long long)worker->exit_status);
 }
 
@@ -350,6 +372,7 @@ static void on_handle_closed(uv_handle_t *handle)
     free(worker->renderer);
     free(worker->version);
     free(worker->device_uuid);
+    free(worker->sandbox);
     free(worker->end_reason);
     free(worker->known_jobs);
     hand_finish(&worker->hand);

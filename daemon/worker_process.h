@@ -18,7 +18,7 @@ struct job_record;
 struct json_writer;
 struct worker_process;
 
-enum { WORKER_LOG_BYTES = 8192 };
+enum { WORKER_LOG_BYTES = 8192, WORKER_ANY_JOB = 0, WORKER_NO_JOB = -1 };
 
 enum worker_state {
     WORKER_STARTING,
@@ -38,14 +38,22 @@ struct worker_params {
     int thread_count;
     int64_t progress_limit_ms;
     int id; // of its slot
+    bool has_sandbox;
+    int64_t memory_bytes;            // that it may allocate; 0: any amount
+    int64_t job;                     // that alone it serves, fenced in; 0: any
+    const struct json_writer *fence; // of that job; borrowed during the call
 };
 
 // Open for reading; changed by this module and by who hands it frames.
 struct worker_process {
     int id;
     enum worker_state state;
-    const struct worker_handlers *handlers;                    // borrowed; outlive us
-    char *backend, *vendor, *renderer, *version, *device_uuid; // owned; NULL until ready
+    int64_t job;                            // that alone it serves; WORKER_ANY_JOB, or WORKER_NO_JOB: that job is over
+    int64_t next_job;                       // that it makes room for; 0: none
+    bool is_replaced;                       // its end is no fault of its own: another takes its place
+    int64_t memory_bytes;                   // that it may allocate; 0: any amount
+    const struct worker_handlers *handlers; // borrowed; outlive us
+    char *backend, *vendor, *renderer, *version, *device_uuid, *sandbox; // owned; NULL until ready
     struct hand hand;
     int64_t *known_jobs; // owned; whose worker.job it was sent
     size_t known_count, known_capacity;

@@ -45,7 +45,8 @@ static bool read_ready(struct worker_report *report, const struct json_node *bod
     return read_text(body, "backend", &report->backend, error) && read_text(body, "vendor", &report->vendor, error) &&
            read_text(body, "renderer", &report->renderer, error) &&
            read_text(body, "version", &report->version, error) &&
-           read_maybe_text(body, "device_uuid", &report->device_uuid, error);
+           read_maybe_text(body, "device_uuid", &report->device_uuid, error) &&
+           read_maybe_text(body, "sandbox", &report->sandbox, error);
 }
 
 static bool read_beat(struct worker_report *report, const struct json_node *body, struct error *error)
@@ -131,6 +132,11 @@ static bool read_failed(struct worker_report *report, const struct json_node *bo
 
 static bool read_unable(struct worker_report *report, const struct json_node *body, struct error *error)
 {
+    struct json_node node = json_node_child(body, "fault");
+    int fault = RETRY_FAULT_WORKER;
+
+    if (!json_node_is_absent(&node) && !json_read_enum(&node, retry_fault_names, &fault, error)) return false;
+    report->fault = (enum retry_fault)fault;
     return read_text(body, "error", &report->error, error);
 }
 

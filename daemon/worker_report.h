@@ -30,6 +30,7 @@ enum worker_report_kind {
 struct worker_report {
     enum worker_report_kind kind;
     const char *backend, *vendor, *renderer, *version, *device_uuid; // ready; device_uuid may be NULL
+    const char *sandbox;                                             // ready; what keeps it in; may be NULL
     double progress;                                                 // beat
     int64_t job;                                                     // of a frame
     int32_t frame, attempt;

@@ -34,6 +34,7 @@ static void write_process(const struct worker_process *worker, struct json_write
     json_write_string_member(writer, "renderer", worker ? worker->renderer : NULL);
     json_write_string_member(writer, "version", worker ? worker->version : NULL);
     json_write_string_member(writer, "device_uuid", worker ? worker->device_uuid : NULL);
+    json_write_string_member(writer, "sandbox", worker ? worker->sandbox : NULL);
     json_write_key(writer, "job");
     if (job)
         json_write_integer(writer, job);

@@ -46,7 +46,7 @@ reason=$(ask job.frames "{\"id\":$id}" | jq -r '.result.frames[0].error')
 # Who is told that a job failed can ask why at once.
 for _ in {1..20}; do
     id=$(submit "$(hall few 0 0.5 '{"max_depth":3}')")
-    "$bin/march" wait "$id" >/dev/null 2>&1 && fail "the job did not fail"
+    MARCHD_SOCKET=$socket "$bin/march" wait "$id" >/dev/null 2>&1 && fail "the job did not fail"
     expect "reasons" "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[] | select(.error)] | length')" 1
 done
 

@@ -1,0 +1,48 @@
+#!/bin/bash
+# A job's worker reaches the job's files and no other: what a hostile job points at is refused with a reason, and others render.
+. "$(dirname "$0")/farm.sh"
+mkdir -p "$scratch/in/ann" "$scratch/in/bob" "$scratch/out"
+head -c 60 /dev/zero >"$scratch/in/ann/good_5x4x3xuint8.raw"
+cp "$scratch/in/ann/good_5x4x3xuint8.raw" "$scratch/in/bob/secret.raw"
+ln -s "$scratch/state" "$scratch/in/ann/store"
+printf "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 5 4 3\nencoding: raw\nendian: little\ndata file: %s\n" \
+    "$scratch/in/bob/secret.raw" >"$scratch/in/ann/spy.nhdr"
+
+# scan FILE NAME: prints a job that shows that volume.
+scan()
+{
+    jq -nc --arg file "$1" --arg name "$2" '
+        { version: 1, name: $name, frames: "0-1", fps: 24, resolution: [16, 9],
+          camera: { position: [0, 0, 4], target: [0, 0, 0], fov: 30 },
+          scene: { media: [ { density: { kind: "grid", file: $file }, sigma_a: 0, emission: 1 } ] },
+          quality: { method: "midpoint", step: 0.1 }, output: { path: ($name + "/f.####.exr"), pixel: "half" } }'
+}
+
+start_daemon --backend osmesa --input-root "$scratch/in"
+id=$(submit "$(scan "$scratch/in/ann/good_5x4x3xuint8.raw" good)")
+wait_state "$id" succeeded
+expect_files good 2
+held=$(ask worker.list | jq -r '[.result.workers[].sandbox | select(startswith("landlock"))] | length')
+if [ "$held" = 0 ]; then
+    echo "this kernel has no Landlock: what a worker reads is not tried"
+    exit 77
+fi
+
+# The header is a file of the job's, what it names is not.
+spy=$(submit "$(scan "$scratch/in/ann/spy.nhdr" spy)")
+wait_state "$spy" failed
+ask job.frames "{\"id\":$spy}" | jq -r '.result.frames[].error' | grep -q 'Permission denied' ||
+    fail "the reason: $(field "$spy" .reason) $(ask job.frames "{\"id\":$spy}")"
+expect_files spy 0
+
+# Nothing of it stays with the slots.
+other=$(submit "$(scan "$scratch/in/ann/good_5x4x3xuint8.raw" after)")
+wait_state "$other" succeeded
+expect "workers in trouble" "$(ask worker.list | jq '[.result.workers[] | select(.reason != null)] | length')" 0
+grep -q 'warning: worker' "$scratch/daemon.log" && fail "a change of jobs is no warning"
+stop_daemon
+# With the sandbox off it is rendered: nothing else refused it.
+start_daemon --backend osmesa --input-root "$scratch/in" --sandbox no
+open=$(submit "$(scan "$scratch/in/ann/spy.nhdr" open)")
+wait_state "$open" succeeded
+stop_daemon
