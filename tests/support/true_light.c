@@ -12,6 +12,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -24,25 +25,33 @@ struct comparison {
     double *truth; // owned
 };
 
-static void note_pixel(struct comparison *comparison, size_t i, const struct image *image,
-                       const struct reference_pixel *pixel, double depth)
+static void note_seen(struct comparison *comparison, const struct image *image)
+{
+    size_t count = comparison->count;
+
+    for (size_t i = 0; i < count; ++i) {
+        for (size_t c = 0; c < 3; ++c) {
+            comparison->seen[RADIANCE * count + 3 * i + c] = image->rgba[4 * i + c];
+            comparison->seen[TRANSMITTANCE * count + 3 * i + c] = image->transmittance[4 * i + c];
+        }
+        comparison->seen[ALPHA * count + i] = image->rgba[4 * i + 3];
+        comparison->seen[DEPTH * count + i] = image->depth[i];
+    }
+}
+
+static void note_truth(struct comparison *comparison, size_t i, const struct reference_pixel *pixel, double depth)
 {
     size_t count = comparison->count;
 
     for (size_t c = 0; c < 3; ++c) {
-        comparison->seen[RADIANCE * count + 3 * i + c] = image->rgba[4 * i + c];
         comparison->truth[RADIANCE * count + 3 * i + c] = pixel->radiance[c];
-        comparison->seen[TRANSMITTANCE * count + 3 * i + c] = image->transmittance[4 * i + c];
         comparison->truth[TRANSMITTANCE * count + 3 * i + c] = pixel->transmittance[c];
     }
-    comparison->seen[ALPHA * count + i] = image->rgba[4 * i + 3];
     comparison->truth[ALPHA * count + i] = pixel->alpha;
-    comparison->seen[DEPTH * count + i] = image->depth[i];
     comparison->truth[DEPTH * count + i] = depth;
 }
 
-static void measure(const struct job *job, const struct image *image, struct comparison *comparison,
-                    struct true_rays *rays)
+static void measure(const struct job *job, struct comparison *comparison, struct true_rays *rays)
 {
     struct still *still = xcalloc(1, sizeof *still);
     struct still_inputs inputs;
@@ -54,7 +63,7 @@ static void measure(const struct job *job, const struct image *image, struct com
         int x = (int)(i % (size_t)job->width_px), y = (int)(i / (size_t)job->width_px);
         struct reference_pixel pixel = reference_measure_pixel(still, x, y, NULL);
 
-        note_pixel(comparison, i, image, &pixel, reference_measure_depth(still, x, y));
+        note_truth(comparison, i, &pixel, reference_measure_depth(still, x, y));
         rays->count += pixel.ray_count / (double)comparison->count;
         rays->cut_count += pixel.cut_count / (double)comparison->count;
         rays->cut_throughput += pixel.cut_throughput / (double)comparison->count;
@@ -63,6 +72,24 @@ static void measure(const struct job *job, const struct image *image, struct com
     load_texture_finish(&inputs);
     load_grid_finish(&inputs);
     free(still);
+}
+
+// Measures, or takes from `kept` what was measured before.
+static void find_truth(const struct job *job, struct comparison *comparison, struct true_rays *rays,
+                       struct true_light_truth *kept)
+{
+    size_t size_bytes = PLANES * comparison->count * sizeof *comparison->truth;
+
+    if (kept && kept->planes) {
+        assert_int_equal(kept->pixel_count, comparison->count);
+        memcpy(comparison->truth, kept->planes, size_bytes);
+        *rays = kept->rays;
+        return;
+    }
+    measure(job, comparison, rays);
+    if (!kept) return;
+    *kept = (struct true_light_truth){xmalloc(size_bytes), comparison->count, *rays};
+    memcpy(kept->planes, comparison->truth, size_bytes);
 }
 
 static struct reference_error find_error(const struct comparison *comparison, size_t plane, size_t plane_count)
@@ -105,7 +132,8 @@ static void print(const struct true_light *light)
                   light->rays_seen.cut_throughput, light->rays_true.cut_throughput);
 }
 
-struct true_light true_light_compare_but(const struct job *job, enum gl_backend backend, size_t stray_count)
+static struct true_light compare(const struct job *job, enum gl_backend backend, size_t stray_count,
+                                 struct true_light_truth *kept)
 {
     struct comparison comparison = {.count = (size_t)job->width_px * (size_t)job->height_px};
     struct true_light light = {0};
@@ -115,7 +143,8 @@ struct true_light true_light_compare_but(const struct job *job, enum gl_backend 
     comparison.seen = xcalloc(PLANES * comparison.count, sizeof *comparison.seen);
     comparison.truth = xcalloc(PLANES * comparison.count, sizeof *comparison.truth);
     render_frame_counting_rays(backend, job, &image, &counts);
-    measure(job, &image, &comparison, &light.rays_true);
+    note_seen(&comparison, &image);
+    find_truth(job, &comparison, &light.rays_true, kept);
     light.rays_seen = (struct true_rays){counts.rays, counts.cut_rays, counts.cut_throughput, counts.cut_by_depth};
     if (!counts.is_known) light.rays_true = (struct true_rays){0};
     for (size_t i = 0; i < stray_count; ++i)
@@ -133,7 +162,24 @@ struct true_light true_light_compare_but(const struct job *job, enum gl_backend 
 
 struct true_light true_light_compare(const struct job *job, enum gl_backend backend)
 {
-    return true_light_compare_but(job, backend, 0);
+    return compare(job, backend, 0, NULL);
+}
+
+struct true_light true_light_compare_but(const struct job *job, enum gl_backend backend, size_t stray_count)
+{
+    return compare(job, backend, stray_count, NULL);
+}
+
+struct true_light true_light_compare_with(const struct job *job, enum gl_backend backend,
+                                          struct true_light_truth *truth)
+{
+    return compare(job, backend, 0, truth);
+}
+
+void true_light_truth_finish(struct true_light_truth *truth)
+{
+    free(truth->planes);
+    *truth = (struct true_light_truth){.planes = NULL};
 }
 
 bool true_light_is_within(const struct true_light *light, double tolerance)
