@@ -106,7 +106,7 @@ static void start_worker(struct worker_pool *pool, int index)
                                    .thread_count = options->thread_count,
                                    .progress_limit_ms = options->progress_limit_ms,
                                    .has_sandbox = options->has_sandbox,
-                                   .memory_bytes = options->has_sandbox ? find_memory_limit(pool) : 0,
+                                   .memory_bytes = find_memory_limit(pool),
                                    .fence = &fence,
                                    .id = index + 1};
     struct log_subject subject = {.worker = index + 1};
