@@ -83,6 +83,21 @@ cloud_is_the_same()
     expect "the picture's owner" "$(stat -c %a "$root/srv/marchd/compared/c.0010.exr")" 644
 }
 
+# Where the kernel of this machine has Landlock: what holds inside is what held for the job.
+workers_are_fenced()
+{
+    local id sandbox
+
+    id=$(submit ann "$(cloud_job 1-2 64 36 fenced)")
+    as ann march wait "$id"
+    sandbox=$(as ann march workers --json | jq -r '[.workers[] | select(.done > 0) | .sandbox] | unique | join("; ")')
+    echo "$sandbox"
+    [[ $sandbox == *landlock*seccomp* ]] || fail "expected landlock and seccomp, got \"$sandbox\""
+    # The daemon itself is as the unit has it; a worker can do less.
+    inside sh -c 'for pid in $(pgrep -u marchd -f march-worker); do grep -E "^(NoNewPrivs|Seccomp):" /proc/$pid/status; done' >"$work/out"
+    grep -q 'Seccomp:.2' "$work/out" && ! grep -q 'NoNewPrivs:.0' "$work/out" || fail "$(cat "$work/out")"
+}
+
 inputs_stay_below_roots()
 {
     local document file id
