@@ -185,8 +185,10 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     worker->version = xstrdup(report->version);
     worker->device_uuid = copy_text(report->device_uuid);
     worker->sandbox = copy_text(report->sandbox);
-    log_about(LOG_INFO, &(struct log_subject){.worker = worker->id}, "worker %d: ready: %s on %s (%s)", worker->id,
-              report->backend, report->renderer, report->version);
+    // One comes with each job: news only where it is the farm's.
+    log_about(worker->job ? LOG_DEBUG : LOG_INFO,
+              &(struct log_subject){.worker = worker->id, .job = worker->job > 0 ? worker->job : 0},
+              "worker %d: ready: %s on %s (%s)", worker->id, report->backend, report->renderer, report->version);
     worker_slot_set_reason(slot_of(pool, worker), NULL);
     events_tell_worker(pool->farm->events, worker->id - 1);
     farm_want_feed(pool->farm);

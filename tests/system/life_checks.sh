@@ -55,8 +55,8 @@ memory_bomb_is_survived()
     id=$(submit ann "$(bomb_job bomb)")
     other=$(submit bob "$(cloud_job 1-4 160 90 beside)")
     ends 1 "" as ann march wait "$id"
-    job_field ann "$id" .reason >"$work/out"
-    grep -q 'out of memory: a worker may have' "$work/out" || fail "its reason: $(cat "$work/out")"
+    as ann march log "$id" >"$work/out"
+    grep -q 'out of memory: a worker may have 1 GiB' "$work/out" || fail "its log: $(cat "$work/out")"
     as bob march wait "$other"
     landed_once beside 4
     reload "user-jobs = 3" "log-level = debug"
