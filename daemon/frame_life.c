@@ -353,5 +353,6 @@ void frame_life_refuse_job(struct farm *farm, struct job_record *record, bool is
     } else {
         job_change_hold(farm, record, &cause);
     }
+    farm_want_feed(farm); // workers may have left its frames to the one that was started for it
     farm_note_change(farm, record);
 }

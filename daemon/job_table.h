@@ -29,6 +29,8 @@ struct job_record {
     struct quota_amounts share;                    // what is counted of it
     struct estimate estimate;
     int in_hand;                             // frames that workers hold or that are being published
+    int failed_starts;                       // of its workers, in a row, that ended before they were ready
+    bool is_last_start;                      // others do start: the next of its own that does not is the last
     int holds;                               // of those who outlive it on the table
     bool is_removed;                         // from the table
     bool is_deleting;                        // it will be forgotten

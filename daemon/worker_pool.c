@@ -8,6 +8,7 @@
 #include "daemon/events.h"
 #include "daemon/farm.h"
 #include "daemon/frame_life.h"
+#include "daemon/job_change.h"
 #include "daemon/job_fence.h"
 #include "daemon/options.h"
 #include "daemon/worker_slot.h"
@@ -16,7 +17,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TICK_MS = 250, EXIT_MS = 5000 };
+enum {
+    TICK_MS = 250,
+    EXIT_MS = 5000,
+    START_LIMIT = 3 // workers of a job that end before they are ready, until it is seen whether others do start
+};
 
 struct worker_pool {
     struct farm *farm; // borrowed; outlives us
@@ -70,9 +75,11 @@ static int64_t count_waiting_for(const struct worker_pool *pool, int64_t job)
 static struct job_record *find_job_to_serve(const struct worker_pool *pool)
 {
     const struct queue_job *next = pool->farm->options->has_sandbox ? queue_next_job(pool->farm->queue) : NULL;
+    struct job_record *record;
 
     if (!next || count_waiting_for(pool, next->id) >= next->counts[FRAME_QUEUED]) return NULL;
-    return job_table_find(&pool->farm->jobs, next->id);
+    record = job_table_find(&pool->farm->jobs, next->id);
+    return record->failed_starts < START_LIMIT || record->is_last_start ? record : NULL;
 }
 
 static int64_t find_memory_limit(const struct worker_pool *pool)
@@ -174,6 +181,32 @@ static char *copy_text(const char *text)
     return text ? xstrdup(text) : NULL;
 }
 
+static void note_start(const struct worker_pool *pool, const struct worker_process *worker)
+{
+    struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
+
+    if (!record) return;
+    record->failed_starts = 0;
+    record->is_last_start = false;
+}
+
+// Where workers start, but not with the fence of this job, it is held: else no other's frames would be rendered.
+static void note_failed_start(const struct worker_pool *pool, const struct worker_process *worker, const char *reason)
+{
+    struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
+    struct error why;
+
+    if (!record || pool->is_stopping) return;
+    if (!record->is_last_start) {
+        if (record->failed_starts < START_LIMIT) record->failed_starts++;
+        return;
+    }
+    record->failed_starts = 0;
+    record->is_last_start = false;
+    error_set(&why, "workers start, but not those for this job: %s", reason);
+    job_change_hold(pool->farm, record, &why);
+}
+
 static void note_ready(struct worker_pool *pool, struct worker_process *worker, const struct worker_report *report)
 {
     if (worker->state != WORKER_STARTING) return;
@@ -185,6 +218,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     worker->version = xstrdup(report->version);
     worker->device_uuid = copy_text(report->device_uuid);
     worker->sandbox = copy_text(report->sandbox);
+    note_start(pool, worker);
     // One comes with each job: news only where it is the farm's.
     log_about(worker->job ? LOG_DEBUG : LOG_INFO,
               &(struct log_subject){.worker = worker->id, .job = worker->job > 0 ? worker->job : 0},
@@ -201,9 +235,9 @@ static void note_unable(struct worker_pool *pool, struct worker_process *worker,
     struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
 
     if (!worker->end_reason) worker->end_reason = xstrdup(report->error);
-    if (record && worker->state == WORKER_STARTING && report->fault != RETRY_FAULT_WORKER) {
+    if (worker->job != WORKER_ANY_JOB && worker->state == WORKER_STARTING && report->fault != RETRY_FAULT_WORKER) {
         worker->is_replaced = true;
-        frame_life_refuse_job(pool->farm, record, report->fault == RETRY_FAULT_JOB, report->error);
+        if (record) frame_life_refuse_job(pool->farm, record, report->fault == RETRY_FAULT_JOB, report->error);
     }
     worker_process_expect_exit(worker, now_ms + EXIT_MS);
 }
@@ -257,6 +291,7 @@ static void on_gone(void *user, struct worker_process *worker)
     if (!is_expected)
         log_about(LOG_WARN, &subject, "worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
     frame_life_lose_hand(pool->farm, worker, reason);
+    if (!worker->backend && !is_replaced) note_failed_start(pool, worker, reason);
     slot->done += worker->done;
     slot->worker = NULL;
     // Code that does not end says nothing about the slot.
@@ -269,6 +304,7 @@ static void on_gone(void *user, struct worker_process *worker)
     worker_slot_set_reason(slot, reason);
     events_tell_worker(pool->farm->events, worker->id - 1);
     worker_process_close(worker);
+    farm_want_feed(pool->farm); // others may have left the next frames to it
     start_due(pool);
 }
 
@@ -333,7 +369,10 @@ struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int 
 
 bool worker_pool_suits(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job)
 {
+    struct job_record *record = job_table_find(&pool->farm->jobs, job->id);
+
     if (!pool->farm->options->has_sandbox || worker->job == job->id) return true;
+    if (record->failed_starts == START_LIMIT) record->is_last_start = true; // for this one did start
     if (worker->hand.count > 0 || count_waiting_for(pool, job->id) >= job->counts[FRAME_QUEUED]) return false;
     worker->is_replaced = true;
     worker->next_job = job->id;
@@ -391,9 +430,10 @@ void worker_pool_forget_job(struct worker_pool *pool, int64_t job)
     for (int i = 0; i < pool->slot_count; i++) {
         struct worker_process *worker = pool->slots[i].worker;
 
-        if (!worker || !worker_process_knows_job(worker, job)) continue;
+        if (!worker) continue;
         // Brought back, it may read other files: what was opened may be gone.
         if (worker->job == job) worker->job = WORKER_NO_JOB;
+        if (!worker_process_knows_job(worker, job)) continue;
         worker_process_forget_job(worker, job);
         send_about_job(worker, "worker.forget", job, false, false);
     }

@@ -79,6 +79,29 @@ for fault in job frame; do
     stop_daemon
 done
 
+# Where workers start, but not those for one job, that job is held and the others go on. Where none start, no job is held.
+cat >"$scratch/no-start" <<EOF
+#!/bin/bash
+[ ! -e "$scratch/outage" ] || exit 1
+if [[ " \$* " == *" --fenced "* ]]; then
+    read -r -u 3 fence
+    [[ \$fence != *'"folder":"bad"'* ]] || exit 1
+fi
+exec "$bin/stub-worker" --mode skip "\$@"
+EOF
+chmod +x "$scratch/no-start"
+touch "$scratch/outage"
+start_daemon --worker-program "$scratch/no-start"
+bad=$(submit "$(job 1-3 '.output.path = "bad/f.####.exr" | .priority = 99')")
+good=$(submit "$(job 1-3 '.output.path = "good/f.####.exr"')")
+wait_until 10 "workers do not start" eval '[ "$(grep -c "ended: exit status 1" "$scratch/daemon.log")" -ge 7 ]'
+expect "a job when no worker starts" "$(field "$bad" .state)" queued
+rm "$scratch/outage"
+wait_state "$good" succeeded 40
+[[ $(field "$bad" '"\(.state): \(.reason)"') == "paused: paused: workers start, but not those for this job: exit status 1" ]] ||
+    fail "a job whose workers do not start: $(field "$bad" '{state, reason}')"
+stop_daemon
+
 # A store that a newer version wrote is left alone.
 sqlite3 "$scratch/state/queue.db" 'PRAGMA user_version = 1000'
 refuse "newer" --state "$scratch/state" --socket "$socket" --output-root "$scratch/out"
