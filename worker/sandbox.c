@@ -74,10 +74,11 @@ static bool allow_job(const struct sandbox_landlock *landlock, const struct sand
                       struct error *error)
 {
     const struct fence *fence = job->fence;
+    size_t files_left = SANDBOX_FILE_LIMIT;
 
     *fault = SANDBOX_FAULT_JOB;
     for (size_t i = 0; i < fence->input_count; i++)
-        if (!sandbox_folders_allow_input(landlock, fence, &fence->inputs[i], error)) return false;
+        if (!sandbox_folders_allow_input(landlock, fence, &fence->inputs[i], &files_left, error)) return false;
     *fault = SANDBOX_FAULT_OUTPUT;
     if (!sandbox_folders_allow_output(landlock, fence, error)) return false;
     *fault = SANDBOX_FAULT_WORKER;

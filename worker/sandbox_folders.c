@@ -108,7 +108,8 @@ static bool allow_file(const struct sandbox_landlock *landlock, const struct fen
 
 // `folder_fd` is the input's folder. Files that are no links are left to a rule about their folder if there is one.
 static bool allow_files(const struct sandbox_landlock *landlock, const struct fence *fence,
-                        const struct fence_input *input, int folder_fd, bool links_only, struct error *error)
+                        const struct fence_input *input, int folder_fd, bool links_only, size_t *files_left,
+                        struct error *error)
 {
     int fd = openat(folder_fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *entries = fd >= 0 ? fdopendir(fd) : NULL;
@@ -118,15 +119,21 @@ static bool allow_files(const struct sandbox_landlock *landlock, const struct fe
 
     // Some folders may be passed but not listed; their files' names are then all that counts.
     if (!entries) return input_path_is_sequence(pattern) || allow_file(landlock, fence, input, pattern, error);
-    while (ok && (entry = readdir(entries)))
-        if ((!links_only || entry->d_type != DT_REG) && has_name_of(entry->d_name, pattern))
-            ok = allow_file(landlock, fence, input, entry->d_name, error);
+    while (ok && (entry = readdir(entries))) {
+        if ((links_only && entry->d_type == DT_REG) || !has_name_of(entry->d_name, pattern)) continue;
+        ok = *files_left > 0 && allow_file(landlock, fence, input, entry->d_name, error);
+        if (*files_left == 0)
+            error_set(error, "%s: expected at most %d files that are links, or in no folder of their own", input->place,
+                      SANDBOX_FILE_LIMIT);
+        else
+            --*files_left;
+    }
     closedir(entries);
     return ok;
 }
 
 bool sandbox_folders_allow_input(const struct sandbox_landlock *landlock, const struct fence *fence,
-                                 const struct fence_input *input, struct error *error)
+                                 const struct fence_input *input, size_t *files_left, struct error *error)
 {
     struct job_input checked = {.path = input->path, .root = input->root, .folder = input->folder};
     int fd = -1;
@@ -138,7 +145,7 @@ bool sandbox_folders_allow_input(const struct sandbox_landlock *landlock, const 
     if (fd < 0) return false;
     is_open = !is_root_itself(input, fd) && !find_closed_in(fence, fd) && !is_closed(fence, fd);
     ok = (!is_open || sandbox_landlock_allow(landlock, fd, SANDBOX_READ, error)) &&
-         allow_files(landlock, fence, input, fd, is_open, error);
+         allow_files(landlock, fence, input, fd, is_open, files_left, error);
     close(fd);
     return ok;
 }

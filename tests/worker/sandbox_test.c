@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "tests/support/fence_places.h"
 #include "tests/support/temp_folder.h"
+#include "worker/sandbox_folders.h"
 #include "worker/sandbox_landlock.h"
 #include "worker/sanitizer.h"
 
@@ -204,6 +205,19 @@ static void what_leads_out_of_a_root_is_refused(void **state)
     assert_refused(holder, SANDBOX_FAULT_OUTPUT, "which is the daemon's");
 }
 
+// Its worker would not be ready in time, again and again.
+static void more_links_than_can_be_opened_in_time_are_refused(void **state)
+{
+    assert_int_equal(mkdir(fence_places_at("in/many"), 0700), 0);
+    for (int i = 0; i <= SANDBOX_FILE_LIMIT; i++) {
+        char name[32];
+
+        snprintf(name, sizeof name, "in/many/%06d.raw", i);
+        assert_int_equal(symlink("../ann/a.raw", fence_places_at(name)), 0);
+    }
+    assert_refused(fence_places_job("many", "######.raw", "ann"), SANDBOX_FAULT_JOB, "at most 32768 files");
+}
+
 static void *answer(void *user)
 {
     *(int *)user = 42;
@@ -322,6 +336,7 @@ int main(void)
         IN_PLACES(folder_that_holds_the_store_is_not_opened),
         IN_PLACES(store_is_no_input),
         IN_PLACES(what_leads_out_of_a_root_is_refused),
+        IN_PLACES(more_links_than_can_be_opened_in_time_are_refused),
         IN_PLACES(code_made_at_run_time_and_threads_run),
         IN_PLACES(converter_is_the_only_program),
         cmocka_unit_test(memory_has_a_limit),
