@@ -231,8 +231,9 @@ static bool load(scmp_filter_ctx filter, int status, const struct sandbox_calls 
     return false;
 }
 
-// Orders that allowed calls take: to type for whoever looks at our terminal, to have the kernel send signals to others,
-// and to outlive who started us. The kernel looks at half of that argument, so the rest must not make another of it.
+// Orders that allowed calls take: to type for whoever looks at our terminal, to have the kernel send signals to others, to
+// make others wait who open a file of ours, and to outlive who started us. The kernel looks at half of that argument, so
+// the rest must not make another of it.
 static int refuse_orders(scmp_filter_ctx filter)
 {
     static const struct {
@@ -240,8 +241,9 @@ static int refuse_orders(scmp_filter_ctx filter)
         unsigned argument;
         uint32_t order;
     } orders[] = {
-        {"ioctl", 1, TIOCSTI},   {"ioctl", 1, TIOCLINUX}, {"ioctl", 1, TIOCSETD}, {"ioctl", 1, FIOSETOWN},
-        {"ioctl", 1, SIOCSPGRP}, {"fcntl", 1, F_SETOWN},  {"fcntl", 1, F_SETSIG}, {"fcntl", 1, F_SETOWN_EX},
+        {"ioctl", 1, TIOCSTI},   {"ioctl", 1, TIOCLINUX},   {"ioctl", 1, TIOCSETD},
+        {"ioctl", 1, FIOSETOWN}, {"ioctl", 1, SIOCSPGRP},   {"fcntl", 1, F_SETOWN},
+        {"fcntl", 1, F_SETSIG},  {"fcntl", 1, F_SETOWN_EX}, {"fcntl", 1, F_SETLEASE},
     };
     const struct scmp_arg_cmp outlive[] = {
         {.arg = 0, .op = SCMP_CMP_MASKED_EQ, .datum_a = UINT32_MAX, .datum_b = PR_SET_PDEATHSIG},

@@ -84,6 +84,7 @@ static int reach_for_processes(void)
     if (!fence_places_is_refused(syscall(SYS_prctl, (UINT64_C(1) << 32) + PR_SET_PDEATHSIG, 0, 0, 0, 0))) return 13;
     if (!fence_places_is_refused(setpriority(PRIO_USER, 0, 19))) return 14;
     if (!fence_places_is_refused(fcntl(STDIN_FILENO, F_SETOWN, parent))) return 15;
+    if (!fence_places_is_refused(fcntl(STDIN_FILENO, F_SETLEASE, F_UNLCK))) return 18; // who opens a leased file waits
     if (!fence_places_is_refused(ioctl(STDIN_FILENO, TIOCSTI, "x"))) return 16;
     if (!fence_places_is_refused(syscall(SYS_ioctl, STDIN_FILENO, (UINT64_C(1) << 32) + TIOCSTI, "x"))) return 17;
     return 0;
