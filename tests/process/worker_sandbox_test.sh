@@ -18,15 +18,46 @@ scan()
           quality: { method: "midpoint", step: 0.1 }, output: { path: ($name + "/f.####.exr"), pixel: "half" } }'
 }
 
-start_daemon --backend osmesa --input-root "$scratch/in"
+# served FIELD: of the workers that have rendered.
+served()
+{
+    ask worker.list | jq -r "[.result.workers[] | select(.done > 0) | .$1 | tostring] | unique | join(\" \")"
+}
+
+start_daemon --backend osmesa --input-root "$scratch/in" --workers 1
 id=$(submit "$(scan "$scratch/in/ann/good_5x4x3xuint8.raw" good)")
 wait_state "$id" succeeded
 expect_files good 2
-held=$(ask worker.list | jq -r '[.result.workers[].sandbox | select(startswith("landlock"))] | length')
-if [ "$held" = 0 ]; then
+held=$(served sandbox) first=$(served pid)
+[[ $held == "landlock "*", seccomp" || $held == "seccomp, no landlock in this kernel" ]] || fail "a worker with a job's files is held by \"$held\""
+
+# Another job gets another process, though it reads and writes in the same folders.
+id=$(submit "$(scan "$scratch/in/ann/good_5x4x3xuint8.raw" good | jq -c '.output.path = "good/g.####.exr"')")
+wait_state "$id" succeeded
+expect_files good 4
+[ "$(served pid)" != "$first" ] || fail "the worker of the first job has served the second"
+stop_daemon
+
+# A job that eats memory is told what it may have; without the limit it would be the machine's.
+if grep -q __asan_init "$bin/march-worker"; then
+    echo "sanitizers need more memory than there would be: not tried"
+else
+    start_daemon --backend osmesa --workers 1 --worker-memory 512M --max-attempts 1
+    bomb=$(submit "$(job 1 '.scene.media[0].density = { kind: "glsl", file: "/bomb.glsl", lipschitz: 1, bounds: { kind: "sphere", radius: 1 },
+        source: "#define A(x) x + x + x + x + x + x + x + x\n#define B(x) A(A(A(x)))\nfloat density(vec3 p, float t) { return B(B(B(p.x))); }\n" } |
+        del(.camera.clip) | .output.path = "bomb/b.####.exr"')")
+    wait_state "$bomb" failed
+    said=$(ask job.log "{\"id\":$bomb}" | jq -r '.result.attempts[].log')
+    [[ $said == *"out of memory: a worker may have 0.5 GiB (worker-memory)"* ]] || fail "the reason: $said"
+    stop_daemon
+    rm "$scratch/daemon.log" # that was worth a warning
+fi
+
+if [[ $held != landlock* ]]; then
     echo "this kernel has no Landlock: what a worker reads is not tried"
     exit 77
 fi
+start_daemon --backend osmesa --input-root "$scratch/in"
 
 # The header is a file of the job's, what it names is not.
 spy=$(submit "$(scan "$scratch/in/ann/spy.nhdr" spy)")
