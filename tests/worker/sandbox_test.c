@@ -105,6 +105,7 @@ static int read_a_sequence(void)
         fence_places_can_open(fence_places_at("in/s.01.raw2"), O_RDONLY))
         return 3;
     if (fence_places_can_open(fence_places_at("in/s.04.raw"), O_RDONLY)) return 4; // a link that leads out
+    if (fence_places_can_open(fence_places_at("in/s.05.raw"), O_RDONLY)) return 5; // likewise, and not to the store
     return 0;
 }
 
@@ -117,6 +118,7 @@ static void sequence_in_the_root_opens_files_of_its_name(void **state)
     fence_places_write_file(fence_places_at("in/s.01.raw2"));
     assert_int_equal(symlink("bob/b.raw", fence_places_at("in/s.03.raw")), 0);
     assert_int_equal(symlink("../state/store", fence_places_at("in/s.04.raw")), 0);
+    assert_int_equal(symlink("../out/bob/b.exr", fence_places_at("in/s.05.raw")), 0);
     fence_places_run(fence_places_job("", "s.##.raw", "ann"), read_a_sequence);
 }
 
