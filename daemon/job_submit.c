@@ -209,6 +209,18 @@ static bool check_peer(struct request *request)
     return false;
 }
 
+// Its worker may write to all that is below its folder: of the root itself, that would be everybody's pictures.
+static bool check_folder(struct request *request, const struct job *job, const char *root)
+{
+    if (*job->output.path.folder || rights_is_admin(&request->farm->rights, &request->client->peer)) return true;
+    request_fail(
+        request, MESSAGE_CODE_NOT_ALLOWED,
+        "output.path: expected a folder below %s, as in \"first/first.####.exr\": files in the root itself are "
+        "for administrators",
+        root);
+    return false;
+}
+
 static bool find_inputs(struct request *request, const struct job *job, struct job_inputs *inputs)
 {
     request->code = MESSAGE_CODE_NOT_ALLOWED;
@@ -229,7 +241,8 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     request->code = MESSAGE_CODE_PARAMS;
     if (!job_from_json(&job, document, root, &request->error) || !job_check_inputs(&job, document, &request->error))
         goto out;
-    if (!find_inputs(request, &job, &inputs) || !check_limits(request, &job) || !check_collisions(request, &job, root))
+    if (!check_folder(request, &job, root) || !find_inputs(request, &job, &inputs) || !check_limits(request, &job) ||
+        !check_collisions(request, &job, root))
         goto out;
     submit = create_submit(request, &job, json_format(document), root);
     submit->row.is_paused = paused;

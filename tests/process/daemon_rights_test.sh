@@ -71,6 +71,11 @@ expect_error "$(ask_as "${bob[@]}" job.retry "{\"id\":$id,\"state\":\"succeeded\
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 4-9 '.output.path = "ann/a.####.exr" | .output.existing = "overwrite"')}")" \
     2 "output.path: a.0004.exr is of job $id of games"
 
+# Files in the output root itself: their worker could write to everybody's folders.
+expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.output.path = "mine.####.exr"')}")" 2 "output.path: expected a folder below"
+[[ $(ask_as "${chief[@]}" job.submit "{\"document\":$(job 1 '.output.path = "theirs.####.exr"'),\"paused\":true}") == *'"id":'* ]] ||
+    fail "an administrator may write there"
+
 # A folder that the daemon may not write to, and a file that it may not read: the job says so, nobody else pays.
 install -d -o 5 -g 60 -m 755 "$scratch/out/private"
 expect_error "$(ask_as "${ann[@]}" job.submit "{\"document\":$(job 1 '.output.path = "private/sub/p.####.exr"')}")" -32602 "Permission denied"
