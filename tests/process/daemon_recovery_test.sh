@@ -103,3 +103,21 @@ sleep 0.3
 before=$SECONDS
 stop_daemon
 [ $((SECONDS - before)) -le 10 ] || fail "it took $((SECONDS - before)) s to stop while a client asked"
+
+# What a worker of a dead daemon still writes is in nobody's way, and goes with the job.
+start_daemon --worker-program "$(stub write:10)"
+id=$(submit "$(job 1-3 '.output.path = "late/l.####.exr"')" true)
+epoch=$(sqlite3 "$scratch/state/queue.db" 'SELECT epoch FROM daemon')
+kill_daemon
+start_daemon --worker-program "$(stub write:10)"
+expect "the epoch" "$(sqlite3 "$scratch/state/queue.db" 'SELECT epoch FROM daemon')" $((epoch + 1))
+for frame in 1 2 3; do
+    echo late >"$scratch/out/late/l.000$frame.exr.$id.$epoch.1.part"
+done
+ask job.resume "{\"id\":$id}" >/dev/null
+wait_state "$id" succeeded
+expect "attempts of each frame" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[].attempts]')" "[1,1,1]"
+wait_until 5 "leftovers are gone" eval '[ -z "$(find "$scratch/out/late" -name "*.part")" ]'
+expect_files late 3
+! grep -q late "$scratch"/out/late/*.exr || fail "a late worker's bytes were published"
+stop_daemon
