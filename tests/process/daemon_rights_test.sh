@@ -111,12 +111,13 @@ grep -q "^<3>forged\|^forged" "$scratch/daemon.log" && fail "a forged line: $(gr
 stop_daemon
 printf '#!/bin/sh\nprintf "a\\033[2Jb\\n12:00:00.000 info: forged\\n" >&2\nexec "%s/stub-worker" --mode crash "$@"\n' "$bin" >"$scratch/loud"
 chmod 755 "$scratch/loud"
-start_daemon --worker-program "$scratch/loud" --admin-group operator --max-attempts 1
+start_daemon --worker-program "$scratch/loud" --admin-group operator --max-attempts 1 --log-level debug
 chmod 666 "$socket"
 loud=$(ask_as "${ann[@]}" job.submit "{\"document\":$(job 1 '.output.path = "loud/l.####.exr"')}" | jq .result.id)
 wait_state "$loud" failed
 said=$(ask job.log "{\"id\":$loud}")
 [[ $said == *'a?[2Jb'* ]] || fail "the log: $said"
+grep -q "12:00:00.000 info: forged" "$scratch/daemon.log" || fail "the daemon's log should have the worker's words"
 grep -q "^12:00:00.000 info: forged" "$scratch/daemon.log" && fail "a forged line"
 
 # The largest requests: as many frames as there are numbers, the deepest JSON, the longest line.
