@@ -1,5 +1,6 @@
-// What it costs to encode a frame and to gate it, per compression and thread count, in memory: exr_bench [FILE.exr]. Without
-// a file it is a picture like a cloud's, 1920x1080.
+// What it costs to encode a frame and to gate it, per compression and thread count, in memory: exr_bench [FILE.exr].
+// SPDX-License-Identifier: Apache-2.0
+// Without a file it is a picture like a cloud's, 1920x1080.
 #include "core/error.h"
 #include "core/job.h"
 #include "worker/gate.h"

@@ -1,5 +1,7 @@
-// The daemon as it is run, with workers that render nothing: how fast frames pass, how soon a job is safe, what a million
-// queued frames weigh, and what the farm adds to the renders.
+// The daemon as it is run, with workers that render nothing.
+// SPDX-License-Identifier: Apache-2.0
+// How fast frames pass, how soon a job is safe, what a million queued frames weigh, and what the farm adds to the
+// renders.
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/file.h"

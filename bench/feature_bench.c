@@ -1,4 +1,5 @@
 // What parts of a scene cost, one feature after the other: feature_bench IMAGE. A frame of 960x540 each, medians of several.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"

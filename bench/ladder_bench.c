@@ -1,7 +1,9 @@
-// Time against error of a frame: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB... The jobs show the same scene at the same
-// size, each its own way. TRUTH keeps the light of every STRIDE-th pixel and row, from STRIDE / 2 on, as doubles; it is measured when
-// it is not there. --once: times are those of one rendering, with compiling and reading, and truth is good to 1e-3.
-// ladder_bench [--frame N] --reach JOB says between which distances, in metres, camera rays meet media.
+// Time against error of a frame: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB...
+// SPDX-License-Identifier: Apache-2.0
+// The jobs show the same scene at the same size, each its own way. TRUTH keeps the light of every STRIDE-th pixel and
+// row, from STRIDE / 2 on, as doubles; it is measured when it is not there. --once: times are those of one rendering,
+// with compiling and reading, and truth is good to 1e-3. ladder_bench [--frame N] --reach JOB says between which
+// distances, in metres, camera rays meet media.
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/file.h"

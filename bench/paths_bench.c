@@ -1,5 +1,7 @@
-// Time against error of a job whose rays are reflected and refracted: paths_bench JOB. Each setting is timed at the job's own
-// resolution with one sample a pixel, and compared with reference/ along the same rays in pixels spread over the picture.
+// Time against error of a job whose rays are reflected and refracted: paths_bench JOB.
+// SPDX-License-Identifier: Apache-2.0
+// Each setting is timed at the job's own resolution with one sample a pixel, and compared with reference/ along the
+// same rays in pixels spread over the picture.
 #include "cli/job_document.h"
 #include "core/alloc.h"
 #include "core/error.h"

@@ -1,6 +1,8 @@
-// What plans foretell beside what is then measured: predictions_bench WIDTH TOLERANCE JOB..., a row of a table for each job, its
-// resolution brought to WIDTH. Of the first segment: seconds of processors (of the clock, where a GPU renders) of frames spread
-// over it, and their error by many pixels against reference/; of code of the user's against a march in finer steps.
+// What plans predict beside what is then measured: predictions_bench WIDTH TOLERANCE JOB...
+// SPDX-License-Identifier: Apache-2.0
+// Each job is a row of a table, its resolution brought to WIDTH. The first segment gives seconds of processors (of the
+// clock, where a GPU renders) of frames spread over it, and their error by many pixels against reference/; a job with
+// code of the user's is compared with a march in finer steps.
 #include "cli/job_document.h"
 #include "core/error.h"
 #include "core/job.h"

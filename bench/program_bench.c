@@ -1,5 +1,7 @@
-// What the programs of jobs cost in CPU time: program_bench JOB... Compile and link, then tiny frames of each on a new
-// renderer: the first also lets the driver make machine code, the others should not.
+// What the programs of jobs cost in CPU time: program_bench JOB...
+// SPDX-License-Identifier: Apache-2.0
+// Compile and link, then tiny frames of each on a new renderer: the first also lets the driver make machine code, the
+// others should not.
 #include "cli/job_document.h"
 #include "core/error.h"
 #include "core/job.h"

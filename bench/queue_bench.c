@@ -1,4 +1,5 @@
 // Frames per second through queue and dispatch on one core, and the memory of a million queued frames.
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/dispatch.h"
 #include "daemon/estimate.h"
 #include "daemon/queue.h"

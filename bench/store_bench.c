@@ -1,4 +1,5 @@
 // What durability costs: frames per second with the store committing, submit latency, restarts with a million frames.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/alloc.h"
 #include "core/error.h"
 #include "daemon/queue.h"

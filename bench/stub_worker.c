@@ -1,4 +1,5 @@
 // A worker that renders nothing: it speaks the protocol, for the daemon's benchmarks and process tests.
+// SPDX-License-Identifier: Apache-2.0
 //
 // stub-worker --fd N [--mode MODE], other options are taken and ignored. MODE is
 //   skip         answers each frame with frame.skipped at once (default)

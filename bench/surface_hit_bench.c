@@ -1,5 +1,7 @@
-// Two ways to find the first surface along a ray, timed against each other: spans in closed form, and marching a distance
-// field with a bound on its steps. A ball and a box over a floor, as the examples have them.
+// Two ways to find the first surface along a ray, timed against each other.
+// SPDX-License-Identifier: Apache-2.0
+// Spans in closed form are one, marching a distance field with a bound on its steps the other. A ball and a box stand
+// over a floor, as the examples have them.
 #include "core/error.h"
 #include "worker/gl_context.h"
 #include "worker/gl_functions.h"

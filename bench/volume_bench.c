@@ -1,4 +1,5 @@
 // What a volume costs: reading it, the first frame, the next ones, and memory. Each volume in a process of its own.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // An axis of decades: where values lie on it, and what its decades are called.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // A chart's points as a CSV file, which is also where a chart that was stopped goes on from.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

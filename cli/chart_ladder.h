@@ -1,4 +1,5 @@
 // Which settings of which methods a chart tries: for each method a ladder from coarse to fine, and where its climb ends.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

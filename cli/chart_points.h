@@ -1,4 +1,5 @@
 // Settings of methods that were tried on one picture, and what came of each: seconds and error, or why not.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/chart_query.h"
 
 #include "cli/chart_ladder.h"

@@ -1,4 +1,5 @@
 // What a chart asks its worker: how large the scene is, its truth, seconds and error of a setting, a picture of errors.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/chart_points.h"

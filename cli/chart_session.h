@@ -1,4 +1,5 @@
 // Measures the points of a chart with a worker of our own: what is in its files is not measured again.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/chart_points.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/chart_svg.h"
 
 #include "cli/chart_axis.h"

@@ -1,4 +1,5 @@
 // A chart's picture: seconds against error, both in decades, a line a method, readable on light and on dark.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The verbs of `march`: what each accepts and who carries it out.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

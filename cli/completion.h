@@ -1,4 +1,5 @@
 // What may come next on a command line of `march`, for the shells' completion: it is said by the tables that parse it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

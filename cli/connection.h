@@ -1,4 +1,5 @@
 // Talks JSON-RPC, a line a message, with the daemon or a worker: asks and waits, and hands over what comes unasked.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

@@ -1,4 +1,5 @@
 // One question to the daemon: connects, asks, hangs up.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

@@ -1,4 +1,5 @@
 // Connects to the first daemon that answers.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

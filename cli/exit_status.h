@@ -1,4 +1,5 @@
 // What the program's exit code says to scripts.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 enum exit_status {

@@ -1,4 +1,5 @@
 // An MP4 from numbered PNG files, by ffmpeg.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Follows jobs by the daemon's events until they have ended.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

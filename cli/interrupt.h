@@ -1,4 +1,5 @@
 // Ctrl-C and its like as something to wait for beside a socket, so that what was begun can be taken back.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <signal.h>

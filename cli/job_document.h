@@ -1,4 +1,5 @@
 // A job file as the user gave it, with the changes of --set applied.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

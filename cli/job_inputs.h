@@ -1,4 +1,5 @@
 // The files that a job reads: found from the job file's folder, so that who runs the job later need not know it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // What the daemon says about a job.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

@@ -1,4 +1,5 @@
 // What a job would do, told before it is done.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct job;

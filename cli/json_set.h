@@ -1,4 +1,5 @@
 // Changes one value of a JSON document by its path: "scene.media[0].sigma_s=32".
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

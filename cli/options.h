@@ -1,4 +1,5 @@
 // What the user asked of a verb: one set of options, of which each verb accepts some.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Below which folder a job's files lie that is rendered without a daemon.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // What a worker foretells of a job that states a tolerance: asked for and told to people.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

@@ -1,4 +1,5 @@
 // Puts answers on standard output.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct json_node;

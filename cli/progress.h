@@ -1,4 +1,5 @@
 // A live line a job on a terminal, a plain line now and then elsewhere.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

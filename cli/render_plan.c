@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/render_plan.h"
 
 #include "core/frame_range.h"

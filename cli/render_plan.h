@@ -1,4 +1,5 @@
 // Which frames a single worker has in hand, which wait, and which are given up.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

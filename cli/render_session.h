@@ -1,4 +1,5 @@
 // Renders a job's frames with one worker after another until each is there or given up.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

@@ -1,4 +1,5 @@
 // The files of a sequence, given as a pattern or one by one.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Where the daemon's socket is expected.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

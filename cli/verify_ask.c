@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/verify_ask.h"
 
 #include "cli/interrupt.h"

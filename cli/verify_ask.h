@@ -1,4 +1,5 @@
 // Has a worker look into the files that are verified.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

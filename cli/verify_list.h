@@ -1,4 +1,5 @@
 // Files that are verified: what a folder has of them, and what is known of each.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/frame_accuracy.h"

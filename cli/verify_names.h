@@ -1,4 +1,5 @@
 // Tells the sequences of a folder apart by the names of their files.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // Tells what verifying found: a table of what is wrong and a line a sequence, or JSON.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

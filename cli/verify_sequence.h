@@ -1,4 +1,5 @@
 // What a sequence of files is as a whole: complete, of one job and size, and how exact.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // A march-worker of our own, at the other end of a socket pair.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "cli/exit_status.h"

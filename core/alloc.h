@@ -1,4 +1,5 @@
 // Small allocations that end the program when memory is out.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // Reads the light of a hot grid.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Reads the bounds of a density.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

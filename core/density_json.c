@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/density_json.h"
 
 #include "core/bounds_json.h"

@@ -1,4 +1,5 @@
 // Reads the density of a medium, of any kind, and its bounds.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

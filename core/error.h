@@ -1,4 +1,5 @@
 // Why a function failed, as one sentence for the person who reads it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct error {

@@ -1,5 +1,6 @@
-// Whole files: read with a limit, written so that a reader never meets half of one. Messages do not name the path: callers
-// prefix it.
+// Whole files: read with a limit, written so that a reader never meets half of one.
+// SPDX-License-Identifier: Apache-2.0
+// Messages do not name the path: callers prefix it.
 #pragma once
 
 #include <stdbool.h>

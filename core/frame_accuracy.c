@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/frame_accuracy.h"
 
 #include "core/json_read.h"

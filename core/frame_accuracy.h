@@ -1,4 +1,5 @@
 // How exact a frame proved: as workers tell it, the store keeps it and users read it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Which frames of a sequence to render, written "1-100x2,140".
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

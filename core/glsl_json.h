@@ -1,4 +1,5 @@
 // Reads a density that the user wrote in GLSL.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

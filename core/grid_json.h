@@ -1,4 +1,5 @@
 // Reads a density from a file of voxels.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

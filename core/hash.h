@@ -1,4 +1,5 @@
 // The 128-bit hash of a file's or a job's bytes (XXH3: finds accidents, keeps out nobody who means harm).
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

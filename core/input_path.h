@@ -1,4 +1,5 @@
 // Which file a frame reads: "smoke/smoke.####.nvdb" stands for one file a frame.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The files that a job reads, the root that each must stay below, and how such a folder is opened.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // A job: a scene, the frames to render of it, how well, and where to.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/frame_range.h"

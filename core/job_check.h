@@ -1,4 +1,5 @@
 // What no single value of a job shows: geometry and phase weights at the frames, and whether the method suits the scene.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

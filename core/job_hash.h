@@ -1,4 +1,5 @@
 // The hash of all that a job's pictures depend on: equal hashes, equal pixels in the frame of the same number.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

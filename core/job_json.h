@@ -1,4 +1,5 @@
 // Reads a job document (docs/job_format.md).
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

@@ -1,4 +1,5 @@
 // Reads JSON of unknown origin: every failure names the place ("scene.media[0].phase[0].g: expected ...").
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Says whether a text is strict JSON, before a more forgiving parser reads it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

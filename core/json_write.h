@@ -1,4 +1,5 @@
 // Writes compact JSON into a growing text.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Lines for the operator, with what each is about; one level and one way out for the whole program.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

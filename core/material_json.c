@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/material_json.h"
 
 #include "core/medium_json.h"

@@ -1,4 +1,5 @@
 // Reads what the surface of an object does to light, and the medium that fills it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/medium_json.h"
 
 #include "core/blackbody_json.h"

@@ -1,4 +1,5 @@
 // Reads a medium: its density, what it does to light, and its phase function.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

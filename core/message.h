@@ -1,4 +1,5 @@
 // One JSON-RPC 2.0 message: what clients, the daemon and workers say to each other, one a line.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/message_stream.h"
 
 #include "core/alloc.h"

@@ -1,4 +1,5 @@
 // Cuts a stream of bytes into lines, each at most so long.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Reads the objects of a scene: their shapes and materials.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Where a frame's file goes: "cloud/cloud.####.exr" below a root that nothing may leave.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // A list of absolute folders, such as the roots that files of jobs may be below.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // Gives a finished part file its name: the one step that makes a frame visible, taken only by whoever owns the frame.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

@@ -1,4 +1,5 @@
 // Reads how the light along a ray is summed: a job's quality.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

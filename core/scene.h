@@ -1,4 +1,5 @@
 // What is in front of the camera and how light passes through it. Metres, seconds, radians; coefficients per metre.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/timeline.h"

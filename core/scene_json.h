@@ -1,4 +1,5 @@
 // Reads camera, lights, background, media and objects from a job document.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/scene_nodes.h"
 
 #include "core/scene.h"

@@ -1,4 +1,5 @@
 // Where a job's document has what its scene was read from.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

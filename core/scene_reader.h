@@ -1,4 +1,5 @@
 // Reads the members of a scene's objects: numbers and vectors that may move, and the limits that several of them share.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

@@ -1,4 +1,5 @@
 // Whether a job's method suits its scene, and how many steps it would take along a ray at most.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Reads the image on a surface.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // A number or a vector that may change with time.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Reads a number or a vector that may move.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

@@ -1,4 +1,5 @@
 // Tells well-formed UTF-8 from other bytes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // What a worker's exit status says to whoever started it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 enum worker_status {

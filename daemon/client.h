@@ -1,4 +1,5 @@
 // One connection: cuts its bytes into messages, answers in any order, and pays alone for what it floods.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/message.h"

@@ -1,4 +1,5 @@
 // Commits store ops off the loop: one batch is in flight while the next gathers.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Wires the daemon's modules to one loop, and takes them apart in order.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // How many frames a worker gets at once: enough that handing them out costs nothing, few enough to share the end.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // How long a job's frames take and when it will be done, from its recent frames.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Tells subscribers what happens; who does not read is disconnected.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "daemon/queue.h"

@@ -1,4 +1,5 @@
 // What the daemon's modules share: jobs, their queue, and everything that acts on them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "daemon/job_table.h"

@@ -1,4 +1,5 @@
 // Gives frames to the workers that have their hands free.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct farm;

@@ -1,4 +1,5 @@
 // Removes what a job published: of its files those alone that still are what it published. Blocking.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

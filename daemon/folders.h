@@ -1,4 +1,5 @@
 // Folders that must be there before anything else: made with their parents.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

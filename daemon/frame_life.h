@@ -1,4 +1,5 @@
 // What becomes of a frame after a worker answered for it, died with it, or its file was published.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

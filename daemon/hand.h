@@ -1,4 +1,5 @@
 // The frames a worker holds: given to it, begun, rendered and not yet answered for.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "daemon/queue.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/index_heap.h"
 
 #include "core/alloc.h"

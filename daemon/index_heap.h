@@ -1,4 +1,5 @@
 // A set of indices that gives the smallest first.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

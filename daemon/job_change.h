@@ -1,4 +1,5 @@
 // What a client may do to a job it submitted: pause, resume, cancel, retry, give another priority.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/frame_range.h"

@@ -1,4 +1,5 @@
 // Makes the daemon forget a job that is over, and removes its files if that is asked for.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // What a job's worker may reach: the message worker.fence, from the job's document and the daemon's options.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Takes a job in: checks it, its folder and whose files it would write, commits it, queues it, answers.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

@@ -1,4 +1,5 @@
 // What the daemon knows of each job beside the states of its frames.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/log.h"

@@ -1,4 +1,5 @@
 // Jobs and frames as clients see them: the objects of docs/protocol.md.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct farm;

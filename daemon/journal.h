@@ -1,4 +1,5 @@
 // Sends the daemon's lines to systemd's journal, with job, frame and attempt as fields.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/log.h"

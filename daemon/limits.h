@@ -1,4 +1,5 @@
 // Holds users to what they may have: counts what each job takes, asks before more is taken.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "daemon/quota.h"

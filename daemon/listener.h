@@ -1,4 +1,5 @@
 // The unix socket: made or taken from systemd, and the clients that are connected to it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "daemon/client.h"

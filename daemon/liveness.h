@@ -1,4 +1,5 @@
 // Whether a worker still works, by clocks: start-up, heartbeat, progress, and run time against the job's median.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

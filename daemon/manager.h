@@ -1,4 +1,5 @@
 // What the service manager is told of the daemon: ready, reloading, stopping, and a line on how it goes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 // How marchd is started: the command line over the environment over a file over defaults.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/log.h"

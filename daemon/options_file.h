@@ -1,4 +1,5 @@
 // The daemon's configuration file: a setting a line, `key = value`, blank lines and lines that begin with `#` left out.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // What the values of options mean: counts, seconds, sizes, names.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/log.h"

@@ -1,4 +1,5 @@
 // Gives finished files their names: intent on disk first, then renames in batches off the loop, a sync a folder.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/error.h"

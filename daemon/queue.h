@@ -1,4 +1,5 @@
 // Which frames wait, run and are done: states and answers, no clock, no file, no process.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/frame_range.h"

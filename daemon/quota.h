@@ -1,4 +1,5 @@
 // What each user has on the farm, and whether more would be too much: sums and words, nothing else.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

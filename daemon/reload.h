@@ -1,4 +1,5 @@
 // Settings that are read again while the daemon runs: which hold at once, and which wait for a restart.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct options;

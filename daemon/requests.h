@@ -1,4 +1,5 @@
 // What clients ask of the daemon: finds the method, reads its parameters, answers.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // Brings back what the store holds: jobs, their frames, and files whose publishing was cut short.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

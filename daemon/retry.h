@@ -1,4 +1,5 @@
 // What follows a fault: whether a frame is tried again, and when a slot starts its next worker.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

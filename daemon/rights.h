@@ -1,4 +1,5 @@
 // Who may change which job: its owner, root, the daemon's own user, members of the admin group.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

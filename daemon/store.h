@@ -1,4 +1,5 @@
 // What survives: jobs, frames and attempts in SQLite. Blocking; used from one thread at a time.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/frame_accuracy.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/store_lock.h"
 
 #include "core/alloc.h"

@@ -1,4 +1,5 @@
 // One daemon a state folder: the folder, and the lock that a second daemon meets.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct error;

@@ -1,4 +1,5 @@
 // Answers from the store that the queue does not keep: rows of frames, attempts and job files.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "daemon/store.h"

@@ -1,4 +1,5 @@
 // The store's tables, their version, and a frame's row.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

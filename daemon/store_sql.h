@@ -1,4 +1,5 @@
 // What the store's files share of SQLite: short calls, and its errors as sentences.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

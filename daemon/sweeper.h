@@ -1,4 +1,5 @@
 // Removes part files that nobody will publish, off the loop.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Tells the service manager that the loop turns, where it wants to be told (WatchdogSec= of systemd).
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <uv.h>

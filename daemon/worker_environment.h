@@ -1,4 +1,5 @@
 // The environment a worker is started with: of the daemon's own what it needs, no disk cache of shaders, llvmpipe's threads.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 char **worker_environment_create(int thread_count); // ends in NULL

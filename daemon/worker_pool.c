@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/worker_pool.h"
 
 #include "core/alloc.h"

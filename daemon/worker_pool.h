@@ -1,4 +1,5 @@
 // The slots that workers run in: starts them, watches their clocks, starts them again, stops them all.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "daemon/worker_process.h"

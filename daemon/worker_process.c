@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/worker_process.h"
 
 #include "core/alloc.h"

@@ -1,4 +1,5 @@
 // One worker process: its start, its messages both ways, what it holds, its last words and its end.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/log.h"

@@ -1,4 +1,5 @@
 // What a worker says about itself and its frames, read from its messages.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/frame_accuracy.h"

@@ -1,4 +1,5 @@
 // One place for a worker: who runs in it, or why nobody does.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "daemon/retry.h"

@@ -1,4 +1,5 @@
 // The light of a black body.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // CIE 1931 tristimulus values of its radiance, scaled to Y = 1 at 1500 K. `kelvin` > 0.

@@ -1,4 +1,5 @@
 // A region that a density is kept to, and how the density falls off towards its faces.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

@@ -1,4 +1,5 @@
 // A pinhole camera: which ray a point of the image looks along.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/vec3.h"

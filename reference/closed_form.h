@@ -1,4 +1,5 @@
 // Answers known without integrating numerically, to check the integrators by.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Beer-Lambert: the share that passes `length` metres.

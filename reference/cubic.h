@@ -1,4 +1,5 @@
 // Polynomials of the third degree on [0, 1]: c[0] + c[1] s + c[2] s^2 + c[3] s^3.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 double cubic_at(const double c[static 4], double s);

@@ -1,4 +1,5 @@
 // What the integrators ask of a field of density.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/span_list.h"

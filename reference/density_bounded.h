@@ -1,4 +1,5 @@
 // Any density, kept to a region.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/bounds.h"

@@ -1,4 +1,5 @@
 // The folded fractal's density: radius - |fold^iterations(p)|, to a power.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/span_list.h"

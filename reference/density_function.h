@@ -1,4 +1,5 @@
 // A density that the caller knows as a function: the twin of one written in GLSL.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/density.h"

@@ -1,4 +1,5 @@
 // Density that follows from a grid's values: in proportion, or by a transfer function.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/density.h"

@@ -1,4 +1,5 @@
 // The same density everywhere.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/density.h"

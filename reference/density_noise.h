@@ -1,4 +1,5 @@
 // Density from sums of Perlin's improved noise. Perlin, Improving Noise, SIGGRAPH 2002.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

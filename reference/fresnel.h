@@ -1,4 +1,5 @@
 // Which share of light a smooth boundary reflects, and how the rest is bent.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

@@ -1,4 +1,5 @@
 // Gauss' rule of three nodes on [0, 1], exact up to the fifth power.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 enum { GAUSS_NODES = 3 };

@@ -1,4 +1,5 @@
 // Light of a hot medium: Planck's, at a grid's temperatures.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/grid.h"

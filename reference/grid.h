@@ -1,4 +1,5 @@
 // Values on a lattice of voxels somewhere in the world, and what a ray sees of them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/vec3.h"

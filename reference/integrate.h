@@ -1,4 +1,5 @@
 // Gathers the light that reaches the start of a ray: emission and single scattering in media.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/still.h"

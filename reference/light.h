@@ -1,4 +1,5 @@
 // Lights without size: where their light comes from and how much of it arrives when nothing is in the way.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

@@ -1,5 +1,6 @@
-// Which share of a light's irradiance arrives: straight through media and dielectrics, of which each boundary takes what it
-// reflects. Nothing is bent, and nothing opaque lets anything through.
+// Which share of a light's irradiance arrives straight through media and dielectrics.
+// SPDX-License-Identifier: Apache-2.0
+// Each boundary takes what it reflects. Nothing is bent, and nothing opaque lets anything through.
 #pragma once
 
 #include "reference/still.h"

@@ -1,4 +1,5 @@
 // A medium in the integrator's terms: coefficients times a density field.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

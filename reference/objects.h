@@ -1,5 +1,7 @@
-// Solids, what they are made of, and which of them a ray is in. A region is what one object has for itself, or the air
-// around all of them: where objects overlap, the later one is there alone.
+// Solids, what they are made of, and which of them a ray is in.
+// SPDX-License-Identifier: Apache-2.0
+// A region is what one object has for itself, or the air around all of them: where objects overlap, the later one is
+// there alone.
 #pragma once
 
 #include "core/scene.h"

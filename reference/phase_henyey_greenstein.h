@@ -1,4 +1,5 @@
 // Henyey and Greenstein's phase function, normalised over the sphere (Astrophysical Journal 93, 1941).
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // g in (-1, 1), forward positive; `cos_theta` between the directions of travel before and after.

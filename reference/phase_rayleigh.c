@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/phase_rayleigh.h"
 
 #include <math.h>

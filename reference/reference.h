@@ -1,4 +1,5 @@
 // What a pixel of a frame should be, and how far an image is from that.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/integrate.h"

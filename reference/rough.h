@@ -1,4 +1,5 @@
 // Rough boundaries: each ray meets a normal of its own.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/vec3.h"

@@ -1,4 +1,5 @@
 // Where along a ray the shadows of objects begin and end, which no quadrature should step over.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/light.h"

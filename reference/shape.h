@@ -1,4 +1,5 @@
 // Convex solids in closed form: where a ray is inside, and which way their boundary faces.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

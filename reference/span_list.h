@@ -1,4 +1,5 @@
 // Stretches of a ray, ascending and apart, on which something is smooth.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/vec3.h"

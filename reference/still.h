@@ -1,4 +1,5 @@
 // A job's scene stopped at one moment.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/camera_pinhole.h"

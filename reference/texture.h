@@ -1,4 +1,5 @@
 // Images on surfaces: where a point lies in the image, and its colour there.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/shape.h"

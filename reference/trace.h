@@ -1,4 +1,5 @@
 // Follows a camera ray through a still: what it gathers in media, and the rays that surfaces send on from it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/integrate.h"

@@ -1,4 +1,5 @@
 // Colour and extinction by a value: straight linear RGBA between points, opacity over a unit of distance.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

@@ -1,4 +1,5 @@
 // Which share of light passes along a stretch of a ray through media (Beer-Lambert).
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/medium.h"

@@ -1,4 +1,5 @@
 // Vectors of three doubles.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <math.h>

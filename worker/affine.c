@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/affine.h"
 
 void affine_invert(const double matrix[static 12], double inverse[static 9], double shift[static 3])

@@ -1,4 +1,5 @@
 // Affine maps between voxels and the world.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // `matrix` is row-major 3x4 and not singular: writes what turns differences back, column-major, and the shift that belongs to it.

@@ -1,4 +1,5 @@
 // The frames a worker has in hand and the jobs they belong to: what waits, what is started, what is no longer wanted.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // How far a frame is from the light it should show: measured on some of its pixels against reference/.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/audit_estimate.h"

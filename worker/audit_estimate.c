@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/audit_estimate.h"
 
 #include "core/alloc.h"

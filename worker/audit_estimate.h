@@ -1,4 +1,5 @@
 // What measured pixels say of a frame's error, and how sure that is.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

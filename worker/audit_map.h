@@ -1,4 +1,5 @@
 // Where a frame is looked at when it is audited: each pixel's probability, from the frame itself and two small renders.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

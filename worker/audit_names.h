@@ -1,4 +1,5 @@
 // An audit in words and numbers, as files and messages have it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/frame_accuracy.h"

@@ -1,4 +1,5 @@
 // The table that shaders/emission/blackbody.glsl looks up.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // Sparse grids as textures hold them: bricks with what interpolation reaches beyond them, and where each brick is.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/grid_bricks.h"

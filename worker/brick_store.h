@@ -1,4 +1,5 @@
 // Sparse grids read from files and kept for the frames that show them; the next frame's are read by a thread of their own.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/camera_view.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // Where a camera is and looks at one moment, as rays and as matrices.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

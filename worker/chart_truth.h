@@ -1,5 +1,6 @@
-// The light that some pixels of a picture should show, with what each counts: found once, kept in a file, and compared with
-// as many pictures as there are methods.
+// The light that some pixels of a picture should show, with what each counts.
+// SPDX-License-Identifier: Apache-2.0
+// It is found once, kept in a file, and compared with as many pictures as there are methods.
 #pragma once
 
 #include "core/hash.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/chart_truth.h"
 
 #include "core/alloc.h"

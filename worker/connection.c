@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/connection.h"
 
 #include "core/json_write.h"

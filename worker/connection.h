@@ -1,4 +1,5 @@
 // The socket to whoever started the worker: whole lines out from any thread, lines in on one.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/message_stream.h"

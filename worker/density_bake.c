@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/density_bake.h"
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // Densities that are baked: put into a grid before the picture is drawn, and looked up there.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/affine.h"
 #include "worker/brick_atlas.h"
 #include "worker/brick_store.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "worker/affine.h"
 #include "worker/gl_grid.h"

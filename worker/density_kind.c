@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/density_kind.h"
 
 static const struct density_kind *const kinds[] = {

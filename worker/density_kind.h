@@ -1,4 +1,5 @@
 // How one kind of density enters a scene's shader: what the files density_KIND.c each fill in.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

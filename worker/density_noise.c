@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "worker/density_bake.h"
 #include "worker/density_kind.h"

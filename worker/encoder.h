@@ -1,4 +1,5 @@
 // The thread that turns rendered pictures into files: encodes, syncs, gates and reports each.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct worker;

@@ -1,4 +1,5 @@
 // Pictures beside maps of what is wrong with each, on one sheet.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

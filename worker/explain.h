@@ -1,4 +1,5 @@
 // What a scene makes the renderer model, what it does not, and the shader: without a GL context.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The exposure that shows a sequence of pictures well: one for all of them, so that they can be compared.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 // What a worker that serves one job may reach, as the message worker.fence has it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/path_list.h"

@@ -1,4 +1,5 @@
 // Hashes of files' contents, kept for as long as the files stay as they are.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/frame_uniforms.h"
 
 #include "core/alloc.h"

@@ -1,4 +1,5 @@
 // The numbers of a shader: constants of the job by name, and what moves, packed for each frame.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The last look at a frame's file before anyone may see it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/publish.h"

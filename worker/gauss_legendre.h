@@ -1,4 +1,5 @@
 // Points and weights that integrate polynomials exactly.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 enum { GAUSS_LEGENDRE_LIMIT = 64 };

@@ -1,4 +1,5 @@
 // A sparse grid's bricks as GL textures.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/brick_atlas.h"

@@ -1,4 +1,5 @@
 // The textures of scene caches: filled by their programs when they are asked for, kept while what they follow from stays.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/scene_cache.h"

@@ -1,4 +1,5 @@
 // One GL 4.5 core context without a window, current on the thread that made it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

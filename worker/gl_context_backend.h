@@ -1,4 +1,5 @@
 // How one way to reach GL makes a context; private to gl_context*.c.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/gl_context.h"

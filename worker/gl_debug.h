@@ -1,4 +1,5 @@
 // Collects what GL complains about and notices a lost context.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The GL functions this program calls, found by name in a context.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <GL/glcorearb.h>

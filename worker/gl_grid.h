@@ -1,4 +1,5 @@
 // A volume's voxels as a GL texture, streamed there slab by slab: at no time are they held twice.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/grid_bricks.h"

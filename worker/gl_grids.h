@@ -1,4 +1,5 @@
 // The grids that scenes show, kept in GL from frame to frame, and bound where shaders look for them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/gl_grid.h"

@@ -1,4 +1,5 @@
 // A linked GL program, and compile errors told by module name and line.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

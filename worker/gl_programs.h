@@ -1,4 +1,5 @@
 // Linked GL programs, kept by the hash of their text as long as there is room.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

@@ -1,4 +1,5 @@
 // What the pixels of a picture keep from slice to slice of their marches, in images that its program reads and writes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 // The textures a frame is rendered into, as one framebuffer, and how they come back.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

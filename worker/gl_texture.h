@@ -1,4 +1,5 @@
 // A texture's image in GL.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

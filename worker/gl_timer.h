@@ -1,4 +1,5 @@
 // How long a GPU is at work, by its own clock.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct gl_context;

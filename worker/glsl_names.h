@@ -1,4 +1,5 @@
 // The names that a user's GLSL text brings into the program it becomes part of, and what such a text may not contain.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Cuts a GLSL text into words and marks, with their lines; comments and line continuations fall away.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The smallest and largest value of each brick of a volume, found while its slices stream by, and how far emptiness reaches.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/volume.h"

@@ -1,4 +1,5 @@
 // What the values of a grid mean, be its voxels dense or sparse: a density, or what a transfer function makes of them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/density_kind.h"

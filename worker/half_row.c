@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/half_row.h"
 
 #define IMATH_HALF_NO_LOOKUP_TABLE

@@ -1,4 +1,5 @@
 // Floats as halves, many at once: rounded to the nearest, ties to even; what is too large becomes infinite.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

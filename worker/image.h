@@ -1,4 +1,5 @@
 // A rendered frame in memory: linear float pixels, first row on top.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

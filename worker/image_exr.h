@@ -1,4 +1,5 @@
 // EXR files: written and read back by several threads, a chunk each. OpenEXRCore lives here alone.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/image_exr_attributes.h"
 
 #include "worker/audit_names.h"

@@ -1,4 +1,5 @@
 // What an EXR file's own attributes (marchd:...) say of it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <OpenEXR/openexr.h>

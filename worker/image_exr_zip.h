@@ -1,4 +1,5 @@
 // Packs and unpacks a chunk of an EXR file as its ZIP and ZIPS compressions have it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // PNG files for eyes: 8-bit sRGB.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

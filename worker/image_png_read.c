@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/image_png_read.h"
 
 #include "core/error.h"

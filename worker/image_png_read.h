@@ -1,4 +1,5 @@
 // PNG files as images of linear light.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // A light's grid: the media's columns from the light on, a channel a medium, at nodes that lie as light travels.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/light_grid_glue.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // What a light's grid adds to shaders: the look-up in the picture's, and the programs that fill its texture.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // How long a picture takes in one setting of a method, and how it comes out.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // Questions about speed and accuracy that a chart is made from; what they ask and answer is in docs/protocol.md.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/request.h"

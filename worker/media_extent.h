@@ -1,4 +1,5 @@
 // Where media are at a moment, seen from somewhere: how far along a direction, between which distances, at which angles.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

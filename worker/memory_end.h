@@ -1,4 +1,5 @@
 // Has a worker that dies for want of memory say so: libraries that are refused some just crash.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

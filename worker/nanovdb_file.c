@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/nanovdb_file.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // The frame of a NanoVDB file: which grids it says to hold, and one of them unpacked.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

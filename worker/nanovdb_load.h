@@ -1,4 +1,5 @@
 // Brings the bytes of a sparse grid's file into memory, those of OpenVDB as NanoVDB has them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/nanovdb_file.h"

@@ -1,4 +1,5 @@
 // What an object of a scene does with light.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

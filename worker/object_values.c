@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/object_values.h"
 
 #include "worker/scene_features.h"

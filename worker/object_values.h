@@ -1,4 +1,5 @@
 // Which numbers the objects of a scene's shader need, and how each follows from the job.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/frame_uniforms.h"

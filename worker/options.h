@@ -1,4 +1,5 @@
 // The worker's command line.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/gl_context.h"

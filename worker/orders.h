@@ -1,4 +1,5 @@
 // What the worker is told to do: each message changes what its threads find to do.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The file an attempt writes, and the one that may be there before it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

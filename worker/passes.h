@@ -1,4 +1,5 @@
 // What a frame is the mean of: each pass is drawn with uniforms of its own, the picture's and those of its caches.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/pixel_font.h"
 
 #include <ctype.h>

@@ -1,4 +1,5 @@
 // Names and numbers drawn into a picture: digits, letters as capitals, '.', '-', '_' and space, five pixels by seven.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // What shaders say of a pixel that went wrong, in an alpha that no picture has, nor has a mean of up to 1024 samples.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // Where in its pixel and when each of a frame's samples looks: from job, frame, pixel and sample alone.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 // What a tolerance comes down to: the method and its numbers for a stretch of an animation.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

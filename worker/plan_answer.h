@@ -1,4 +1,5 @@
 // What is foretold of a job that states a tolerance: a plan for some of its segments, in JSON.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // What trying a plan on small frames leaves for audits of the segment's frames.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/audit.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/plan_family.h"
 
 #include "core/json_read.h"

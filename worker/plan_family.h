@@ -1,4 +1,5 @@
 // The methods that a plan chooses among: whom each serves, what of it can be finer or coarser, and what it costs.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

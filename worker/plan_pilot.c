@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/plan_pilot.h"
 
 #include "core/alloc.h"
@@ -21,11 +22,10 @@ enum {
     LEVEL_LIMIT = 10
 };
 
-static const double BLACK = 1e-6;
+static const double BLACK = 1e-6, DARK_SHARE = 0.1;
 // How near two renders of steps that differ by half are, beside the tolerance: where reference/ has the last word, and else.
 static const double AGREEMENT = 0.5, AGREEMENT_ALONE = 0.15;
 static const double ACCURACY_SHARE = 0.05, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2; // of reference/
-static const double DARK_SHARE = 0.1;
 // Looks for a finer render, at most, where reference/ says what the finest is off.
 static const double LOOKS_OF_A_LEVEL = 2e8;
 

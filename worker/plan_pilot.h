@@ -1,4 +1,5 @@
 // A few small frames of a segment on which settings are tried: what light they should show, and how far each setting is off.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/plan_family.h"

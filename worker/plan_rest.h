@@ -1,4 +1,5 @@
 // What a frame of a plan takes beside its rendering: its audit and its file, measured on one small frame.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/renderer.h"

@@ -1,4 +1,5 @@
 // How far off a plan is in frames that it was not made from: many of its segment's frames, tiny and in two steps.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/renderer.h"

@@ -1,4 +1,5 @@
 // Looks for the cheapest setting of some axes that keeps an error: a walk that measures as it goes. Pure.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

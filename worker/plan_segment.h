@@ -1,4 +1,5 @@
 // Which frames of a job share a plan: stretches of a fixed number of frames, in the order of the job's range.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 // How long a frame of a plan takes: from frames that are rendered in two sizes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/renderer.h"

@@ -1,4 +1,5 @@
 // Contact sheets and film frames from an EXR sequence, one exposure for all of it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

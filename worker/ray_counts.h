@@ -1,4 +1,5 @@
 // How many rays a frame took, how many were cut, and which share of its light that may have cost.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The thread that owns the GL context: renders frames as they are assigned and answers requests between them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // The thread's function; `user` is the worker. Says first whether there is a context.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/renderer.h"
 
 #include "core/alloc.h"
@@ -25,9 +26,7 @@
 #include <string.h>
 #include <time.h>
 
-enum {
-    IDLE_SLICE_LIMIT = 256 // in a row that no pixel of a tile was done with: five million turns of its loops
-};
+enum { IDLE_SLICE_LIMIT = 256 }; // in a row that no pixel of a tile was done with: five million iterations
 
 struct renderer {
     const struct gl_context *context; // borrowed; outlives us

@@ -1,4 +1,5 @@
 // Turns a job's frames into images on one GL context. Call everything from the thread that made it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // What the worker says of its frames, as messages.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 // Questions that are answered rather than rendered: explain, preview, frames_png, verify.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/message.h"

@@ -1,4 +1,5 @@
 // The worker's sandbox: what a stranger's job could make of this process reaches its own files and nothing else.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The folders and files of one job, opened below their roots, and what of them a sandbox lets through.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Which files this process may still reach, by the kernel's Landlock; what a kernel lacks is left out.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

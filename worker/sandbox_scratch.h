@@ -1,4 +1,5 @@
 // A folder of this worker's alone for what a converter writes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct error;

@@ -1,4 +1,5 @@
 // Which calls of the kernel this process may still make: a renderer's, by a list; all others are answered ENOSYS.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // What a fenced worker reads of the machine: libraries, GL drivers and their settings, devices, facts about itself.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

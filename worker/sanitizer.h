@@ -1,4 +1,5 @@
 // Whether this is built with the address sanitizer, which needs memory and calls of the kernel that a renderer does not.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #ifdef __SANITIZE_ADDRESS__

@@ -1,4 +1,5 @@
 // From where places in a shader are told: the world's origin is far away for a float where the camera is.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

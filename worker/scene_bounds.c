@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/scene_bounds.h"
 
 #include "core/scene.h"

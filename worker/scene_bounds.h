@@ -1,4 +1,5 @@
 // The bounds that a job gives a density: its numbers and functions in a scene's shader.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // A 3D texture that a small compute program of its own fills before the picture's passes, and that shaders then sample.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

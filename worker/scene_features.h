@@ -1,4 +1,5 @@
 // Which parts of a scene a picture can show, and so are modelled; the rest costs nothing.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

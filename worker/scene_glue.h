@@ -1,4 +1,5 @@
 // Writes the part of a scene's shader that joins modules: lights, phases and main().
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 // Writes the part of a scene's shader that adds a segment of a ray to its pixel.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdio.h>

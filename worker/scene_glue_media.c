@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/scene_glue_media.h"
 
 #include "core/job.h"

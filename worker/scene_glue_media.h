@@ -1,4 +1,5 @@
 // Writes the part of a scene's shader that asks its media: where a ray meets them, what is at a point, columns.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

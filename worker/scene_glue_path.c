@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/scene_glue_path.h"
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // Writes the part of a scene's shader that follows rays from surface to surface, and light to where it is seen.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdio.h>

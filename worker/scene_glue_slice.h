@@ -1,4 +1,5 @@
 // Writes what a picture does that is drawn in slices: each goes on where its rays had to stop.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdio.h>

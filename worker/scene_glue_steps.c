@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/scene_glue_steps.h"
 
 #include "core/job.h"

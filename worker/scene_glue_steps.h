@@ -1,4 +1,5 @@
 // Writes what marches of other rules than the midpoint's ask of the media.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 // Writes the part of a scene's shader that asks its objects: where a ray meets them, and what they are there.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 // Writes the part of a scene's shader that tracking asks: majorants, extinction at a place, what is left after a way.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdio.h>

@@ -1,4 +1,5 @@
 // The files that a frame reads, for its media and its textures: what they hold, and what follows for the march.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

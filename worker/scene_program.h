@@ -1,4 +1,5 @@
 // The fragment shader of a scene, assembled from the modules it uses and generated glue between them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

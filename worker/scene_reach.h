@@ -1,4 +1,5 @@
 // How large a scene's media are and how far along camera rays they lie: what steps are measured by.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 // Which media a frame can do without: no camera ray passes them, nor does light on its way to one that is passed.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // Which numbers a scene's shader needs, and how each follows from the job.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/frame_uniforms.h"

@@ -1,4 +1,5 @@
 // The text of a shader as it is put together: modules, each once, and what is generated between them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

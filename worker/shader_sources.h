@@ -1,4 +1,5 @@
 // The text of the shader modules: embedded in the program, or from a folder while developing.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct error;

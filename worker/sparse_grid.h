@@ -1,4 +1,5 @@
 // A grid of floats most of which is empty: bricks of 8^3 voxels on a lattice in index space.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // The transfer function of sRGB: IEC 61966-2-1, 1999.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Linear light of a stored value; both in [0, 1].

@@ -1,4 +1,5 @@
 // The GLSL that finds the colour of an object's texture, between shaders/texture/ and the object's shapes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // The image of a texture, from a PNG or EXR file: linear light in [0, 1].
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // The file of an object's texture: what it holds, and how large it is.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/hash.h"

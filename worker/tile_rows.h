@@ -1,4 +1,5 @@
 // How many rows of a picture are drawn at once: as many as take a moment, so that frames can be stopped and drivers stay alive.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 enum { TILE_ROWS_FIRST = 32 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/timeline_value.h"
 
 #include "core/timeline.h"

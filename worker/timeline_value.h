@@ -1,4 +1,5 @@
 // Frame values that follow one timeline of the job.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/frame_uniforms.h"

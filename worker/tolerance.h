@@ -1,4 +1,5 @@
 // Keeps a job's tolerance: plans a segment, renders, audits, renders again what missed, and gives up what misses again.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/audit.h"

@@ -1,4 +1,5 @@
 // What a transfer function makes of values: the greatest opacity in a range, and its text as GLSL.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/transfer_table.h"
 
 #include "worker/gauss_legendre.h"

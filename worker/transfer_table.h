@@ -1,4 +1,5 @@
 // A transfer function as running integrals: what a segment of linear values extinguishes and sends out is a difference of two.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

@@ -1,4 +1,5 @@
 // The light that pixels of a frame should show: reference/ along the very rays and at the very moments that the renderer takes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/integrate.h"

@@ -1,4 +1,5 @@
 // The files that a frame reads, whole in memory as reference/ wants them: grids, temperatures, textures.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/still.h"

@@ -1,4 +1,5 @@
 // Turns OpenVDB files into NanoVDB ones with the program that OpenVDB's authors ship for it, nanovdb_convert.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct error;

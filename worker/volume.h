@@ -1,4 +1,5 @@
 // A file of voxels (raw, NRRD, NIfTI) as a stream of slices with a place in the world: read once, never held as a whole.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/scene.h"

@@ -1,4 +1,5 @@
 // Decompresses gzip as it comes in; zlib stays behind it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

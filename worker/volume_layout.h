@@ -1,4 +1,5 @@
 // What the header of a volume file says, whatever its format, and the stream that stands at its first voxel.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/volume_voxels.h"

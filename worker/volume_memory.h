@@ -1,4 +1,5 @@
 // How much memory this process may hope for: to refuse a volume with numbers, not to be killed half-way.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

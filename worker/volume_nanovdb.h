@@ -1,4 +1,5 @@
 // Reads a sparse grid of floats from a NanoVDB file, which may hold anything.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/nanovdb_file.h"

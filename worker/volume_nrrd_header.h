@@ -1,4 +1,5 @@
 // The lines of a NRRD header: which field has which text. What the texts mean is not known here.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Where a volume's voxels lie: building and checking index_to_world, a row-major 3x4 matrix in metres.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

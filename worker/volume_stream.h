@@ -1,4 +1,5 @@
 // The bytes of a volume file in order: read ahead a little, never held as a whole. Messages do not name the path.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

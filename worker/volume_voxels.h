@@ -1,4 +1,5 @@
 // The number types that volume files store, and their way into the types a volume has.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/volume.h"

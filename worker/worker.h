@@ -1,4 +1,5 @@
 // What a worker's threads share: one reads orders, one renders and answers, one encodes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/assignment.h"

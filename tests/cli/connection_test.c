@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/connection.h"
 
 #include "cli/interrupt.h"

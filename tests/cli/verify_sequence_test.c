@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "cli/verify_sequence.h"
 
 #include "cli/verify_list.h"

@@ -1,4 +1,5 @@
 // What the operator's lines may hold, and where they go.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/log.h"
 
 #include <setjmp.h>

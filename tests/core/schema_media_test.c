@@ -1,4 +1,5 @@
 // A program of its own beside schema_test: the two run at the same time.
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 #include "tests/support/schema_agreement.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/committer.h"
 #include "tests/daemon/store_fixture.h"
 

@@ -1,4 +1,5 @@
 // What the journal gets of a line, when it gets it, and that nothing waits for it.
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/journal.h"
 #include "tests/support/temp_folder.h"
 

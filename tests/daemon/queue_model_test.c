@@ -1,4 +1,5 @@
 // The queue against a model that keeps no cursor, heap or count: random operations, then everything compared.
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/queue.h"
 
 #include <setjmp.h>

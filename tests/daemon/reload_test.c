@@ -1,4 +1,5 @@
 // Which settings hold as soon as they are read again, and which are only told of.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/alloc.h"
 #include "daemon/options.h"
 #include "daemon/reload.h"

@@ -1,4 +1,5 @@
 // A store in a folder of its own for one test, and the rows it holds.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/alloc.h"

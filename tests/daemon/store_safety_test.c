@@ -1,4 +1,5 @@
 // What the store does when the disk, the file or the process fails it, or a second daemon comes.
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/store.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // What a service manager hears of a loop that turns, and of one that does not.
+// SPDX-License-Identifier: Apache-2.0
 #include "daemon/watchdog.h"
 #include "tests/support/temp_folder.h"
 

@@ -1,4 +1,5 @@
 // A range that parses is consistent with itself and survives being written and read again.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/frame_range.h"
 
 #include "core/alloc.h"

@@ -1,4 +1,5 @@
 // Any text is either refused with its place or read into names that can be written as directives.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/glsl_names.h"
 
 #include "core/alloc.h"

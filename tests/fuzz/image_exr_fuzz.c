@@ -1,4 +1,5 @@
 // EXR files of anybody's: textures are read by the same module as our own frames.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "worker/image.h"
 #include "worker/image_exr.h"

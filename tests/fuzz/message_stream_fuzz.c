@@ -1,4 +1,5 @@
 // Bytes that arrive in pieces of any size give the same lines as all at once, and every line decodes or is refused.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/message_stream.h"
 
 #include "core/alloc.h"

@@ -1,4 +1,5 @@
 // A fuzzer's bytes as a volume's file: what opens is in itself consistent and can be read to its end or says why not.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/error.h"

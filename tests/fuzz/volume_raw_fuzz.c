@@ -1,4 +1,5 @@
 // The keys of a raw file, its name and its bytes: nine bytes of keys, the name to the end of the line, the voxels.
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/fuzz/volume_input.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);

@@ -1,5 +1,7 @@
-// exr-compare A B: prints how far two pictures are apart, as two relative RMSEs: of colour, alpha and transmittance, and of
-// depth. Exits with 1 when they differ in size or channels, or one cannot be read.
+// exr-compare A B: prints how far two pictures are apart.
+// SPDX-License-Identifier: Apache-2.0
+// Two relative RMSEs are printed: of colour, alpha and transmittance, and of depth. The exit status is 1 when the
+// pictures differ in size or channels, or one cannot be read.
 #include "core/error.h"
 #include "worker/image.h"
 #include "worker/image_exr.h"

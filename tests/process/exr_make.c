@@ -1,5 +1,7 @@
-// exr-make FILE [KEY=VALUE...]: writes a frame of 16 x 9 pixels with a header of ours. Keys: frame, width, hash (of the job; "" is
-// foreign), picture (its hash), error, error95 (1.5 error), tolerance (0: no audit), scope, value (of channel G of pixel (3, 2)).
+// exr-make FILE [KEY=VALUE...]: writes a frame of 16 x 9 pixels with a header of ours.
+// SPDX-License-Identifier: Apache-2.0
+// Keys: frame, width, hash (of the job; "" is foreign), picture (its hash), error, error95 (1.5 error), tolerance (0:
+// no audit), scope, value (of channel G of pixel (3, 2)).
 #include "core/error.h"
 #include "worker/image.h"
 #include "worker/image_exr.h"

@@ -1,4 +1,5 @@
 // notify-listener SOCKET: plays the service manager: what it is told comes out, a line for each notification.
+// SPDX-License-Identifier: Apache-2.0
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>

@@ -1,5 +1,7 @@
-// socket-client [--keep] SOCKET: standard input goes to the socket, what comes from it to standard output, until the peer
-// closes. At the end of the input it says that it sends no more, unless told to keep the connection as it is.
+// socket-client [--keep] SOCKET: standard input goes to the socket, what comes from it to standard output.
+// SPDX-License-Identifier: Apache-2.0
+// It ends when the peer closes. At the end of the input it says that it sends no more, unless told to keep the
+// connection as it is.
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/density_fold_fractal.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/random.h"

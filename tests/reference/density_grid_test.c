@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/density_grid.h"
 
 #include "reference/closed_form.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/light_walk.h"
 
 #include "tests/support/assert_near.h"

@@ -1,4 +1,5 @@
 // Media in the shadows of objects: what a thin one scatters tells how long the lit parts of a ray are.
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/shadow_edges.h"
 
 #include "reference/closed_form.h"

@@ -1,4 +1,5 @@
 // Objects of a job, stopped at a moment.
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/still.h"
 
 #include "core/error.h"

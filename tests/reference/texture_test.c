@@ -1,4 +1,5 @@
 // Images as a viewer outside sees them, and between their texels.
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/texture.h"
 
 #include "reference/reference.h"

@@ -1,4 +1,5 @@
 // Compares doubles as doubles: cmocka's assert_float_equal rounds its arguments to float first.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Fails the test unless |actual - wanted| <= tolerance; a NaN fails.

@@ -1,4 +1,5 @@
 // A ball of even density around the origin: the simplest scene, and pieces to add to it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // The jobs of jobs/, read as a user's would be.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // Folders of two users beside the daemon's, and processes that are fenced in for a job of one of them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/fence.h"

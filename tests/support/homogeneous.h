@@ -1,4 +1,5 @@
 // Media of constant density, whose light is known in closed form.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/medium.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/job_text.h"
 
 #include "core/alloc.h"

@@ -1,4 +1,5 @@
 // Job documents for tests to start from.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // Changes one place of a JSON text, so that a test can say how its document differs from one that works.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

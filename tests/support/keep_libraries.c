@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/keep_libraries.h"
 
 #include <dlfcn.h>

@@ -1,4 +1,5 @@
 // Keeps drivers loaded to the end, so that the leak checker can say whose memory it finds.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Call while a context is alive: the libraries loaded by then stay.

@@ -1,4 +1,5 @@
 // A job's grids, read whole for the reference.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
 // A job's textures, read for the reference.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct job;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/lobes.h"
 
 #include "tests/support/volume_maker.h"

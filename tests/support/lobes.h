@@ -1,4 +1,5 @@
 // A grid whose truth is sensitive to how it is read: soft lobes with none alike under any mirror or exchange of axes.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 // Writes an NRRD file of float voxels from 0 to 1 with its middle at the origin; 0 in more than half of its box. `axes` is the

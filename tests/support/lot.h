@@ -1,4 +1,5 @@
 // Many frames of a still scene, each by random numbers of its own, against the light that it should show.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // Writes NanoVDB files byte by byte, for tests to read and to damage.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // A scene of objects: a job around them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

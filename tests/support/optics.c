@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/optics.h"
 
 double optics_fresnel(double cos_in, double ior_in, double ior_out)

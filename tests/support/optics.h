@@ -1,4 +1,5 @@
 // Rays at smooth surfaces, in closed form.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/vec3.h"

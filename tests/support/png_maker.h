@@ -1,4 +1,5 @@
 // PNG files of every kind, made byte by byte as the standard (ISO/IEC 15948:2004) has them, without the library that reads them.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

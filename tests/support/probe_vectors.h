@@ -1,4 +1,5 @@
 // Vectors among the inputs and outputs of a shader probe.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/vec3.h"

@@ -1,4 +1,5 @@
 // The same random numbers in every run of a test.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

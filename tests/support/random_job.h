@@ -1,4 +1,5 @@
 // Jobs of scenes that nobody chose: every kind of medium, region, light and camera.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

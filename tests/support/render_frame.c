@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/render_frame.h"
 
 #include "core/error.h"

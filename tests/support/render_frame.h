@@ -1,4 +1,5 @@
 // Renders one frame for a test on a context of its own.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/gl_context.h"

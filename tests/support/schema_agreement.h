@@ -1,4 +1,5 @@
 // Whether jobs/schema.json and the code judge documents alike, but for the rules that a schema cannot say.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/error.h"

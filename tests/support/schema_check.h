@@ -1,4 +1,5 @@
 // Tells whether a document obeys a JSON Schema, for the keywords that jobs/schema.json uses.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/json_read.h"

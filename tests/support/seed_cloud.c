@@ -1,5 +1,7 @@
-// Written from the seed's formulas alone, with its conventions, sharing nothing with the integrators it judges: columns-first
-// matrices, a picture that counts rows from the bottom, a phase function without 1 / 4 pi whose cosine has the other sign.
+// Written from the seed's formulas alone, sharing nothing with the integrators it judges.
+// SPDX-License-Identifier: Apache-2.0
+// Its conventions are the seed's: columns-first matrices, a picture that counts rows from the bottom, a phase function
+// without 1 / 4 pi whose cosine has the other sign.
 #include "tests/support/seed_cloud.h"
 
 #include <math.h>

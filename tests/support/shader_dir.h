@@ -1,4 +1,5 @@
 // Lets a test run with shader modules broken on purpose.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 // Evaluates shader modules at many inputs and brings back what they say.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

@@ -1,4 +1,5 @@
 // Looks at the text of a scene's shader.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>

@@ -1,4 +1,5 @@
 // Stills with objects, filled by hand.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/still.h"

@@ -1,4 +1,5 @@
 // Sweeps of one number through where methods of light may fail, each point against reference/.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job.h"

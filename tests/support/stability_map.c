@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/stability_map.h"
 
 #include "tests/support/stability.h"

@@ -1,4 +1,5 @@
 // The sweeps as text, as a table and as a picture: what docs/stability.md shows.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>

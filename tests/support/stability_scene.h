@@ -1,4 +1,5 @@
 // The scenes of the stability map, as jobs and as files of voxels.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/still.h"

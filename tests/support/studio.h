@@ -1,4 +1,5 @@
 // Small pictures of scenes with objects, pixel by pixel beside what is known in closed form.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/vec3.h"

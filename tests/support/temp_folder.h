@@ -1,4 +1,5 @@
 // A folder of its own for each test that touches files, removed with all that is in it.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <ftw.h>

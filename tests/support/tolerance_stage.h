@@ -1,4 +1,5 @@
 // A renderer in software that keeps tolerances, opened by a test.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/tolerance.h"

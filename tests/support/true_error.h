@@ -1,4 +1,5 @@
 // A frame's error by the measure of a tolerance, from every pixel.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>

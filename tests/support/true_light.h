@@ -1,4 +1,5 @@
 // A job's first frame against the converged integral.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/reference.h"

@@ -1,4 +1,5 @@
 // What tests of volume readers ask again and again; each ends the test if it does not hold.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/volume.h"

@@ -1,4 +1,5 @@
 // Small volumes in files of any format, for tests: every voxel's value tells its index, so nothing can be swapped unseen.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/volume_voxels.h"

@@ -1,4 +1,5 @@
 // NIfTI files for tests, by the names of the standard's fields (nifti1.h, nifti2.h).
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "worker/volume_voxels.h"

@@ -1,4 +1,5 @@
 // The real worker as a child, at the other end of a socketpair. What goes wrong fails the test.
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/message.h"

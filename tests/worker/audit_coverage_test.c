@@ -1,4 +1,5 @@
 // Whether error95 is what it says: hundreds of small frames, good and broken ones, whose true error is known in every pixel.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job.h"

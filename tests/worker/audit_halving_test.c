@@ -1,4 +1,5 @@
 // Audits by step halving, held against twins in C of densities in GLSL.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

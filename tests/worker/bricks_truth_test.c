@@ -1,4 +1,5 @@
 // Pictures of sparse grids against the converged integral: filters, placement, several lights, a black body, real smoke.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

@@ -1,4 +1,5 @@
 // The cached method against the converged integral: lights anywhere, media of all kinds, grids that grow.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

@@ -1,4 +1,5 @@
 // The midpoint method on jobs/cloud.json against the converged integral.
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/reference.h"
 #include "tests/support/example_job.h"
 #include "tests/support/render_frame.h"

@@ -1,6 +1,8 @@
-// The seed's cloud from jobs/cloud_seed.json against a transcription of the seed's formulas. tests/mutations runs this
-// program with broken shaders or jobs: MARCHD_TEST_SHADER_DIR overrides shader modules, MARCHD_TEST_JOB is another job's
-// path; arguments are the picture's size in pixels and a pattern for which tests to run.
+// The seed's cloud from jobs/cloud_seed.json against a transcription of the seed's formulas.
+// SPDX-License-Identifier: Apache-2.0
+// tests/mutations runs this program with broken shaders or jobs: MARCHD_TEST_SHADER_DIR overrides shader modules,
+// MARCHD_TEST_JOB is another job's path; arguments are the picture's size in pixels and a pattern for which tests to
+// run.
 #include "core/error.h"
 #include "reference/reference.h"
 #include "tests/support/example_job.h"

@@ -1,5 +1,6 @@
-// Densities that are looked up in grids: their light against the converged integral, when a grid serves several frames, and
-// which densities are baked at all.
+// Densities that are looked up in grids: their light against the converged integral.
+// SPDX-License-Identifier: Apache-2.0
+// A grid may serve several frames, and not every density is baked.
 #include "worker/density_bake.h"
 
 #include "core/alloc.h"

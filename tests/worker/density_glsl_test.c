@@ -1,4 +1,5 @@
 // Densities in the job's own GLSL: their light, their names, and how their mistakes are told.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job_json.h"

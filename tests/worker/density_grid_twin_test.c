@@ -1,4 +1,5 @@
 // The grid's shader modules against their twin in reference/, on voxels that went through a file and a GL texture.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "reference/grid.h"
 #include "tests/support/assert_near.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/error_strip.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // The examples of fog, of a sunset and of objects at several moments against the converged integral, on both backends.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "tests/support/example_job.h"
 #include "tests/support/true_light.h"

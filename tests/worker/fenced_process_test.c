@@ -1,4 +1,5 @@
 // Plays the daemon to the real worker that is fenced in for one job: what a job may show is shown, what leads out is not.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/file.h"
 #include "core/worker_status.h"
 #include "tests/support/fence_places.h"

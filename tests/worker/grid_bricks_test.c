@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/grid_bricks.h"
 
 #include "tests/support/random.h"

@@ -1,4 +1,5 @@
 // Pictures of voxels against the converged integral: transfer functions, filters, placement, the camera inside, lit scans.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

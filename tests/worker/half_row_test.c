@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/half_row.h"
 
 #include "tests/support/random.h"

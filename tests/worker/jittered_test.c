@@ -1,4 +1,5 @@
 // The jittered method: noise where coarse steps of the midpoint method are wrong, and the light itself on the average.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

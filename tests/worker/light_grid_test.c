@@ -1,4 +1,5 @@
 // A light's grid, node by node, against the columns of reference/.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/light_grid.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // Rays, cameras and lights at the very edges of media: finite, and what little is known of them.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

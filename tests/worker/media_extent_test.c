@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/media_extent.h"
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // Media of all regions, overlapping, around the camera and around lights, against the converged integral.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

@@ -1,4 +1,5 @@
 // Point lights in media as marches see them: rays that pass them closer than a step, against the converged integral.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/true_light.h"

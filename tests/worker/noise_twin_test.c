@@ -1,4 +1,5 @@
 // The noise of the shaders against its twin in reference/, on the same inputs rounded to float.
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/density_noise.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/random.h"

@@ -1,4 +1,5 @@
 // Objects, and media in and around them, against the reference: light, alpha, depth and the rays that were followed.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

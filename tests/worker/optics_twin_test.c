@@ -1,5 +1,6 @@
-// What boundaries of dielectrics do to rays: the shaders' modules against formulas in double precision, on the same inputs
-// rounded to float.
+// What boundaries of dielectrics do to rays: the shaders' modules against formulas in double precision.
+// SPDX-License-Identifier: Apache-2.0
+// Both get the same inputs, rounded to float.
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/probe_vectors.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/pixel_samples.h"
 
 #include "core/job.h"

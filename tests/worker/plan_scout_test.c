@@ -1,4 +1,5 @@
 // Frames that a plan was not made from: what tiny renders of them say, and what becomes of those that would miss.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/plan_scout.h"
 
 #include "core/error.h"

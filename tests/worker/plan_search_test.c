@@ -1,4 +1,5 @@
 // The walk to the cheapest setting, on errors that are known.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/plan_search.h"
 
 #include "core/job.h"

@@ -1,4 +1,5 @@
 // Transfer functions of whole segments against the converged integral, and beside midpoint.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

@@ -1,4 +1,5 @@
 // Scenes that nobody chose, of every kind of medium, region, light and camera, against the converged integral.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

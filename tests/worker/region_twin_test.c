@@ -1,4 +1,5 @@
 // Regions, phases and placements of points against their twins in reference/ and against closed forms.
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/bounds.h"
 #include "reference/closed_form.h"
 #include "reference/phase_rayleigh.h"

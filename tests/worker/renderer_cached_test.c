@@ -1,4 +1,5 @@
 // When light grids are made and when they are kept, and that pictures do not depend on it.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

@@ -1,4 +1,5 @@
 // What becomes of rays that no surface ends: followed, counted and cut as closed forms say.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/alloc.h"
 #include "core/error.h"
 #include "core/job_json.h"

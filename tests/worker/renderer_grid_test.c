@@ -1,4 +1,5 @@
 // How the renderer deals with the files of a scene: read once while they stay, anew when they change, never half of each.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job_json.h"
 #include "tests/support/keep_libraries.h"

@@ -1,4 +1,5 @@
 // Frames of several samples a pixel and of an open shutter.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "reference/reference.h"

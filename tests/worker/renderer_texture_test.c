@@ -1,4 +1,5 @@
 // Images on surfaces from the file to the picture: against closed forms, and what becomes of files that change or fail.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job_json.h"
 #include "reference/vec3.h"

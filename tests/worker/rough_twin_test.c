@@ -1,4 +1,5 @@
 // Normals of rough surfaces: which are drawn, how often, and what becomes of rays that they send to the wrong side.
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/probe_vectors.h"

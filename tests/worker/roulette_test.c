@@ -1,4 +1,5 @@
 // Russian roulette of the midpoint method: the same light on the average, for fewer steps.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "tests/support/ball_job.h"

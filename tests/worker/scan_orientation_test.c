@@ -1,5 +1,6 @@
-// A scan is never shown mirrored, turned or shifted: one bright voxel at a known place, stored by every convention, appears
-// where a pinhole camera sees that place.
+// A scan is never shown mirrored, turned or shifted.
+// SPDX-License-Identifier: Apache-2.0
+// One bright voxel at a known place, stored by every convention, appears where a pinhole camera sees that place.
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

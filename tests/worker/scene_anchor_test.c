@@ -1,4 +1,5 @@
 // Scenes far from the world's origin: as true as near it, whatever has a place, whether the camera stays or moves.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/scene_anchor.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // Rays of the ball of even density on which a sample, a light or an early stop is at an edge.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/keep_libraries.h"

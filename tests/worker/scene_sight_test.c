@@ -1,4 +1,5 @@
 // What a frame shows nothing of costs nothing, and nothing else is left out.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/scene_sight.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // Scenes of every kind, rendered with fine steps, against the converged integral.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job_json.h"
 #include "reference/reference.h"

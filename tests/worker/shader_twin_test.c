@@ -1,4 +1,5 @@
 // Each shader module against its twin in reference/, on the same inputs rounded to float.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/scene.h"
 #include "reference/camera_pinhole.h"
 #include "reference/closed_form.h"

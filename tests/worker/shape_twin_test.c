@@ -1,4 +1,5 @@
 // Where rays are in half-spaces, and which way surfaces face, against formulas in double precision.
+// SPDX-License-Identifier: Apache-2.0
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/probe_vectors.h"

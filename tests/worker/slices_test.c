@@ -1,4 +1,5 @@
 // Marches that go on from slice to slice of a frame: the same picture as in one go, however short the slices.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/file.h"
 #include "core/job.h"

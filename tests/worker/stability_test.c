@@ -1,5 +1,6 @@
-// What each method of light promises where methods fail. "print points" prints every point of every sweep, "print
-// map" docs/stability.md's table, "print svg" its picture.
+// What each method of light promises where methods fail.
+// SPDX-License-Identifier: Apache-2.0
+// "print points" prints every point of every sweep, "print map" docs/stability.md's table, "print svg" its picture.
 #include "core/error.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/stability.h"

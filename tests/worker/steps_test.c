@@ -1,4 +1,5 @@
 // Marches by optical depth and by Gauss and Legendre's rule: the light itself, at the order that they are of.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

@@ -1,5 +1,7 @@
-// Rays that nobody would choose: along faces and edges, through corners, tangent to balls, from surfaces, where objects
-// touch and coincide. All is finite, and no light is gained or lost.
+// Rays that nobody would choose: all is finite, and no light is gained or lost.
+// SPDX-License-Identifier: Apache-2.0
+// They go along faces and edges, through corners, tangent to balls, from surfaces, and where objects touch and
+// coincide.
 #include "core/job.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/random.h"

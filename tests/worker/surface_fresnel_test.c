@@ -1,4 +1,5 @@
 // Which share of the light a smooth boundary reflects, from both sides, at angles from one end to the other.
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/optics.h"
 #include "tests/support/studio.h"
 

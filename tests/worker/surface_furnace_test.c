@@ -1,4 +1,5 @@
 // Scenes that lose nothing, in light that is 1 from everywhere: each pixel is 1, less what its cut rays would have brought.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/studio.h"

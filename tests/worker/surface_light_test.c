@@ -1,4 +1,5 @@
 // Diffuse floors under lamps and suns, and what stands in between.
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/optics.h"
 #include "tests/support/studio.h"
 

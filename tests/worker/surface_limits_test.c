@@ -1,4 +1,5 @@
 // As many objects, shapes and images as a job may have, all of them different, in one shader.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

@@ -1,5 +1,6 @@
-// Boundaries of several objects in one place: in corners, and faces that lie in one plane. No light is lost between them, and
-// none gets through.
+// Boundaries of several objects in one place: in corners, and faces that lie in one plane.
+// SPDX-License-Identifier: Apache-2.0
+// No light is lost between them, and none gets through.
 #include "tests/support/assert_near.h"
 #include "tests/support/studio.h"
 

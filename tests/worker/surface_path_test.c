@@ -1,4 +1,5 @@
 // Paths of many pieces: mirrors, limits, clips, moving things, and what must not depend on the method.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/studio.h"

@@ -1,4 +1,5 @@
 // What pictures of objects show that has a closed form: depth, alpha, furnaces, counts of rays.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/object_job.h"

@@ -1,4 +1,5 @@
 // What the shader of a scene with objects has, and has not.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "tests/support/object_job.h"
 #include "tests/support/shader_text.h"

@@ -1,5 +1,6 @@
-// Scenes of objects that nobody chose - of every shape and smooth material, nested and overlapping, with media in and
-// around them - against the converged light of reference/.
+// Scenes of objects that nobody chose, against the converged light of reference/.
+// SPDX-License-Identifier: Apache-2.0
+// The objects are of every shape and smooth material, nested and overlapping, with media in and around them.
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

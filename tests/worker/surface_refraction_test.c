@@ -1,4 +1,5 @@
 // Where light goes through glass balls and slabs, and what their stuff takes of it, against the path by Snell's law.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "tests/support/optics.h"
 #include "tests/support/studio.h"

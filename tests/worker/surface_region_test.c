@@ -1,4 +1,5 @@
 // Who is where: objects that overlap, cameras that start inside of them, and how far along a bent ray media reach.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/optics.h"

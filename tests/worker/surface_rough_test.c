@@ -1,4 +1,5 @@
 // Rough mirrors and rough glass: on average what the same dice give elsewhere, and the same dice wherever they fall.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/job.h"
 #include "reference/reference.h"
 #include "tests/support/assert_near.h"

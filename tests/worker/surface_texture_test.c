@@ -1,4 +1,5 @@
 // Which texel is where: images on planes, boxes, balls and unions, by the mapping in words and as numbers.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "tests/support/optics.h"

@@ -1,4 +1,5 @@
 // Pictures of objects against the light of reference/, on both backends.
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/support/object_job.h"
 #include "tests/support/true_light.h"
 

@@ -1,4 +1,5 @@
 // What the generated text finds on each shape of an object, on a file that went through the worker's reading into GL.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/texture_glue.h"
 
 #include "core/error.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/texture_input.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // Textures' shader modules against the same in double precision, and against what a viewer outside must see.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"

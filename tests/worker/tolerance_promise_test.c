@@ -1,4 +1,5 @@
 // What the user's code promises of empty space, where a job states a tolerance.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

@@ -1,4 +1,5 @@
 // Scenes and moments that no plan was made for by hand keep their tolerance, by the light of every pixel.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"

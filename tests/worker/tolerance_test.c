@@ -1,4 +1,5 @@
 // Frames of jobs that state a tolerance: planned, audited, rendered again, given up.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/tolerance.h"
 
 #include "core/error.h"

@@ -1,4 +1,5 @@
 // Tracking: what is exact, what is refused, majorants that are too low, and that a picture is the same for all.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "tests/support/keep_libraries.h"

@@ -1,4 +1,5 @@
 // Tracking and its estimators: what they say is right on the average is, whatever the media; what is nearly is nearer.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "tests/support/lot.h"

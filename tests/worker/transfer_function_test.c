@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/transfer_function.h"
 
 #include "reference/transfer_function.h"

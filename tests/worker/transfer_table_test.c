@@ -1,4 +1,5 @@
 // Running integrals of transfer functions against closed forms and plain sums.
+// SPDX-License-Identifier: Apache-2.0
 #include "worker/transfer_table.h"
 
 #include "tests/support/assert_near.h"

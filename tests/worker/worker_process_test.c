@@ -1,4 +1,5 @@
 // Plays the daemon to the real worker, over a socketpair.
+// SPDX-License-Identifier: Apache-2.0
 #include "core/error.h"
 #include "core/job.h"
 #include "core/job_json.h"
