@@ -23,6 +23,13 @@ version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/C
 dpkg-deb -c "$package" >"$scratch/listed"
 grep -v '^d' "$scratch/listed" | awk '{ print $6 }' | sed 's/^\.//' | sort >"$scratch/found"
 diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "packed otherwise (< expected, > found): $(cat "$scratch/diff")"
+dpkg-deb --fsys-tarfile "$package" | tar -xO ./usr/share/doc/marchd/copyright >"$scratch/copyright"
+for line in 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/' 'Files: jobs/smoke/*.nvdb' \
+    ' /usr/share/common-licenses/Apache-2.0.'; do
+    grep -qxF -- "$line" "$scratch/copyright" || fail "copyright lacks: $line"
+done
+maintainer=$(dpkg-deb -f "$package" Maintainer)
+[ "$maintainer" = "${DEBFULLNAME:-marchd developers} <${DEBEMAIL:-marchd@example.org}>" ] || fail "maintained by $maintainer"
 ! grep -v ' root/root ' "$scratch/listed" || fail "files of another than root"
 
 dpkg-deb -e "$package" "$scratch/control"
