@@ -1,11 +1,11 @@
 // What it costs to encode a frame and to gate it, per compression and thread count, in memory: exr_bench [FILE.exr].
 // SPDX-License-Identifier: Apache-2.0
 // Without a file it is a picture like a cloud's, 1920x1080.
-#include "core/error.h"
-#include "core/job.h"
-#include "worker/gate.h"
-#include "worker/image.h"
-#include "worker/image_exr.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "worker/audit/gate.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
 
 #include <fcntl.h>
 #include <math.h>

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // How fast frames pass, how soon a job is safe, what a million queued frames weigh, and what the farm adds to the
 // renders.
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/file.h"
-#include "core/json_read.h"
-#include "core/json_write.h"
-#include "core/message.h"
-#include "core/message_stream.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/json/json_read.h"
+#include "core/json/json_write.h"
+#include "core/wire/message.h"
+#include "core/wire/message_stream.h"
 
 #include <inttypes.h>
 #include <limits.h>

@@ -1,14 +1,14 @@
 // What parts of a scene cost, one feature after the other: feature_bench IMAGE. A frame of 960x540 each, medians of several.
 // SPDX-License-Identifier: Apache-2.0
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/job.h"
-#include "core/job_json.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
-#include "worker/scene_inputs.h"
-#include "worker/scene_program.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/program/scene_program.h"
+#include "worker/render/renderer.h"
+#include "worker/scene/scene_inputs.h"
 
 #include <stdio.h>
 #include <stdlib.h>

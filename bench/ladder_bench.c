@@ -4,18 +4,18 @@
 // row, from STRIDE / 2 on, as doubles; it is measured when it is not there. --once: times are those of one rendering,
 // with compiling and reading, and truth is good to 1e-3. ladder_bench [--frame N] --reach JOB says between which
 // distances, in metres, camera rays meet media.
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/file.h"
-#include "core/job.h"
-#include "core/job_json.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
 #include "reference/reference.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
-#include "worker/scene_inputs.h"
-#include "worker/scene_reach.h"
-#include "worker/truth.h"
+#include "worker/audit/truth.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
+#include "worker/scene/scene_inputs.h"
+#include "worker/scene/scene_reach.h"
 
 #include <stdio.h>
 #include <stdlib.h>

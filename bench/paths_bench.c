@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each setting is timed at the job's own resolution with one sample a pixel, and compared with reference/ along the
 // same rays in pixels spread over the picture.
-#include "cli/job_document.h"
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/job.h"
+#include "cli/job/job_document.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
 #include "reference/reference.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
-#include "worker/texture_image.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
+#include "worker/scene/texture_image.h"
 
 #include <stdint.h>
 #include <stdio.h>

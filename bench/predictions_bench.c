@@ -3,15 +3,15 @@
 // Each job is a row of a table, its resolution brought to WIDTH. The first segment gives seconds of processors (of the
 // clock, where a GPU renders) of frames spread over it, and their error by many pixels against reference/; a job with
 // code of the user's is compared with a march in finer steps.
-#include "cli/job_document.h"
-#include "core/error.h"
-#include "core/job.h"
-#include "worker/audit.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/plan.h"
-#include "worker/renderer.h"
-#include "worker/truth.h"
+#include "cli/job/job_document.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "worker/audit/audit.h"
+#include "worker/audit/truth.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/plan/plan.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 #include <stdio.h>

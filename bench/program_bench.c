@@ -2,16 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compile and link, then tiny frames of each on a new renderer: the first also lets the driver make machine code, the
 // others should not.
-#include "cli/job_document.h"
-#include "core/error.h"
-#include "core/job.h"
-#include "worker/gl_context.h"
-#include "worker/gl_functions.h"
-#include "worker/gl_program.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
-#include "worker/scene_inputs.h"
-#include "worker/scene_program.h"
+#include "cli/job/job_document.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "worker/gl/gl_context.h"
+#include "worker/gl/gl_functions.h"
+#include "worker/gl/gl_program.h"
+#include "worker/picture/image.h"
+#include "worker/program/scene_program.h"
+#include "worker/render/renderer.h"
+#include "worker/scene/scene_inputs.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 // Frames per second through queue and dispatch on one core, and the memory of a million queued frames.
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/dispatch.h"
-#include "daemon/estimate.h"
-#include "daemon/queue.h"
+#include "daemon/schedule/dispatch.h"
+#include "daemon/schedule/estimate.h"
+#include "daemon/schedule/queue.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
 // What durability costs: frames per second with the store committing, submit latency, restarts with a million frames.
 // SPDX-License-Identifier: Apache-2.0
-#include "core/alloc.h"
-#include "core/error.h"
-#include "daemon/queue.h"
-#include "daemon/store.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "daemon/schedule/queue.h"
+#include "daemon/store/store.h"
 
 #include <stdio.h>
 #include <stdlib.h>

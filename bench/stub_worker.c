@@ -13,17 +13,17 @@
 //   hang         begins a frame and says nothing more
 //   garbage      begins a frame and says what is no message
 //   nocontext    says worker.failed and exits 1
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/file.h"
-#include "core/frame_accuracy.h"
-#include "core/hash.h"
-#include "core/job.h"
-#include "core/job_json.h"
-#include "core/json_write.h"
-#include "core/message.h"
-#include "core/message_stream.h"
-#include "core/output_path.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/base/hash.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
+#include "core/job/output_path.h"
+#include "core/json/json_write.h"
+#include "core/wire/frame_accuracy.h"
+#include "core/wire/message.h"
+#include "core/wire/message_stream.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spans in closed form are one, marching a distance field with a bound on its steps the other. A ball and a box stand
 // over a floor, as the examples have them.
-#include "core/error.h"
-#include "worker/gl_context.h"
-#include "worker/gl_functions.h"
-#include "worker/gl_program.h"
-#include "worker/gl_target.h"
-#include "worker/image.h"
-#include "worker/shader_sources.h"
+#include "core/base/error.h"
+#include "worker/gl/gl_context.h"
+#include "worker/gl/gl_functions.h"
+#include "worker/gl/gl_program.h"
+#include "worker/glsl/shader_sources.h"
+#include "worker/picture/image.h"
+#include "worker/render/gl_target.h"
 
 #include <math.h>
 #include <stdio.h>

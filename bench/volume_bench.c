@@ -1,13 +1,13 @@
 // What a volume costs: reading it, the first frame, the next ones, and memory. Each volume in a process of its own.
 // SPDX-License-Identifier: Apache-2.0
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/job.h"
-#include "core/job_json.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
-#include "worker/volume.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
+#include "worker/volume/volume.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/commands.h"
-#include "cli/options.h"
-#include "core/error.h"
-#include "core/json_write.h"
+#include "cli/command/commands.h"
+#include "cli/program/options.h"
+#include "core/base/error.h"
+#include "core/json/json_write.h"
 
 #include <locale.h>
 #include <signal.h>

@@ -1,5 +1,5 @@
 # Run by embed_shaders: writes OUTPUT from the files MODULES below ROOT.
-set(text "// Generated from shaders/.\n#include \"worker/shader_sources.h\"\n\n")
+set(text "// Generated from shaders/.\n#include \"worker/glsl/shader_sources.h\"\n\n")
 string(APPEND text "const struct shader_source shader_sources_embedded[] = {\n")
 foreach(module IN LISTS MODULES)
     file(READ ${ROOT}/${module} body)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/log.h"
-#include "daemon/daemon.h"
-#include "daemon/journal.h"
-#include "daemon/options.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "daemon/service/daemon.h"
+#include "daemon/service/journal.h"
+#include "daemon/settings/options.h"
 
 #include <limits.h>
 #include <signal.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/scene.h"
+#include "core/scene/scene.h"
 #include "reference/span_list.h"
 #include "reference/vec3.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/integrate.h"
 
-#include "core/alloc.h"
+#include "core/base/alloc.h"
 #include "reference/gauss.h"
 #include "reference/light_walk.h"
 #include "reference/shadow_edges.h"

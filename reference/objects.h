@@ -4,7 +4,7 @@
 // there alone.
 #pragma once
 
-#include "core/scene.h"
+#include "core/scene/scene.h"
 #include "reference/fresnel.h"
 #include "reference/shape.h"
 #include "reference/texture.h"

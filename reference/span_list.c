@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/span_list.h"
 
-#include "core/alloc.h"
+#include "core/base/alloc.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/still.h"
 
-#include "core/job.h"
-#include "core/timeline.h"
+#include "core/job/job.h"
+#include "core/scene/timeline.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/scene.h"
+#include "core/scene/scene.h"
 
 #include <stdbool.h>
 #include <stddef.h>

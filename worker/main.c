@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/error.h"
-#include "core/log.h"
-#include "core/message.h"
-#include "worker/encoder.h"
-#include "worker/fence.h"
-#include "worker/memory_end.h"
-#include "worker/options.h"
-#include "worker/orders.h"
-#include "worker/render_loop.h"
-#include "worker/report.h"
-#include "worker/sandbox.h"
-#include "worker/worker.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/wire/message.h"
+#include "worker/process/encoder.h"
+#include "worker/process/memory_end.h"
+#include "worker/process/options.h"
+#include "worker/process/orders.h"
+#include "worker/process/render_loop.h"
+#include "worker/process/report.h"
+#include "worker/process/worker.h"
+#include "worker/sandbox/fence.h"
+#include "worker/sandbox/sandbox.h"
 
 #include <errno.h>
 #include <malloc.h>

@@ -1,8 +1,8 @@
 // A range that parses is consistent with itself and survives being written and read again.
 // SPDX-License-Identifier: Apache-2.0
-#include "core/frame_range.h"
+#include "core/job/frame_range.h"
 
-#include "core/alloc.h"
+#include "core/base/alloc.h"
 
 #include <stdlib.h>
 

@@ -1,9 +1,9 @@
 // Any text is either refused with its place or read into names that can be written as directives.
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/glsl_names.h"
+#include "worker/glsl/glsl_names.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
 
 #include <stdint.h>
 #include <stdlib.h>

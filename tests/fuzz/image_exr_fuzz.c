@@ -1,8 +1,8 @@
 // EXR files of anybody's: textures are read by the same module as our own frames.
 // SPDX-License-Identifier: Apache-2.0
-#include "core/error.h"
-#include "worker/image.h"
-#include "worker/image_exr.h"
+#include "core/base/error.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 // The sums of all chunks are put right first: a fuzzer does not find them.
 // SPDX-License-Identifier: Apache-2.0
-#include "core/error.h"
-#include "worker/image.h"
-#include "worker/image_png_read.h"
+#include "core/base/error.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_png_read.h"
 
 #include <stdint.h>
 #include <stdlib.h>

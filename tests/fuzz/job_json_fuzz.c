@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/error.h"
-#include "core/job.h"
-#include "core/job_json.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
 
 #include <stddef.h>
 #include <stdint.h>

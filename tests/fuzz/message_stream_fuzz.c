@@ -1,11 +1,11 @@
 // Bytes that arrive in pieces of any size give the same lines as all at once, and every line decodes or is refused.
 // SPDX-License-Identifier: Apache-2.0
-#include "core/message_stream.h"
+#include "core/wire/message_stream.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/json_write.h"
-#include "core/message.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/json/json_write.h"
+#include "core/wire/message.h"
 
 #include <stdint.h>
 #include <stdlib.h>

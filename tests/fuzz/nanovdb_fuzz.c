@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/error.h"
+#include "core/base/error.h"
 #include "tests/support/nanovdb_maker.h"
-#include "worker/brick_atlas.h"
-#include "worker/sparse_grid.h"
-#include "worker/volume_nanovdb.h"
+#include "worker/sparse/brick_atlas.h"
+#include "worker/sparse/sparse_grid.h"
+#include "worker/sparse/volume_nanovdb.h"
 
 #include <stddef.h>
 #include <stdint.h>

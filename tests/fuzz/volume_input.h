@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/error.h"
-#include "worker/volume.h"
+#include "core/base/error.h"
+#include "worker/volume/volume.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two relative RMSEs are printed: of colour, alpha and transmittance, and of depth. The exit status is 1 when the
 // pictures differ in size or channels, or one cannot be read.
-#include "core/error.h"
-#include "worker/image.h"
-#include "worker/image_exr.h"
+#include "core/base/error.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
 
 #include <fcntl.h>
 #include <math.h>

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Keys: frame, width, hash (of the job; "" is foreign), picture (its hash), error, error95 (1.5 error), tolerance (0:
 // no audit), scope, value (of channel G of pixel (3, 2)).
-#include "core/error.h"
-#include "worker/image.h"
-#include "worker/image_exr.h"
+#include "core/base/error.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
 
 #include <fcntl.h>
 #include <stdio.h>

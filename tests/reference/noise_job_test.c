@@ -1,6 +1,6 @@
 // jobs/noise.json describes the scene that it is named after: its density is computed here once more, from frame numbers.
 // SPDX-License-Identifier: Apache-2.0
-#include "core/job.h"
+#include "core/job/job.h"
 #include "reference/still.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/example_job.h"

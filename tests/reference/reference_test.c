@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/reference.h"
 
-#include "core/job.h"
+#include "core/job/job.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/example_job.h"
 #include "tests/support/homogeneous.h"

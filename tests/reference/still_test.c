@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/still.h"
 
-#include "core/error.h"
-#include "core/job.h"
-#include "core/job_json.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
 #include "reference/closed_form.h"
 #include "reference/reference.h"
 #include "tests/support/assert_near.h"

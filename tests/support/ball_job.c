@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/ball_job.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/job_json.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job_json.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/job.h"
+#include "core/job/job.h"
 
 // Reads a job whose camera looks from (0, 0, 4) at the origin, where a ball of radius 1 m has density 1 throughout.
 // `medium` are members of the medium beside its density ("\"sigma_a\": 1"), `rest` members of the job beside frames,

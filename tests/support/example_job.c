@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/example_job.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/file.h"
-#include "core/job_hash.h"
-#include "core/job_json.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/job/job_hash.h"
+#include "core/job/job_json.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

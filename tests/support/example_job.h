@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/job.h"
+#include "core/job/job.h"
 
 // Loads jobs/NAME.json, relative input paths from its folder; fails the test when it is wrong. Free with job_finish.
 void example_job_load(struct job *job, const char *name);

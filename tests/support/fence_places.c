@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/fence_places.h"
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "tests/support/temp_folder.h"
-#include "worker/sandbox_landlock.h"
+#include "worker/sandbox/sandbox_landlock.h"
 
 #include <errno.h>
 #include <fcntl.h>

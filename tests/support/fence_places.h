@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/fence.h"
-#include "worker/sandbox.h"
+#include "worker/sandbox/fence.h"
+#include "worker/sandbox/sandbox.h"
 
 #include <stdbool.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/job_text.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/file.h"
-#include "core/job_json.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/job/job_json.h"
 
 #include <stdio.h>
 #include <stdlib.h>

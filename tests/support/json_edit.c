@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/json_edit.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/json_read.h"
-#include "core/json_write.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/json/json_read.h"
+#include "core/json/json_write.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/load_grid.h"
 
-#include "core/error.h"
-#include "core/job.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
 #include "reference/still.h"
-#include "worker/truth_files.h"
+#include "worker/audit/truth_files.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/load_texture.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/job.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
 #include "reference/still.h"
-#include "worker/image.h"
-#include "worker/texture_image.h"
+#include "worker/picture/image.h"
+#include "worker/scene/texture_image.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

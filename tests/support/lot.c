@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/lot.h"
 
-#include "core/error.h"
-#include "core/job.h"
-#include "core/job_json.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
-#include "worker/truth.h"
+#include "worker/audit/truth.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 #include <setjmp.h>

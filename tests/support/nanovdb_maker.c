@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/nanovdb_maker.h"
 
-#include "core/alloc.h"
+#include "core/base/alloc.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/object_job.h"
 
-#include "core/error.h"
-#include "core/job_json.h"
+#include "core/base/error.h"
+#include "core/job/job_json.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/job.h"
+#include "core/job/job.h"
 
 // Reads a job of 48x32 pixels whose camera looks from (0, 0, 4) at the origin, with depth and transmittance. `scene` are the
 // members of its scene ("\"objects\": [...]"), `rest` members of the job beside frames, camera, scene and output. Fails the

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/render_frame.h"
 
-#include "core/error.h"
-#include "core/job.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/shader_dir.h"
-#include "worker/image.h"
-#include "worker/ray_counts.h"
-#include "worker/renderer.h"
+#include "worker/picture/image.h"
+#include "worker/picture/ray_counts.h"
+#include "worker/render/renderer.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

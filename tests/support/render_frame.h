@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/gl_context.h"
+#include "worker/gl/gl_context.h"
 
 struct image;
 struct job;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/schema_agreement.h"
 
-#include "core/alloc.h"
-#include "core/job.h"
-#include "core/job_json.h"
+#include "core/base/alloc.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 #include "tests/support/schema_check.h"

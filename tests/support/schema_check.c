@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/schema_check.h"
 
-#include "core/utf8.h"
+#include "core/base/utf8.h"
 
 #include <float.h>
 #include <math.h>

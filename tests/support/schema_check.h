@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/json_read.h"
+#include "core/json/json_read.h"
 
 #include <stdbool.h>
 

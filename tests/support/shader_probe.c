@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/shader_probe.h"
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl_context.h"
-#include "worker/gl_functions.h"
-#include "worker/gl_program.h"
-#include "worker/gl_target.h"
-#include "worker/image.h"
-#include "worker/shader_sources.h"
+#include "worker/gl/gl_context.h"
+#include "worker/gl/gl_functions.h"
+#include "worker/gl/gl_program.h"
+#include "worker/glsl/shader_sources.h"
+#include "worker/picture/image.h"
+#include "worker/render/gl_target.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/shader_text.h"
 
-#include "core/file.h"
+#include "core/base/file.h"
 #include "tests/support/temp_folder.h"
-#include "worker/scene_program.h"
+#include "worker/program/scene_program.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/stability.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/job_json.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job_json.h"
 #include "reference/reference.h"
 #include "tests/support/shader_dir.h"
 #include "tests/support/stability_scene.h"
 #include "tests/support/temp_folder.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
-#include "worker/tolerance.h"
-#include "worker/truth.h"
+#include "worker/audit/truth.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/plan/tolerance.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 #include <stdio.h>

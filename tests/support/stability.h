@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/job.h"
+#include "core/job/job.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 #include "tests/support/stability_map.h"
 
 #include "tests/support/stability.h"
-#include "worker/gl_context.h"
+#include "worker/gl/gl_context.h"
 
 #include <math.h>
 #include <stdio.h>

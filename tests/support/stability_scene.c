@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/stability_scene.h"
 
-#include "core/alloc.h"
+#include "core/base/alloc.h"
 #include "tests/support/stability.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/studio.h"
 
-#include "core/error.h"
-#include "core/job.h"
-#include "core/job_json.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
 #include "tests/support/keep_libraries.h"
 #include "tests/support/shader_dir.h"
 

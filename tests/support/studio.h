@@ -3,9 +3,9 @@
 #pragma once
 
 #include "reference/vec3.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
 
 #include <stdbool.h>
 #include <stdint.h>

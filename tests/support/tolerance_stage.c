@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/tolerance_stage.h"
 
-#include "core/error.h"
-#include "core/job.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
 #include "tests/support/keep_libraries.h"
-#include "worker/gl_context.h"
-#include "worker/image.h"
-#include "worker/renderer.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

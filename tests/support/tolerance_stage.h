@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/tolerance.h"
+#include "worker/plan/tolerance.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/true_error.h"
 
-#include "core/alloc.h"
-#include "core/error.h"
-#include "core/job.h"
-#include "worker/image.h"
-#include "worker/image_exr.h"
-#include "worker/truth.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "worker/audit/truth.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
 
 #include <math.h>
 #include <setjmp.h>

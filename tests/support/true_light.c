@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/true_light.h"
 
-#include "core/alloc.h"
-#include "core/job.h"
+#include "core/base/alloc.h"
+#include "core/job/job.h"
 #include "tests/support/load_grid.h"
 #include "tests/support/load_texture.h"
 #include "tests/support/render_frame.h"
-#include "worker/image.h"
-#include "worker/ray_counts.h"
+#include "worker/picture/image.h"
+#include "worker/picture/ray_counts.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

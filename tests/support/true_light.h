@@ -3,7 +3,7 @@
 #pragma once
 
 #include "reference/reference.h"
-#include "worker/gl_context.h"
+#include "worker/gl/gl_context.h"
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/volume_check.h"
 
-#include "core/error.h"
+#include "core/base/error.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/volume_maker.h"
 

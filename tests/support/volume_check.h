@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/volume.h"
+#include "worker/volume/volume.h"
 
 // Opens and expects success; close it with volume_close.
 struct volume *volume_check_open(const struct volume_source *source);

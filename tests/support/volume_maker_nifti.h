@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/volume_voxels.h"
+#include "worker/volume/volume_voxels.h"
 
 struct volume_maker_nifti {
     int version; // 1 or 2

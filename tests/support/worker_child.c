@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/worker_child.h"
 
-#include "core/error.h"
+#include "core/base/error.h"
 
 #include <dirent.h>
 #include <fcntl.h>

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/message.h"
-#include "core/message_stream.h"
+#include "core/wire/message.h"
+#include "core/wire/message_stream.h"
 
 #include <stdbool.h>
 #include <stdint.h>

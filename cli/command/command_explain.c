@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/command/commands.h"
+#include "cli/job/job_document.h"
+#include "cli/peer/worker_child.h"
+#include "cli/program/options.h"
+#include "cli/render/plan_report.h"
+#include "cli/terminal/print.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/json/json_write.h"
+#include "core/wire/message.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FEATURE_WIDTH = 28 }; // at least
+
+static const char *text_of(const struct json_node *object, const char *key)
+{
+    struct json_node node = json_node_child(object, key);
+    const char *text;
+
+    return json_read_string(&node, &text, NULL) ? text : "";
+}
+
+static void print_features(const struct json_node *result, const char *key, const char *title)
+{
+    struct json_node features = json_node_child(result, key), feature = {0}, line = {0};
+    size_t width = FEATURE_WIDTH;
+
+    if (json_node_count(&features) == 0) return;
+    printf("%s\n", title);
+    while (json_node_next(&features, &feature))
+        if (strlen(text_of(&feature, "feature")) > width) width = strlen(text_of(&feature, "feature"));
+    while (json_node_next(&features, &line))
+        printf("  %-*s %s\n", (int)width, text_of(&line, "feature"), text_of(&line, "why"));
+    printf("\n");
+}
+
+static void print_modules(const struct json_node *result)
+{
+    struct json_node modules = json_node_child(result, "modules"), module = {0};
+    const char *name;
+
+    if (json_node_count(&modules) == 0) return;
+    printf("Shader modules\n");
+    while (json_node_next(&modules, &module))
+        if (json_read_string(&module, &name, NULL)) printf("  %s\n", name);
+    printf("\n");
+}
+
+static void print_explanation(const struct json_node *result)
+{
+    struct json_node bytes = json_node_child(result, "uniform_bytes"), plan = json_node_child(result, "plan");
+    int64_t uniform_bytes = 0;
+
+    if (!json_node_is_absent(&plan)) plan_report_print(&plan);
+    print_features(result, "modelled", "Modelled");
+    print_features(result, "not_modelled", "Not modelled");
+    print_modules(result);
+    json_read_integer(&bytes, 0, INT32_MAX, &uniform_bytes, NULL);
+    printf("Shader %s, %zu bytes, %" PRId64 " bytes of uniforms a frame (--shader prints it)\n",
+           text_of(result, "shader_hash"), strlen(text_of(result, "shader")), uniform_bytes);
+}
+
+// Only what a tolerance comes down to has to be tried.
+static enum exit_status explain(const struct options *options, const struct job *job, const char *document,
+                                struct error *error)
+{
+    struct json_writer params = {0};
+    enum exit_status status;
+    struct message reply;
+
+    json_write_begin_object(&params);
+    json_write_key(&params, "document");
+    json_write_raw(&params, document, strlen(document));
+    json_write_string_member(&params, "root", "/");
+    json_write_end_object(&params);
+    status = worker_child_ask(options,
+                              &(struct worker_question){.method = "worker.explain",
+                                                        .params = params.text,
+                                                        .needs_gl = job->quality.method == JOB_METHOD_AUTO,
+                                                        .label = "planning"},
+                              &reply, error);
+    json_writer_finish(&params);
+    if (status != EXIT_STATUS_DONE) return status;
+    if (options->json)
+        print_json(&reply.body);
+    else if (options->shader)
+        fputs(text_of(&reply.body, "shader"), stdout);
+    else
+        print_explanation(&reply.body);
+    message_finish(&reply);
+    return status;
+}
+
+enum exit_status command_explain(const struct options *options, struct error *error)
+{
+    char *document = job_document_load(options->operands[0], options->sets, options->set_count, error);
+    enum exit_status status = EXIT_STATUS_USAGE;
+    struct job job = {0};
+
+    if (document && job_document_check(options->operands[0], document, "/", &job, error))
+        status = explain(options, &job, document, error);
+    job_finish(&job);
+    free(document);
+    return status;
+}

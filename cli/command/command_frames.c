@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/command/commands.h"
+#include "cli/farm/daemon_call.h"
+#include "cli/peer/connection.h"
+#include "cli/program/options.h"
+#include "core/json/json_write.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { PAGE_SIZE = 10000 };
+
+static const char *text_of(const struct json_node *frame, const char *key, const char *otherwise)
+{
+    struct json_node node = json_node_child(frame, key);
+    const char *text;
+
+    return json_read_string(&node, &text, NULL) ? text : otherwise;
+}
+
+static double number_of(const struct json_node *frame, const char *key)
+{
+    struct json_node node = json_node_child(frame, key);
+    double number;
+
+    return json_read_number(&node, 0, 1e300, &number, NULL) ? number : -1;
+}
+
+static void print_seconds(double seconds)
+{
+    if (seconds >= 0)
+        printf("  %8.3f", seconds);
+    else
+        printf("  %8s", "-");
+}
+
+static void print_share(const struct json_node *frame, const char *key)
+{
+    double share = number_of(frame, key);
+
+    if (share >= 0)
+        printf("  %7.2g", 100 * share);
+    else
+        printf("  %7s", "-");
+}
+
+// Columns of fixed width, so that a page can be printed before the next one is asked for.
+static void print_frame(const struct json_node *frame)
+{
+    double size = number_of(frame, "size_bytes");
+    const char *why = text_of(frame, "error", NULL);
+
+    printf("%8.0f  %-9s  %3.0f", number_of(frame, "frame"), text_of(frame, "state", "?"), number_of(frame, "attempts"));
+    print_seconds(number_of(frame, "render_s"));
+    print_seconds(number_of(frame, "encode_s"));
+    if (size >= 0)
+        printf("  %11.0f", size);
+    else
+        printf("  %11s", "-");
+    printf("  %-13s", text_of(frame, "method", "-"));
+    print_share(frame, "measured_error");
+    print_share(frame, "error95");
+    print_share(frame, "cut_share");
+    printf("  %s\n", why ? why : text_of(frame, "path", "-"));
+}
+
+static void print_page(const struct options *options, const struct json_node *frames, bool is_first)
+{
+    struct json_node frame = {0};
+
+    while (json_node_next(frames, &frame)) {
+        if (options->json) {
+            char *text = json_format(&frame);
+
+            printf("%s%s", is_first ? "" : ",", text);
+            free(text);
+            is_first = false;
+        } else {
+            print_frame(&frame);
+        }
+    }
+}
+
+static char *format_params(const struct options *options, int64_t id, int64_t offset)
+{
+    struct json_writer params = {0};
+
+    json_write_begin_object(&params);
+    json_write_integer_member(&params, "id", id);
+    daemon_call_write_states(&params, options->state);
+    if (options->range) json_write_string_member(&params, "range", options->range);
+    json_write_integer_member(&params, "offset", offset);
+    json_write_integer_member(&params, "limit", PAGE_SIZE);
+    json_write_end_object(&params);
+    return params.text;
+}
+
+static enum exit_status print_frames(const struct options *options, struct connection *connection, int64_t id,
+                                     struct error *error)
+{
+    int64_t offset = 0, total = 0;
+
+    do {
+        char *params = format_params(options, id, offset);
+        struct json_node frames, total_node;
+        struct message reply;
+        bool ok = connection_call(connection, "job.frames", params, &reply, error);
+        int64_t count;
+
+        free(params);
+        if (!ok) return connection_failure(connection);
+        if (offset == 0 && options->json) printf("{\"frames\":[");
+        if (offset == 0 && !options->json)
+            printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %7s  %7s  %7s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
+                   "ENCODE S", "BYTES", "METHOD", "ERROR %", "ERR95 %", "CUT %", "FILE OR FAILURE");
+        frames = json_node_child(&reply.body, "frames");
+        total_node = json_node_child(&reply.body, "total");
+        ok = json_read_integer(&total_node, 0, INT64_C(1) << 52, &total, error);
+        print_page(options, &frames, offset == 0);
+        count = (int64_t)json_node_count(&frames);
+        message_finish(&reply);
+        if (!ok) return EXIT_STATUS_FAILED;
+        if (count == 0) break;
+        offset += count;
+    } while (offset < total);
+    if (options->json) printf("],\"total\":%" PRId64 "}\n", total);
+    return EXIT_STATUS_DONE;
+}
+
+enum exit_status command_frames(const struct options *options, struct error *error)
+{
+    struct connection *connection;
+    enum exit_status status;
+    int64_t id;
+
+    if (!options_parse_id(options->operands[0], &id, error)) return EXIT_STATUS_USAGE;
+    connection = daemon_call_connect(options, &status, error);
+    if (!connection) return status;
+    status = print_frames(options, connection, id, error);
+    connection_close(connection);
+    return status;
+}

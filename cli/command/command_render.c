@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/command/commands.h"
+#include "cli/job/job_document.h"
+#include "cli/program/interrupt.h"
+#include "cli/program/options.h"
+#include "cli/render/output_root.h"
+#include "cli/render/render_session.h"
+#include "cli/terminal/print.h"
+#include "cli/terminal/progress.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/json/json_write.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// What is told while frames end, and at the end.
+struct telling {
+    const struct options *options; // borrowed
+    const struct job *job;         // borrowed
+    struct progress_display display;
+    struct json_writer frames; // an array that stays open until the end
+    int64_t counts[RENDER_FAILED + 1];
+    int64_t began_ms;
+    bool knows_worker; // it was told what renders
+};
+
+static const char *const outcome_names[] = {"succeeded", "skipped", "failed"};
+
+static void draw(struct telling *telling, bool is_final)
+{
+    double elapsed_s = (double)(progress_now_ms() - telling->began_ms) / 1000;
+    int64_t total = frame_range_count(&telling->job->frames), rendered = telling->counts[RENDER_SUCCEEDED];
+    int64_t left = total - rendered - telling->counts[RENDER_SKIPPED] - telling->counts[RENDER_FAILED];
+    double seconds = rendered > 0 ? elapsed_s / (double)rendered : -1;
+    const struct progress progress = {.label = telling->job->name,
+                                      .total = total,
+                                      .done = rendered + telling->counts[RENDER_SKIPPED],
+                                      .failed = telling->counts[RENDER_FAILED],
+                                      .seconds_per_frame = seconds,
+                                      .eta_s = seconds >= 0 && left > 0 ? seconds * (double)left : -1};
+
+    progress_display_draw(&telling->display, &progress, 1, progress_now_ms(), is_final);
+}
+
+static void on_tick(void *user)
+{
+    draw(user, false);
+}
+
+static void on_worker(void *user, const char *backend, const char *renderer)
+{
+    struct telling *telling = user;
+
+    if (telling->knows_worker) return;
+    telling->knows_worker = true;
+    progress_display_clear(&telling->display);
+    fprintf(stderr, "rendering with %s: %s\n", backend, renderer);
+}
+
+static void on_worker_lost(void *user, const char *why)
+{
+    struct telling *telling = user;
+
+    progress_display_clear(&telling->display);
+    fprintf(stderr, "%s; what it had in hand is tried again\n", why);
+}
+
+static void write_result(struct json_writer *writer, const struct render_result *result)
+{
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "frame", result->frame);
+    json_write_string_member(writer, "state", outcome_names[result->outcome]);
+    json_write_string_member(writer, "path", result->name);
+    if (result->outcome == RENDER_SUCCEEDED) {
+        json_write_number_member(writer, "render_s", result->render_s);
+        json_write_number_member(writer, "encode_s", result->encode_s);
+    }
+    if (result->outcome != RENDER_FAILED) {
+        json_write_integer_member(writer, "size_bytes", result->size_bytes);
+        json_write_string_member(writer, "hash", result->hash);
+        frame_accuracy_write(&result->accuracy, writer);
+    }
+    if (result->error) json_write_string_member(writer, "error", result->error);
+    json_write_end_object(writer);
+}
+
+static void print_accuracy(const struct frame_accuracy *accuracy)
+{
+    if (accuracy->audit[0])
+        printf("  error %.2g %% (95 %%: below %.2g %%)  %s", 100 * accuracy->error, 100 * accuracy->error95,
+               accuracy->method);
+    if (accuracy->has_cut_share) printf("  cut %.3g %%", 100 * accuracy->cut_share);
+    putchar('\n');
+}
+
+static void print_succeeded(const struct render_result *result)
+{
+    printf("%s  rendered %.3f s  encoded %.3f s", result->name, result->render_s, result->encode_s);
+    print_accuracy(&result->accuracy);
+}
+
+static void print_skipped(const struct render_result *result)
+{
+    printf("%s  was there already", result->name);
+    print_accuracy(&result->accuracy);
+}
+
+static void on_result(void *user, const struct render_result *result)
+{
+    struct telling *telling = user;
+
+    telling->counts[result->outcome]++;
+    progress_display_clear(&telling->display);
+    if (telling->options->json)
+        write_result(&telling->frames, result);
+    else if (result->outcome == RENDER_SUCCEEDED)
+        print_succeeded(result);
+    else if (result->outcome == RENDER_SKIPPED)
+        print_skipped(result);
+    if (result->outcome == RENDER_FAILED) fprintf(stderr, "frame %d failed: %s\n", result->frame, result->error);
+    fflush(stdout);
+}
+
+static void print_end(struct telling *telling, const char *root)
+{
+    double wall_s = (double)(progress_now_ms() - telling->began_ms) / 1000;
+    struct json_writer writer = {0};
+
+    draw(telling, true);
+    json_write_end_array(&telling->frames);
+    if (!telling->options->json) return;
+    json_write_begin_object(&writer);
+    json_write_string_member(&writer, "root", root);
+    for (int i = 0; i <= RENDER_FAILED; i++)
+        json_write_integer_member(&writer, outcome_names[i], telling->counts[i]);
+    json_write_number_member(&writer, "wall_s", wall_s);
+    json_write_key(&writer, "frames");
+    json_write_raw(&writer, telling->frames.text, telling->frames.length);
+    json_write_end_object(&writer);
+    print_json_text(&writer);
+    json_writer_finish(&writer);
+}
+
+static enum exit_status render(const struct options *options, const struct job *job, const char *document,
+                               const char *root, struct error *error)
+{
+    struct telling telling = {.options = options, .job = job, .began_ms = progress_now_ms()};
+    struct interrupt interrupt;
+    const struct render_session_params params = {.options = options,
+                                                 .job = job,
+                                                 .document = document,
+                                                 .root = root,
+                                                 .interrupt = &interrupt,
+                                                 .on_result = on_result,
+                                                 .on_tick = on_tick,
+                                                 .on_worker = on_worker,
+                                                 .on_worker_lost = on_worker_lost,
+                                                 .user = &telling};
+    enum exit_status status;
+
+    progress_display_init(&telling.display, stderr);
+    interrupt_init(&interrupt);
+    json_write_begin_array(&telling.frames);
+    status = render_session_run(&params, error);
+    if (!error->message[0]) print_end(&telling, root);
+    json_writer_finish(&telling.frames);
+    interrupt_finish(&interrupt);
+    return status;
+}
+
+enum exit_status command_render(const struct options *options, struct error *error)
+{
+    const char *path = options->operands[0];
+    char *document = job_document_load(path, options->sets, options->set_count, error);
+    enum exit_status status = EXIT_STATUS_USAGE;
+    struct job job = {0};
+    char *root = NULL;
+
+    if (!document) goto out;
+    if (options->range && !job_document_set_text(&document, "frames", options->range, error)) goto out;
+    root = output_root_choose(options->out, true, &document, error);
+    if (root && job_document_check(path, document, root, &job, error))
+        status = render(options, &job, document, root, error);
+out:
+    job_finish(&job);
+    free(document);
+    free(root);
+    return status;
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/command/commands.h"
+
+#include "cli/program/options.h"
+#include "core/base/error.h"
+#include "core/json/json_read.h"
+#include "core/json/json_write.h"
+
+#include <string.h>
+
+#define BIT(name) OPTION_BIT(OPTION_##name)
+#define EVERY (BIT(HELP) | BIT(JSON))
+#define DAEMON (EVERY | BIT(SOCKET))
+#define WORKER (EVERY | BIT(WORKER_PROGRAM))
+#define RENDERER (WORKER | BIT(BACKEND) | BIT(DEVICE) | BIT(SHADER_DIR))
+
+enum { ANY = 1 << 20, FIRST_LOCAL = 14 };
+
+static const struct command commands[] = {
+    {"submit", "JOB", 1, 1, DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(DRY_RUN) | BIT(SET) | BIT(PAUSED) | BIT(PRIORITY),
+     "Hands a job file (- for standard input) to the daemon and prints the job's id.",
+     "march submit --watch --set frames=0-99 jobs/cloud.json", command_submit},
+    {"list", "", 0, 0, DAEMON | BIT(STATE), "Lists the jobs.", "march list --state running,queued", command_list},
+    {"show", "ID", 1, 1, DAEMON, "Shows a job.", "march show 7", command_show},
+    {"frames", "ID", 1, 1, DAEMON | BIT(STATE) | BIT(RANGE), "Lists a job's frames.", "march frames 7 --state failed",
+     command_frames},
+    {"log", "ID", 1, 1, DAEMON | BIT(FRAME), "Prints what ended attempts have to say, the newest last.",
+     "march log 7 --frame 120", command_log},
+    {"watch", "[ID...]", 0, ANY, DAEMON,
+     "Shows progress until the jobs named have ended; of all jobs when none is named.", "march watch 7", command_watch},
+    {"wait", "ID...", 1, ANY, DAEMON, "Returns when the jobs have ended; 1 unless all succeeded.", "march wait 7 8",
+     command_wait},
+    {"pause", "ID...", 1, ANY, DAEMON, "Starts no more frames of the jobs until they are resumed.", "march pause 7",
+     command_pause},
+    {"resume", "ID...", 1, ANY, DAEMON, "Lets paused jobs go on.", "march resume 7", command_resume},
+    {"cancel", "ID...", 1, ANY, DAEMON, "Stops the jobs; files already there stay.", "march cancel 7", command_cancel},
+    {"retry", "ID", 1, 1, DAEMON | BIT(STATE) | BIT(RANGE),
+     "Queues frames again: the failed ones, or those in --state.", "march retry 7 --state failed,canceled",
+     command_retry},
+    {"prio", "ID PRIORITY", 2, 2, DAEMON, "Sets a job's priority, 0 to 100; higher goes first.", "march prio 7 80",
+     command_prio},
+    {"delete", "ID...", 1, ANY, DAEMON | BIT(FILES),
+     "Makes the daemon forget jobs that are over; what they rendered stays, unless --files says that it goes too.",
+     "march delete 7 --files", command_delete},
+    {"workers", "", 0, 0, DAEMON, "Lists the workers and what they run on.", "march workers", command_workers},
+    {"validate", "FILE...", 1, ANY, EVERY | BIT(SET), "Checks job files.",
+     "march validate jobs/cloud.json jobs/fog.json", command_validate},
+    {"render", "JOB", 1, 1, RENDERER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS) | BIT(PROGRESS_LIMIT),
+     "Renders a job here, without a daemon, into the current folder or to --out.",
+     "march render jobs/cloud.json --frames 0-239x60 --out /tmp/cloud.####.exr", command_render},
+    {"explain", "JOB", 1, 1, WORKER | BIT(SHADER_DIR) | BIT(SET) | BIT(SHADER),
+     "Says what the scene makes the renderer model, what not, and why.", "march explain jobs/cloud.json --shader",
+     command_explain},
+    {"chart", "JOB", 1, 1,
+     RENDERER | BIT(FRAME) | BIT(METHODS) | BIT(SIZE) | BIT(QUICK) | BIT(POINT_LIMIT) | BIT(OUT) | BIT(SET),
+     "Measures seconds and error of every method that can render a frame of the job, and draws one against the other.",
+     "march chart jobs/cloud.json --frame 48 --quick --out /tmp/chart", command_chart},
+    {"preview", "PATTERN|FILE...", 1, ANY,
+     WORKER | BIT(FRAMES) | BIT(OUT) | BIT(COLUMNS) | BIT(TILE_WIDTH) | BIT(EXPOSURE) | BIT(FPS),
+     "Makes a contact sheet (.png) or a film (.mp4) of a sequence, one exposure for all of it.",
+     "march preview cloud/cloud.####.exr --out sheet.png", command_preview},
+    {"verify", "DIR|JOB", 1, 1, WORKER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(TOLERANCE),
+     "Checks files: complete, whole, of one job, and their error measured and within its tolerance; 1 when not.",
+     "march verify first --frames 0-47", command_verify},
+    {"completion", "SHELL", 1, ANY, EVERY, "Prints what bash, zsh or fish load to complete what is typed.",
+     "march completion bash", command_completion},
+    {"version", "", 0, 0, EVERY, "Prints the version.", "march version", command_version},
+    {"help", "[VERB]", 0, 1, EVERY, "Explains a verb.", "march help submit", command_help},
+};
+
+enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
+
+const struct command *command_find(const char *name)
+{
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        if (strcmp(commands[i].name, name) == 0) return &commands[i];
+    return NULL;
+}
+
+const struct command *command_at(size_t index)
+{
+    return index < COMMAND_COUNT ? &commands[index] : NULL;
+}
+
+void command_fail_unknown(const char *name, struct error *error)
+{
+    const char *names[COMMAND_COUNT + 1] = {NULL};
+    const char *nearest;
+
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        names[i] = commands[i].name;
+    nearest = json_nearest_name(name, names);
+    if (nearest)
+        error_set(error, "unknown verb \"%s\", did you mean \"%s\"?", name, nearest);
+    else
+        error_set(error, "unknown verb \"%s\"", name);
+}
+
+void command_print_help(FILE *out, const struct command *command)
+{
+    fprintf(out, "usage: march %s%s%s [OPTION...]\n\n%s\n\n", command->name, *command->operands ? " " : "",
+            command->operands, command->summary);
+    options_print_help(out, command->options);
+    fprintf(out, "\nExample:\n  %s\n", command->example);
+}
+
+void command_print_overview(FILE *out)
+{
+    fputs("usage: march VERB [OPTION...]\n\nWith a daemon:\n", out);
+    for (size_t i = 0; i < COMMAND_COUNT; i++) {
+        if (i == FIRST_LOCAL) fputs("\nWithout:\n", out);
+        fprintf(out, "  %-10s %-15s %s\n", commands[i].name, commands[i].operands, commands[i].summary);
+    }
+    fputs("\n`march VERB --help` tells the options of a verb.\n"
+          "Exit codes: 0 done, 1 the work failed, 2 wrong usage or job file, 3 no daemon, 4 not allowed,\n"
+          "130 interrupted.\n",
+          out);
+}
+
+void command_write_overview(struct json_writer *writer)
+{
+    json_write_begin_object(writer);
+    json_write_key(writer, "verbs");
+    json_write_begin_array(writer);
+    for (size_t i = 0; i < COMMAND_COUNT; i++) {
+        json_write_begin_object(writer);
+        json_write_string_member(writer, "name", commands[i].name);
+        json_write_string_member(writer, "operands", commands[i].operands);
+        json_write_string_member(writer, "summary", commands[i].summary);
+        json_write_end_object(writer);
+    }
+    json_write_end_array(writer);
+    json_write_end_object(writer);
+}

@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-#include "cli/commands.h"
-#include "cli/daemon_call.h"
-
-enum exit_status command_resume(const struct options *options, struct error *error)
-{
-    return daemon_call_each_job(options, "job.resume", error);
-}

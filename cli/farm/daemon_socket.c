@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/farm/daemon_socket.h"
+
+#include "cli/peer/connection.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+
+#include <errno.h>
+#include <grp.h>
+#include <pwd.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+// The connected socket; -1 with errno set.
+static int connect_to(const char *path)
+{
+    struct sockaddr_un address = {.sun_family = AF_UNIX};
+    int fd;
+
+    if (strlen(path) >= sizeof address.sun_path) {
+        errno = ENAMETOOLONG;
+        return -1;
+    }
+    memcpy(address.sun_path, path, strlen(path) + 1);
+    fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd < 0) return -1;
+    if (connect(fd, (struct sockaddr *)&address, sizeof address) != 0) {
+        int reason = errno;
+
+        close(fd);
+        errno = reason;
+        return -1;
+    }
+    return fd;
+}
+
+static bool is_refused(int reason)
+{
+    return reason == EACCES || reason == EPERM;
+}
+
+// Who may connect there, and how to become one of them; empty where the socket does not tell.
+static char *tell_group(const char *path)
+{
+    struct stat status;
+    const struct passwd *user = getpwuid(geteuid());
+    const struct group *group;
+
+    if (stat(path, &status) != 0 || !(status.st_mode & S_IWGRP)) return xstrdup("");
+    group = getgrgid(status.st_gid);
+    if (!group) return xstrdup("");
+    return xasprintf(": only group %s may connect (root adds you with `usermod -aG %s %s`; then log in again)",
+                     group->gr_name, group->gr_name, user ? user->pw_name : "YOU");
+}
+
+// "A (why) or B (why)"; NULL when there is nothing but what is refused.
+static char *tell_silent(char *const paths[], const int reasons[], size_t count)
+{
+    char *told = NULL;
+
+    for (size_t i = 0; i < count; i++) {
+        char *longer;
+
+        if (is_refused(reasons[i])) continue;
+        longer = xasprintf("%s%s%s (%s)", told ? told : "", told ? " or " : "", paths[i], strerrordesc_np(reasons[i]));
+        free(told);
+        told = longer;
+    }
+    return told;
+}
+
+static enum exit_status fail(char *const paths[], const int reasons[], size_t count, struct error *error)
+{
+    char *silent = tell_silent(paths, reasons, count), *group;
+
+    for (size_t i = 0; i < count; i++) {
+        if (!is_refused(reasons[i])) continue;
+        group = tell_group(paths[i]);
+        error_set(error, "the socket %s is not for you%s%s%s", paths[i], group,
+                  silent ? "; nor does a daemon of your own answer at " : "", silent ? silent : "");
+        free(group);
+        free(silent);
+        return EXIT_STATUS_NOT_ALLOWED;
+    }
+    error_set(error,
+              "no daemon answers at %s; start one with `systemctl start marchd`, or one of your own with `marchd`, and "
+              "name its socket with --socket or $MARCHD_SOCKET if it is elsewhere",
+              silent ? silent : "any socket");
+    free(silent);
+    return EXIT_STATUS_NO_DAEMON;
+}
+
+struct connection *daemon_socket_connect(char *const paths[], size_t count, enum exit_status *status,
+                                         struct error *error)
+{
+    int *reasons = xcalloc(count + 1, sizeof *reasons);
+    struct connection *connection = NULL;
+
+    for (size_t i = 0; i < count && !connection; i++) {
+        int fd = connect_to(paths[i]);
+
+        if (fd < 0)
+            reasons[i] = errno;
+        else
+            connection = connection_adopt(fd, "the daemon");
+    }
+    if (!connection) *status = fail(paths, reasons, count, error);
+    free(reasons);
+    return connection;
+}

@@ -1,0 +1,29 @@
+// What the daemon says about a job.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cli/program/exit_status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+struct json_node;
+struct progress;
+
+// Texts are owned and may be NULL; numbers that the daemon does not know are negative.
+struct job_report {
+    int64_t id, priority;
+    int64_t frames, queued, running, succeeded, failed, canceled, skipped;
+    char *name, *state, *owner, *range, *output, *reason;
+    char *label;                         // "#7 cloud"
+    double submitted, started, finished; // unix s
+    double seconds_per_frame, eta_s;
+};
+
+// `node` is a *job* of docs/protocol.md. The report must be empty; on failure it is.
+bool job_report_read(struct job_report *report, const struct json_node *node, struct error *error);
+void job_report_finish(struct job_report *report);
+bool job_report_has_ended(const struct job_report *report);
+enum exit_status job_report_status(const struct job_report *report);                       // of one that has ended
+void job_report_fill_progress(const struct job_report *report, struct progress *progress); // lends the texts

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/job/json_set.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/json/json_read.h"
+#include "core/json/json_write.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { STEP_LIMIT = JSON_DEPTH_LIMIT, INDEX_DIGITS_LIMIT = 7 };
+
+// One part of a path: a key, or an index when `key` is NULL.
+struct step {
+    char *key; // owned
+    size_t index;
+    size_t end; // offset in the path behind this step
+};
+
+struct edit {
+    const char *path; // borrowed
+    struct step steps[STEP_LIMIT];
+    size_t step_count;
+    const char *value; // borrowed; the right side of the assignment
+    bool value_is_json, value_is_number;
+    struct json_writer writer;
+};
+
+static bool fail_path(const struct edit *edit, struct error *error, size_t step, const char *why)
+{
+    error_set(error, "%.*s: %s", (int)edit->steps[step].end, edit->path, why);
+    return false;
+}
+
+static bool parse_index(struct step *step, const char **cursor)
+{
+    const char *digits = *cursor + 1;
+    size_t count = strspn(digits, "0123456789");
+
+    if (count == 0 || count > INDEX_DIGITS_LIMIT || digits[count] != ']') return false;
+    step->index = strtoul(digits, NULL, 10);
+    *cursor = digits + count + 1;
+    return true;
+}
+
+static bool parse_path(struct edit *edit, struct error *error)
+{
+    const char *cursor = edit->path;
+
+    while (*cursor) {
+        struct step *step = &edit->steps[edit->step_count];
+
+        if (edit->step_count == STEP_LIMIT) {
+            error_set(error, "%s: more than %d levels", edit->path, STEP_LIMIT);
+            return false;
+        }
+        if (*cursor == '[') {
+            if (!parse_index(step, &cursor)) goto syntax;
+        } else {
+            size_t length;
+
+            if (cursor != edit->path && *cursor++ != '.') goto syntax;
+            length = strcspn(cursor, ".[]");
+            if (length == 0) goto syntax;
+            step->key = xstrndup(cursor, length);
+            cursor += length;
+        }
+        step->end = (size_t)(cursor - edit->path);
+        edit->step_count++;
+    }
+    if (edit->step_count > 0) return true;
+syntax:
+    error_set(error, "\"%s\": expected a path such as scene.media[0].sigma_s", edit->path);
+    return false;
+}
+
+static void write_value(struct edit *edit)
+{
+    if (edit->value_is_json)
+        json_write_raw(&edit->writer, edit->value, strlen(edit->value));
+    else
+        json_write_string(&edit->writer, edit->value);
+}
+
+// The steps from `step` on lead nowhere yet: objects and arrays are made on the way.
+static bool write_missing(struct edit *edit, size_t step, struct error *error)
+{
+    bool ok;
+
+    if (step == edit->step_count) {
+        write_value(edit);
+        return true;
+    }
+    if (edit->steps[step].key) {
+        json_write_begin_object(&edit->writer);
+        json_write_key(&edit->writer, edit->steps[step].key);
+        ok = write_missing(edit, step + 1, error);
+        json_write_end_object(&edit->writer);
+        return ok;
+    }
+    if (edit->steps[step].index != 0)
+        return fail_path(edit, error, step, "the array has no elements, only [0] can be added");
+    json_write_begin_array(&edit->writer);
+    ok = write_missing(edit, step + 1, error);
+    json_write_end_array(&edit->writer);
+    return ok;
+}
+
+static void write_unchanged(struct edit *edit, const struct json_node *node)
+{
+    char *text = json_format(node);
+
+    json_write_raw(&edit->writer, text, strlen(text));
+    free(text);
+}
+
+static bool write_edited(struct edit *edit, const struct json_node *node, size_t step, struct error *error);
+
+static bool write_edited_object(struct edit *edit, const struct json_node *object, size_t step, struct error *error)
+{
+    const char *key = edit->steps[step].key;
+    struct json_node child = {0};
+    bool found = false, ok = true;
+
+    json_write_begin_object(&edit->writer);
+    while (ok && json_node_next(object, &child)) {
+        json_write_key(&edit->writer, child.key);
+        if (strcmp(child.key, key) != 0) {
+            write_unchanged(edit, &child);
+            continue;
+        }
+        found = true;
+        ok = write_edited(edit, &child, step + 1, error);
+    }
+    if (ok && !found) {
+        json_write_key(&edit->writer, key);
+        ok = write_missing(edit, step + 1, error);
+    }
+    json_write_end_object(&edit->writer);
+    return ok;
+}
+
+static bool write_edited_array(struct edit *edit, const struct json_node *array, size_t step, struct error *error)
+{
+    size_t index = edit->steps[step].index, count = json_node_count(array);
+    struct json_node child = {0};
+    bool ok = true;
+
+    if (index > count) {
+        error_set(error, "%.*s: the array has %zu element%s, index %zu would append", (int)edit->steps[step].end,
+                  edit->path, count, count == 1 ? "" : "s", count);
+        return false;
+    }
+    json_write_begin_array(&edit->writer);
+    while (ok && json_node_next(array, &child)) {
+        if (child.index == index)
+            ok = write_edited(edit, &child, step + 1, error);
+        else
+            write_unchanged(edit, &child);
+    }
+    if (ok && index == count) ok = write_missing(edit, step + 1, error);
+    json_write_end_array(&edit->writer);
+    return ok;
+}
+
+static bool write_edited(struct edit *edit, const struct json_node *node, size_t step, struct error *error)
+{
+    if (step == edit->step_count) {
+        // frames=48 means the text: what is a string stays one when a mere number comes.
+        if (json_node_type(node) == JSON_STRING && edit->value_is_number) edit->value_is_json = false;
+        write_value(edit);
+        return true;
+    }
+    if (edit->steps[step].key) {
+        if (json_node_type(node) == JSON_OBJECT) return write_edited_object(edit, node, step, error);
+        return fail_path(edit, error, step, "what it is in is no object");
+    }
+    if (json_node_type(node) == JSON_ARRAY) return write_edited_array(edit, node, step, error);
+    return fail_path(edit, error, step, "what it is in is no array");
+}
+
+char *json_set(const char *document, const char *assignment, struct error *error)
+{
+    struct edit edit = {0};
+    struct cJSON *root = NULL, *value = NULL;
+    const char *equals = strchr(assignment, '=');
+    char *path = NULL, *edited = NULL;
+    struct json_node node;
+
+    if (!equals) {
+        error_set(error, "\"%s\": expected PATH=VALUE", assignment);
+        return NULL;
+    }
+    path = xstrndup(assignment, (size_t)(equals - assignment));
+    edit.path = path;
+    edit.value = equals + 1;
+    edit.value_is_json = json_parse(&value, edit.value, strlen(edit.value), NULL);
+    node = json_node_root(value);
+    edit.value_is_number = edit.value_is_json && json_node_type(&node) == JSON_NUMBER;
+    if (!parse_path(&edit, error)) goto out;
+    if (!json_parse(&root, document, strlen(document), error)) goto out;
+    node = json_node_root(root);
+    if (!write_edited(&edit, &node, 0, error)) goto out;
+    edited = xstrdup(edit.writer.text);
+out:
+    for (size_t i = 0; i < STEP_LIMIT; i++)
+        free(edit.steps[i].key);
+    json_writer_finish(&edit.writer);
+    json_delete(value);
+    json_delete(root);
+    free(path);
+    return edited;
+}

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/peer/worker_child.h"
+
+#include "cli/peer/connection.h"
+#include "cli/program/interrupt.h"
+#include "cli/program/options.h"
+#include "cli/terminal/progress.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { CHILD_FD = 3, ARGUMENT_LIMIT = 16, END_WAIT_MS = 5000, END_POLL_MS = 10 };
+
+static char *find_program(const struct options *options, struct error *error)
+{
+    const char *environment = getenv("MARCH_WORKER");
+    char own[PATH_MAX];
+    ssize_t length;
+    char *path;
+
+    if (options->worker_program) {
+        path = xstrdup(options->worker_program);
+    } else if (environment && *environment) {
+        path = xstrdup(environment);
+    } else {
+        length = readlink("/proc/self/exe", own, sizeof own - 1);
+        own[length < 0 ? 0 : length] = 0;
+        if (strrchr(own, '/')) *strrchr(own, '/') = 0;
+        path = xasprintf("%s/march-worker", own);
+    }
+    if (access(path, X_OK) == 0) return path;
+    error_set_errno(error, errno, "%s: the worker cannot be started (--worker-program or $MARCH_WORKER names another)",
+                    path);
+    free(path);
+    return NULL;
+}
+
+static void exec_child(const char *program, char *const arguments[], int fd, pid_t parent)
+{
+    sigset_t none;
+
+    // Ours to end: a Ctrl-C meant for the whole terminal must not reach it before we took back what it has begun.
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(127);
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    signal(SIGPIPE, SIG_DFL);
+    if (fd == CHILD_FD)
+        fcntl(fd, F_SETFD, 0);
+    else
+        dup2(fd, CHILD_FD);
+    dup2(STDERR_FILENO, STDOUT_FILENO); // stdout holds our data only
+    execv(program, arguments);
+    _exit(127);
+}
+
+static void fill_arguments(const struct options *options, const char *backend, char *program, char *threads,
+                           size_t threads_size, char *arguments[ARGUMENT_LIMIT])
+{
+    size_t count = 0;
+
+    arguments[count++] = program;
+    arguments[count++] = (char *)"--fd";
+    arguments[count++] = (char *)"3";
+    arguments[count++] = (char *)"--backend";
+    arguments[count++] = (char *)backend;
+    if (options->device) {
+        arguments[count++] = (char *)"--device";
+        arguments[count++] = (char *)options->device;
+    }
+    if (options->shader_dir) {
+        arguments[count++] = (char *)"--shader-dir";
+        arguments[count++] = (char *)options->shader_dir;
+    }
+    if (options->encode_threads > 0) {
+        snprintf(threads, threads_size, "%" PRId64, options->encode_threads);
+        arguments[count++] = (char *)"--encode-threads";
+        arguments[count++] = threads;
+    }
+    arguments[count] = NULL;
+}
+
+static bool start(struct worker_child *child, const struct options *options, const char *backend,
+                  struct interrupt *interrupt, struct error *error)
+{
+    char *arguments[ARGUMENT_LIMIT];
+    char threads[24];
+    char *program = find_program(options, error);
+    int fds[2] = {-1, -1};
+    pid_t parent = getpid();
+
+    memset(child, 0, sizeof *child);
+    if (!program) return false;
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, fds) != 0) {
+        error_set_errno(error, errno, "no socket pair");
+        free(program);
+        return false;
+    }
+    fill_arguments(options, backend, program, threads, sizeof threads, arguments);
+    fflush(NULL);
+    child->pid = fork();
+    if (child->pid == 0) exec_child(program, arguments, fds[1], parent);
+    close(fds[1]);
+    free(program);
+    if (child->pid < 0) {
+        error_set_errno(error, errno, "no process for the worker");
+        close(fds[0]);
+        child->pid = 0;
+        return false;
+    }
+    child->connection = connection_adopt(fds[0], "march-worker");
+    connection_set_interrupt(child->connection, interrupt);
+    return true;
+}
+
+bool worker_child_start(struct worker_child *child, const struct options *options, struct interrupt *interrupt,
+                        struct error *error)
+{
+    return start(child, options, options->backend ? options->backend : "auto", interrupt, error);
+}
+
+// Waits up to `limit_ms`; true when the child is reaped.
+static bool reap(struct worker_child *child, int limit_ms, int *wait_status)
+{
+    const struct timespec pause = {.tv_nsec = END_POLL_MS * 1000000L};
+
+    for (int waited_ms = 0;; waited_ms += END_POLL_MS) {
+        pid_t pid = waitpid(child->pid, wait_status, WNOHANG);
+
+        if (pid == child->pid || (pid < 0 && errno != EINTR)) break;
+        if (waited_ms >= limit_ms) return false;
+        nanosleep(&pause, NULL);
+    }
+    child->pid = 0;
+    return true;
+}
+
+void worker_child_stop(struct worker_child *child, bool at_once)
+{
+    int wait_status;
+
+    connection_close(child->connection);
+    child->connection = NULL;
+    if (child->pid <= 0) return;
+    if (at_once) kill(child->pid, SIGKILL);
+    if (reap(child, END_WAIT_MS, &wait_status)) return;
+    kill(child->pid, SIGKILL);
+    while (waitpid(child->pid, &wait_status, 0) < 0 && errno == EINTR)
+        ;
+    child->pid = 0;
+}
+
+void worker_child_explain_end(struct worker_child *child, struct error *error)
+{
+    int wait_status = 0;
+
+    if (child->pid <= 0 || !reap(child, END_WAIT_MS, &wait_status)) return;
+    if (WIFSIGNALED(wait_status))
+        error_set(error, "march-worker was ended by signal %d (%s)", WTERMSIG(wait_status),
+                  sigdescr_np(WTERMSIG(wait_status)));
+    else
+        error_set(error, "march-worker ended with exit status %d", WEXITSTATUS(wait_status));
+}
+
+// What the worker said before it went, if it said why.
+static void find_last_words(struct worker_child *child, struct error *error)
+{
+    struct message message;
+
+    while (connection_next(child->connection, 0, &message, NULL) == CONNECTION_MESSAGE) {
+        struct json_node text = json_node_child(&message.body, "error");
+        const char *words;
+
+        if (message.method && strcmp(message.method, "worker.failed") == 0 && json_read_string(&text, &words, NULL))
+            error_set(error, "march-worker: %s", words);
+        message_finish(&message);
+    }
+}
+
+bool worker_child_start_without_gl(struct worker_child *child, const struct options *options,
+                                   struct interrupt *interrupt, struct error *error)
+{
+    return start(child, options, "none", interrupt, error);
+}
+
+enum exit_status worker_child_call(struct worker_child *child, const char *method, const char *params,
+                                   struct message *reply, struct error *error)
+{
+    enum exit_status status = EXIT_STATUS_DONE;
+
+    if (connection_call(child->connection, method, params, reply, error)) return status;
+    status = connection_failure(child->connection);
+    if (status == EXIT_STATUS_NO_DAEMON) {
+        status = EXIT_STATUS_FAILED;
+        worker_child_explain_end(child, error);
+        find_last_words(child, error);
+    }
+    return status;
+}
+
+enum { SHOWN_AFTER_MS = 2000 };
+
+struct waiting {
+    const char *label;
+    int64_t start_ms;
+    bool is_shown;
+};
+
+static void on_wait(void *user)
+{
+    struct waiting *waiting = user;
+    int64_t gone_ms = progress_now_ms() - waiting->start_ms, gone_s = gone_ms / 1000;
+    char *duration;
+
+    if (gone_ms < SHOWN_AFTER_MS) return;
+    duration = progress_format_duration((double)gone_s);
+    fprintf(stderr, "\r%s, %s so far\033[K", waiting->label, duration);
+    waiting->is_shown = true;
+    free(duration);
+}
+
+enum exit_status worker_child_ask(const struct options *options, const struct worker_question *question,
+                                  struct message *reply, struct error *error)
+{
+    const char *backend = !question->needs_gl ? "none" : options->backend ? options->backend : "auto";
+    struct interrupt interrupt;
+    struct worker_child child;
+    enum exit_status status = EXIT_STATUS_FAILED;
+
+    interrupt_init(&interrupt);
+    if (start(&child, options, backend, &interrupt, error)) {
+        struct waiting waiting = {.label = question->label, .start_ms = progress_now_ms()};
+        struct progress_display terminal;
+
+        progress_display_init(&terminal, stderr);
+        if (question->label && terminal.is_live) connection_set_wait(child.connection, on_wait, &waiting);
+        status = worker_child_call(&child, question->method, question->params, reply, error);
+        if (waiting.is_shown) fputs("\r\033[K", stderr);
+        worker_child_stop(&child, status != EXIT_STATUS_DONE);
+    }
+    interrupt_finish(&interrupt);
+    return status;
+}

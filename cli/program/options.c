@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/program/options.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/json/json_read.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum option_kind { KIND_FLAG, KIND_TEXT, KIND_LIST, KIND_INTEGER, KIND_NUMBER, KIND_BACKEND };
+
+struct option_rule {
+    const char *name;
+    enum option_kind kind;
+    size_t offset;
+    const char *value; // what the help calls it; NULL for a flag
+    int64_t min, max;  // of an integer
+    const char *help;
+};
+
+#define FIELD(member) offsetof(struct options, member)
+
+static const struct option_rule rules[OPTION_COUNT] = {
+    [OPTION_HELP] = {"help", KIND_FLAG, FIELD(help), NULL, 0, 0, "show this help"},
+    [OPTION_JSON] = {"json", KIND_FLAG, FIELD(json), NULL, 0, 0, "print JSON"},
+    [OPTION_SOCKET] = {"socket", KIND_TEXT, FIELD(socket), "PATH", 0, 0,
+                       "the daemon's socket (default: $MARCHD_SOCKET, else the system's, else your own)"},
+    [OPTION_WAIT] = {"wait", KIND_FLAG, FIELD(wait), NULL, 0, 0,
+                     "return when the job has ended; 1 unless it succeeded"},
+    [OPTION_WATCH] = {"watch", KIND_FLAG, FIELD(watch), NULL, 0, 0, "like --wait, and show progress"},
+    [OPTION_DRY_RUN] = {"dry-run", KIND_FLAG, FIELD(dry_run), NULL, 0, 0, "check the job and say what would be done"},
+    [OPTION_PAUSED] = {"paused", KIND_FLAG, FIELD(paused), NULL, 0, 0, "queue the job paused"},
+    [OPTION_PRIORITY] = {"priority", KIND_INTEGER, FIELD(priority), "N", 0, 100, "0 to 100; higher goes first"},
+    [OPTION_SET] = {"set", KIND_LIST, FIELD(sets), "PATH=VALUE", 0, 0,
+                    "change the job, as in camera.position=[0,0,-3]"},
+    [OPTION_STATE] = {"state", KIND_TEXT, FIELD(state), "STATE[,STATE]", 0, 0, "only what is in these states"},
+    [OPTION_RANGE] = {"range", KIND_TEXT, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
+    [OPTION_FRAME] = {"frame", KIND_INTEGER, FIELD(frame), "N", 0, INT32_MAX, "only this frame"},
+    [OPTION_FRAMES] = {"frames", KIND_TEXT, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
+    [OPTION_OUT] = {"out", KIND_TEXT, FIELD(out), "PATH", 0, 0, "where to write"},
+    [OPTION_BACKEND] = {"backend", KIND_BACKEND, FIELD(backend), "NAME", 0, 0, "auto, egl or osmesa"},
+    [OPTION_DEVICE] = {"device", KIND_TEXT, FIELD(device), "DEVICE", 0, 0, "EGL device by UUID or index"},
+    [OPTION_ENCODE_THREADS] = {"encode-threads", KIND_INTEGER, FIELD(encode_threads), "N", 1, 64,
+                               "threads that compress a frame"},
+    [OPTION_PROGRESS_LIMIT] = {"progress-limit", KIND_INTEGER, FIELD(progress_limit_s), "SECONDS", 1, 86400,
+                               "end a worker that makes no progress for so long (default 120)"},
+    [OPTION_WORKER_PROGRAM] = {"worker-program", KIND_TEXT, FIELD(worker_program), "PATH", 0, 0,
+                               "march-worker (default: $MARCH_WORKER, else beside march)"},
+    [OPTION_SHADER] = {"shader", KIND_FLAG, FIELD(shader), NULL, 0, 0, "print the shader alone"},
+    [OPTION_SHADER_DIR] = {"shader-dir", KIND_TEXT, FIELD(shader_dir), "FOLDER", 0, 0,
+                           "shader modules to use in place of our own"},
+    [OPTION_COLUMNS] = {"columns", KIND_INTEGER, FIELD(columns), "N", 1, 1000, "pictures a row"},
+    [OPTION_TILE_WIDTH] = {"tile-width", KIND_INTEGER, FIELD(tile_width_px), "PIXELS", 8, 8192, "width of a picture"},
+    [OPTION_EXPOSURE] = {"exposure", KIND_NUMBER, FIELD(exposure), "STOPS", 0, 0,
+                         "default: chosen once for all pictures"},
+    [OPTION_FPS] = {"fps", KIND_NUMBER, FIELD(fps), "N", 0, 0, "frames a second of a film (default 24)"},
+    [OPTION_TOLERANCE] = {"tolerance", KIND_NUMBER, FIELD(tolerance), "E", 0, 0,
+                          "largest relative RMSE of a frame (default: what its job states)"},
+    [OPTION_METHODS] = {"methods", KIND_TEXT, FIELD(methods), "NAME[,NAME]", 0, 0,
+                        "only these; NAME:N is rung N of its ladder alone"},
+    [OPTION_SIZE] = {"size", KIND_TEXT, FIELD(size), "WIDTHxHEIGHT", 0, 0, "pixels (default 320x180)"},
+    [OPTION_FILES] = {"files", KIND_FLAG, FIELD(files), NULL, 0, 0, "remove the files too that the jobs published"},
+    [OPTION_QUICK] = {"quick", KIND_FLAG, FIELD(quick), NULL, 0, 0, "end within 5 minutes"},
+    [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
+                            "no picture may take longer (default 60; with --quick 8)"},
+};
+
+static bool find_rule(const char *name, size_t length, uint64_t accepted, enum option *found)
+{
+    for (int i = 0; i < OPTION_COUNT; i++) {
+        if (!(accepted & OPTION_BIT(i))) continue;
+        if (strlen(rules[i].name) != length || strncmp(rules[i].name, name, length) != 0) continue;
+        *found = (enum option)i;
+        return true;
+    }
+    return false;
+}
+
+static void fail_unknown(const char *argument, size_t length, uint64_t accepted, struct error *error)
+{
+    const char *names[OPTION_COUNT + 1] = {NULL};
+    char *name = xstrndup(argument, length);
+    const char *nearest;
+    size_t count = 0;
+
+    for (int i = 0; i < OPTION_COUNT; i++)
+        if (accepted & OPTION_BIT(i)) names[count++] = rules[i].name;
+    nearest = json_nearest_name(name, names);
+    if (nearest)
+        error_set(error, "unknown option --%s, did you mean --%s?", name, nearest);
+    else
+        error_set(error, "unknown option --%s", name);
+    free(name);
+}
+
+static bool set_integer(struct options *options, const struct option_rule *rule, const char *value, struct error *error)
+{
+    int64_t *field = (int64_t *)((char *)options + rule->offset);
+    char *end = NULL;
+    long long number;
+
+    errno = 0;
+    number = strtoll(value, &end, 10);
+    if (errno || end == value || *end || number < rule->min || number > rule->max) {
+        error_set(error, "--%s: expected an integer in [%lld, %lld], got \"%s\"", rule->name, (long long)rule->min,
+                  (long long)rule->max, value);
+        return false;
+    }
+    *field = number;
+    return true;
+}
+
+static bool set_number(struct options *options, const struct option_rule *rule, const char *value, struct error *error)
+{
+    double *field = (double *)((char *)options + rule->offset);
+    char *end = NULL;
+
+    *field = strtod(value, &end);
+    if (end != value && !*end && isfinite(*field)) return true;
+    error_set(error, "--%s: expected a number, got \"%s\"", rule->name, value);
+    return false;
+}
+
+static bool set_backend(struct options *options, const char *value, struct error *error)
+{
+    static const char *const names[] = {"auto", "egl", "osmesa"};
+
+    options->backend = value;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (strcmp(value, names[i]) == 0) return true;
+    error_set(error, "--backend: expected auto, egl or osmesa, got \"%s\"", value);
+    return false;
+}
+
+static bool set_value(struct options *options, const struct option_rule *rule, const char *value, struct error *error)
+{
+    char *field = (char *)options + rule->offset;
+
+    switch (rule->kind) {
+    case KIND_FLAG:
+        *(bool *)field = true;
+        return true;
+    case KIND_TEXT:
+        *(const char **)field = value;
+        return true;
+    case KIND_LIST:
+        options->sets[options->set_count++] = value;
+        return true;
+    case KIND_INTEGER:
+        return set_integer(options, rule, value, error);
+    case KIND_NUMBER:
+        return set_number(options, rule, value, error);
+    case KIND_BACKEND:
+        return set_backend(options, value, error);
+    }
+    return false;
+}
+
+// Reads the option at arguments[*at] and moves *at to its last argument.
+static bool parse_option(struct options *options, uint64_t accepted, const char *const arguments[], size_t count,
+                         size_t *at, struct error *error)
+{
+    const char *name = arguments[*at] + 2;
+    size_t length = strcspn(name, "=");
+    const char *value = name[length] ? name + length + 1 : NULL;
+    enum option option;
+
+    if (strcmp(arguments[*at], "-h") == 0) {
+        options->help = true;
+        return true;
+    }
+    if (arguments[*at][1] != '-') {
+        error_set(error, "unknown option %s", arguments[*at]);
+        return false;
+    }
+    if (!find_rule(name, length, accepted, &option)) {
+        fail_unknown(name, length, accepted, error);
+        return false;
+    }
+    if (rules[option].kind == KIND_FLAG) {
+        if (!value) return set_value(options, &rules[option], NULL, error);
+        error_set(error, "--%s takes no value", rules[option].name);
+        return false;
+    }
+    if (!value) {
+        if (*at + 1 == count) {
+            error_set(error, "--%s: expected %s behind it", rules[option].name, rules[option].value);
+            return false;
+        }
+        value = arguments[++*at];
+    }
+    return set_value(options, &rules[option], value, error);
+}
+
+bool options_parse(struct options *options, uint64_t accepted, const char *const arguments[], size_t count,
+                   struct error *error)
+{
+    bool has_ended = false;
+
+    *options = (struct options){.priority = -1,
+                                .frame = -1,
+                                .encode_threads = -1,
+                                .progress_limit_s = -1,
+                                .columns = -1,
+                                .tile_width_px = -1,
+                                .point_limit_s = -1};
+    options->exposure = options->fps = options->tolerance = NAN;
+    options->sets = xcalloc(count + 1, sizeof *options->sets);
+    options->operands = xcalloc(count + 1, sizeof *options->operands);
+    for (size_t i = 0; i < count; i++) {
+        const char *argument = arguments[i];
+
+        if (has_ended || argument[0] != '-' || !argument[1]) {
+            options->operands[options->operand_count++] = argument;
+        } else if (strcmp(argument, "--") == 0) {
+            has_ended = true;
+        } else if (!parse_option(options, accepted, arguments, count, &i, error)) {
+            options_finish(options);
+            return false;
+        }
+    }
+    return true;
+}
+
+void options_finish(struct options *options)
+{
+    free(options->sets);
+    free(options->operands);
+    memset(options, 0, sizeof *options);
+}
+
+const char *option_name(enum option option)
+{
+    return rules[option].name;
+}
+
+const char *option_value(enum option option)
+{
+    return rules[option].value;
+}
+
+const char *option_help(enum option option)
+{
+    return rules[option].help;
+}
+
+void options_print_help(FILE *out, uint64_t accepted)
+{
+    for (int i = 0; i < OPTION_COUNT; i++) {
+        char left[64];
+
+        if (!(accepted & OPTION_BIT(i))) continue;
+        snprintf(left, sizeof left, "--%s%s%s", rules[i].name, rules[i].value ? " " : "",
+                 rules[i].value ? rules[i].value : "");
+        fprintf(out, "  %-24s  %s\n", left, rules[i].help);
+    }
+}
+
+bool options_parse_id(const char *text, int64_t *id, struct error *error)
+{
+    size_t digits = strspn(text, "0123456789");
+
+    *id = digits > 0 && digits < 19 && !text[digits] ? strtoll(text, NULL, 10) : 0;
+    if (*id > 0) return true;
+    error_set(error, "expected a job id such as 7, got \"%s\"", text);
+    return false;
+}

@@ -1,0 +1,16 @@
+// What a worker foretells of a job that states a tolerance: asked for and told to people.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cli/program/exit_status.h"
+
+struct error;
+struct json_node;
+struct message;
+struct options;
+
+// Has a worker started for it plan the job of `document` (worker.plan); `reply` is as connection_call has it.
+enum exit_status plan_report_ask(const struct options *options, const char *document, struct message *reply,
+                                 struct error *error);
+// Prints a result of worker.plan.
+void plan_report_print(const struct json_node *plan);

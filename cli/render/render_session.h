@@ -1,0 +1,49 @@
+// Renders a job's frames with one worker after another until each is there or given up.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cli/program/exit_status.h"
+#include "core/wire/frame_accuracy.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+struct interrupt;
+struct job;
+struct options;
+
+enum render_outcome {
+    RENDER_SUCCEEDED,
+    RENDER_SKIPPED, // was there already, and is this job's
+    RENDER_FAILED
+};
+
+// How one frame ended.
+struct render_result {
+    int32_t frame;
+    enum render_outcome outcome;
+    const char *name;               // the file's, below the output root; borrowed for the call
+    double render_s, encode_s;      // succeeded only
+    struct frame_accuracy accuracy; // not of a failed one; what is known
+    int64_t size_bytes;             // not of a failed one
+    const char *hash;               // borrowed for the call; NULL when failed
+    const char *error;              // failed only; borrowed for the call
+};
+
+struct render_session_params {
+    const struct options *options; // borrowed
+    const struct job *job;         // borrowed
+    const char *document;          // borrowed; the same job as JSON
+    const char *root;              // borrowed; absolute output root
+    struct interrupt *interrupt;   // borrowed
+    void (*on_result)(void *user, const struct render_result *result);
+    void (*on_tick)(void *user);                                              // now and then
+    void (*on_worker)(void *user, const char *backend, const char *renderer); // a worker is ready
+    void (*on_worker_lost)(void *user, const char *why);                      // and replaced
+    void *user;
+};
+
+// Returns EXIT_STATUS_DONE when every frame succeeded or was there, EXIT_STATUS_FAILED when one failed. `error` is set
+// when the rest of the frames was not tried: no context, a fault of the job itself, an output that takes no files.
+enum exit_status render_session_run(const struct render_session_params *params, struct error *error);

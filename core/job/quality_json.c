@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/job/quality_json.h"
+
+#include "core/base/error.h"
+#include "core/job/job.h"
+
+static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;       // m
+static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01; // unless the job says other
+static const double TOLERANCE_DEFAULT = 0.01, TOLERANCE_MIN = 1e-4, TOLERANCE_MAX = 0.5;
+static const double DEPTH_STEP_MIN = 1e-4, DEPTH_STEP_MAX = 100.0; // optical depth
+enum { GRID_MIN = 4 };
+static const double STEP_VOXELS_MIN = 1e-3, STEP_VOXELS_MAX = 1e3; // voxel edges
+
+// Keys of all methods that take steps, and of all that follow rays from surfaces.
+#define STEP_KEYS "method", "step", "step_voxels", "light_step", "light_step_voxels", "min_transmittance"
+#define PATH_KEYS "samples", "max_depth", "min_throughput", "max_cut"
+
+// In metres or in voxels; the one that is not there stays 0.
+struct step {
+    const char *key, *voxels_key;
+    double *metres, *voxels;
+};
+
+static bool read_step(const struct json_node *object, const struct step *step, struct error *error)
+{
+    struct json_node metres = json_node_child(object, step->key), voxels = json_node_child(object, step->voxels_key);
+
+    if (json_node_is_absent(&voxels)) return json_read_number(&metres, STEP_MIN, STEP_MAX, step->metres, error);
+    if (!json_node_is_absent(&metres))
+        return json_fail(&voxels, error, "expected %s or %s, got both", step->key, step->voxels_key);
+    return json_read_number(&voxels, STEP_VOXELS_MIN, STEP_VOXELS_MAX, step->voxels, error);
+}
+
+static bool read_optional_number(const struct json_node *object, const char *key, double max, double *number,
+                                 struct error *error)
+{
+    struct json_node node = json_node_child(object, key);
+
+    return json_node_is_absent(&node) || json_read_number(&node, 0.0, max, number, error);
+}
+
+static bool read_count(const struct json_node *object, const char *key, int64_t limit, int *count, struct error *error)
+{
+    struct json_node node = json_node_child(object, key);
+    int64_t integer;
+
+    if (!json_read_integer(&node, 1, limit, &integer, error)) return false;
+    *count = (int)integer;
+    return true;
+}
+
+static bool read_roulette(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"below", "survive", NULL};
+    struct json_node roulette = json_node_child(object, "roulette");
+    struct json_node below = json_node_child(&roulette, "below"), survive = json_node_child(&roulette, "survive");
+
+    if (json_node_is_absent(&roulette)) return true;
+    if (!json_check_object(&roulette, error) || !json_check_keys(&roulette, keys, error) ||
+        !json_read_number(&below, 0.0, 1.0, &quality->roulette_below, error) ||
+        !json_read_number(&survive, 0.0, 1.0, &quality->roulette_survive, error))
+        return false;
+    if (quality->roulette_below == 0.0) return json_fail_expected(&below, error, "a number in (0, 1]");
+    if (quality->roulette_survive > 0.0 && quality->roulette_survive < 1.0) return true;
+    return json_fail_expected(&survive, error, "a number in (0, 1)");
+}
+
+static bool read_riemann(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method", "step", "light_steps", "min_transmittance", "samples", NULL};
+    struct json_node step = json_node_child(object, "step");
+
+    return json_check_keys(object, keys, error) && json_read_number(&step, STEP_MIN, STEP_MAX, &quality->step, error) &&
+           read_count(object, "light_steps", JOB_MARCH_STEPS_LIMIT, &quality->light_steps, error) &&
+           read_optional_number(object, "min_transmittance", 1.0, &quality->min_transmittance, error);
+}
+
+// Of a method that takes steps, `step` along camera rays and perhaps `light_step` towards lights, and what goes with them.
+static bool read_steps(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    const struct step step = {"step", "step_voxels", &quality->step, &quality->step_voxels};
+    const struct step light_step = {"light_step", "light_step_voxels", &quality->light_step,
+                                    &quality->light_step_voxels};
+    struct json_node metres = json_node_child(object, light_step.key);
+    struct json_node voxels = json_node_child(object, light_step.voxels_key);
+    bool has_light_step = !json_node_is_absent(&metres) || !json_node_is_absent(&voxels);
+
+    return read_step(object, &step, error) && (!has_light_step || read_step(object, &light_step, error)) &&
+           read_optional_number(object, "min_transmittance", 1.0, &quality->min_transmittance, error) &&
+           read_roulette(object, quality, error);
+}
+
+static bool read_midpoint(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {STEP_KEYS, "roulette", PATH_KEYS, NULL};
+
+    return json_check_keys(object, keys, error) && read_steps(object, quality, error);
+}
+
+static bool read_adaptive(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {STEP_KEYS, "depth_step", "roulette", PATH_KEYS, NULL};
+    struct json_node depth_step = json_node_child(object, "depth_step");
+
+    return json_check_keys(object, keys, error) && read_steps(object, quality, error) &&
+           json_read_number(&depth_step, DEPTH_STEP_MIN, DEPTH_STEP_MAX, &quality->depth_step, error);
+}
+
+static bool read_gauss(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {STEP_KEYS, "order", PATH_KEYS, NULL};
+    struct json_node order = json_node_child(object, "order");
+    int64_t integer = 2;
+
+    if (!json_check_keys(object, keys, error) || !read_steps(object, quality, error)) return false;
+    if (!json_node_is_absent(&order) && !json_read_integer(&order, 2, JOB_ORDER_LIMIT, &integer, error)) return false;
+    quality->order = (int)integer;
+    return true;
+}
+
+static bool read_grid(const struct json_node *object, const char *key, int least, int *cells, struct error *error)
+{
+    struct json_node node = json_node_child(object, key);
+    int64_t integer;
+
+    if (!json_read_integer(&node, least, JOB_GRID_LIMIT, &integer, error)) return false;
+    *cells = (int)integer;
+    return true;
+}
+
+// Lights have grids in place of steps.
+static bool read_cached(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method",     "step",         "step_voxels",       "light_grid",
+                                       "depth_step", "density_grid", "min_transmittance", PATH_KEYS,
+                                       NULL};
+    struct json_node depth_step = json_node_child(object, "depth_step");
+    struct json_node density_grid = json_node_child(object, "density_grid");
+
+    return json_check_keys(object, keys, error) && read_steps(object, quality, error) &&
+           read_grid(object, "light_grid", GRID_MIN, &quality->light_grid, error) &&
+           (json_node_is_absent(&density_grid) ||
+            read_grid(object, "density_grid", GRID_MIN, &quality->density_grid, error)) &&
+           (json_node_is_absent(&depth_step) ||
+            json_read_number(&depth_step, DEPTH_STEP_MIN, DEPTH_STEP_MAX, &quality->depth_step, error));
+}
+
+static bool read_tracking(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method", "estimator", "roulette", "samples", NULL};
+    static const char *const marched_keys[] = {
+        "method", "estimator", "step", "step_voxels", "light_step", "light_step_voxels", "roulette", "samples", NULL};
+    static const char *const estimators[] = {"delta", "ratio", "debiased", "jackknife", NULL};
+    struct json_node estimator = json_node_child(object, "estimator");
+    int choice;
+
+    if (!json_read_enum(&estimator, estimators, &choice, error)) return false;
+    quality->estimator = (enum job_estimator)choice;
+    if (job_quality_has_majorants(quality))
+        return json_check_keys(object, keys, error) && read_roulette(object, quality, error);
+    return json_check_keys(object, marched_keys, error) && read_steps(object, quality, error);
+}
+
+static bool read_auto(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method", "tolerance", PATH_KEYS, NULL};
+    struct json_node tolerance = json_node_child(object, "tolerance");
+
+    quality->tolerance = TOLERANCE_DEFAULT;
+    return json_check_keys(object, keys, error) &&
+           (json_node_is_absent(&tolerance) ||
+            json_read_number(&tolerance, TOLERANCE_MIN, TOLERANCE_MAX, &quality->tolerance, error));
+}
+
+static bool read_equiangular(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const keys[] = {"method", "points", "samples", "max_depth", "min_throughput", "max_cut", NULL};
+
+    return json_check_keys(object, keys, error) &&
+           read_count(object, "points", JOB_POINT_LIMIT, &quality->points, error);
+}
+
+// What a plan chooses is not for the job to say.
+static bool check_is_planned(const struct json_node *object, struct error *error)
+{
+    static const char *const keys[] = {"step",       "step_voxels",  "light_step",        "light_step_voxels",
+                                       "light_grid", "density_grid", "depth_step",        "order",
+                                       "points",     "light_steps",  "min_transmittance", "roulette"};
+
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        struct json_node node = json_node_child(object, keys[i]);
+
+        if (!json_node_is_absent(&node))
+            return json_fail(&node, error, "only beside a method; without one, a tolerance's plan chooses it");
+    }
+    return true;
+}
+
+static bool read_method(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    static const char *const methods[] = {"riemann", "midpoint",      "equiangular", "jittered", "adaptive", "gauss",
+                                          "cached",  "preintegrated", "tracking",    "auto",     NULL};
+    struct json_node method = json_node_child(object, "method");
+    int choice = JOB_METHOD_AUTO;
+
+    if (json_node_is_absent(&method)) {
+        if (!check_is_planned(object, error)) return false;
+    } else if (!json_read_enum(&method, methods, &choice, error)) {
+        return false;
+    }
+    quality->method = (enum job_method)choice;
+    switch (quality->method) {
+    case JOB_METHOD_RIEMANN:
+        return read_riemann(object, quality, error);
+    case JOB_METHOD_MIDPOINT:
+    case JOB_METHOD_JITTERED:
+    case JOB_METHOD_PREINTEGRATED:
+        return read_midpoint(object, quality, error);
+    case JOB_METHOD_EQUIANGULAR:
+        return read_equiangular(object, quality, error);
+    case JOB_METHOD_ADAPTIVE:
+        return read_adaptive(object, quality, error);
+    case JOB_METHOD_GAUSS:
+        return read_gauss(object, quality, error);
+    case JOB_METHOD_CACHED:
+        return read_cached(object, quality, error);
+    case JOB_METHOD_TRACKING:
+        return read_tracking(object, quality, error);
+    case JOB_METHOD_AUTO:
+        return read_auto(object, quality, error);
+    }
+    return false;
+}
+
+// Of scenes with objects.
+static bool read_paths(const struct json_node *object, struct job_quality *quality, struct error *error)
+{
+    struct json_node depth = json_node_child(object, "max_depth");
+    struct json_node min_throughput = json_node_child(object, "min_throughput");
+
+    if (!json_node_is_absent(&depth) && !read_count(object, "max_depth", JOB_DEPTH_LIMIT, &quality->max_depth, error))
+        return false;
+    if (!read_optional_number(object, "min_throughput", 1.0, &quality->min_throughput, error)) return false;
+    if (quality->min_throughput >= 1.0) return json_fail_expected(&min_throughput, error, "a number in [0, 1)");
+    return read_optional_number(object, "max_cut", 1.0, &quality->max_cut, error);
+}
+
+bool quality_from_json(struct job_quality *quality, const struct json_node *document, struct error *error)
+{
+    struct json_node object = json_node_child(document, "quality"), samples = json_node_child(&object, "samples");
+
+    *quality = (struct job_quality){.method = JOB_METHOD_AUTO,
+                                    .tolerance = TOLERANCE_DEFAULT,
+                                    .samples = 1,
+                                    .max_depth = JOB_DEPTH_DEFAULT,
+                                    .min_throughput = MIN_THROUGHPUT,
+                                    .max_cut = MAX_CUT};
+    if (json_node_is_absent(&object)) return true;
+    quality->tolerance = 0.0;
+    return json_check_object(&object, error) && read_method(&object, quality, error) &&
+           (json_node_is_absent(&samples) ||
+            read_count(&object, "samples", JOB_SAMPLE_LIMIT, &quality->samples, error)) &&
+           read_paths(&object, quality, error);
+}

@@ -1,0 +1,458 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/job/step_check.h"
+
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/json/json_read.h"
+#include "core/scene/scene_nodes.h"
+
+#include <math.h>
+#include <string.h>
+
+// What the checks of a method look at.
+struct check {
+    const struct job *job;
+    const struct json_node *document, *quality;
+    struct timeline_span span;
+    struct error *error;
+};
+
+static double largest(const struct timeline *timeline, struct timeline_span span)
+{
+    double min[3], max[3];
+
+    timeline_find_bounds(timeline, span, min, max);
+    return max[0];
+}
+
+static double bounds_diameter(const struct scene_bounds *bounds, struct timeline_span span)
+{
+    double min[3], size[3];
+
+    switch (bounds->kind) {
+    case SCENE_BOUNDS_SPHERE:
+        return 2.0 * largest(&bounds->radius, span);
+    case SCENE_BOUNDS_BOX:
+        timeline_find_bounds(&bounds->size, span, min, size);
+        return hypot(hypot(size[0], size[1]), size[2]);
+    case SCENE_BOUNDS_NONE:
+    case SCENE_BOUNDS_SLAB:
+        break;
+    }
+    return INFINITY;
+}
+
+static double shape_diameter(const struct scene_shape *shape, struct timeline_span span)
+{
+    double min[3], size[3];
+
+    switch (shape->kind) {
+    case SCENE_SHAPE_SPHERE:
+        return 2.0 * largest(&shape->radius, span);
+    case SCENE_SHAPE_BOX:
+        timeline_find_bounds(&shape->size, span, min, size);
+        return hypot(hypot(size[0], size[1]), size[2]);
+    case SCENE_SHAPE_PLANE:
+        break;
+    }
+    return INFINITY;
+}
+
+// No straight way inside an object is longer, m: it leaves each of its shapes once.
+static double object_diameter(const struct scene *scene, const struct scene_object *object, struct timeline_span span)
+{
+    double sum = 0.0;
+
+    for (size_t i = 0; i < object->shape_count; i++)
+        sum += shape_diameter(&scene->shapes[object->first_shape + i], span);
+    return sum;
+}
+
+// The longest way through what a density fills, m; of a grid: of its bounds.
+static double density_diameter(const struct scene_density *density, struct timeline_span span)
+{
+    const struct scene_fold_fractal *fold_fractal = &density->fold_fractal;
+    double bounds = bounds_diameter(&density->bounds, span);
+
+    if (density->kind != SCENE_DENSITY_FOLD_FRACTAL) return bounds;
+    return fmin(bounds, 2.0 * (largest(&fold_fractal->radius, span) +
+                               fold_fractal->iterations * sqrt(3.0) * largest(&fold_fractal->offset, span)));
+}
+
+// The longest way through a medium, m.
+static double medium_diameter(const struct check *check, const struct scene_medium *medium)
+{
+    const struct scene *scene = &check->job->scene;
+    double diameter = density_diameter(&medium->density, check->span);
+
+    if (medium->owner == 0) return diameter;
+    return fmin(diameter, object_diameter(scene, &scene->objects[medium->owner - 1], check->span));
+}
+
+// The way of a sun's light through a slab, m.
+static double slab_way(const struct scene_bounds *slab, const struct scene_light *sun, struct timeline_span span)
+{
+    double normal[3], direction[3], dot = 0.0, normal_square = 0.0, direction_square = 0.0;
+
+    if (!timeline_is_constant(&slab->normal) || !timeline_is_constant(&sun->direction)) return INFINITY;
+    timeline_evaluate(&slab->normal, span.first, normal);
+    timeline_evaluate(&sun->direction, span.first, direction);
+    for (int i = 0; i < 3; i++) {
+        dot += normal[i] * direction[i];
+        normal_square += normal[i] * normal[i];
+        direction_square += direction[i] * direction[i];
+    }
+    return largest(&slab->thickness, span) * sqrt(normal_square) * sqrt(direction_square) / fabs(dot);
+}
+
+// The farthest that a point light may be from a sample, m: the camera is in between.
+static double point_way(const struct check *check, const struct scene_light *light)
+{
+    const struct scene_camera *camera = &check->job->scene.camera;
+    double light_min[3], light_max[3], camera_min[3], camera_max[3], reach[3];
+
+    timeline_find_bounds(&light->position, check->span, light_min, light_max);
+    timeline_find_bounds(&camera->position, check->span, camera_min, camera_max);
+    for (int i = 0; i < 3; i++)
+        reach[i] = fmax(light_max[i] - camera_min[i], camera_max[i] - light_min[i]);
+    return hypot(hypot(reach[0], reach[1]), reach[2]) + camera->clip_far;
+}
+
+// The farthest that a point light may be from a shape, m.
+static double shape_way(const struct check *check, const struct scene_shape *shape, const struct scene_light *light)
+{
+    double light_min[3], light_max[3], min[3], max[3], reach[3];
+
+    timeline_find_bounds(&light->position, check->span, light_min, light_max);
+    timeline_find_bounds(&shape->center, check->span, min, max);
+    for (int i = 0; i < 3; i++)
+        reach[i] = fmax(light_max[i] - min[i], max[i] - light_min[i]);
+    return hypot(hypot(reach[0], reach[1]), reach[2]) + shape_diameter(shape, check->span) / 2.0;
+}
+
+// The farthest that a point light may be from a surface which it lights, m: camera.clip ends media alone.
+static double surface_way(const struct check *check, const struct scene_light *light)
+{
+    const struct scene *scene = &check->job->scene;
+    double longest = 0.0;
+
+    for (size_t i = 0; i < scene->object_count; i++) {
+        const struct scene_object *object = &scene->objects[i];
+
+        if (object->material.kind != SCENE_MATERIAL_DIFFUSE) continue;
+        for (size_t k = 0; k < object->shape_count; k++)
+            longest = fmax(longest, shape_way(check, &scene->shapes[object->first_shape + k], light));
+    }
+    return longest;
+}
+
+static double light_way(const struct check *check, const struct scene_medium *medium, const struct scene_light *light)
+{
+    const struct scene_bounds *bounds = &medium->density.bounds;
+    double diameter = medium_diameter(check, medium);
+
+    if (light->kind == SCENE_LIGHT_POINT)
+        return fmin(diameter, fmax(point_way(check, light), surface_way(check, light)));
+    if (bounds->kind == SCENE_BOUNDS_SLAB) return fmin(diameter, slab_way(bounds, light, check->span));
+    return diameter;
+}
+
+struct way {
+    double length, step; // m
+    const char *along;
+    int step_limit;
+};
+
+static bool check_count(const struct json_node *node, const struct way *way, struct error *error)
+{
+    double count = ceil(way->length / way->step - 1e-9);
+
+    if (count <= way->step_limit) return true;
+    return json_fail(node, error, "expected at most %d steps along a ray, got %.10g: %.10g m %s in steps of %.10g m",
+                     way->step_limit, count, way->length, way->along, way->step);
+}
+
+// Of a medium's density.
+struct density_nodes {
+    struct scene_nodes way;
+    struct json_node density;
+};
+
+static const struct json_node *find_density(const struct check *check, size_t index, struct density_nodes *nodes)
+{
+    nodes->density =
+        json_node_child(scene_nodes_find_medium(&nodes->way, check->document, &check->job->scene, index), "density");
+    return &nodes->density;
+}
+
+enum { ALONG_SIZE = 64 };
+
+static const char *describe_way(const struct check *check, size_t index, char along[static ALONG_SIZE])
+{
+    static const char through[] = "through ";
+
+    strcpy(along, through);
+    scene_format_medium_place(&check->job->scene, index, along + strlen(through), ALONG_SIZE - strlen(through));
+    return along;
+}
+
+// The longest way of a light through a medium, m; one without end is an error.
+static bool find_light_way(const struct check *check, size_t index, double *longest)
+{
+    const struct scene *scene = &check->job->scene;
+    struct density_nodes nodes;
+
+    *longest = 0.0;
+    for (size_t i = 0; i < scene->light_count; i++) {
+        double way = light_way(check, &scene->media[index], &scene->lights[i]);
+
+        if (isinf(way))
+            return json_fail(find_density(check, index, &nodes), check->error,
+                             "expected bounds (a sphere or a box): the light of lights[%zu] comes all the way through "
+                             "it",
+                             i);
+        *longest = fmax(*longest, way);
+    }
+    return true;
+}
+
+static bool check_light_march(const struct check *check, size_t index)
+{
+    struct json_node node = json_node_child(check->quality, "light_step");
+    double longest;
+    char along[ALONG_SIZE];
+
+    if (!find_light_way(check, index, &longest)) return false;
+    if (check->job->quality.light_step == 0.0) return true;
+    return check_count(&node,
+                       &(struct way){longest, check->job->quality.light_step, describe_way(check, index, along),
+                                     JOB_MARCH_STEPS_LIMIT},
+                       check->error);
+}
+
+static bool check_march(const struct check *check, size_t index)
+{
+    const struct scene *scene = &check->job->scene;
+    double clip = scene->camera.clip_far - scene->camera.clip_near;
+    double length = fmin(medium_diameter(check, &scene->media[index]), clip);
+    struct json_node node = json_node_child(check->quality, "step");
+    struct density_nodes nodes;
+    char along[ALONG_SIZE];
+
+    if (isinf(length))
+        return json_fail(find_density(check, index, &nodes), check->error,
+                         "expected bounds (a sphere or a box) or a camera.clip that ends: a march through it has no "
+                         "end");
+    if (check->job->quality.step == 0.0) return true;
+    return check_count(&node,
+                       &(struct way){length, check->job->quality.step, describe_way(check, index, along),
+                                     job_find_step_limit(check->job)},
+                       check->error);
+}
+
+static bool has_grid(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->medium_count; i++)
+        if (scene->media[i].density.kind == SCENE_DENSITY_GRID) return true;
+    return false;
+}
+
+static bool check_voxels(const struct check *check)
+{
+    static const char *const keys[] = {"step_voxels", "light_step_voxels"};
+
+    for (int i = 0; i < 2; i++) {
+        struct json_node node = json_node_child(check->quality, keys[i]);
+
+        if (!json_node_is_absent(&node) && !has_grid(&check->job->scene))
+            return json_fail(&node, check->error,
+                             "expected a density of kind \"grid\" to take the voxels of, got none");
+    }
+    return true;
+}
+
+static bool media_are_even(const struct scene *scene)
+{
+    bool is_even = true;
+
+    for (size_t i = 0; i < scene->medium_count; i++)
+        is_even = is_even && scene_density_is_even(&scene->media[i].density);
+    return is_even;
+}
+
+// Each light that is seen has a grid around the media that vary, a channel for each of these.
+static bool check_light_grids(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    struct json_node method = json_node_child(check->quality, "method");
+    size_t count = 0;
+
+    if (scene->object_count > 0) return json_fail(&method, check->error, "cached is not for scenes with objects yet");
+    for (size_t i = 0; i < scene->medium_count && scene->light_count > 0; i++) {
+        const struct scene_density *density = &scene->media[i].density;
+        struct density_nodes nodes;
+
+        if (scene_density_is_even(density)) continue;
+        if (++count > JOB_CACHED_MEDIUM_LIMIT)
+            return json_fail(&method, check->error, "expected at most %d media whose density varies with cached",
+                             JOB_CACHED_MEDIUM_LIMIT);
+        if (density->kind != SCENE_DENSITY_GRID && isinf(density_diameter(density, check->span)))
+            return json_fail(find_density(check, i, &nodes), check->error,
+                             "expected bounds (a sphere or a box): with cached each light has a grid around it");
+    }
+    return true;
+}
+
+static bool check_cached(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+
+    if (!check_voxels(check) || !check_light_grids(check)) return false;
+    for (size_t i = 0; i < scene->medium_count; i++)
+        if (scene->media[i].density.kind != SCENE_DENSITY_GRID && (scene->light_count > 0 || !media_are_even(scene)) &&
+            !check_march(check, i))
+            return false;
+    return true;
+}
+
+// Of a method that takes steps; auto has none of its own yet.
+static bool check_midpoint(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    const struct job_quality *quality = &check->job->quality;
+    struct json_node light_step = json_node_child(check->quality, "light_step");
+    bool is_even = media_are_even(scene);
+
+    if (!check_voxels(check)) return false;
+    if (!is_even && quality->method != JOB_METHOD_AUTO && !job_quality_has_majorants(quality) &&
+        scene->light_count > 0 && quality->light_step == 0.0 && quality->light_step_voxels == 0.0)
+        return json_fail_expected(&light_step, check->error, "a number of metres, as light marches through media");
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_density *density = &scene->media[i].density;
+
+        if (density->kind == SCENE_DENSITY_GRID || (is_even && scene->light_count == 0)) continue;
+        if (!check_march(check, i) || (!scene_density_is_even(density) && !check_light_march(check, i))) return false;
+    }
+    return true;
+}
+
+// Nobody but the job knows what its own code may say.
+static bool check_majorant(const struct check *check, size_t index)
+{
+    const struct scene_density *density = &check->job->scene.media[index].density;
+    struct density_nodes nodes;
+    struct json_node node = json_node_child(find_density(check, index, &nodes), "majorant");
+
+    if (density->kind != SCENE_DENSITY_GLSL || density->glsl.majorant > 0.0) return true;
+    return json_fail_expected(&node, check->error,
+                              "a number that density() is nowhere above, which the estimators delta "
+                              "and ratio need");
+}
+
+static bool check_tracking(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    struct json_node method = json_node_child(check->quality, "method");
+
+    if (scene->object_count > 0) return json_fail(&method, check->error, "tracking is not for scenes with objects yet");
+    for (size_t i = 0; i < scene->medium_count && job_quality_has_majorants(&check->job->quality); i++)
+        if (!check_majorant(check, i)) return false;
+    return check_midpoint(check);
+}
+
+static bool check_riemann(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    struct json_node step = json_node_child(check->quality, "step"), method = json_node_child(check->quality, "method");
+    double length = scene->camera.clip_far - scene->camera.clip_near;
+
+    if (scene->object_count > 0) return json_fail(&method, check->error, "riemann is not for scenes with objects");
+    if (!isfinite(length))
+        return json_fail(&method, check->error,
+                         "riemann needs camera.clip: it steps from the near to the far distance");
+    if (round(length / check->job->quality.step) < 1.0)
+        return json_fail(&step, check->error, "expected at most the %.10g m between the clip distances, got %.10g",
+                         length, check->job->quality.step);
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        double longest;
+
+        if (scene->media[i].density.kind != SCENE_DENSITY_GRID && !find_light_way(check, i, &longest)) return false;
+    }
+    return check_count(
+        &step,
+        &(struct way){length, check->job->quality.step, "between the clip distances", job_find_step_limit(check->job)},
+        check->error);
+}
+
+// Spans of n media have at most 2 n - 1 stretches between their ends; each light has its points on each.
+static bool check_points(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+    struct json_node points = json_node_child(check->quality, "points");
+    int limit;
+
+    if (scene->medium_count == 0 || scene->light_count == 0) return true;
+    limit = JOB_MARCH_STEPS_LIMIT / (int)(scene->light_count * (2 * scene->medium_count - 1));
+    if (check->job->quality.points <= limit) return true;
+    return json_fail(&points, check->error, "expected at most %d with %zu lights and %zu media, got %d", limit,
+                     scene->light_count, scene->medium_count, check->job->quality.points);
+}
+
+static bool check_equiangular(const struct check *check)
+{
+    const struct scene *scene = &check->job->scene;
+
+    for (size_t i = 0; i < scene->medium_count; i++) {
+        const struct scene_density *density = &scene->media[i].density;
+        struct density_nodes nodes;
+        const struct json_node *node = find_density(check, i, &nodes);
+        struct json_node kind = json_node_child(node, "kind"), bounds = json_node_child(node, "bounds");
+        struct json_node falloff = json_node_child(&bounds, "falloff");
+
+        if (density->kind != SCENE_DENSITY_HOMOGENEOUS)
+            return json_fail_expected(&kind, check->error, "\"homogeneous\", which equiangular needs everywhere");
+        if (!scene_density_is_even(density))
+            return json_fail_expected(&falloff, check->error, "0, which equiangular needs");
+    }
+    return check_points(check);
+}
+
+bool step_check(const struct job *job, const struct json_node *document, struct error *error)
+{
+    struct json_node quality = json_node_child(document, "quality");
+    const struct check check = {job, document, &quality, job_time_span(job), error};
+
+    switch (job->quality.method) {
+    case JOB_METHOD_RIEMANN:
+        return check_riemann(&check);
+    case JOB_METHOD_MIDPOINT:
+    case JOB_METHOD_JITTERED:
+    case JOB_METHOD_ADAPTIVE:
+    case JOB_METHOD_GAUSS:
+    case JOB_METHOD_PREINTEGRATED:
+        return check_midpoint(&check);
+    case JOB_METHOD_TRACKING:
+        return check_tracking(&check);
+    case JOB_METHOD_CACHED:
+        return check_cached(&check);
+    case JOB_METHOD_EQUIANGULAR:
+        return check_equiangular(&check);
+    case JOB_METHOD_AUTO: // of even media alone nothing has to march
+        return media_are_even(&job->scene) || check_midpoint(&check);
+    }
+    return false;
+}
+
+double step_longest_way(const struct job *job)
+{
+    const struct check check = {.job = job, .span = job_time_span(job)};
+    double clip = job->scene.camera.clip_far - job->scene.camera.clip_near, longest = 0.0;
+
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const struct scene_medium *medium = &job->scene.media[i];
+
+        if (medium->density.kind != SCENE_DENSITY_GRID)
+            longest = fmax(longest, fmin(medium_diameter(&check, medium), clip));
+    }
+    return longest;
+}

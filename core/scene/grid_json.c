@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/grid_json.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/scene/input_path.h"
+#include "core/scene/scene.h"
+#include "core/scene/scene_reader.h"
+
+#include <string.h>
+
+static const double SPACING_MIN = 1e-9, SPACING_MAX = 1e9; // m
+static const double VALUE_MAX = 1e15;
+static const double OPACITY_MAX = 1.0 - 1e-6;
+static const int64_t SKIP_MAX = INT64_C(1) << 50; // bytes
+
+static bool read_file(const struct scene_reader *reader, struct scene_grid *grid)
+{
+    static const char *const endings[] = {".raw", ".nrrd", ".nhdr", ".nii", ".nii.gz", ".nvdb", ".vdb"};
+    struct json_node node = json_node_child(reader->object, "file");
+    struct error cause = {0};
+    const char *path;
+
+    if (!json_read_string(&node, &path, reader->error)) return false;
+    if (!input_path_check(path, &cause)) return json_fail(&node, reader->error, "%s", cause.message);
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        if (!input_path_has_ending(path, endings[i])) continue;
+        grid->file = xstrdup(path);
+        return true;
+    }
+    return json_fail_expected(&node, reader->error,
+                              "a name that ends in .raw, .nrrd, .nhdr, .nii, .nii.gz, .nvdb or .vdb");
+}
+
+static bool read_grid_name(const struct scene_reader *reader, struct scene_grid *grid)
+{
+    struct json_node node = json_node_child(reader->object, "grid");
+
+    if (json_node_is_absent(&node)) return true;
+    if (!scene_reader_read_grid_name(reader, &grid->grid_name)) return false;
+    return scene_grid_is_vdb(grid) || json_fail(&node, reader->error, "only .nvdb and .vdb files have named grids");
+}
+
+static bool read_size(const struct scene_reader *reader, struct scene_raw *raw)
+{
+    struct json_node node = json_node_child(reader->object, "size");
+
+    if (json_node_is_absent(&node)) return true;
+    if (json_node_type(&node) != JSON_ARRAY || json_node_count(&node) != 3)
+        return json_fail_expected(&node, reader->error, "[width, height, depth] in voxels");
+    for (size_t i = 0; i < 3; i++) {
+        struct json_node side = json_node_element(&node, i);
+        int64_t count;
+
+        if (!json_read_integer(&side, 1, SCENE_GRID_SIDE_LIMIT, &count, reader->error)) return false;
+        raw->size[i] = (int)count;
+    }
+    return true;
+}
+
+static bool read_raw(const struct scene_reader *reader, struct scene_grid *grid)
+{
+    static const char *const raw_keys[] = {"size", "type", "byte_order", "skip_bytes"};
+    static const char *const types[] = {"uint8", "uint16", "int16", "float32", NULL};
+    static const char *const orders[] = {"little", "big", NULL};
+    struct json_node skip = json_node_child(reader->object, "skip_bytes");
+    int type = 0, order = 0;
+
+    for (size_t i = 0; i < sizeof raw_keys / sizeof raw_keys[0]; i++) {
+        struct json_node node = json_node_child(reader->object, raw_keys[i]);
+
+        if (!json_node_is_absent(&node) && !input_path_has_ending(grid->file, ".raw"))
+            return json_fail(&node, reader->error, "only for .raw files: others say it themselves");
+    }
+    grid->raw.has_type = scene_reader_has_key(reader, "type");
+    if (!read_size(reader, &grid->raw) || !scene_reader_read_choice(reader, "type", types, &type) ||
+        !scene_reader_read_choice(reader, "byte_order", orders, &order) ||
+        (!json_node_is_absent(&skip) && !json_read_integer(&skip, 0, SKIP_MAX, &grid->raw.skip_bytes, reader->error)))
+        return false;
+    grid->raw.type = (enum scene_voxel)type;
+    grid->raw.is_big_endian = order == 1;
+    return true;
+}
+
+static bool read_spacing(const struct scene_reader *reader, struct scene_grid *grid)
+{
+    struct json_node node = json_node_child(reader->object, "spacing");
+
+    if (json_node_is_absent(&node)) return true;
+    if (json_node_type(&node) != JSON_ARRAY || json_node_count(&node) != 3)
+        return json_fail_expected(&node, reader->error, "[x, y, z], the sides of a voxel in metres");
+    for (size_t i = 0; i < 3; i++) {
+        struct json_node side = json_node_element(&node, i);
+
+        if (!json_read_number(&side, SPACING_MIN, SPACING_MAX, &grid->spacing[i], reader->error)) return false;
+    }
+    return true;
+}
+
+static bool read_point(const struct json_node *node, struct scene_transfer_point *point, struct error *error)
+{
+    struct json_node value = json_node_element(node, 0), opacity = json_node_element(node, 4);
+
+    if (json_node_type(node) != JSON_ARRAY || json_node_count(node) != 5)
+        return json_fail_expected(node, error, "[value, r, g, b, a]");
+    if (!json_read_number(&value, -VALUE_MAX, VALUE_MAX, &point->value, error)) return false;
+    for (size_t i = 0; i < 3; i++) {
+        struct json_node colour = json_node_element(node, 1 + i);
+
+        if (!json_read_number(&colour, 0.0, VALUE_MAX, &point->rgba[i], error)) return false;
+    }
+    return json_read_number(&opacity, 0.0, OPACITY_MAX, &point->rgba[3], error);
+}
+
+static bool read_transfer_function(const struct scene_reader *reader, struct scene_grid *grid)
+{
+    struct json_node list = json_node_child(reader->object, "transfer_function"), child = {0};
+    struct json_node unit_distance = json_node_child(reader->object, "unit_distance");
+    struct json_node scale = json_node_child(reader->object, "scale");
+
+    if (json_node_is_absent(&list))
+        return json_node_is_absent(&unit_distance) ||
+               json_fail(&unit_distance, reader->error, "only beside a transfer_function");
+    if (!json_node_is_absent(&scale))
+        return json_fail(&scale, reader->error, "not beside a transfer_function, which says what a value means");
+    if (!json_check_array(&list, 2, SCENE_TRANSFER_LIMIT, reader->error)) return false;
+    grid->points = xcalloc(json_node_count(&list), sizeof *grid->points);
+    while (json_node_next(&list, &child)) {
+        struct scene_transfer_point *point = &grid->points[grid->point_count];
+        struct json_node value = json_node_element(&child, 0);
+
+        if (!read_point(&child, point, reader->error)) return false;
+        if (grid->point_count > 0 && point->value <= point[-1].value)
+            return json_fail(&value, reader->error,
+                             "expected a value above that of the point before it (%.10g), got %.10g", point[-1].value,
+                             point->value);
+        grid->point_count++;
+    }
+    return scene_reader_read(reader, "unit_distance", &SCENE_SIZE, &grid->unit_distance);
+}
+
+bool grid_from_json(struct scene_grid *grid, const struct scene_reader *reader)
+{
+    static const char *const keys[] = {"kind",
+                                       "bounds",
+                                       "file",
+                                       "grid",
+                                       "size",
+                                       "type",
+                                       "byte_order",
+                                       "skip_bytes",
+                                       "spacing",
+                                       "interpolation",
+                                       "center",
+                                       "scale",
+                                       "transfer_function",
+                                       "unit_distance",
+                                       NULL};
+    static const char *const interpolations[] = {"linear", "nearest", NULL};
+    int interpolation = 0;
+
+    if (!json_check_keys(reader->object, keys, reader->error) || !read_file(reader, grid) ||
+        !read_grid_name(reader, grid) || !read_raw(reader, grid) || !read_spacing(reader, grid) ||
+        !scene_reader_read_choice(reader, "interpolation", interpolations, &interpolation))
+        return false;
+    grid->is_nearest = interpolation == 1;
+    grid->has_center = scene_reader_has_key(reader, "center");
+    return scene_reader_read_or(reader, "center", &SCENE_POSITION, 0.0, &grid->center) &&
+           read_transfer_function(reader, grid) &&
+           scene_reader_read_or(reader, "scale", &SCENE_SCALE, 1.0, &grid->scale);
+}

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene/scene_json.h"
+
+#include "core/base/error.h"
+#include "core/scene/medium_json.h"
+#include "core/scene/object_json.h"
+#include "core/scene/scene.h"
+#include "core/scene/scene_reader.h"
+
+#include <math.h>
+
+static const double DISTANCE_MAX = 1e9; // m
+
+static const double SHUTTER_MAX = 1000.0; // frames
+static const struct timeline_limits FOV = {
+    .components = 1, .min = 0.0, .max = 180.0, .excludes_min = true, .excludes_max = true};
+
+static bool read_clip(const struct scene_reader *reader, struct scene_camera *camera)
+{
+    struct json_node clip = json_node_child(reader->object, "clip");
+    struct json_node near = json_node_element(&clip, 0), far = json_node_element(&clip, 1);
+
+    camera->clip_near = 0.0;
+    camera->clip_far = INFINITY;
+    if (json_node_is_absent(&clip)) return true;
+    if (json_node_type(&clip) != JSON_ARRAY || json_node_count(&clip) != 2)
+        return json_fail_expected(&clip, reader->error, "[near, far] in metres");
+    if (!json_read_number(&near, 0.0, DISTANCE_MAX, &camera->clip_near, reader->error) ||
+        !json_read_number(&far, 0.0, DISTANCE_MAX, &camera->clip_far, reader->error))
+        return false;
+    if (camera->clip_near < camera->clip_far) return true;
+    return json_fail(&clip, reader->error, "expected near < far, got %.10g and %.10g", camera->clip_near,
+                     camera->clip_far);
+}
+
+static bool read_camera(const struct scene_reader *job, struct scene_camera *camera)
+{
+    static const char *const keys[] = {"position", "target", "up", "fov", "clip", "mirror", "shutter", NULL};
+    struct json_node object = json_node_child(job->object, "camera");
+    struct scene_reader reader = {&object, job->span, job->error};
+    struct json_node mirror = json_node_child(&object, "mirror");
+
+    if (!json_check_object(&object, job->error) || !json_check_keys(&object, keys, job->error)) return false;
+    return scene_reader_read_direction(&reader, "up", &camera->up) &&
+           scene_reader_read(&reader, "position", &SCENE_POSITION, &camera->position) &&
+           scene_reader_read(&reader, "target", &SCENE_POSITION, &camera->target) &&
+           scene_reader_read(&reader, "fov", &FOV, &camera->fov) && read_clip(&reader, camera) &&
+           (json_node_is_absent(&mirror) || json_read_bool(&mirror, &camera->mirror, job->error));
+}
+
+static bool read_point_light(const struct scene_reader *reader, struct scene_light *light)
+{
+    static const char *const keys[] = {"kind", "falloff", "intensity", "position", NULL};
+    static const char *const falloffs[] = {"inverse_square", "none", NULL};
+    int choice = SCENE_FALLOFF_INVERSE_SQUARE;
+
+    if (!json_check_keys(reader->object, keys, reader->error) ||
+        !scene_reader_read_choice(reader, "falloff", falloffs, &choice))
+        return false;
+    light->falloff = (enum scene_falloff)choice;
+    light->direction = (struct timeline){.component_count = 3};
+    return scene_reader_read(reader, "intensity", &SCENE_RADIANCE, &light->intensity) &&
+           scene_reader_read(reader, "position", &SCENE_POSITION, &light->position);
+}
+
+static bool read_sun_light(const struct scene_reader *reader, struct scene_light *light)
+{
+    static const char *const keys[] = {"kind", "intensity", "direction", NULL};
+
+    light->position = (struct timeline){.component_count = 3};
+    return json_check_keys(reader->object, keys, reader->error) &&
+           scene_reader_read(reader, "intensity", &SCENE_RADIANCE, &light->intensity) &&
+           scene_reader_read(reader, "direction", &SCENE_DIRECTION, &light->direction);
+}
+
+static bool read_light(const struct scene_reader *reader, struct scene_light *light)
+{
+    static const char *const kinds[] = {"point", "sun", NULL};
+    struct json_node kind = json_node_child(reader->object, "kind");
+    int choice;
+
+    if (!json_check_object(reader->object, reader->error) || !json_read_enum(&kind, kinds, &choice, reader->error))
+        return false;
+    light->kind = (enum scene_light_kind)choice;
+    return light->kind == SCENE_LIGHT_POINT ? read_point_light(reader, light) : read_sun_light(reader, light);
+}
+
+static bool read_lights(const struct scene_reader *job, struct scene *scene)
+{
+    struct json_node lights = json_node_child(job->object, "lights"), light = {0};
+    struct scene_reader reader = {&light, job->span, job->error};
+
+    if (json_node_is_absent(&lights)) return true;
+    if (!json_check_array(&lights, 0, SCENE_LIGHT_LIMIT, job->error)) return false;
+    while (json_node_next(&lights, &light))
+        if (!read_light(&reader, &scene->lights[scene->light_count++])) return false;
+    return true;
+}
+
+static bool read_media(const struct scene_reader *scene_reader, struct scene *scene)
+{
+    struct json_node media = json_node_child(scene_reader->object, "media"), medium = {0};
+    struct scene_reader reader = {&medium, scene_reader->span, scene_reader->error};
+
+    if (json_node_is_absent(&media)) return true;
+    if (!json_check_array(&media, 0, SCENE_MEDIUM_LIMIT, reader.error)) return false;
+    while (json_node_next(&media, &medium))
+        if (!medium_from_json(&scene->media[scene->medium_count++], &reader)) return false;
+    return true;
+}
+
+static bool read_contents(const struct scene_reader *job, struct scene *scene)
+{
+    static const char *const keys[] = {"media", "objects", NULL};
+    struct json_node object = json_node_child(job->object, "scene");
+    struct scene_reader reader = {&object, job->span, job->error};
+
+    if (json_node_is_absent(&object)) return true;
+    return json_check_object(&object, job->error) && json_check_keys(&object, keys, job->error) &&
+           read_media(&reader, scene) && objects_from_json(scene, &reader);
+}
+
+// Before all else: a shutter that stays open makes the times longer that every value is checked at.
+static bool read_shutter(const struct scene_reader *job, struct scene_camera *camera)
+{
+    struct json_node object = json_node_child(job->object, "camera");
+    struct json_node shutter = json_node_child(&object, "shutter");
+
+    return json_node_is_absent(&shutter) || json_read_number(&shutter, 0.0, SHUTTER_MAX, &camera->shutter, job->error);
+}
+
+bool scene_from_json(struct scene *scene, const struct json_node *job, const struct scene_times *times,
+                     struct error *error)
+{
+    struct scene_reader reader = {job, times->frames, error};
+
+    *scene = (struct scene){0};
+    if (!read_shutter(&reader, &scene->camera)) return false;
+    reader.span.last += scene->camera.shutter * times->frame_s;
+    scene->has_background = scene_reader_has_key(&reader, "background");
+    return read_camera(&reader, &scene->camera) && read_lights(&reader, scene) &&
+           scene_reader_read_or(&reader, "background", &SCENE_RADIANCE, 0.0, &scene->background) &&
+           read_contents(&reader, scene);
+}

@@ -1,0 +1,22 @@
+// Reads camera, lights, background, media and objects from a job document.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/json/json_read.h"
+#include "core/scene/timeline.h"
+
+#include <stdbool.h>
+
+struct scene;
+
+// When values are asked for.
+struct scene_times {
+    struct timeline_span frames; // from the first frame to the last
+    double frame_s;              // from one frame to the next
+};
+
+// `job` is the document's root object; its keys camera, lights, background and scene are read. Lights, media and
+// objects may be absent. Values are checked between the first frame and the moment when the shutter closes on the last. On failure the
+// caller still calls scene_finish.
+bool scene_from_json(struct scene *scene, const struct json_node *job, const struct scene_times *times,
+                     struct error *error);

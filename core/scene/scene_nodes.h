@@ -1,0 +1,25 @@
+// Where a job's document has what its scene was read from.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/json/json_read.h"
+
+#include <stddef.h>
+
+struct scene;
+
+// The way to a node: each is the parent of a later one, so it may not be copied.
+struct scene_nodes {
+    struct json_node scene, list, object, inner, last;
+};
+
+// The medium scene->media[index]: an element of scene.media, or the interior of an object. Lives as long as `nodes` and
+// `document`, the job's root.
+const struct json_node *scene_nodes_find_medium(struct scene_nodes *nodes, const struct json_node *document,
+                                                const struct scene *scene, size_t index);
+// The shape at `member` of scene->objects[index], whose own it is, or one of its union.
+const struct json_node *scene_nodes_find_shape(struct scene_nodes *nodes, const struct json_node *document,
+                                               const struct scene *scene, size_t index, size_t member);
+// The material of scene->objects[index].
+const struct json_node *scene_nodes_find_material(struct scene_nodes *nodes, const struct json_node *document,
+                                                  size_t index);

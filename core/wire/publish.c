@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/wire/publish.h"
+
+#include "core/base/error.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool is_expected(const struct stat *status, const struct published_file *expected)
+{
+    return S_ISREG(status->st_mode) && (uint64_t)status->st_ino == expected->inode &&
+           (uint64_t)status->st_size == expected->size_bytes;
+}
+
+static bool check_part(int folder_fd, const char *part, const struct published_file *expected, struct error *error)
+{
+    struct stat status;
+
+    if (fstatat(folder_fd, part, &status, AT_SYMLINK_NOFOLLOW) < 0) {
+        error_set_errno(error, errno, "cannot publish %s", part);
+        return false;
+    }
+    if (is_expected(&status, expected)) return true;
+    if (S_ISREG(status.st_mode))
+        error_set(error, "%s: expected inode %" PRIu64 " of %" PRIu64 " bytes, got inode %" PRIu64 " of %" PRIu64, part,
+                  expected->inode, expected->size_bytes, (uint64_t)status.st_ino, (uint64_t)status.st_size);
+    else
+        error_set(error, "%s: expected a file, got %s", part,
+                  S_ISLNK(status.st_mode) ? "a symbolic link" : "something else");
+    return false;
+}
+
+// The name is free or a file's: whoever made a link of it meant something else than the picture.
+static bool check_name(int folder_fd, const char *name, struct error *error)
+{
+    struct stat status;
+
+    if (fstatat(folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) < 0) {
+        if (errno == ENOENT) return true;
+        error_set_errno(error, errno, "cannot publish as %s", name);
+        return false;
+    }
+    if (S_ISREG(status.st_mode)) return true;
+    error_set(error, "%s: expected a file or nothing, got %s", name,
+              S_ISLNK(status.st_mode) ? "a symbolic link" : "something else");
+    return false;
+}
+
+bool publish_file(int folder_fd, const char *part, const char *name, const struct published_file *expected,
+                  struct error *error)
+{
+    if (!check_part(folder_fd, part, expected, error)) return false;
+    if (!check_name(folder_fd, name, error)) return false;
+    if (renameat(folder_fd, part, folder_fd, name) == 0) return true;
+    error_set_errno(error, errno, "cannot rename %s to %s", part, name);
+    return false;
+}
+
+bool publish_sync(int folder_fd, struct error *error)
+{
+    if (fsync(folder_fd) == 0) return true;
+    error_set_errno(error, errno, "cannot sync the output folder");
+    return false;
+}
+
+// True when `name` is the expected file, to the byte.
+static bool holds(int folder_fd, const char *name, const struct published_file *expected)
+{
+    int fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    struct stat status;
+    char hash[HASH_TEXT_SIZE];
+    bool ok = fd >= 0 && fstat(fd, &status) == 0 && is_expected(&status, expected) && hash_file(fd, hash, NULL, NULL) &&
+              strcmp(hash, expected->hash) == 0;
+
+    if (fd >= 0) close(fd);
+    return ok;
+}
+
+enum publish_state publish_settle(int folder_fd, const char *part, const char *name,
+                                  const struct published_file *expected)
+{
+    if (holds(folder_fd, name, expected)) return PUBLISH_DONE;
+    return holds(folder_fd, part, expected) ? PUBLISH_PENDING : PUBLISH_LOST;
+}

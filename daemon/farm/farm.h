@@ -1,0 +1,54 @@
+// What the daemon's modules share: jobs, their queue, and everything that acts on them.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "daemon/farm/job_table.h"
+#include "daemon/users/quota.h"
+#include "daemon/users/rights.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <uv.h>
+
+struct committer;
+struct events;
+struct options;
+struct publisher;
+struct store_reader;
+struct sweeper;
+struct worker_pool;
+
+// All is borrowed from the daemon, which wires it, except the table.
+struct farm {
+    uv_loop_t *loop;
+    const struct options *options;
+    struct store_reader *reader; // for small reads on the loop
+    struct queue *queue;
+    struct job_table jobs; // owned
+    struct quota quota;    // owned; what users have
+    struct committer *committer;
+    struct publisher *publisher;
+    struct sweeper *sweeper;
+    struct worker_pool *pool;
+    struct events *events;
+    struct job_submit *submits;        // list of those whose commit is under way
+    struct job_delete *deletions;      // list of those under way
+    struct job_retry *waiting_retries; // list of those that wait until their job is swept
+    int64_t epoch;
+    int64_t next_job_id;
+    int64_t started_ms; // unix time
+    struct rights rights;
+    bool wants_feed; // a worker may take frames: looked into at the end of the loop's turn
+};
+
+int64_t farm_now_ms(const struct farm *farm); // monotonic
+int64_t farm_clock_ms(void);                  // unix time
+void farm_want_feed(struct farm *farm);
+
+// Stores what may change of the job.
+void farm_store_job(struct farm *farm, const struct job_record *record);
+// To be called after any change to a job or its frames: counts what its owner has, tells subscribers, notes that it started, winds it up when it
+// has ended and nobody holds a frame of it.
+void farm_note_change(struct farm *farm, struct job_record *record);
+void farm_on_swept(void *user, struct job_record *record); // the sweeper's callback; `user` is the farm

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/farm/job_table.h"
+
+#include "core/base/alloc.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void record_destroy(struct job_record *record)
+{
+    free(record->name);
+    free(record->owner);
+    free(record->root);
+    free(record->reason);
+    free(record->code);
+    output_path_finish(&record->path);
+    free(record);
+}
+
+void job_table_finish(struct job_table *table)
+{
+    for (size_t i = 0; i < table->count; i++)
+        record_destroy(table->records[i]);
+    free(table->records);
+    free(table->folder_hashes);
+    *table = (struct job_table){0};
+}
+
+static uint64_t add_to_hash(uint64_t hash, const char *text, size_t length)
+{
+    for (size_t i = 0; i < length; i++)
+        hash = (hash ^ (unsigned char)text[i]) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+// Of "ROOT/FOLDER", wherever the root ends. Fowler, Noll and Vo's, 1991.
+static uint64_t hash_folder(const char *root, const char *folder)
+{
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    size_t length = strlen(root);
+
+    while (length > 0 && root[length - 1] == '/')
+        length--;
+    hash = add_to_hash(hash, root, length);
+    if (*folder) hash = add_to_hash(hash, "/", 1);
+    return add_to_hash(hash, folder, strlen(folder));
+}
+
+struct job_record *job_table_add(struct job_table *table, int64_t id, char *root, struct output_path *path)
+{
+    struct job_record *record = xcalloc(1, sizeof *record);
+
+    assert(table->count == 0 || table->records[table->count - 1]->id < id);
+    record->id = id;
+    record->root = root;
+    record->path = *path;
+    *path = (struct output_path){0};
+    table->records = xgrow(table->records, &table->capacity, table->count + 1, sizeof(struct job_record *));
+    table->folder_hashes =
+        xgrow(table->folder_hashes, &table->hash_capacity, table->count + 1, sizeof table->folder_hashes[0]);
+    table->folder_hashes[table->count] = hash_folder(record->root, record->path.folder);
+    table->records[table->count++] = record;
+    return record;
+}
+
+void job_table_remove(struct job_table *table, struct job_record *record)
+{
+    size_t i = 0;
+
+    while (table->records[i] != record)
+        i++;
+    memmove(&table->records[i], &table->records[i + 1], (table->count - i - 1) * sizeof(struct job_record *));
+    memmove(&table->folder_hashes[i], &table->folder_hashes[i + 1],
+            (table->count - i - 1) * sizeof table->folder_hashes[0]);
+    table->count--;
+    record->is_removed = true;
+    if (record->holds == 0) record_destroy(record);
+}
+
+void job_record_hold(struct job_record *record)
+{
+    record->holds++;
+}
+
+void job_record_release(struct job_record *record)
+{
+    if (--record->holds == 0 && record->is_removed) record_destroy(record);
+}
+
+struct job_record *job_table_find(const struct job_table *table, int64_t id)
+{
+    size_t low = 0, high = table->count;
+
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+
+        if (table->records[middle]->id == id) return table->records[middle];
+        if (table->records[middle]->id < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return NULL;
+}
+
+struct log_subject job_record_subject(const struct job_record *record)
+{
+    return (struct log_subject){.job = record->id, .owner = record->owner};
+}
+
+void job_record_set_reason(struct job_record *record, const char *reason)
+{
+    char *copy = reason ? xstrdup(reason) : NULL;
+
+    free(record->reason);
+    record->reason = copy;
+}
+
+struct store_op job_record_format_op(const struct job_record *record)
+{
+    const struct queue_job *queued = record->queued;
+
+    return (struct store_op){
+        .kind = STORE_SET_JOB,
+        .job = {.id = record->id,
+                .priority = queued->priority,
+                .is_paused = queued->is_paused,
+                .is_canceled = queued->is_canceled,
+                .is_failed = queued->is_failed,
+                .submitted_ms = record->submitted_ms,
+                .started_ms = record->started_ms,
+                .finished_ms = record->is_settled ? record->finished_ms : 0,
+                .reason = record->reason ? xstrdup(record->reason) : NULL},
+    };
+}
+
+// Walks the range with fewer frames, for each could name a file of the other.
+static bool ranges_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
+{
+    bool is_smaller = frame_range_count(files->frames) <= frame_range_count(others->frames);
+    const struct job_files *walked = is_smaller ? files : others;
+    const struct job_files *asked = is_smaller ? others : files;
+    int64_t count = frame_range_count(walked->frames);
+    char name[OUTPUT_NAME_SIZE];
+
+    for (int64_t i = 0; i < count; i++) {
+        int32_t number = frame_range_at(walked->frames, i);
+        int32_t twin;
+
+        output_path_format_name(walked->path, number, name);
+        twin = output_path_frame_of(asked->path, name);
+        if (twin < 0 || frame_range_index(asked->frames, twin) < 0) continue;
+        *frame = is_smaller ? number : twin;
+        return true;
+    }
+    return false;
+}
+
+static char *folder_below(const char *root, const char *folder)
+{
+    return *folder ? xasprintf("%s/%s", root, folder) : xstrdup(root);
+}
+
+// Jobs of an earlier start may have had another root: then the folders are compared in full.
+static bool may_collide(const struct job_files *files, const struct job_files *others)
+{
+    struct output_path path = *files->path, other = *others->path;
+    bool collides;
+
+    if (strcmp(files->root, others->root) == 0) return output_path_may_collide(&path, &other);
+    path.folder = folder_below(files->root, path.folder);
+    other.folder = folder_below(others->root, other.folder);
+    collides = output_path_may_collide(&path, &other);
+    free(path.folder);
+    free(other.folder);
+    return collides;
+}
+
+bool job_files_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
+{
+    return may_collide(files, others) && ranges_collide(files, others, frame);
+}
+
+// The next record at or after `*index` that writes into the same folder; NULL at the end.
+static struct job_record *next_neighbour(const struct job_table *table, uint64_t hash, size_t *index)
+{
+    while (*index < table->count)
+        if (table->folder_hashes[(*index)++] == hash) return table->records[*index - 1];
+    return NULL;
+}
+
+struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
+                                            int32_t *frame)
+{
+    uint64_t hash = hash_folder(files->root, files->path->folder);
+    struct job_record *record;
+
+    for (size_t i = 0; (record = next_neighbour(table, hash, &i));) {
+        struct job_files others = {record->root, &record->path, &record->queued->frames};
+
+        if (others.frames == files->frames) continue;
+        if (!queue_job_is_live(record->queued) && record->in_hand == 0 && !record->is_retry_waiting &&
+            !record->is_deleting)
+            continue;
+        if (job_files_collide(files, &others, frame)) return record;
+    }
+    return NULL;
+}
+
+struct job_record *job_table_find_owned_files(const struct job_table *table, const struct job_files *files,
+                                              int64_t owner_uid, int32_t *frame)
+{
+    uint64_t hash = hash_folder(files->root, files->path->folder);
+    struct job_record *record;
+
+    for (size_t i = 0; (record = next_neighbour(table, hash, &i));) {
+        struct job_files others = {record->root, &record->path, &record->queued->frames};
+
+        if (record->owner_uid == owner_uid || record->queued->counts[FRAME_SUCCEEDED] == 0) continue;
+        if (job_files_collide(files, &others, frame)) return record;
+    }
+    return NULL;
+}

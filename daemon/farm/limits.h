@@ -1,0 +1,29 @@
+// Holds users to what they may have: counts what each job takes, asks before more is taken.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "daemon/users/quota.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+struct farm;
+struct job_record;
+struct rights_peer;
+
+// Looks up again who administers, at the start and after a reload.
+void limits_refresh(struct farm *farm);
+// To be called whenever frames of the job changed their states, or its files changed.
+void limits_count_job(struct farm *farm, struct job_record *record);
+void limits_forget_job(struct job_record *record); // it is known no more
+
+// The owner of a job that is being submitted, as this connection shows them.
+struct quota_user *limits_find_peer(struct farm *farm, const struct rights_peer *peer, const char *name);
+bool limits_check_submit(const struct farm *farm, const struct quota_user *user, const struct quota_amounts *job,
+                         struct error *error);
+// Before `frames` of the job are queued again. Who administers is not refused for how much the owner has to render.
+bool limits_check_retry(const struct farm *farm, const struct job_record *record, int64_t frames, bool by_admin,
+                        struct error *error);
+// Before the job goes on: it would pause again with its next file.
+bool limits_check_disk(const struct farm *farm, const struct job_record *record, struct error *error);

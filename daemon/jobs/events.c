@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/jobs/events.h"
+
+#include "core/base/alloc.h"
+#include "core/base/log.h"
+#include "core/json/json_write.h"
+#include "core/wire/message.h"
+#include "daemon/clients/client.h"
+#include "daemon/farm/farm.h"
+#include "daemon/jobs/job_view.h"
+#include "daemon/workers/worker_pool.h"
+
+#include <stdlib.h>
+
+enum { SUBSCRIPTIONS_LIMIT = 64, INTERVAL_MS = 250, SUBSCRIBER_BACKLOG_LIMIT = 16 * 1024 * 1024 };
+
+struct subscription {
+    struct client *client; // borrowed; events_forget comes before it is freed
+    int64_t job;           // 0: all
+    bool wants_frames;
+};
+
+struct events {
+    struct farm *farm;                  // borrowed; outlives us
+    uv_timer_t timer;                   // active while a job's counts have changed and were not told
+    struct subscription *subscriptions; // owned
+    size_t count, capacity;
+    struct job_record **changed; // owned; records with is_changed
+    size_t changed_count, changed_capacity;
+    struct json_writer writer; // scratch
+};
+
+static void on_interval(uv_timer_t *timer);
+
+struct events *events_create(struct farm *farm)
+{
+    struct events *events = xcalloc(1, sizeof *events);
+
+    events->farm = farm;
+    uv_timer_init(farm->loop, &events->timer);
+    events->timer.data = events;
+    return events;
+}
+
+void events_close(struct events *events)
+{
+    uv_close((uv_handle_t *)&events->timer, NULL);
+}
+
+void events_destroy(struct events *events)
+{
+    if (!events) return;
+    free(events->subscriptions);
+    free(events->changed);
+    json_writer_finish(&events->writer);
+    free(events);
+}
+
+bool events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames)
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < events->count; i++)
+        if (events->subscriptions[i].client == client) count++;
+    if (count == SUBSCRIPTIONS_LIMIT) return false;
+    events->subscriptions =
+        xgrow(events->subscriptions, &events->capacity, events->count + 1, sizeof events->subscriptions[0]);
+    events->subscriptions[events->count++] =
+        (struct subscription){.client = client, .job = job, .wants_frames = wants_frames};
+    return true;
+}
+
+void events_forget(struct events *events, const struct client *client)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < events->count; i++) {
+        if (events->subscriptions[i].client != client) events->subscriptions[kept++] = events->subscriptions[i];
+    }
+    events->count = kept;
+}
+
+static struct json_writer *begin_event(struct events *events, const char *type)
+{
+    json_writer_clear(&events->writer);
+    message_begin_notification(&events->writer, "event");
+    json_write_begin_object(&events->writer);
+    json_write_string_member(&events->writer, "type", type);
+    return &events->writer;
+}
+
+// `job` 0: to all. A client is closed later by its own callback, so the list stays as it is meanwhile.
+static void end_event(struct events *events, int64_t job, bool is_frame)
+{
+    json_write_end_object(&events->writer);
+    message_end(&events->writer);
+    for (size_t i = 0; i < events->count; i++) {
+        const struct subscription *subscription = &events->subscriptions[i];
+
+        if (subscription->client->is_closing) continue;
+        if (job && subscription->job && subscription->job != job) continue;
+        if (is_frame && !subscription->wants_frames) continue;
+        client_send(subscription->client, events->writer.text, events->writer.length);
+        if (client_backlog_bytes(subscription->client) <= SUBSCRIBER_BACKLOG_LIMIT) continue;
+        log_info("a client of %s does not read its events: disconnected", subscription->client->user);
+        client_close(subscription->client);
+    }
+}
+
+static void tell_job(struct events *events, struct job_record *record)
+{
+    struct json_writer *writer;
+
+    if (events->count == 0) return;
+    writer = begin_event(events, "job");
+    json_write_key(writer, "job");
+    job_view_write(events->farm, record, writer);
+    end_event(events, record->id, false);
+}
+
+void events_note_job(struct events *events, struct job_record *record)
+{
+    enum job_state state = queue_job_state(record->queued);
+
+    if (state != record->told_state) {
+        record->told_state = state;
+        tell_job(events, record);
+        return;
+    }
+    if (record->is_changed || events->count == 0) return;
+    record->is_changed = true;
+    events->changed =
+        xgrow(events->changed, &events->changed_capacity, events->changed_count + 1, sizeof(struct job_record *));
+    events->changed[events->changed_count++] = record;
+    if (!uv_is_active((uv_handle_t *)&events->timer)) uv_timer_start(&events->timer, on_interval, INTERVAL_MS, 0);
+}
+
+static void on_interval(uv_timer_t *timer)
+{
+    struct events *events = timer->data;
+
+    for (size_t i = 0; i < events->changed_count; i++) {
+        events->changed[i]->is_changed = false;
+        tell_job(events, events->changed[i]);
+    }
+    events->changed_count = 0;
+}
+
+static void forget_change(struct events *events, const struct job_record *record)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < events->changed_count; i++)
+        if (events->changed[i] != record) events->changed[kept++] = events->changed[i];
+    events->changed_count = kept;
+}
+
+void events_tell_deleted(struct events *events, struct job_record *record)
+{
+    struct json_writer *writer;
+
+    forget_change(events, record);
+    if (events->count == 0) return;
+    writer = begin_event(events, "deleted");
+    json_write_integer_member(writer, "id", record->id);
+    end_event(events, record->id, false);
+}
+
+void events_tell_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
+                       const char *error)
+{
+    struct json_writer *writer;
+
+    if (events->count == 0) return;
+    writer = begin_event(events, "frame");
+    json_write_integer_member(writer, "id", ticket->job);
+    json_write_integer_member(writer, "frame", ticket->frame);
+    json_write_string_member(writer, "state", frame_state_name(state));
+    json_write_integer_member(writer, "attempt", ticket->attempt);
+    json_write_string_member(writer, "error", error);
+    end_event(events, ticket->job, true);
+}
+
+void events_tell_worker(struct events *events, int slot_index)
+{
+    struct json_writer *writer;
+
+    if (events->count == 0) return;
+    writer = begin_event(events, "worker");
+    json_write_key(writer, "worker");
+    worker_pool_write_slot(events->farm->pool, slot_index, writer);
+    end_event(events, 0, false);
+}

@@ -1,0 +1,28 @@
+// Tells subscribers what happens; who does not read is disconnected.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "daemon/schedule/queue.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct client;
+struct events;
+struct farm;
+struct job_record;
+
+struct events *events_create(struct farm *farm);
+void events_close(struct events *events);
+void events_destroy(struct events *events); // after the loop closed its handles; accepts NULL
+
+// `job` 0: all. False when the client has too many subscriptions already.
+bool events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames);
+void events_forget(struct events *events, const struct client *client); // it is gone
+
+void events_note_job(struct events *events,
+                     struct job_record *record); // a change of state at once, counts 4 times a second
+void events_tell_deleted(struct events *events, struct job_record *record); // the last that is heard of it
+void events_tell_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
+                       const char *error); // NULL: none
+void events_tell_worker(struct events *events, int slot_index);

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/jobs/feed.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/json/json_write.h"
+#include "core/wire/message.h"
+#include "daemon/farm/farm.h"
+#include "daemon/jobs/events.h"
+#include "daemon/schedule/dispatch.h"
+#include "daemon/store/store_reader.h"
+#include "daemon/workers/worker_pool.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool write_job(struct farm *farm, const struct job_record *record, struct json_writer *writer,
+                      struct error *error)
+{
+    char *document;
+
+    if (!store_read_document(farm->reader, record->id, &document, error)) return false;
+    message_begin_notification(writer, "worker.job");
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "job", record->id);
+    json_write_integer_member(writer, "epoch", farm->epoch);
+    json_write_string_member(writer, "root", record->root);
+    json_write_string_member(writer, "owner", record->owner);
+    json_write_key(writer, "document");
+    json_write_raw(writer, document, strlen(document));
+    json_write_end_object(writer);
+    message_end(writer);
+    free(document);
+    return true;
+}
+
+static void write_assignment(int64_t job, const struct queue_ticket *tickets, size_t count, struct json_writer *writer)
+{
+    message_begin_notification(writer, "worker.assign");
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "job", job);
+    json_write_key(writer, "frames");
+    json_write_begin_array(writer);
+    for (size_t i = 0; i < count; i++) {
+        json_write_begin_array(writer);
+        json_write_integer(writer, tickets[i].frame);
+        json_write_integer(writer, tickets[i].attempt);
+        json_write_end_array(writer);
+    }
+    json_write_end_array(writer);
+    json_write_end_object(writer);
+    message_end(writer);
+}
+
+// Without its document the job cannot go on, but others can.
+static void hold_job(struct farm *farm, struct job_record *record, const struct error *error)
+{
+    struct log_subject subject = job_record_subject(record);
+    char *reason = xasprintf("paused: %s", error->message);
+
+    log_about(LOG_ERROR, &subject, "job %lld: %s", (long long)record->id, reason);
+    job_record_set_reason(record, reason);
+    free(reason);
+    queue_pause(farm->queue, record->queued);
+    farm_store_job(farm, record);
+}
+
+static void give(struct farm *farm, struct worker_process *worker, struct job_record *record,
+                 const struct queue_ticket *tickets, size_t count)
+{
+    if (worker->hand.count == 0) {
+        worker->answered_ns = uv_hrtime();
+        liveness_set_busy(&worker->liveness, true, farm_now_ms(farm));
+    }
+    for (size_t i = 0; i < count; i++)
+        hand_add(&worker->hand, &tickets[i]);
+    record->in_hand += (int)count;
+}
+
+static void assign(struct farm *farm, struct worker_process *worker, const struct queue_ticket *tickets, size_t count)
+{
+    struct job_record *record = job_table_find(&farm->jobs, tickets[0].job);
+    struct json_writer writer = {0};
+    struct error error;
+
+    if (worker_process_knows_job(worker, record->id) || write_job(farm, record, &writer, &error)) {
+        if (writer.length > 0) worker_process_learn_job(worker, record->id);
+        write_assignment(record->id, tickets, count, &writer);
+        give(farm, worker, record, tickets, count);
+        worker_process_send(worker, &writer);
+    } else {
+        for (size_t i = 0; i < count; i++)
+            queue_return(farm->queue, &tickets[i]);
+        hold_job(farm, record, &error);
+    }
+    json_writer_finish(&writer);
+    farm_note_change(farm, record);
+}
+
+// Splits what the worker has to render into frames of the job and the time that the others take.
+static void add_load(struct farm *farm, const struct hand *hand, int64_t job, struct dispatch_load *load)
+{
+    int64_t stranger = 0;
+    double median_s = 0;
+
+    for (size_t i = 0; i < hand->count; i++) {
+        const struct hand_frame *frame = &hand->frames[i];
+
+        if (frame->is_rendered) continue;
+        if (frame->ticket.job == job) {
+            load->in_hand++;
+            continue;
+        }
+        if (frame->ticket.job != stranger) {
+            struct job_record *record = job_table_find(&farm->jobs, frame->ticket.job);
+
+            stranger = frame->ticket.job;
+            median_s = record ? estimate_median_s(&record->estimate) : 0;
+        }
+        load->strangers_s += median_s > 0 ? median_s : HUGE_VAL;
+    }
+}
+
+// Returns false when the worker has enough, or there is nothing to give.
+static bool feed_worker(struct farm *farm, struct worker_process *worker, int workers)
+{
+    struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
+    const struct queue_job *next = queue_next_job(farm->queue);
+    struct job_record *record;
+    struct dispatch_load load;
+    size_t count;
+
+    if (!next || !worker_pool_suits(farm->pool, worker, next)) return false;
+    record = job_table_find(&farm->jobs, next->id);
+    load = (struct dispatch_load){
+        .frame_s = estimate_median_s(&record->estimate), .left = next->counts[FRAME_QUEUED], .workers = workers};
+    add_load(farm, &worker->hand, next->id, &load);
+    count = dispatch_count(&load);
+    if (count == 0) return false;
+    if (count > DISPATCH_CHUNK_LIMIT) count = DISPATCH_CHUNK_LIMIT;
+    count = queue_take(farm->queue, (uint16_t)worker->id, tickets, count);
+    if (count > 0) assign(farm, worker, tickets, count);
+    return count > 0;
+}
+
+void feed_workers(struct farm *farm)
+{
+    int workers = worker_pool_ready_count(farm->pool);
+
+    for (int i = 0; i < worker_pool_slot_count(farm->pool); i++) {
+        struct worker_process *worker = worker_pool_ready_at(farm->pool, i);
+
+        while (worker && feed_worker(farm, worker, workers)) {
+        }
+    }
+}

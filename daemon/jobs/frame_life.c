@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/jobs/frame_life.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/limits.h"
+#include "daemon/jobs/events.h"
+#include "daemon/jobs/job_change.h"
+#include "daemon/output/publisher.h"
+#include "daemon/output/sweeper.h"
+#include "daemon/schedule/retry.h"
+#include "daemon/settings/options.h"
+#include "daemon/store/committer.h"
+#include "daemon/workers/worker_pool.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { EXIT_AFTER_FAULT_MS = 10000 };
+
+// An attempt that did not make its frame.
+struct attempt_end {
+    struct job_record *record;
+    struct queue_ticket ticket;
+    enum retry_fault fault;
+    bool is_started;
+    bool is_lost; // the worker went with it
+    bool has_row; // a publish intent is in the store
+    int worker;
+    const char *error;
+    const char *log;
+};
+
+static void log_attempt(enum log_level level, const struct job_record *record, const struct queue_ticket *ticket,
+                        int worker, const char *text, const char *outcome)
+{
+    struct log_subject subject = job_record_subject(record);
+
+    subject.frame = ticket->frame;
+    subject.attempt = ticket->attempt;
+    subject.worker = worker;
+    log_about(level, &subject, "job %lld frame %d attempt %d: %s%s%s", (long long)ticket->job, ticket->frame,
+              ticket->attempt, text, *outcome ? "; now " : "", outcome);
+}
+
+static void put_silent(struct farm *farm, struct store_op op)
+{
+    committer_put(farm->committer, COMMIT_SILENT, &op, 1, NULL, NULL);
+}
+
+static void store_attempt(struct farm *farm, const struct attempt_end *end, const char *outcome)
+{
+    struct store_op op = {.kind = STORE_ADD_ATTEMPT,
+                          .attempt = {.job = end->ticket.job,
+                                      .frame = end->ticket.frame,
+                                      .attempt = end->ticket.attempt,
+                                      .worker = end->worker,
+                                      .ended_ms = farm_clock_ms(),
+                                      .log = xstrdup(end->log)}};
+
+    strncpy(op.attempt.outcome, outcome, sizeof op.attempt.outcome - 1);
+    put_silent(farm, op);
+}
+
+static void store_failed_frame(struct farm *farm, const struct attempt_end *end)
+{
+    put_silent(farm, (struct store_op){.kind = STORE_SET_FRAME,
+                                       .frame = {.job = end->ticket.job,
+                                                 .index = end->ticket.index,
+                                                 .state = FRAME_FAILED,
+                                                 .attempts = end->ticket.attempt,
+                                                 .epoch = farm->epoch,
+                                                 .error = xstrdup(end->error)}});
+}
+
+static void remove_row(struct farm *farm, const struct attempt_end *end)
+{
+    struct store_op op = {.kind = STORE_RESET_FRAMES, .reset = {.job = end->ticket.job, .count = 1}};
+
+    op.reset.indices = xmalloc(sizeof op.reset.indices[0]);
+    op.reset.indices[0] = end->ticket.index;
+    put_silent(farm, op);
+}
+
+static void fail_job(struct farm *farm, const struct attempt_end *end)
+{
+    job_record_set_reason(end->record, end->error);
+    queue_fail_job(farm->queue, end->record->queued);
+    worker_pool_drop_job(farm->pool, end->record->id, true);
+    farm_store_job(farm, end->record);
+}
+
+static void pause_job(struct farm *farm, const struct attempt_end *end)
+{
+    struct error reason;
+
+    queue_return(farm->queue, &end->ticket);
+    error_set(&reason, "output: %s", end->error);
+    job_change_hold(farm, end->record, &reason);
+}
+
+static bool is_hopeless(const struct queue_job *queued)
+{
+    return queue_job_is_live(queued) &&
+           retry_gives_up_job(queued->counts[FRAME_FAILED],
+                              queued->counts[FRAME_SUCCEEDED] + queued->counts[FRAME_SKIPPED]);
+}
+
+// The ticket owns its frame.
+static void end_attempt(struct farm *farm, const struct attempt_end *end)
+{
+    int tries = end->record->queued->states[end->ticket.index].tries;
+    enum retry_action action = retry_decide(end->fault, end->is_started, tries, farm->options->max_attempts);
+    enum frame_state state;
+
+    switch (action) {
+    case RETRY_FRAME:
+    case RETRY_FAIL_FRAME:
+        queue_fail(farm->queue, &end->ticket, action == RETRY_FAIL_FRAME, NULL);
+        if (action == RETRY_FAIL_FRAME && end->fault >= RETRY_FAULT_LOST && is_hopeless(end->record->queued))
+            fail_job(farm, end);
+        break;
+    case RETRY_FREE:
+        queue_return(farm->queue, &end->ticket);
+        break;
+    case RETRY_FAIL_JOB:
+        queue_fail(farm->queue, &end->ticket, true, NULL);
+        fail_job(farm, end);
+        break;
+    case RETRY_PAUSE_JOB:
+        pause_job(farm, end);
+        break;
+    }
+    // A frame of a job that was canceled meanwhile is canceled, which takes no row.
+    state = (enum frame_state)end->record->queued->states[end->ticket.index].state;
+    if (state == FRAME_FAILED)
+        store_failed_frame(farm, end);
+    else if (end->has_row)
+        remove_row(farm, end);
+    if (end->is_started) {
+        log_attempt(state == FRAME_FAILED ? LOG_WARN : LOG_INFO, end->record, &end->ticket, end->worker, end->error,
+                    frame_state_name(state));
+        store_attempt(farm, end, end->is_lost ? "lost" : "failed");
+        events_tell_frame(farm->events, &end->ticket, state, end->error);
+    }
+    farm_want_feed(farm);
+}
+
+static void leave_hand(struct job_record *record, struct worker_process *worker, struct hand_frame *frame)
+{
+    hand_remove(&worker->hand, frame);
+    record->in_hand--;
+}
+
+// Since it began, or since the worker's answer before when it came without a beginning.
+static double frame_seconds(struct worker_process *worker)
+{
+    uint64_t now_ns = uv_hrtime();
+    double seconds = (double)(now_ns - worker->answered_ns) * 1e-9;
+
+    worker->answered_ns = now_ns;
+    return seconds > 1e-6 ? seconds : 1e-6;
+}
+
+static void note_finished(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
+                          struct job_record *record, struct hand_frame *frame)
+{
+    struct publish_request request = {.record = record,
+                                      .ticket = frame->ticket,
+                                      .worker = worker->id,
+                                      .epoch = farm->epoch,
+                                      .file = report->file,
+                                      .render_s = report->render_s,
+                                      .encode_s = report->encode_s,
+                                      .accuracy = report->accuracy};
+
+    worker->done++;
+    frame_seconds(worker);
+    if (!queue_begin_publish(farm->queue, &frame->ticket)) {
+        sweeper_remove_part(farm->sweeper, record, frame->ticket.frame, farm->epoch, frame->ticket.attempt);
+        leave_hand(record, worker, frame);
+        return;
+    }
+    hand_remove(&worker->hand, frame);
+    estimate_add(&record->estimate, report->render_s + report->audit_s);
+    publisher_put(farm->publisher, &request);
+}
+
+static void note_skipped(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
+                         struct job_record *record, struct hand_frame *frame)
+{
+    struct publish_request request = {.record = record,
+                                      .ticket = frame->ticket,
+                                      .epoch = farm->epoch,
+                                      .file = report->file,
+                                      .accuracy = report->accuracy};
+
+    worker->done++;
+    estimate_add(&record->estimate, frame_seconds(worker));
+    if (queue_skip(farm->queue, &frame->ticket)) {
+        put_silent(farm, publish_request_format_op(&request, FRAME_SKIPPED));
+        events_tell_frame(farm->events, &frame->ticket, FRAME_SKIPPED, NULL);
+    }
+    leave_hand(record, worker, frame);
+}
+
+static void note_failed(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
+                        struct job_record *record, struct hand_frame *frame)
+{
+    struct queue_ticket ticket = frame->ticket;
+    char *log = worker_process_take_log(worker, report->error);
+    char *error = xstrdup(report->error);
+    struct attempt_end end = {.record = record,
+                              .ticket = ticket,
+                              .fault = report->fault,
+                              .is_started = true,
+                              .worker = worker->id,
+                              .error = error,
+                              .log = log};
+
+    // They are shown to others, whose terminals must not obey them.
+    log_disarm(error);
+    log_disarm(log);
+    if (report->fault == RETRY_FAULT_WORKER)
+        worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
+    frame_seconds(worker);
+    leave_hand(record, worker, frame);
+    if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
+    sweeper_remove_part(farm->sweeper, record, ticket.frame, farm->epoch, ticket.attempt);
+    free(error);
+    free(log);
+}
+
+void frame_life_note_report(struct farm *farm, struct worker_process *worker, const struct worker_report *report)
+{
+    struct hand_frame *frame = hand_find(&worker->hand, report->job, report->frame, report->attempt);
+    struct job_record *record = job_table_find(&farm->jobs, report->job);
+
+    if (!frame || !record) return;
+    switch (report->kind) {
+    case WORKER_REPORT_STARTED:
+        frame->is_started = true;
+        if (queue_owns(farm->queue, &frame->ticket))
+            events_tell_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
+        return;
+    case WORKER_REPORT_PLANNING:
+    case WORKER_REPORT_PLANNED:
+        return;
+    case WORKER_REPORT_RENDERED:
+        hand_render(&worker->hand, frame);
+        farm_want_feed(farm);
+        return;
+    case WORKER_REPORT_FINISHED:
+        note_finished(farm, worker, report, record, frame);
+        break;
+    case WORKER_REPORT_SKIPPED:
+        note_skipped(farm, worker, report, record, frame);
+        break;
+    case WORKER_REPORT_FAILED:
+        note_failed(farm, worker, report, record, frame);
+        break;
+    default:
+        queue_return(farm->queue, &frame->ticket);
+        leave_hand(record, worker, frame);
+        break;
+    }
+    if (worker->hand.count == 0) worker_process_forget_log(worker); // it is nobody else's
+    farm_want_feed(farm);
+    farm_note_change(farm, record);
+}
+
+// Of what a worker held that was killed for a frame that did not end, only that frame is to blame.
+static bool is_suspect(const struct worker_process *worker, const struct hand_frame *frame)
+{
+    return worker->suspect && frame->is_started && !frame->is_rendered;
+}
+
+void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, const char *reason)
+{
+    char *log = worker_process_take_log(worker, reason);
+    char *suspicion = worker->suspect ? xasprintf("%s: does density in %s end?", reason, worker->suspect) : NULL;
+
+    log_disarm(log);
+    while (worker->hand.count > 0) {
+        struct hand_frame frame = worker->hand.frames[0];
+        struct job_record *record = job_table_find(&farm->jobs, frame.ticket.job);
+        struct attempt_end end = {.record = record,
+                                  .ticket = frame.ticket,
+                                  .fault = is_suspect(worker, &frame) ? RETRY_FAULT_ENDLESS : RETRY_FAULT_LOST,
+                                  .is_started = frame.is_started,
+                                  .is_lost = true,
+                                  .worker = worker->id,
+                                  .error = is_suspect(worker, &frame) ? suspicion : reason,
+                                  .log = log};
+
+        leave_hand(record, worker, &worker->hand.frames[0]);
+        if (frame.is_started)
+            sweeper_remove_part(farm->sweeper, record, frame.ticket.frame, farm->epoch, frame.ticket.attempt);
+        if (queue_owns(farm->queue, &frame.ticket)) end_attempt(farm, &end);
+        farm_note_change(farm, record);
+    }
+    free(suspicion);
+    free(log);
+}
+
+static void note_unpublished(struct farm *farm, const struct publish_request *request)
+{
+    struct attempt_end end = {.record = request->record,
+                              .ticket = request->ticket,
+                              .fault = request->outcome == PUBLISH_OUTCOME_BAD_FOLDER ? RETRY_FAULT_OUTPUT
+                                                                                      : RETRY_FAULT_FRAME,
+                              .is_started = true,
+                              .has_row = true,
+                              .worker = request->worker,
+                              .error = request->error.message,
+                              .log = request->error.message};
+
+    end_attempt(farm, &end);
+    sweeper_remove_part(farm->sweeper, request->record, request->ticket.frame, request->epoch, request->ticket.attempt);
+}
+
+void frame_life_on_published(void *user, const struct publish_request *request)
+{
+    struct farm *farm = user;
+    struct error reason;
+
+    request->record->in_hand--;
+    if (request->outcome != PUBLISH_OUTCOME_DONE) {
+        note_unpublished(farm, request);
+    } else if (queue_succeed(farm->queue, &request->ticket)) {
+        log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
+        put_silent(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
+        request->record->disk_bytes += (int64_t)request->file.size_bytes;
+        events_tell_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
+    }
+    farm_note_change(farm, request->record);
+    if (!limits_check_disk(farm, request->record, &reason)) job_change_hold(farm, request->record, &reason);
+}
+
+void frame_life_refuse_job(struct farm *farm, struct job_record *record, bool is_job_fault, const char *reason)
+{
+    struct error cause;
+
+    if (!queue_job_is_live(record->queued)) return;
+    error_set(&cause, "%s", reason);
+    if (is_job_fault) {
+        job_record_set_reason(record, reason);
+        queue_fail_job(farm->queue, record->queued);
+        worker_pool_drop_job(farm->pool, record->id, true);
+        farm_store_job(farm, record);
+    } else {
+        job_change_hold(farm, record, &cause);
+    }
+    farm_want_feed(farm); // workers may have left its frames to the one that was started for it
+    farm_note_change(farm, record);
+}

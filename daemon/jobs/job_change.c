@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/jobs/job_change.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/json/json_write.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/limits.h"
+#include "daemon/requests/requests.h"
+#include "daemon/store/committer.h"
+#include "daemon/store/store_reader.h"
+#include "daemon/workers/worker_pool.h"
+
+#include <stdlib.h>
+
+struct job_retry {
+    struct farm *farm;         // borrowed; outlives us
+    struct job_record *record; // borrowed; outlives us
+    unsigned states;
+    struct frame_range range; // owned; empty: all
+    struct answer *answer;    // owned
+    bool by_admin;
+    int64_t retried;
+    struct job_retry *next; // on the farm's list of waiting retries
+};
+
+static void log_change(const struct job_record *record, const char *what)
+{
+    struct log_subject subject = job_record_subject(record);
+
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): %s", (long long)record->id, record->name, what);
+}
+
+static void set_reason_by(struct job_record *record, const char *what, const char *user)
+{
+    char *reason = xasprintf("%s by %s", what, user);
+
+    job_record_set_reason(record, reason);
+    log_change(record, reason);
+    free(reason);
+}
+
+void job_change_pause(struct farm *farm, struct job_record *record, const char *user)
+{
+    if (record->queued->is_paused) return;
+    queue_pause(farm->queue, record->queued);
+    set_reason_by(record, "paused", user);
+    worker_pool_drop_job(farm->pool, record->id, false);
+    farm_note_change(farm, record);
+}
+
+void job_change_hold(struct farm *farm, struct job_record *record, const struct error *why)
+{
+    struct log_subject subject = job_record_subject(record);
+    char *reason;
+
+    if (record->queued->is_paused || !queue_job_is_live(record->queued)) return;
+    reason = xasprintf("paused: %s", why->message);
+    job_record_set_reason(record, reason);
+    log_about(LOG_WARN, &subject, "job %lld: %s", (long long)record->id, reason);
+    free(reason);
+    queue_pause(farm->queue, record->queued);
+    worker_pool_drop_job(farm->pool, record->id, false);
+    farm_store_job(farm, record);
+    farm_note_change(farm, record);
+}
+
+void job_change_resume(struct farm *farm, struct job_record *record)
+{
+    if (!record->queued->is_paused) return;
+    queue_resume(farm->queue, record->queued);
+    job_record_set_reason(record, NULL);
+    log_change(record, "resumed");
+    farm_want_feed(farm);
+    farm_note_change(farm, record);
+}
+
+void job_change_cancel(struct farm *farm, struct job_record *record, const char *user)
+{
+    if (!queue_job_is_live(record->queued)) return;
+    queue_cancel(farm->queue, record->queued);
+    set_reason_by(record, "canceled", user);
+    worker_pool_drop_job(farm->pool, record->id, true);
+    farm_want_feed(farm);
+    farm_note_change(farm, record);
+}
+
+void job_change_set_priority(struct farm *farm, struct job_record *record, int priority)
+{
+    queue_set_priority(farm->queue, record->queued, priority);
+    farm_want_feed(farm);
+    farm_note_change(farm, record);
+}
+
+static void finish_retry(struct job_retry *retry)
+{
+    frame_range_finish(&retry->range);
+    free(retry);
+}
+
+static void on_retry_committed(void *user, bool ok, const struct error *error)
+{
+    struct job_retry *retry = user;
+    struct json_writer value = {0};
+
+    if (ok) {
+        json_write_begin_object(&value);
+        json_write_integer_member(&value, "retried", retry->retried);
+        json_write_end_object(&value);
+        answer_send_result(retry->answer, &value);
+        json_writer_finish(&value);
+    } else {
+        answer_send_error(retry->answer, MESSAGE_CODE_STORE, error->message);
+    }
+    finish_retry(retry);
+}
+
+// The ascending `indices` without the ascending `others`, in place.
+static size_t subtract(int32_t *indices, size_t count, const int32_t *others, size_t other_count)
+{
+    size_t kept = 0, other = 0;
+
+    for (size_t i = 0; i < count; i++) {
+        while (other < other_count && others[other] < indices[i])
+            other++;
+        if (other == other_count || others[other] != indices[i]) indices[kept++] = indices[i];
+    }
+    return kept;
+}
+
+// Frames that have no row because the whole job was canceled or failed keep their state when the job lives again.
+static void add_mark(const struct queue_job *queued, enum frame_state state, const struct store_op *reset,
+                     struct store_op *op)
+{
+    int32_t *indices;
+    size_t count = queue_find_frames(queued, 1U << state, NULL, &indices);
+
+    count = subtract(indices, count, reset->reset.indices, reset->reset.count);
+    *op = (struct store_op){.kind = STORE_MARK_FRAMES,
+                            .mark = {.job = queued->id, .state = state, .indices = indices, .count = count}};
+}
+
+static void revive(struct job_record *record)
+{
+    record->is_ending = record->is_settled = false;
+    record->finished_ms = 0;
+    if (!record->queued->has_started) record->started_ms = 0;
+    if (!record->queued->is_paused) job_record_set_reason(record, NULL);
+}
+
+// Files of frames that are to be rendered again are counted anew when they are there again.
+static void uncount_files(struct farm *farm, struct job_record *record, const int32_t *indices, size_t count)
+{
+    const struct queue_frame *states = record->queued->states;
+    int64_t bytes, sum = 0;
+
+    for (size_t first = 0, next; first < count; first = next) {
+        next = first + 1;
+        if (states[indices[first]].state != FRAME_SUCCEEDED) continue;
+        while (next < count && indices[next] == indices[next - 1] + 1 && states[indices[next]].state == FRAME_SUCCEEDED)
+            next++;
+        if (store_read_bytes(farm->reader, record->id, indices[first], indices[next - 1], &bytes, NULL)) sum += bytes;
+    }
+    record->disk_bytes = sum < record->disk_bytes ? record->disk_bytes - sum : 0;
+}
+
+static void run_retry(struct job_retry *retry)
+{
+    struct farm *farm = retry->farm;
+    struct job_record *record = retry->record;
+    struct queue_job *queued = record->queued;
+    const struct frame_range *range = frame_range_count(&retry->range) > 0 ? &retry->range : NULL;
+    struct store_op ops[4] = {{.kind = STORE_RESET_FRAMES, .reset = {.job = record->id}}};
+    size_t op_count = 1;
+    struct error error;
+
+    ops[0].reset.count = queue_find_frames(queued, retry->states, range, &ops[0].reset.indices);
+    if (!limits_check_retry(farm, record, (int64_t)ops[0].reset.count, retry->by_admin, &error)) {
+        answer_send_error(retry->answer, MESSAGE_CODE_NOT_ALLOWED, error.message);
+        store_op_finish(&ops[0]);
+        finish_retry(retry);
+        return;
+    }
+    uncount_files(farm, record, ops[0].reset.indices, ops[0].reset.count);
+    if (ops[0].reset.count > 0 && queued->is_canceled) add_mark(queued, FRAME_CANCELED, &ops[0], &ops[op_count++]);
+    if (ops[0].reset.count > 0 && queued->is_failed) add_mark(queued, FRAME_FAILED, &ops[0], &ops[op_count++]);
+    retry->retried = queue_retry(farm->queue, queued, retry->states, range);
+    if (retry->retried > 0) {
+        log_change(record, "frames of it are queued again");
+        revive(record);
+    }
+    ops[op_count++] = job_record_format_op(record);
+    committer_put(farm->committer, COMMIT_REPORTED, ops, op_count, on_retry_committed, retry);
+    farm_want_feed(farm);
+    farm_note_change(farm, record);
+}
+
+void job_change_retry(struct farm *farm, struct job_record *record, const struct job_retry_params *params)
+{
+    struct job_retry *retry = xcalloc(1, sizeof *retry);
+
+    *retry = (struct job_retry){.farm = farm,
+                                .record = record,
+                                .states = params->states,
+                                .range = params->range,
+                                .by_admin = params->by_admin,
+                                .answer = params->answer};
+    if (record->is_sweeping) {
+        record->is_retry_waiting = true;
+        retry->next = farm->waiting_retries;
+        farm->waiting_retries = retry;
+    } else {
+        run_retry(retry);
+    }
+}
+
+void job_change_retry_waiting(struct farm *farm, struct job_record *record)
+{
+    struct job_retry **link = &farm->waiting_retries;
+
+    record->is_retry_waiting = false;
+    while (*link) {
+        struct job_retry *retry = *link;
+
+        if (retry->record != record) {
+            link = &retry->next;
+            continue;
+        }
+        *link = retry->next;
+        run_retry(retry);
+    }
+}

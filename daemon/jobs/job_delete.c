@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/jobs/job_delete.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/json/json_write.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/limits.h"
+#include "daemon/jobs/events.h"
+#include "daemon/output/file_remover.h"
+#include "daemon/requests/job_submit.h"
+#include "daemon/requests/requests.h"
+#include "daemon/settings/options.h"
+#include "daemon/store/committer.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct job_delete {
+    struct farm *farm;         // borrowed; outlives us
+    struct job_record *record; // borrowed; ours to remove
+    struct answer *answer;     // owned
+    uv_work_t work;
+    bool with_files, has_begun;
+    struct file_remover remover;
+    bool ok;
+    struct error error;
+    struct job_delete *next; // on the farm's list of deletions
+};
+
+static void on_settled(void *user, bool ok, const struct error *error);
+static void on_files_run(uv_work_t *work);
+static void on_files_done(uv_work_t *work, int status);
+static void on_committed(void *user, bool ok, const struct error *error);
+
+static bool is_ready(const struct job_record *record)
+{
+    return record->is_settled && !record->is_sweeping && record->in_hand == 0;
+}
+
+static void begin(struct job_delete *deletion)
+{
+    deletion->has_begun = true;
+    committer_settle(deletion->farm->committer, on_settled, deletion);
+}
+
+void job_delete_go_on(struct farm *farm)
+{
+    struct job_delete *ready = NULL;
+
+    for (struct job_delete *deletion = farm->deletions; deletion; deletion = deletion->next) {
+        if (deletion->has_begun) return;
+        if (!ready && is_ready(deletion->record)) ready = deletion;
+    }
+    if (ready) begin(ready);
+}
+
+void job_delete_start(struct farm *farm, struct job_record *record, bool with_files, struct answer *answer)
+{
+    struct job_delete *deletion = xcalloc(1, sizeof *deletion), **link = &farm->deletions;
+
+    *deletion = (struct job_delete){.farm = farm, .record = record, .with_files = with_files, .answer = answer};
+    deletion->work.data = deletion;
+    record->is_deleting = true;
+    while (*link)
+        link = &(*link)->next;
+    *link = deletion;
+    job_delete_go_on(farm);
+}
+
+const struct job_record *job_delete_find_folder(const struct farm *farm, const char *root, const char *folder)
+{
+    for (const struct job_delete *deletion = farm->deletions; deletion; deletion = deletion->next)
+        if (deletion->with_files && strcmp(deletion->record->root, root) == 0 &&
+            strcmp(deletion->record->path.folder, folder) == 0)
+            return deletion->record;
+    return NULL;
+}
+
+static void end(struct job_delete *deletion)
+{
+    struct farm *farm = deletion->farm;
+    struct job_delete **link = &farm->deletions;
+
+    while (*link != deletion)
+        link = &(*link)->next;
+    *link = deletion->next;
+    free(deletion);
+    job_delete_go_on(farm);
+}
+
+// The job stays as it is, but for files that are gone.
+static void give_up(struct job_delete *deletion, enum message_code code, const struct error *error)
+{
+    struct job_record *record = deletion->record;
+
+    record->is_deleting = false;
+    record->disk_bytes -= deletion->remover.removed_bytes;
+    if (record->disk_bytes < 0) record->disk_bytes = 0;
+    limits_count_job(deletion->farm, record);
+    answer_send_error(deletion->answer, code, error->message);
+    end(deletion);
+}
+
+static void commit(struct job_delete *deletion)
+{
+    struct store_op op = {.kind = STORE_DELETE_JOB, .job = {.id = deletion->record->id}};
+
+    committer_put(deletion->farm->committer, COMMIT_OR_DROP, &op, 1, on_committed, deletion);
+}
+
+static bool is_used(const struct farm *farm, const struct job_record *record)
+{
+    for (size_t i = 0; i < farm->jobs.count; i++) {
+        const struct job_record *other = farm->jobs.records[i];
+
+        if (other == record || strcmp(other->path.folder, record->path.folder) != 0) continue;
+        if (strcmp(other->root, record->root) != 0) continue;
+        if (queue_job_is_live(other->queued) || other->in_hand > 0 || other->is_retry_waiting) return true;
+    }
+    return job_submit_uses_folder(farm, record->root, record->path.folder);
+}
+
+// What rows say of the last files is on disk.
+static void on_settled(void *user, bool ok, const struct error *error)
+{
+    struct job_delete *deletion = user;
+    const struct job_record *record = deletion->record;
+
+    if (!ok) {
+        give_up(deletion, MESSAGE_CODE_STORE, error);
+        return;
+    }
+    if (!deletion->with_files) {
+        commit(deletion);
+        return;
+    }
+    deletion->remover = (struct file_remover){.state_folder = deletion->farm->options->state_folder,
+                                              .job = record->id,
+                                              .root = record->root,
+                                              .path = &record->path,
+                                              .frames = &record->queued->frames,
+                                              .finished_ms = record->finished_ms,
+                                              .may_remove_folder = !is_used(deletion->farm, record)};
+    uv_queue_work(deletion->farm->loop, &deletion->work, on_files_run, on_files_done);
+}
+
+static void on_files_run(uv_work_t *work)
+{
+    struct job_delete *deletion = work->data;
+
+    deletion->ok = file_remover_run(&deletion->remover, &deletion->error);
+}
+
+static void on_files_done(uv_work_t *work, int status)
+{
+    struct job_delete *deletion = work->data;
+
+    (void)status;
+    if (deletion->ok) {
+        commit(deletion);
+        return;
+    }
+    error_prefix(&deletion->error, "output");
+    give_up(deletion, MESSAGE_CODE_INTERNAL, &deletion->error);
+}
+
+static void tell(struct job_delete *deletion)
+{
+    struct log_subject subject = job_record_subject(deletion->record);
+    const struct file_remover *remover = &deletion->remover;
+    struct json_writer value = {0};
+
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): deleted; %lld files removed", (long long)deletion->record->id,
+              deletion->record->name, (long long)remover->removed);
+    events_tell_deleted(deletion->farm->events, deletion->record);
+    json_write_begin_object(&value);
+    json_write_integer_member(&value, "files_removed", remover->removed);
+    json_write_integer_member(&value, "files_kept", remover->kept);
+    json_write_end_object(&value);
+    answer_send_result(deletion->answer, &value);
+    json_writer_finish(&value);
+}
+
+static void on_committed(void *user, bool ok, const struct error *error)
+{
+    struct job_delete *deletion = user;
+    struct farm *farm = deletion->farm;
+    struct job_record *record = deletion->record;
+
+    if (!ok) {
+        give_up(deletion, MESSAGE_CODE_STORE, error);
+        return;
+    }
+    tell(deletion);
+    limits_forget_job(record);
+    queue_remove_job(farm->queue, record->queued);
+    record->queued = NULL;
+    job_table_remove(&farm->jobs, record);
+    end(deletion);
+}

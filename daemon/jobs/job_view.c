@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/jobs/job_view.h"
+
+#include "core/base/alloc.h"
+#include "core/json/json_write.h"
+#include "daemon/farm/farm.h"
+#include "daemon/workers/worker_pool.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static void write_pattern(const struct job_record *record, struct json_writer *writer)
+{
+    const struct output_path *path = &record->path;
+    char marks[32];
+    char *pattern;
+    int count = 0;
+
+    for (; count < path->pad && count < (int)sizeof marks - 1; count++)
+        marks[count] = '#';
+    marks[count] = '\0';
+    pattern = xasprintf("%s/%s%s%s%s%s", record->root, path->folder, *path->folder ? "/" : "", path->prefix, marks,
+                        path->suffix);
+    json_write_string_member(writer, "output", pattern);
+    free(pattern);
+}
+
+static void write_time(struct json_writer *writer, const char *key, int64_t unix_ms)
+{
+    json_write_key(writer, key);
+    if (unix_ms)
+        json_write_number(writer, (double)unix_ms / 1000);
+    else
+        json_write_null(writer);
+}
+
+static char *reason_to_wait(const struct farm *farm, const struct job_record *record)
+{
+    const struct queue_job *next;
+    char *trouble;
+
+    if (record->queued->counts[FRAME_QUEUED] == 0 || record->queued->counts[FRAME_RUNNING] > 0) return NULL;
+    trouble = worker_pool_format_trouble(farm->pool);
+    if (trouble) return trouble;
+    next = queue_next_job(farm->queue);
+    if (next && next != record->queued)
+        return xasprintf("waits behind job %lld (priority %d)", (long long)next->id, next->priority);
+    return xstrdup("waits for a worker that has its hands free");
+}
+
+char *job_view_format_reason(const struct farm *farm, const struct job_record *record)
+{
+    const struct queue_job *queued = record->queued;
+
+    switch (queue_job_state(queued)) {
+    case JOB_QUEUED:
+    case JOB_RUNNING:
+        return reason_to_wait(farm, record);
+    case JOB_FAILED:
+        if (record->reason) return xstrdup(record->reason);
+        return xasprintf("%lld of its frames failed", (long long)queued->counts[FRAME_FAILED]);
+    case JOB_PAUSED:
+    case JOB_CANCELED:
+        return record->reason ? xstrdup(record->reason) : NULL;
+    default:
+        return NULL;
+    }
+}
+
+static void write_counts(const struct queue_job *queued, struct json_writer *writer)
+{
+    json_write_integer_member(writer, "frames", frame_range_count(&queued->frames));
+    for (int state = 0; state < FRAME_STATE_COUNT; state++)
+        json_write_integer_member(writer, frame_state_name((enum frame_state)state), queued->counts[state]);
+}
+
+static void write_pace(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+{
+    const struct queue_job *queued = record->queued;
+    int64_t left = queued->counts[FRAME_QUEUED] + queued->counts[FRAME_RUNNING];
+    int workers = worker_pool_ready_count(farm->pool);
+    double median_s = estimate_median_s(&record->estimate);
+    double eta_s = estimate_eta_s(&record->estimate, left, workers > 0 ? workers : 1);
+
+    json_write_number_member(writer, "seconds_per_frame", median_s > 0 ? median_s : NAN);
+    json_write_number_member(writer, "eta_s", queue_job_is_live(queued) && eta_s >= 0 ? eta_s : NAN);
+}
+
+void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+{
+    const struct queue_job *queued = record->queued;
+    char *range = frame_range_format(&queued->frames);
+    char *reason = job_view_format_reason(farm, record);
+
+    json_write_integer_member(writer, "id", record->id);
+    json_write_string_member(writer, "name", record->name);
+    json_write_string_member(writer, "state", job_state_name(queue_job_state(queued)));
+    json_write_integer_member(writer, "priority", queued->priority);
+    json_write_string_member(writer, "owner", record->owner);
+    json_write_integer_member(writer, "owner_uid", record->owner_uid);
+    write_time(writer, "submitted", record->submitted_ms);
+    write_time(writer, "started", record->started_ms);
+    write_time(writer, "finished", record->finished_ms);
+    write_counts(queued, writer);
+    json_write_string_member(writer, "range", range);
+    write_pattern(record, writer);
+    write_pace(farm, record, writer);
+    json_write_string_member(writer, "reason", reason);
+    free(range);
+    free(reason);
+}
+
+void job_view_write(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+{
+    json_write_begin_object(writer);
+    job_view_write_members(farm, record, writer);
+    json_write_end_object(writer);
+}

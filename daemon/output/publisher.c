@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/output/publisher.h"
+
+#include "core/base/alloc.h"
+#include "core/job/output_path.h"
+#include "daemon/farm/job_table.h"
+#include "daemon/store/committer.h"
+
+#include <assert.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct publish_list {
+    struct publish_request **requests; // owned
+    size_t count, capacity;
+};
+
+struct publisher {
+    uv_loop_t *loop;             // borrowed; outlives us
+    struct committer *committer; // borrowed; outlives us
+    publisher_on_done *on_done;
+    void *user; // borrowed
+    uv_work_t work;
+    struct publish_list intended;  // on disk, to be renamed next
+    struct publish_list in_flight; // the working thread's
+    size_t uncommitted;            // whose intent is on its way to the disk
+    bool is_working;
+};
+
+// Carries the publisher beside the request while the intent is committed.
+struct publish_intent {
+    struct publisher *publisher;
+    struct publish_request *request;
+};
+
+static void on_intent_committed(void *user, bool ok, const struct error *error);
+static void start_batch(struct publisher *publisher);
+static void on_publish_run(uv_work_t *work);
+static void on_publish_done(uv_work_t *work, int status);
+
+struct publisher *publisher_create(uv_loop_t *loop, struct committer *committer, publisher_on_done *on_done, void *user)
+{
+    struct publisher *publisher = xcalloc(1, sizeof *publisher);
+
+    publisher->loop = loop;
+    publisher->committer = committer;
+    publisher->on_done = on_done;
+    publisher->user = user;
+    publisher->work.data = publisher;
+    return publisher;
+}
+
+void publisher_destroy(struct publisher *publisher)
+{
+    if (!publisher) return;
+    assert(!publisher->is_working && publisher->intended.count == 0);
+    free(publisher->intended.requests);
+    free(publisher->in_flight.requests);
+    free(publisher);
+}
+
+struct store_op publish_request_format_op(const struct publish_request *request, enum frame_state state)
+{
+    struct store_op op = {
+        .kind = STORE_SET_FRAME,
+        .frame = {.job = request->ticket.job,
+                  .index = request->ticket.index,
+                  .state = state,
+                  .attempts = request->ticket.attempt,
+                  .epoch = request->epoch,
+                  .inode = request->file.inode,
+                  .size_bytes = request->file.size_bytes,
+                  .render_s = request->render_s,
+                  .encode_s = request->encode_s,
+                  .accuracy = request->accuracy},
+    };
+
+    memcpy(op.frame.hash, request->file.hash, sizeof op.frame.hash);
+    return op;
+}
+
+static void list_add(struct publish_list *list, struct publish_request *request)
+{
+    list->requests = xgrow(list->requests, &list->capacity, list->count + 1, sizeof(struct publish_request *));
+    list->requests[list->count++] = request;
+}
+
+void publisher_put(struct publisher *publisher, const struct publish_request *request)
+{
+    struct publish_intent *intent = xmalloc(sizeof *intent);
+    struct store_op op = publish_request_format_op(request, FRAME_RUNNING);
+
+    *intent = (struct publish_intent){.publisher = publisher, .request = xmalloc(sizeof *request)};
+    *intent->request = *request;
+    publisher->uncommitted++;
+    committer_put(publisher->committer, COMMIT_CERTAIN, &op, 1, on_intent_committed, intent);
+}
+
+bool publisher_is_idle(const struct publisher *publisher)
+{
+    return publisher->uncommitted == 0 && publisher->intended.count == 0 && !publisher->is_working;
+}
+
+static void on_intent_committed(void *user, bool ok, const struct error *error)
+{
+    struct publish_intent *intent = user;
+    struct publisher *publisher = intent->publisher;
+
+    publisher->uncommitted--;
+    list_add(&publisher->intended, intent->request);
+    free(intent);
+    start_batch(publisher);
+}
+
+static void start_batch(struct publisher *publisher)
+{
+    struct publish_list emptied = publisher->in_flight;
+
+    if (publisher->is_working || publisher->intended.count == 0) return;
+    publisher->in_flight = publisher->intended;
+    publisher->intended = emptied;
+    publisher->intended.count = 0;
+    publisher->is_working = true;
+    uv_queue_work(publisher->loop, &publisher->work, on_publish_run, on_publish_done);
+}
+
+static int compare_requests(const void *a, const void *b)
+{
+    const struct publish_request *left = *(struct publish_request *const *)a;
+    const struct publish_request *right = *(struct publish_request *const *)b;
+
+    if (left->ticket.job != right->ticket.job) return left->ticket.job < right->ticket.job ? -1 : 1;
+    return left->ticket.index < right->ticket.index ? -1 : left->ticket.index > right->ticket.index;
+}
+
+static void rename_part(struct publish_request *request, int folder)
+{
+    const struct output_path *path = &request->record->path;
+    char part[OUTPUT_NAME_SIZE], name[OUTPUT_NAME_SIZE];
+
+    output_path_format_part(path, request->ticket.frame, request->ticket.job, request->epoch, request->ticket.attempt,
+                            part);
+    output_path_format_name(path, request->ticket.frame, name);
+    if (!publish_file(folder, part, name, &request->file, &request->error)) request->outcome = PUBLISH_OUTCOME_BAD_FILE;
+}
+
+// All of one job, whose files share a folder.
+static void publish_group(struct publish_request **requests, size_t count)
+{
+    const struct job_record *record = requests[0]->record;
+    struct error error = {0};
+    int folder = output_path_open_folder(&record->path, record->root, false, &error);
+    bool ok = folder >= 0;
+
+    for (size_t i = 0; i < count && ok; i++)
+        rename_part(requests[i], folder);
+    if (ok) ok = publish_sync(folder, &error);
+    for (size_t i = 0; i < count && !ok; i++) {
+        if (requests[i]->outcome != PUBLISH_OUTCOME_DONE) continue;
+        requests[i]->outcome = PUBLISH_OUTCOME_BAD_FOLDER;
+        requests[i]->error = error;
+    }
+    if (folder >= 0) close(folder);
+}
+
+static void on_publish_run(uv_work_t *work)
+{
+    struct publisher *publisher = work->data;
+    struct publish_list *list = &publisher->in_flight;
+    size_t first = 0;
+
+    qsort(list->requests, list->count, sizeof(struct publish_request *), compare_requests);
+    for (size_t i = 1; i <= list->count; i++) {
+        if (i < list->count && list->requests[i]->ticket.job == list->requests[first]->ticket.job) continue;
+        publish_group(list->requests + first, i - first);
+        first = i;
+    }
+}
+
+static void on_publish_done(uv_work_t *work, int status)
+{
+    struct publisher *publisher = work->data;
+
+    publisher->is_working = false;
+    for (size_t i = 0; i < publisher->in_flight.count; i++) {
+        publisher->on_done(publisher->user, publisher->in_flight.requests[i]);
+        free(publisher->in_flight.requests[i]);
+    }
+    publisher->in_flight.count = 0;
+    start_batch(publisher);
+}

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/output/sweeper.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/job/output_path.h"
+#include "daemon/farm/job_table.h"
+
+#include <assert.h>
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct sweep_task {
+    struct job_record *record;   // borrowed; outlives us
+    char part[OUTPUT_NAME_SIZE]; // empty: all parts of the job
+    struct sweep_task *next;     // on the sweeper's queue
+};
+
+struct sweeper {
+    uv_loop_t *loop; // borrowed; outlives us
+    sweeper_on_done *on_swept;
+    void *user; // borrowed
+    uv_work_t work;
+    struct sweep_task *first, *last; // waiting; the working thread has `in_flight`
+    struct sweep_task *in_flight;
+};
+
+static void start_next(struct sweeper *sweeper);
+static void on_sweep_run(uv_work_t *work);
+static void on_sweep_done(uv_work_t *work, int status);
+
+struct sweeper *sweeper_create(uv_loop_t *loop, sweeper_on_done *on_swept, void *user)
+{
+    struct sweeper *sweeper = xcalloc(1, sizeof *sweeper);
+
+    sweeper->loop = loop;
+    sweeper->on_swept = on_swept;
+    sweeper->user = user;
+    sweeper->work.data = sweeper;
+    return sweeper;
+}
+
+void sweeper_destroy(struct sweeper *sweeper)
+{
+    if (!sweeper) return;
+    assert(sweeper_is_idle(sweeper));
+    free(sweeper);
+}
+
+bool sweeper_is_idle(const struct sweeper *sweeper)
+{
+    return !sweeper->first && !sweeper->in_flight;
+}
+
+static void add_task(struct sweeper *sweeper, struct sweep_task *task)
+{
+    if (sweeper->last)
+        sweeper->last->next = task;
+    else
+        sweeper->first = task;
+    sweeper->last = task;
+    start_next(sweeper);
+}
+
+void sweeper_remove_part(struct sweeper *sweeper, const struct job_record *record, int32_t frame, int64_t epoch,
+                         int attempt)
+{
+    struct sweep_task *task = xcalloc(1, sizeof *task);
+
+    task->record = (struct job_record *)record;
+    output_path_format_part(&record->path, frame, record->id, epoch, attempt, task->part);
+    add_task(sweeper, task);
+}
+
+void sweeper_sweep_job(struct sweeper *sweeper, struct job_record *record)
+{
+    struct sweep_task *task = xcalloc(1, sizeof *task);
+
+    task->record = record;
+    add_task(sweeper, task);
+}
+
+static void start_next(struct sweeper *sweeper)
+{
+    if (sweeper->in_flight || !sweeper->first) return;
+    sweeper->in_flight = sweeper->first;
+    sweeper->first = sweeper->in_flight->next;
+    if (!sweeper->first) sweeper->last = NULL;
+    uv_queue_work(sweeper->loop, &sweeper->work, on_sweep_run, on_sweep_done);
+}
+
+// Cuts ".<digits>" off the end of `name`; -1 when it does not end so.
+static int64_t cut_number(char *name)
+{
+    char *dot = strrchr(name, '.');
+    char *end = NULL;
+    long long number;
+
+    if (!dot || dot[1] < '0' || dot[1] > '9') return -1;
+    number = strtoll(dot + 1, &end, 10);
+    if (*end) return -1;
+    *dot = '\0';
+    return number;
+}
+
+bool sweeper_is_part_of(const struct job_record *record, const char *name)
+{
+    char cut[OUTPUT_NAME_SIZE];
+    size_t length = strlen(name);
+    int64_t attempt, epoch, job;
+
+    if (length >= sizeof cut || length < 5 || strcmp(name + length - 5, ".part") != 0) return false;
+    memcpy(cut, name, length - 5);
+    cut[length - 5] = '\0';
+    attempt = cut_number(cut);
+    epoch = cut_number(cut);
+    job = cut_number(cut);
+    return attempt >= 0 && epoch >= 0 && job == record->id && output_path_frame_of(&record->path, cut) >= 0;
+}
+
+static void remove_parts(const struct job_record *record, int folder)
+{
+    DIR *entries = fdopendir(folder);
+    struct dirent *entry;
+
+    if (!entries) {
+        close(folder);
+        return;
+    }
+    while ((entry = readdir(entries))) {
+        if (sweeper_is_part_of(record, entry->d_name)) unlinkat(folder, entry->d_name, 0);
+    }
+    closedir(entries);
+}
+
+static void on_sweep_run(uv_work_t *work)
+{
+    const struct sweeper *sweeper = work->data;
+    const struct sweep_task *task = sweeper->in_flight;
+    int folder = output_path_open_folder(&task->record->path, task->record->root, false, NULL);
+
+    if (folder < 0) return;
+    if (!task->part[0]) {
+        remove_parts(task->record, folder);
+        return;
+    }
+    unlinkat(folder, task->part, 0);
+    close(folder);
+}
+
+static void on_sweep_done(uv_work_t *work, int status)
+{
+    struct sweeper *sweeper = work->data;
+    struct sweep_task *task = sweeper->in_flight;
+
+    sweeper->in_flight = NULL;
+    start_next(sweeper);
+    if (!task->part[0]) sweeper->on_swept(sweeper->user, task->record);
+    free(task);
+}

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/requests/job_submit.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/base/path_list.h"
+#include "core/job/input_roots.h"
+#include "core/job/job.h"
+#include "core/job/job_check.h"
+#include "core/job/job_json.h"
+#include "core/json/json_write.h"
+#include "daemon/clients/client.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/limits.h"
+#include "daemon/jobs/events.h"
+#include "daemon/jobs/job_delete.h"
+#include "daemon/requests/requests.h"
+#include "daemon/settings/options.h"
+#include "daemon/store/committer.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// A job on its way in.
+struct job_submit {
+    struct farm *farm;     // borrowed; outlives us
+    struct answer *answer; // owned
+    uv_work_t work;
+    struct store_job row;      // owned, until it moves into the commit
+    struct frame_range frames; // owned
+    struct output_path path;   // owned
+    struct job_inputs inputs;  // owned
+    char *code;                // owned; as in the job's record
+    int64_t frame_pixels;
+    struct quota_user *user;    // borrowed; the owner
+    struct quota_amounts share; // what is counted of it on its way
+    int failure;                // enum message_code of `error`; 0: none
+    struct error error;
+    struct job_submit *next; // on the farm's list of submits
+};
+
+static void on_folder_run(uv_work_t *work);
+static void on_folder_done(uv_work_t *work, int status);
+static void on_committed(void *user, bool ok, const struct error *error);
+
+static void submit_destroy(struct job_submit *submit)
+{
+    struct job_submit **link = &submit->farm->submits;
+    struct store_op op = {.kind = STORE_ADD_JOB, .job = submit->row};
+
+    while (*link && *link != submit)
+        link = &(*link)->next;
+    if (*link) *link = submit->next;
+    quota_set(submit->user, &submit->share, (struct quota_amounts){0});
+    store_op_finish(&op);
+    frame_range_finish(&submit->frames);
+    output_path_finish(&submit->path);
+    job_inputs_finish(&submit->inputs);
+    free(submit->code);
+    free(submit);
+}
+
+static void refuse(struct job_submit *submit, enum message_code code, const char *text)
+{
+    answer_send_error(submit->answer, code, text);
+    submit_destroy(submit);
+}
+
+static bool fail_collision(struct request *request, const struct output_path *path, int32_t frame, int64_t id,
+                           const char *name)
+{
+    char file[OUTPUT_NAME_SIZE];
+
+    output_path_format_name(path, frame, file);
+    if (id)
+        request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: job %lld (\"%s\") writes %s too", (long long)id,
+                     name, file);
+    else
+        request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: a job just submitted (\"%s\") writes %s too", name,
+                     file);
+    return false;
+}
+
+bool job_submit_uses_folder(const struct farm *farm, const char *root, const char *folder)
+{
+    for (const struct job_submit *submit = farm->submits; submit; submit = submit->next)
+        if (strcmp(submit->row.root, root) == 0 && strcmp(submit->path.folder, folder) == 0) return true;
+    return false;
+}
+
+const char *job_submit_find_collision(const struct farm *farm, const struct job_files *files, int32_t *frame)
+{
+    for (const struct job_submit *submit = farm->submits; submit; submit = submit->next) {
+        const struct job_files others = {submit->row.root, &submit->path, &submit->frames};
+
+        if (job_files_collide(files, &others, frame)) return submit->row.name;
+    }
+    return NULL;
+}
+
+// A picture that is done is its owner's as well as the job.
+static bool check_owners(struct request *request, const struct job_files *files)
+{
+    const struct rights_peer *peer = &request->client->peer;
+    const struct job_record *record;
+    char file[OUTPUT_NAME_SIZE];
+    int32_t frame;
+
+    if (rights_is_admin(&request->farm->rights, peer)) return true;
+    record = job_table_find_owned_files(&request->farm->jobs, files, peer->uid, &frame);
+    if (!record) return true;
+    output_path_format_name(files->path, frame, file);
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "output.path: %s is of job %lld of %s", file, (long long)record->id,
+                 record->owner);
+    return false;
+}
+
+static bool check_collisions(struct request *request, const struct job *job, const char *root)
+{
+    const struct farm *farm = request->farm;
+    const struct job_files files = {root, &job->output.path, &job->frames};
+    const struct job_record *record;
+    const char *name;
+    int32_t frame;
+
+    record = job_delete_find_folder(farm, root, files.path->folder);
+    if (record) {
+        request_fail(request, MESSAGE_CODE_CONFLICT,
+                     "output.path: files of job %lld are being removed from this folder: try again",
+                     (long long)record->id);
+        return false;
+    }
+    record = job_table_find_collision(&farm->jobs, &files, &frame);
+    if (record) return fail_collision(request, files.path, frame, record->id, record->name);
+    name = job_submit_find_collision(farm, &files, &frame);
+    if (name) return fail_collision(request, files.path, frame, 0, name);
+    return check_owners(request, &files);
+}
+
+// The root that the output goes below: the first, or the one that an absolute path names. NULL with the failure filled.
+static const char *choose_root(struct request *request, const struct json_node *document)
+{
+    const struct path_list *roots = &request->farm->options->output_roots;
+    struct json_node output = json_node_child(document, "output"), path = json_node_child(&output, "path");
+    const char *text, *root;
+    char list[512];
+
+    // What is no path at all is told by whoever reads the document.
+    if (!json_read_string(&path, &text, NULL) || *text != '/') return roots->paths[0];
+    root = path_list_find_root(roots, text);
+    if (root) return root;
+    path_list_format(roots, list, sizeof list);
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "output.path: expected a path below %s, got \"%.200s\"", list,
+                 text);
+    return NULL;
+}
+
+static struct quota_amounts job_amounts(const struct job *job)
+{
+    int64_t frames = frame_range_count(&job->frames);
+
+    return (struct quota_amounts){.jobs = 1, .frames = frames, .pixels = frames * job->width_px * job->height_px};
+}
+
+// Those on their way in count as well.
+static bool check_limits(struct request *request, const struct job *job)
+{
+    struct farm *farm = request->farm;
+    const struct quota_user *user = limits_find_peer(farm, &request->client->peer, request->client->user);
+    const struct quota_amounts amounts = job_amounts(job);
+
+    request->code = MESSAGE_CODE_NOT_ALLOWED;
+    return limits_check_submit(farm, user, &amounts, &request->error);
+}
+
+// Takes over what it needs of `job`.
+static struct job_submit *create_submit(const struct request *request, struct job *job, char *owned_document,
+                                        const char *root)
+{
+    struct job_submit *submit = xcalloc(1, sizeof *submit);
+
+    submit->farm = request->farm;
+    submit->answer = answer_owe(request);
+    submit->row = (struct store_job){.document = owned_document,
+                                     .name = xstrdup(job->name),
+                                     .owner = xstrdup(request->client->user),
+                                     .owner_uid = request->client->peer.uid,
+                                     .priority = job->priority,
+                                     .submitted_ms = farm_clock_ms(),
+                                     .root = xstrdup(root)};
+    submit->frame_pixels = (int64_t)job->width_px * job->height_px;
+    submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
+    quota_set(submit->user, &submit->share, job_amounts(job));
+    submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
+    submit->frames = job->frames;
+    submit->path = job->output.path;
+    job->frames = (struct frame_range){0};
+    job->output.path = (struct output_path){0};
+    return submit;
+}
+
+static bool check_peer(struct request *request)
+{
+    if (rights_is_known(&request->client->peer)) return true;
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
+                 "the system does not say who you are (user %s): nobody could own the job", request->client->user);
+    return false;
+}
+
+// Its worker may write to all that is below its folder: of the root itself, that would be everybody's pictures.
+static bool check_folder(struct request *request, const struct job *job, const char *root)
+{
+    if (*job->output.path.folder || rights_is_admin(&request->farm->rights, &request->client->peer)) return true;
+    request_fail(
+        request, MESSAGE_CODE_NOT_ALLOWED,
+        "output.path: expected a folder below %s, as in \"first/first.####.exr\": files in the root itself are "
+        "for administrators",
+        root);
+    return false;
+}
+
+static bool find_inputs(struct request *request, const struct job *job, struct job_inputs *inputs)
+{
+    request->code = MESSAGE_CODE_NOT_ALLOWED;
+    return input_roots_find(inputs, job, &request->farm->options->input_roots, &request->error);
+}
+
+bool job_submit_start(struct request *request, const struct json_node *document, bool paused)
+{
+    struct farm *farm = request->farm;
+    struct job job = {0};
+    struct job_inputs inputs = {0};
+    struct job_submit *submit;
+    const char *root = choose_root(request, document);
+    bool ok = false;
+
+    if (!root || !check_peer(request)) return false;
+
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!job_from_json(&job, document, root, &request->error) || !job_check_inputs(&job, document, &request->error))
+        goto out;
+    if (!check_folder(request, &job, root) || !find_inputs(request, &job, &inputs) || !check_limits(request, &job) ||
+        !check_collisions(request, &job, root))
+        goto out;
+    submit = create_submit(request, &job, json_format(document), root);
+    submit->row.is_paused = paused;
+    submit->inputs = inputs;
+    inputs = (struct job_inputs){0};
+    submit->work.data = submit;
+    submit->next = farm->submits;
+    farm->submits = submit;
+    uv_queue_work(farm->loop, &submit->work, on_folder_run, on_folder_done);
+    ok = true;
+out:
+    job_inputs_finish(&inputs);
+    job_finish(&job);
+    return ok;
+}
+
+static void on_folder_run(uv_work_t *work)
+{
+    struct job_submit *submit = work->data;
+    int folder;
+
+    for (size_t i = 0; i < submit->inputs.count; i++) {
+        int reason = input_roots_check_opening(&submit->inputs.inputs[i], &submit->error);
+
+        if (reason == 0) continue;
+        submit->failure = reason == EXDEV || reason == ELOOP ? MESSAGE_CODE_NOT_ALLOWED : MESSAGE_CODE_PARAMS;
+        return;
+    }
+    folder = output_path_open_folder(&submit->path, submit->row.root, true, &submit->error);
+    if (folder >= 0) {
+        close(folder);
+        return;
+    }
+    error_prefix(&submit->error, "output.path");
+    submit->failure = MESSAGE_CODE_PARAMS;
+}
+
+static struct store_op format_op(const struct job_submit *submit)
+{
+    struct store_op op = {.kind = STORE_ADD_JOB, .job = submit->row};
+
+    op.job.name = xstrdup(submit->row.name);
+    op.job.owner = xstrdup(submit->row.owner);
+    op.job.root = xstrdup(submit->row.root);
+    if (submit->row.is_paused) op.job.reason = xasprintf("paused by %s", submit->row.owner);
+    return op;
+}
+
+static void on_folder_done(uv_work_t *work, int status)
+{
+    struct job_submit *submit = work->data;
+    struct store_op op;
+
+    if (submit->failure) {
+        refuse(submit, (enum message_code)submit->failure, submit->error.message);
+        return;
+    }
+    submit->row.id = submit->farm->next_job_id++;
+    op = format_op(submit);
+    submit->row.document = NULL;
+    committer_put(submit->farm->committer, COMMIT_OR_DROP, &op, 1, on_committed, submit);
+}
+
+static struct job_record *queue_submit(struct job_submit *submit)
+{
+    struct farm *farm = submit->farm;
+    struct store_job *row = &submit->row;
+    struct job_record *record = job_table_add(&farm->jobs, row->id, row->root, &submit->path);
+
+    record->name = row->name;
+    record->owner = row->owner;
+    record->owner_uid = row->owner_uid;
+    record->submitted_ms = row->submitted_ms;
+    record->code = submit->code;
+    record->frame_pixels = submit->frame_pixels;
+    record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
+    record->told_state = JOB_STATE_COUNT;
+    if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);
+    row->name = row->owner = row->root = NULL;
+    submit->code = NULL;
+    return record;
+}
+
+static void on_committed(void *user, bool ok, const struct error *error)
+{
+    struct job_submit *submit = user;
+    struct farm *farm = submit->farm;
+    struct json_writer value = {0};
+    struct job_record *record;
+    struct log_subject subject;
+
+    if (!ok) {
+        refuse(submit, MESSAGE_CODE_STORE, error->message);
+        return;
+    }
+    record = queue_submit(submit);
+    subject = job_record_subject(record);
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): submitted by %s", (long long)record->id, record->name,
+              record->owner);
+    json_write_begin_object(&value);
+    json_write_integer_member(&value, "id", record->id);
+    json_write_end_object(&value);
+    answer_send_result(submit->answer, &value);
+    json_writer_finish(&value);
+    submit_destroy(submit);
+    farm_want_feed(farm);
+    farm_note_change(farm, record);
+}

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/requests/requests.h"
+
+#include "core/base/alloc.h"
+#include "core/job/job.h"
+#include "daemon/clients/client.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/limits.h"
+#include "daemon/jobs/job_change.h"
+#include "daemon/jobs/job_delete.h"
+#include "daemon/requests/job_submit.h"
+#include "daemon/store/committer.h"
+
+#include <stdlib.h>
+
+// A change that is answered with the job once it is on disk.
+struct pending_change {
+    struct answer *answer;     // owned
+    struct job_record *record; // borrowed; outlives us
+};
+
+static void on_change_committed(void *user, bool ok, const struct error *error)
+{
+    struct pending_change *change = user;
+
+    if (ok)
+        answer_send_job(change->answer, change->record);
+    else
+        answer_send_error(change->answer, MESSAGE_CODE_STORE, error->message);
+    free(change);
+}
+
+static enum request_outcome commit_change(struct request *request, struct job_record *record)
+{
+    struct pending_change *change = xmalloc(sizeof *change);
+    struct store_op op = job_record_format_op(record);
+
+    *change = (struct pending_change){.answer = answer_owe(request), .record = record};
+    committer_put(request->farm->committer, COMMIT_REPORTED, &op, 1, on_change_committed, change);
+    return REQUEST_OWED;
+}
+
+// The client's own job that is not over yet, or NULL with the failure filled.
+static struct job_record *find_live_job(struct request *request)
+{
+    struct job_record *record = request_find_own_job(request);
+
+    if (!record || queue_job_is_live(record->queued)) return record;
+    request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is over: it %s", (long long)record->id,
+                 queue_job_state(record->queued) == JOB_CANCELED ? "was canceled"
+                 : queue_job_state(record->queued) == JOB_FAILED ? "failed"
+                                                                 : "succeeded");
+    return NULL;
+}
+
+enum request_outcome requests_job_pause(struct request *request)
+{
+    struct job_record *record = find_live_job(request);
+
+    if (!record) return REQUEST_FAILED;
+    job_change_pause(request->farm, record, request->client->user);
+    return commit_change(request, record);
+}
+
+enum request_outcome requests_job_resume(struct request *request)
+{
+    struct job_record *record = find_live_job(request);
+
+    if (!record) return REQUEST_FAILED;
+    request->code = MESSAGE_CODE_NOT_ALLOWED;
+    if (!limits_check_disk(request->farm, record, &request->error)) return REQUEST_FAILED;
+    job_change_resume(request->farm, record);
+    return commit_change(request, record);
+}
+
+enum request_outcome requests_job_cancel(struct request *request)
+{
+    struct job_record *record = find_live_job(request);
+
+    if (!record) return REQUEST_FAILED;
+    job_change_cancel(request->farm, record, request->client->user);
+    return commit_change(request, record);
+}
+
+enum request_outcome requests_job_priority(struct request *request)
+{
+    struct json_node node = json_node_child(&request->params, "priority");
+    struct job_record *record = find_live_job(request);
+    int64_t priority;
+
+    if (!record) return REQUEST_FAILED;
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!json_read_integer(&node, 0, JOB_PRIORITY_MAX, &priority, &request->error)) return REQUEST_FAILED;
+    job_change_set_priority(request->farm, record, (int)priority);
+    return commit_change(request, record);
+}
+
+static bool read_retry_range(struct request *request, struct frame_range *range)
+{
+    struct json_node node = json_node_child(&request->params, "range");
+    const char *text;
+
+    *range = (struct frame_range){0};
+    request->code = MESSAGE_CODE_PARAMS;
+    if (json_node_is_absent(&node)) return true;
+    if (!json_read_string(&node, &text, &request->error)) return false;
+    if (frame_range_parse(range, text, &request->error)) return true;
+    error_prefix(&request->error, "params.range");
+    return false;
+}
+
+// While it was over, another job may have begun to write its files.
+static bool check_files_are_free(struct request *request, const struct job_record *record)
+{
+    struct job_files files = {record->root, &record->path, &record->queued->frames};
+    const struct job_record *other;
+    const char *name;
+    int32_t frame;
+
+    if (queue_job_is_live(record->queued)) return true;
+    other = job_table_find_collision(&request->farm->jobs, &files, &frame);
+    name = other ? NULL : job_submit_find_collision(request->farm, &files, &frame);
+    if (other)
+        request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: job %lld (\"%s\") writes its frame %d too",
+                     (long long)record->id, (long long)other->id, other->name, frame);
+    else if (name)
+        request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: a job just submitted (\"%s\") writes its frame %d too",
+                     (long long)record->id, name, frame);
+    return !other && !name;
+}
+
+static bool check_stays(struct request *request, const struct job_record *record)
+{
+    if (!record->is_deleting) return true;
+    request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is being deleted", (long long)record->id);
+    return false;
+}
+
+enum request_outcome requests_job_delete(struct request *request)
+{
+    struct json_node node = json_node_child(&request->params, "files");
+    struct job_record *record = request_find_own_job(request);
+    bool with_files = false;
+
+    if (!record || !check_stays(request, record)) return REQUEST_FAILED;
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!json_node_is_absent(&node) && !json_read_bool(&node, &with_files, &request->error)) return REQUEST_FAILED;
+    if (queue_job_is_live(record->queued) || record->is_retry_waiting)
+        return request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is not over: cancel it first",
+                            (long long)record->id);
+    job_delete_start(request->farm, record, with_files, answer_owe(request));
+    return REQUEST_OWED;
+}
+
+enum request_outcome requests_job_retry(struct request *request)
+{
+    const unsigned allowed = 1U << FRAME_FAILED | 1U << FRAME_CANCELED | 1U << FRAME_SUCCEEDED | 1U << FRAME_SKIPPED;
+    struct job_record *record = request_find_own_job(request);
+    struct frame_range range;
+    unsigned states;
+
+    if (!record || !check_stays(request, record) ||
+        !request_read_set(request, "state", frame_state_names, 1U << FRAME_FAILED, &states))
+        return REQUEST_FAILED;
+    if (states & ~allowed)
+        return request_fail(request, MESSAGE_CODE_PARAMS,
+                            "params.state: expected failed, canceled, succeeded or skipped: the others are under way");
+    if (!check_files_are_free(request, record) || !read_retry_range(request, &range)) return REQUEST_FAILED;
+    job_change_retry(
+        request->farm, record,
+        &(struct job_retry_params){.states = states,
+                                   .range = range,
+                                   .by_admin = rights_is_admin(&request->farm->rights, &request->client->peer),
+                                   .answer = answer_owe(request)});
+    return REQUEST_OWED;
+}
+
+enum request_outcome requests_job_submit(struct request *request)
+{
+    struct json_node document = json_node_child(&request->params, "document");
+    struct json_node paused_node = json_node_child(&request->params, "paused");
+    bool paused = false;
+
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!json_check_object(&document, &request->error)) return REQUEST_FAILED;
+    if (!json_node_is_absent(&paused_node) && !json_read_bool(&paused_node, &paused, &request->error))
+        return REQUEST_FAILED;
+    return job_submit_start(request, &document, paused) ? REQUEST_OWED : REQUEST_FAILED;
+}

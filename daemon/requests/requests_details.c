@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/requests/requests.h"
+
+#include "core/base/alloc.h"
+#include "core/job/output_path.h"
+#include "core/json/json_write.h"
+#include "daemon/farm/farm.h"
+#include "daemon/settings/options.h"
+#include "daemon/store/committer.h"
+#include "daemon/store/store_reader.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include <uv.h>
+
+// What the queue does not keep is read from the store off the loop, by a connection of the task's own.
+enum { FRAMES_DEFAULT = 1000, FRAMES_LIMIT = 10000, ATTEMPTS_DEFAULT = 100, RUN_GAP = 16 };
+
+struct listed_frame {
+    int32_t index, frame;
+    int32_t attempt;
+    uint16_t worker;
+    uint8_t state;
+};
+
+struct details_task {
+    uv_work_t work;
+    uv_loop_t *loop; // borrowed; outlives us
+    uv_work_cb run;
+    struct answer *answer;       // owned
+    struct job_record *record;   // held: id, root and path never change
+    const char *state_folder;    // borrowed; outlives us
+    struct listed_frame *frames; // owned; by ascending index
+    size_t frame_count, next;    // next: not written yet
+    int64_t total;
+    int32_t attempts_of; // frame, or -1
+    int limit;
+    struct json_writer value;
+    bool ok;
+    struct error error;
+};
+
+static void on_frames_run(uv_work_t *work);
+static void on_log_run(uv_work_t *work);
+static void on_details_done(uv_work_t *work, int status);
+
+static struct details_task *create_task(struct request *request, struct job_record *record)
+{
+    struct details_task *task = xcalloc(1, sizeof *task);
+
+    task->record = record;
+    job_record_hold(record);
+    task->state_folder = request->farm->options->state_folder;
+    task->work.data = task;
+    return task;
+}
+
+static void on_settled(void *user, bool ok, const struct error *error)
+{
+    struct details_task *task = user;
+
+    uv_queue_work(task->loop, &task->work, task->run, on_details_done);
+}
+
+// What the queue and the events have told already is on disk, if the store works, before it is read there.
+static enum request_outcome start_task(struct request *request, struct details_task *task, uv_work_cb run)
+{
+    task->answer = answer_owe(request);
+    task->loop = request->farm->loop;
+    task->run = run;
+    committer_settle(request->farm->committer, on_settled, task);
+    return REQUEST_OWED;
+}
+
+static void on_details_done(uv_work_t *work, int status)
+{
+    struct details_task *task = work->data;
+
+    if (task->ok)
+        answer_send_result(task->answer, &task->value);
+    else
+        answer_send_error(task->answer, MESSAGE_CODE_INTERNAL, task->error.message);
+    job_record_release(task->record);
+    json_writer_finish(&task->value);
+    free(task->frames);
+    free(task);
+}
+
+struct frames_filter {
+    unsigned states;
+    struct frame_range range; // owned
+    bool has_range;
+    int64_t offset, limit;
+};
+
+static bool read_count(struct request *request, const char *key, int64_t min, int64_t max, int64_t fallback,
+                       int64_t *count)
+{
+    struct json_node node = json_node_child(&request->params, key);
+
+    *count = fallback;
+    return json_node_is_absent(&node) || json_read_integer(&node, min, max, count, &request->error);
+}
+
+static bool read_filter(struct request *request, struct frames_filter *filter)
+{
+    struct json_node range = json_node_child(&request->params, "range");
+    const char *text;
+
+    *filter = (struct frames_filter){0};
+    if (!request_read_set(request, "state", frame_state_names, ~0U, &filter->states)) return false;
+    if (!read_count(request, "offset", 0, FRAME_COUNT_LIMIT, 0, &filter->offset)) return false;
+    if (!read_count(request, "limit", 0, FRAMES_LIMIT, FRAMES_DEFAULT, &filter->limit)) return false;
+    if (json_node_is_absent(&range)) return true;
+    filter->has_range = true;
+    if (!json_read_string(&range, &text, &request->error)) return false;
+    if (frame_range_parse(&filter->range, text, &request->error)) return true;
+    error_prefix(&request->error, "params.range");
+    return false;
+}
+
+static void list_frames(struct details_task *task, const struct frames_filter *filter)
+{
+    const struct queue_job *queued = task->record->queued;
+    int64_t count = frame_range_count(&queued->frames);
+    size_t capacity = 0;
+
+    for (int64_t i = 0; i < count; i++) {
+        const struct queue_frame *state = &queued->states[i];
+        int32_t frame;
+
+        if (!(filter->states & 1U << state->state)) continue;
+        frame = frame_range_at(&queued->frames, i);
+        if (filter->has_range && frame_range_index(&filter->range, frame) < 0) continue;
+        if (task->total++ < filter->offset || (int64_t)task->frame_count >= filter->limit) continue;
+        task->frames = xgrow(task->frames, &capacity, task->frame_count + 1, sizeof task->frames[0]);
+        task->frames[task->frame_count++] = (struct listed_frame){.index = (int32_t)i,
+                                                                  .frame = frame,
+                                                                  .attempt = state->attempt,
+                                                                  .worker = state->worker,
+                                                                  .state = state->state};
+    }
+}
+
+enum request_outcome requests_job_frames(struct request *request)
+{
+    struct job_record *record = request_find_job(request);
+    struct frames_filter filter;
+    struct details_task *task;
+
+    if (!record) return REQUEST_FAILED;
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!read_filter(request, &filter)) return REQUEST_FAILED;
+    task = create_task(request, record);
+    list_frames(task, &filter);
+    frame_range_finish(&filter.range);
+    return start_task(request, task, on_frames_run);
+}
+
+static void write_maybe_integer(struct json_writer *writer, const char *key, bool is_known, int64_t integer)
+{
+    json_write_key(writer, key);
+    if (is_known)
+        json_write_integer(writer, integer);
+    else
+        json_write_null(writer);
+}
+
+static void write_path(const struct details_task *task, const struct listed_frame *frame, struct json_writer *writer)
+{
+    const struct output_path *path = &task->record->path;
+    char name[OUTPUT_NAME_SIZE];
+    char *full;
+
+    output_path_format_name(path, frame->frame, name);
+    full = xasprintf("%s/%s%s%s", task->record->root, path->folder, *path->folder ? "/" : "", name);
+    json_write_string_member(writer, "path", full);
+    free(full);
+}
+
+// `row` may be NULL. A row of a frame that is under way again says nothing about it.
+static void write_frame(struct details_task *task, const struct listed_frame *frame, const struct store_frame *row)
+{
+    struct json_writer *writer = &task->value;
+    bool is_done = frame->state == FRAME_SUCCEEDED || frame->state == FRAME_SKIPPED;
+    bool has_file = row && is_done;
+    bool has_times = has_file && frame->state == FRAME_SUCCEEDED;
+
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "frame", frame->frame);
+    json_write_string_member(writer, "state", frame_state_name((enum frame_state)frame->state));
+    json_write_integer_member(writer, "attempts", frame->attempt);
+    write_maybe_integer(writer, "worker", frame->worker != 0, frame->worker);
+    json_write_number_member(writer, "render_s", has_times ? row->render_s : NAN);
+    json_write_number_member(writer, "encode_s", has_times ? row->encode_s : NAN);
+    write_maybe_integer(writer, "size_bytes", has_file, has_file ? (int64_t)row->size_bytes : 0);
+    json_write_string_member(writer, "hash", has_file && row->hash[0] ? row->hash : NULL);
+    if (is_done)
+        write_path(task, frame, writer);
+    else
+        json_write_string_member(writer, "path", NULL);
+    json_write_string_member(writer, "error", row && frame->state == FRAME_FAILED ? row->error : NULL);
+    if (has_file) frame_accuracy_write(&row->accuracy, writer);
+    json_write_end_object(writer);
+}
+
+// Writes the frames before the row's that have none, then the row's if it is listed.
+static bool on_frame_row(void *user, const struct store_frame *row, struct error *error)
+{
+    struct details_task *task = user;
+
+    while (task->next < task->frame_count && task->frames[task->next].index < row->index)
+        write_frame(task, &task->frames[task->next++], NULL);
+    if (task->next < task->frame_count && task->frames[task->next].index == row->index)
+        write_frame(task, &task->frames[task->next++], row);
+    return true;
+}
+
+// Neighbours are read together; a list with gaps does not read what lies between.
+static bool write_frames(struct details_task *task, struct store_reader *reader)
+{
+    size_t first = 0;
+
+    for (size_t i = 1; i <= task->frame_count; i++) {
+        if (i < task->frame_count && task->frames[i].index - task->frames[i - 1].index <= RUN_GAP) continue;
+        if (!store_read_frames(reader, task->record->id, task->frames[first].index, task->frames[i - 1].index,
+                               on_frame_row, task, &task->error))
+            return false;
+        while (task->next < i)
+            write_frame(task, &task->frames[task->next++], NULL);
+        first = i;
+    }
+    return true;
+}
+
+static void on_frames_run(uv_work_t *work)
+{
+    struct details_task *task = work->data;
+    struct store_reader *reader = store_reader_open(task->state_folder, &task->error);
+
+    if (!reader) return;
+    json_write_begin_object(&task->value);
+    json_write_key(&task->value, "frames");
+    json_write_begin_array(&task->value);
+    task->ok = write_frames(task, reader);
+    json_write_end_array(&task->value);
+    json_write_integer_member(&task->value, "total", task->total);
+    json_write_end_object(&task->value);
+    store_reader_close(reader);
+}
+
+enum request_outcome requests_job_log(struct request *request)
+{
+    struct job_record *record = request_find_job(request);
+    struct details_task *task;
+    int64_t frame, limit;
+
+    if (!record) return REQUEST_FAILED;
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!read_count(request, "frame", 0, FRAME_NUMBER_LIMIT - 1, -1, &frame) ||
+        !read_count(request, "limit", 1, STORE_ATTEMPT_LIMIT, ATTEMPTS_DEFAULT, &limit))
+        return REQUEST_FAILED;
+    task = create_task(request, record);
+    task->attempts_of = (int32_t)frame;
+    task->limit = (int)limit;
+    return start_task(request, task, on_log_run);
+}
+
+static bool on_attempt_row(void *user, const struct store_attempt *row, struct error *error)
+{
+    struct json_writer *writer = user;
+
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "frame", row->frame);
+    json_write_integer_member(writer, "attempt", row->attempt);
+    json_write_integer_member(writer, "worker", row->worker);
+    json_write_number_member(writer, "ended", (double)row->ended_ms / 1000);
+    json_write_string_member(writer, "outcome", row->outcome);
+    json_write_string_member(writer, "log", row->log);
+    json_write_end_object(writer);
+    return true;
+}
+
+static void on_log_run(uv_work_t *work)
+{
+    struct details_task *task = work->data;
+    struct store_reader *reader = store_reader_open(task->state_folder, &task->error);
+
+    if (!reader) return;
+    json_write_begin_object(&task->value);
+    json_write_key(&task->value, "attempts");
+    json_write_begin_array(&task->value);
+    task->ok = store_read_attempts(reader, task->record->id, task->attempts_of, task->limit, on_attempt_row,
+                                   &task->value, &task->error);
+    json_write_end_array(&task->value);
+    json_write_end_object(&task->value);
+    store_reader_close(reader);
+}

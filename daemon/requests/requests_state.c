@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/requests/requests.h"
+
+#include "core/json/json_write.h"
+#include "daemon/clients/client.h"
+#include "daemon/farm/farm.h"
+#include "daemon/jobs/events.h"
+#include "daemon/jobs/job_view.h"
+#include "daemon/settings/options.h"
+#include "daemon/store/store_reader.h"
+#include "daemon/workers/worker_pool.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void write_job_counts(const struct farm *farm, struct json_writer *writer)
+{
+    int64_t counts[JOB_STATE_COUNT] = {0};
+
+    for (size_t i = 0; i < farm->jobs.count; i++)
+        counts[queue_job_state(farm->jobs.records[i]->queued)]++;
+    json_write_begin_object(writer);
+    for (int state = 0; state < JOB_STATE_COUNT; state++)
+        json_write_integer_member(writer, job_state_name((enum job_state)state), counts[state]);
+    json_write_end_object(writer);
+}
+
+static void write_frame_counts(const struct farm *farm, struct json_writer *writer)
+{
+    json_write_begin_object(writer);
+    for (int state = 0; state < FRAME_STATE_COUNT; state++)
+        json_write_integer_member(writer, frame_state_name((enum frame_state)state),
+                                  queue_count(farm->queue, (enum frame_state)state));
+    json_write_end_object(writer);
+}
+
+static void write_roots(struct json_writer *writer, const char *key, const struct path_list *roots)
+{
+    json_write_key(writer, key);
+    json_write_begin_array(writer);
+    for (size_t i = 0; i < roots->count; i++)
+        json_write_string(writer, roots->paths[i]);
+    json_write_end_array(writer);
+}
+
+enum request_outcome requests_daemon_status(struct request *request)
+{
+    const struct farm *farm = request->farm;
+    struct json_writer *writer = request->result;
+
+    json_write_begin_object(writer);
+    json_write_string_member(writer, "version", MARCHD_VERSION);
+    json_write_integer_member(writer, "pid", getpid());
+    json_write_number_member(writer, "started", (double)farm->started_ms / 1000);
+    json_write_string_member(writer, "output_root", farm->options->output_roots.paths[0]);
+    write_roots(writer, "output_roots", &farm->options->output_roots);
+    write_roots(writer, "input_roots", &farm->options->input_roots);
+    json_write_string_member(writer, "state_folder", farm->options->state_folder);
+    json_write_key(writer, "jobs");
+    write_job_counts(farm, writer);
+    json_write_key(writer, "frames");
+    write_frame_counts(farm, writer);
+    json_write_integer_member(writer, "workers", worker_pool_slot_count(farm->pool));
+    json_write_end_object(writer);
+    return REQUEST_ANSWERED;
+}
+
+enum request_outcome requests_worker_list(struct request *request)
+{
+    const struct worker_pool *pool = request->farm->pool;
+    struct json_writer *writer = request->result;
+
+    json_write_begin_object(writer);
+    json_write_key(writer, "workers");
+    json_write_begin_array(writer);
+    for (int i = 0; i < worker_pool_slot_count(pool); i++)
+        worker_pool_write_slot(pool, i, writer);
+    json_write_end_array(writer);
+    json_write_end_object(writer);
+    return REQUEST_ANSWERED;
+}
+
+enum request_outcome requests_events_subscribe(struct request *request)
+{
+    struct json_node id = json_node_child(&request->params, "id");
+    struct json_node frames = json_node_child(&request->params, "frames");
+    struct job_record *record = NULL;
+    bool wants_frames = true;
+
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!json_node_is_absent(&id) && !(record = request_find_job(request))) return REQUEST_FAILED;
+    if (!json_node_is_absent(&frames) && !json_read_bool(&frames, &wants_frames, &request->error))
+        return REQUEST_FAILED;
+    if (!events_subscribe(request->farm->events, request->client, record ? record->id : 0, wants_frames))
+        return request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "events: a connection may subscribe 64 times");
+    json_write_begin_object(request->result);
+    json_write_end_object(request->result);
+    return REQUEST_ANSWERED;
+}
+
+enum request_outcome requests_job_list(struct request *request)
+{
+    const struct farm *farm = request->farm;
+    unsigned states;
+
+    if (!request_read_set(request, "state", job_state_names, ~0U, &states)) return REQUEST_FAILED;
+    json_write_begin_object(request->result);
+    json_write_key(request->result, "jobs");
+    json_write_begin_array(request->result);
+    for (size_t i = 0; i < farm->jobs.count; i++) {
+        struct job_record *record = farm->jobs.records[i];
+
+        if (states & 1U << queue_job_state(record->queued)) job_view_write(farm, record, request->result);
+    }
+    json_write_end_array(request->result);
+    json_write_end_object(request->result);
+    return REQUEST_ANSWERED;
+}
+
+enum request_outcome requests_job_show(struct request *request)
+{
+    struct job_record *record = request_find_job(request);
+    char *document = NULL;
+
+    if (!record) return REQUEST_FAILED;
+    request->code = MESSAGE_CODE_INTERNAL;
+    // It holds text of files that others may not be allowed to read.
+    if (request_may_change(request, record) &&
+        !store_read_document(request->farm->reader, record->id, &document, &request->error))
+        return REQUEST_FAILED;
+    json_write_begin_object(request->result);
+    job_view_write_members(request->farm, record, request->result);
+    json_write_key(request->result, "document");
+    if (document)
+        json_write_raw(request->result, document, strlen(document));
+    else
+        json_write_null(request->result);
+    json_write_end_object(request->result);
+    free(document);
+    return REQUEST_ANSWERED;
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/schedule/liveness.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+
+enum {
+    DEFAULT_START_MS = 30 * 1000,
+    DEFAULT_HEARTBEAT_MS = 10 * 1000,
+    DEFAULT_PROGRESS_MS = 120 * 1000,
+    DEFAULT_RUN_MS = 60 * 1000,
+    DEFAULT_RUN_FACTOR = 20
+};
+
+static void apply_defaults(struct liveness_limits *limits)
+{
+    if (limits->start_ms <= 0) limits->start_ms = DEFAULT_START_MS;
+    if (limits->heartbeat_ms <= 0) limits->heartbeat_ms = DEFAULT_HEARTBEAT_MS;
+    if (limits->progress_ms <= 0) limits->progress_ms = DEFAULT_PROGRESS_MS;
+    if (limits->run_ms <= 0) limits->run_ms = DEFAULT_RUN_MS;
+    if (!(limits->run_factor > 0)) limits->run_factor = DEFAULT_RUN_FACTOR;
+}
+
+void liveness_start(struct liveness *liveness, int64_t now_ms)
+{
+    struct liveness_limits limits = liveness->limits;
+
+    apply_defaults(&limits);
+    *liveness = (struct liveness){
+        .limits = limits, .started_ms = now_ms, .heard_ms = now_ms, .moved_ms = now_ms, .checked_ms = now_ms};
+}
+
+void liveness_hear(struct liveness *liveness, int64_t now_ms)
+{
+    liveness->heard_ms = now_ms;
+}
+
+void liveness_ready(struct liveness *liveness, int64_t now_ms)
+{
+    liveness->heard_ms = now_ms;
+    liveness->is_ready = true;
+}
+
+void liveness_progress(struct liveness *liveness, double progress, int64_t now_ms)
+{
+    liveness->heard_ms = now_ms;
+    if (progress == liveness->progress) return;
+    liveness->progress = progress;
+    liveness->moved_ms = now_ms;
+}
+
+void liveness_begin_frame(struct liveness *liveness, int64_t now_ms)
+{
+    liveness->heard_ms = now_ms;
+    liveness->moved_ms = now_ms;
+    liveness->rendering_ms = now_ms;
+    liveness->is_rendering = true;
+}
+
+void liveness_end_frame(struct liveness *liveness, int64_t now_ms)
+{
+    liveness->heard_ms = now_ms;
+    liveness->moved_ms = now_ms;
+    liveness->is_rendering = false;
+}
+
+void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms)
+{
+    if (is_busy && !liveness->is_busy) liveness->moved_ms = now_ms;
+    liveness->is_busy = is_busy;
+    // What it rendered may have been dropped.
+    if (!is_busy) liveness->is_rendering = false;
+}
+
+// A caller that comes later than half a heartbeat was held up itself.
+static void forgive_own_delay(struct liveness *liveness, int64_t now_ms)
+{
+    int64_t gap_ms = now_ms - liveness->checked_ms;
+    int64_t *clocks[] = {&liveness->started_ms, &liveness->heard_ms, &liveness->moved_ms, &liveness->rendering_ms};
+
+    liveness->checked_ms = now_ms;
+    if (gap_ms <= liveness->limits.heartbeat_ms / 2) return;
+    for (size_t i = 0; i < sizeof clocks / sizeof clocks[0]; i++) {
+        *clocks[i] += gap_ms;
+        if (*clocks[i] > now_ms) *clocks[i] = now_ms;
+    }
+}
+
+static int64_t run_limit_ms(const struct liveness *liveness, double median_s, size_t known)
+{
+    double limit_ms = liveness->limits.run_factor * median_s * 1000;
+
+    if (known < LIVENESS_KNOWN_FRAMES || limit_ms >= (double)INT64_MAX) return INT64_MAX;
+    return limit_ms > (double)liveness->limits.run_ms ? (int64_t)limit_ms : liveness->limits.run_ms;
+}
+
+enum liveness_verdict liveness_check(struct liveness *liveness, double median_s, size_t known, int64_t now_ms,
+                                     char reason[static LIVENESS_REASON_SIZE])
+{
+    const struct liveness_limits *limits = &liveness->limits;
+    int64_t run_ms;
+
+    forgive_own_delay(liveness, now_ms);
+    if (!liveness->is_ready) {
+        if (now_ms - liveness->started_ms <= limits->start_ms) return LIVENESS_ALIVE;
+        snprintf(reason, LIVENESS_REASON_SIZE, "not ready %" PRId64 " s after its start", limits->start_ms / 1000);
+        return LIVENESS_NO_START;
+    }
+    if (now_ms - liveness->heard_ms > limits->heartbeat_ms) {
+        snprintf(reason, LIVENESS_REASON_SIZE, "no message for %" PRId64 " s", limits->heartbeat_ms / 1000);
+        return LIVENESS_SILENT;
+    }
+    if (liveness->is_busy && now_ms - liveness->moved_ms > limits->progress_ms) {
+        snprintf(reason, LIVENESS_REASON_SIZE, "no progress for %" PRId64 " s", limits->progress_ms / 1000);
+        return LIVENESS_STUCK;
+    }
+    run_ms = run_limit_ms(liveness, median_s, known);
+    if (liveness->is_rendering && now_ms - liveness->rendering_ms > run_ms) {
+        snprintf(reason, LIVENESS_REASON_SIZE, "frame renders for more than %" PRId64 " s, the job's median is %.3g s",
+                 run_ms / 1000, median_s);
+        return LIVENESS_OVERLONG;
+    }
+    return LIVENESS_ALIVE;
+}

@@ -1,0 +1,463 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/schedule/queue.h"
+
+#include "core/base/alloc.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const job_state_names[] = {"queued", "running", "paused", "succeeded", "failed", "canceled", NULL};
+const char *const frame_state_names[] = {"queued", "running", "succeeded", "failed", "canceled", "skipped", NULL};
+
+struct queue_slot {
+    int64_t id;
+    struct queue_job *job; // owned
+};
+
+struct queue {
+    int max_attempts;
+    int64_t counts[FRAME_STATE_COUNT];
+    struct queue_job *first;
+    struct queue_job *first_ready;                // no job before it has a frame to take; NULL: none has
+    struct queue_job *last[QUEUE_PRIORITY_LIMIT]; // of each priority, the one with the highest id
+    struct queue_slot *slots;                     // owned; by ascending id
+    size_t slot_count, slot_capacity;
+};
+
+const char *job_state_name(enum job_state state)
+{
+    return job_state_names[state];
+}
+
+const char *frame_state_name(enum frame_state state)
+{
+    return frame_state_names[state];
+}
+
+struct queue *queue_create(int max_attempts)
+{
+    struct queue *queue = xcalloc(1, sizeof *queue);
+
+    assert(max_attempts >= 1 && max_attempts <= UINT16_MAX);
+    queue->max_attempts = max_attempts;
+    return queue;
+}
+
+void queue_set_max_attempts(struct queue *queue, int max_attempts)
+{
+    assert(max_attempts >= 1 && max_attempts <= UINT16_MAX);
+    queue->max_attempts = max_attempts;
+}
+
+static void destroy_job(struct queue_job *job)
+{
+    frame_range_finish(&job->frames);
+    index_heap_finish(&job->returned);
+    free(job->states);
+    free(job);
+}
+
+void queue_destroy(struct queue *queue)
+{
+    if (!queue) return;
+    for (size_t i = 0; i < queue->slot_count; i++)
+        destroy_job(queue->slots[i].job);
+    free(queue->slots);
+    free(queue);
+}
+
+// Where the id is, or would be.
+static size_t find_slot(const struct queue *queue, int64_t id)
+{
+    size_t low = 0;
+    size_t high = queue->slot_count;
+
+    if (high > 0 && queue->slots[high - 1].id < id) return high;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+
+        if (queue->slots[middle].id < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+struct queue_job *queue_find_job(const struct queue *queue, int64_t id)
+{
+    size_t slot = find_slot(queue, id);
+
+    return slot < queue->slot_count && queue->slots[slot].id == id ? queue->slots[slot].job : NULL;
+}
+
+struct queue_job *queue_first_job(const struct queue *queue)
+{
+    return queue->first;
+}
+
+static bool is_ready(const struct queue_job *job)
+{
+    return job->counts[FRAME_QUEUED] > 0 && !job->is_paused && !job->is_canceled && !job->is_failed;
+}
+
+static bool comes_before(const struct queue_job *a, const struct queue_job *b)
+{
+    return a->priority != b->priority ? a->priority > b->priority : a->id < b->id;
+}
+
+static void note_ready(struct queue_job *job)
+{
+    struct queue *queue = job->queue;
+
+    if (is_ready(job) && (!queue->first_ready || comes_before(job, queue->first_ready))) queue->first_ready = job;
+}
+
+static struct queue_job *find_predecessor(const struct queue *queue, const struct queue_job *job)
+{
+    struct queue_job *previous = NULL;
+
+    for (int priority = job->priority; priority < QUEUE_PRIORITY_LIMIT && !previous; priority++)
+        previous = queue->last[priority];
+    while (previous && comes_before(job, previous))
+        previous = previous->previous;
+    return previous;
+}
+
+static void link_job(struct queue *queue, struct queue_job *job)
+{
+    struct queue_job *previous = find_predecessor(queue, job);
+
+    job->previous = previous;
+    job->next = previous ? previous->next : queue->first;
+    *(previous ? &previous->next : &queue->first) = job;
+    if (job->next) job->next->previous = job;
+    if (!job->next || job->next->priority != job->priority) queue->last[job->priority] = job;
+    note_ready(job);
+}
+
+static void unlink_job(struct queue *queue, struct queue_job *job)
+{
+    struct queue_job *previous = job->previous;
+
+    if (queue->first_ready == job) queue->first_ready = job->next;
+    if (queue->last[job->priority] == job)
+        queue->last[job->priority] = previous && previous->priority == job->priority ? previous : NULL;
+    *(previous ? &previous->next : &queue->first) = job->next;
+    if (job->next) job->next->previous = previous;
+    job->next = job->previous = NULL;
+}
+
+struct queue_job *queue_add_job(struct queue *queue, int64_t id, struct frame_range *frames, int priority, bool paused)
+{
+    struct queue_job *job = xcalloc(1, sizeof *job);
+    size_t slot = find_slot(queue, id);
+
+    assert(priority >= 0 && priority < QUEUE_PRIORITY_LIMIT);
+    assert(slot == queue->slot_count || queue->slots[slot].id != id);
+    *job = (struct queue_job){.id = id, .frames = *frames, .priority = priority, .is_paused = paused, .queue = queue};
+    *frames = (struct frame_range){0};
+    job->frame_count = frame_range_count(&job->frames);
+    job->states = xcalloc((size_t)job->frame_count, sizeof job->states[0]);
+    job->counts[FRAME_QUEUED] = job->frame_count;
+    queue->counts[FRAME_QUEUED] += job->frame_count;
+
+    queue->slots = xgrow(queue->slots, &queue->slot_capacity, queue->slot_count + 1, sizeof queue->slots[0]);
+    memmove(&queue->slots[slot + 1], &queue->slots[slot], (queue->slot_count - slot) * sizeof queue->slots[0]);
+    queue->slots[slot] = (struct queue_slot){.id = id, .job = job};
+    queue->slot_count++;
+    link_job(queue, job);
+    return job;
+}
+
+void queue_remove_job(struct queue *queue, struct queue_job *job)
+{
+    size_t slot = find_slot(queue, job->id);
+
+    for (int state = 0; state < FRAME_STATE_COUNT; state++)
+        queue->counts[state] -= job->counts[state];
+    unlink_job(queue, job);
+    queue->slot_count--;
+    memmove(&queue->slots[slot], &queue->slots[slot + 1], (queue->slot_count - slot) * sizeof queue->slots[0]);
+    destroy_job(job);
+}
+
+// Every change of a frame's state goes through here, so that the counts always add up.
+static void set_state(struct queue_job *job, int64_t index, enum frame_state state)
+{
+    struct queue_frame *frame = &job->states[index];
+
+    job->counts[frame->state]--;
+    job->queue->counts[frame->state]--;
+    frame->state = (uint8_t)state;
+    job->counts[state]++;
+    job->queue->counts[state]++;
+    if (state != FRAME_RUNNING) {
+        frame->worker = 0;
+        frame->is_publishing = false;
+    }
+}
+
+void queue_restore_frame(struct queue_job *job, int64_t index, enum frame_state state, int attempts)
+{
+    assert(index >= 0 && index < job->frame_count && state != FRAME_RUNNING);
+    set_state(job, index, state);
+    job->states[index].attempt = attempts;
+    job->states[index].tries = (uint16_t)(attempts < 0 ? 0 : attempts < UINT16_MAX ? attempts : UINT16_MAX);
+    if (state != FRAME_QUEUED) job->has_started = true;
+    note_ready(job);
+}
+
+enum job_state queue_job_state(const struct queue_job *job)
+{
+    if (job->is_failed) return JOB_FAILED;
+    if (job->is_canceled) return JOB_CANCELED;
+    if (job->counts[FRAME_QUEUED] == 0 && job->counts[FRAME_RUNNING] == 0) {
+        if (job->counts[FRAME_FAILED] > 0) return JOB_FAILED;
+        return job->counts[FRAME_CANCELED] > 0 ? JOB_CANCELED : JOB_SUCCEEDED;
+    }
+    if (job->is_paused) return JOB_PAUSED;
+    return job->has_started ? JOB_RUNNING : JOB_QUEUED;
+}
+
+bool queue_job_is_live(const struct queue_job *job)
+{
+    enum job_state state = queue_job_state(job);
+
+    return state == JOB_QUEUED || state == JOB_RUNNING || state == JOB_PAUSED;
+}
+
+struct queue_job *queue_next_job(struct queue *queue)
+{
+    while (queue->first_ready && !is_ready(queue->first_ready))
+        queue->first_ready = queue->first_ready->next;
+    return queue->first_ready;
+}
+
+// The job has a queued frame.
+static int32_t take_index(struct queue_job *job)
+{
+    int32_t index;
+
+    if (index_heap_take(&job->returned, &index)) return index;
+    while (job->states[job->first_fresh].state != FRAME_QUEUED)
+        job->first_fresh++;
+    return (int32_t)job->first_fresh++;
+}
+
+size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tickets, size_t max)
+{
+    struct queue_job *job = queue_next_job(queue);
+    size_t count = 0;
+
+    assert(worker > 0);
+    if (!job) return 0;
+    while (count < max && job->counts[FRAME_QUEUED] > 0) {
+        int32_t index = take_index(job);
+        struct queue_frame *frame = &job->states[index];
+
+        set_state(job, index, FRAME_RUNNING);
+        frame->attempt++;
+        frame->tries++;
+        frame->worker = worker;
+        tickets[count++] = (struct queue_ticket){
+            .job = job->id, .frame = frame_range_at(&job->frames, index), .index = index, .attempt = frame->attempt};
+    }
+    if (count > 0) job->has_started = true;
+    return count;
+}
+
+bool queue_ticket_for(const struct queue *queue, int64_t job_id, int32_t frame, int32_t attempt,
+                      struct queue_ticket *ticket)
+{
+    const struct queue_job *job = queue_find_job(queue, job_id);
+    int64_t index = job ? frame_range_index(&job->frames, frame) : -1;
+
+    if (index < 0) return false;
+    *ticket = (struct queue_ticket){.job = job_id, .frame = frame, .index = (int32_t)index, .attempt = attempt};
+    return true;
+}
+
+// The ticket's job when it owns its frame, else NULL.
+static struct queue_job *find_owned(const struct queue *queue, const struct queue_ticket *ticket)
+{
+    struct queue_job *job = queue_find_job(queue, ticket->job);
+    const struct queue_frame *frame;
+
+    if (!job || ticket->index < 0 || ticket->index >= job->frame_count) return NULL;
+    frame = &job->states[ticket->index];
+    return frame->state == FRAME_RUNNING && frame->attempt == ticket->attempt ? job : NULL;
+}
+
+bool queue_owns(const struct queue *queue, const struct queue_ticket *ticket)
+{
+    return find_owned(queue, ticket) != NULL;
+}
+
+bool queue_begin_publish(struct queue *queue, const struct queue_ticket *ticket)
+{
+    struct queue_job *job = find_owned(queue, ticket);
+
+    if (!job || job->states[ticket->index].is_publishing) return false;
+    job->states[ticket->index].is_publishing = true;
+    return true;
+}
+
+static bool finish_frame(struct queue *queue, const struct queue_ticket *ticket, enum frame_state state)
+{
+    struct queue_job *job = find_owned(queue, ticket);
+
+    if (!job) return false;
+    set_state(job, ticket->index, state);
+    return true;
+}
+
+bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket)
+{
+    return finish_frame(queue, ticket, FRAME_SUCCEEDED);
+}
+
+bool queue_skip(struct queue *queue, const struct queue_ticket *ticket)
+{
+    return finish_frame(queue, ticket, FRAME_SKIPPED);
+}
+
+// What ends without success in a job that is over shares the job's end. Returns whether the frame is queued.
+static bool requeue(struct queue_job *job, int32_t index)
+{
+    if (job->is_canceled || job->is_failed) {
+        set_state(job, index, job->is_failed ? FRAME_FAILED : FRAME_CANCELED);
+        return false;
+    }
+    set_state(job, index, FRAME_QUEUED);
+    if (index < job->first_fresh) index_heap_add(&job->returned, index);
+    note_ready(job);
+    return true;
+}
+
+bool queue_fail(struct queue *queue, const struct queue_ticket *ticket, bool final, bool *is_final)
+{
+    struct queue_job *job = find_owned(queue, ticket);
+    bool ended = true;
+
+    if (!job) return false;
+    if (job->is_canceled || !(final || job->states[ticket->index].tries >= queue->max_attempts))
+        ended = !requeue(job, ticket->index);
+    else
+        set_state(job, ticket->index, FRAME_FAILED);
+    if (is_final) *is_final = ended;
+    return true;
+}
+
+bool queue_return(struct queue *queue, const struct queue_ticket *ticket)
+{
+    struct queue_job *job = find_owned(queue, ticket);
+
+    if (!job) return false;
+    if (job->states[ticket->index].tries > 0) job->states[ticket->index].tries--;
+    requeue(job, ticket->index);
+    return true;
+}
+
+void queue_set_priority(struct queue *queue, struct queue_job *job, int priority)
+{
+    assert(priority >= 0 && priority < QUEUE_PRIORITY_LIMIT);
+    unlink_job(queue, job);
+    job->priority = priority;
+    link_job(queue, job);
+}
+
+void queue_pause(struct queue *queue, struct queue_job *job)
+{
+    job->is_paused = true;
+}
+
+void queue_resume(struct queue *queue, struct queue_job *job)
+{
+    job->is_paused = false;
+    note_ready(job);
+}
+
+static void end_frames(struct queue_job *job, enum frame_state state)
+{
+    for (int64_t i = 0; i < job->frame_count; i++) {
+        const struct queue_frame *frame = &job->states[i];
+
+        if (frame->state == FRAME_QUEUED || (frame->state == FRAME_RUNNING && !frame->is_publishing))
+            set_state(job, i, state);
+    }
+    index_heap_finish(&job->returned);
+    job->first_fresh = job->frame_count;
+}
+
+void queue_cancel(struct queue *queue, struct queue_job *job)
+{
+    if (!queue_job_is_live(job)) return;
+    job->is_canceled = true;
+    end_frames(job, FRAME_CANCELED);
+}
+
+void queue_fail_job(struct queue *queue, struct queue_job *job)
+{
+    if (!queue_job_is_live(job)) return;
+    job->is_failed = true;
+    end_frames(job, FRAME_FAILED);
+}
+
+void queue_restore_end(struct queue_job *job, bool canceled, bool failed)
+{
+    if (!canceled && !failed) return;
+    job->is_canceled = canceled;
+    job->is_failed = failed;
+    end_frames(job, failed ? FRAME_FAILED : FRAME_CANCELED);
+}
+
+static bool matches(const struct queue_job *job, int64_t index, unsigned states, const struct frame_range *range)
+{
+    unsigned state = job->states[index].state;
+
+    if (!(states >> state & 1) || state == FRAME_QUEUED || state == FRAME_RUNNING) return false;
+    return !range || frame_range_index(range, frame_range_at(&job->frames, index)) >= 0;
+}
+
+size_t queue_find_frames(const struct queue_job *job, unsigned states, const struct frame_range *range,
+                         int32_t **indices)
+{
+    size_t capacity = 0;
+    size_t count = 0;
+
+    *indices = NULL;
+    for (int64_t i = 0; i < job->frame_count; i++) {
+        if (!matches(job, i, states, range)) continue;
+        *indices = xgrow(*indices, &capacity, count + 1, sizeof **indices);
+        (*indices)[count++] = (int32_t)i;
+    }
+    return count;
+}
+
+int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states, const struct frame_range *range)
+{
+    int64_t count = 0;
+
+    for (int64_t i = 0; i < job->frame_count; i++) {
+        if (!matches(job, i, states, range)) continue;
+        set_state(job, i, FRAME_QUEUED);
+        job->states[i].tries = 0;
+        count++;
+    }
+    if (count == 0) return 0;
+    job->is_canceled = false;
+    job->is_failed = false;
+    job->has_started = job->counts[FRAME_QUEUED] < job->frame_count;
+    // The scan from the front meets all of them, so none may be in the heap as well.
+    index_heap_finish(&job->returned);
+    job->first_fresh = 0;
+    note_ready(job);
+    return count;
+}
+
+int64_t queue_count(const struct queue *queue, enum frame_state state)
+{
+    return queue->counts[state];
+}

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/service/daemon.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "daemon/clients/listener.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/limits.h"
+#include "daemon/jobs/events.h"
+#include "daemon/jobs/feed.h"
+#include "daemon/jobs/frame_life.h"
+#include "daemon/output/publisher.h"
+#include "daemon/output/sweeper.h"
+#include "daemon/requests/requests.h"
+#include "daemon/service/folders.h"
+#include "daemon/service/manager.h"
+#include "daemon/service/restore.h"
+#include "daemon/service/watchdog.h"
+#include "daemon/settings/options.h"
+#include "daemon/settings/reload.h"
+#include "daemon/store/committer.h"
+#include "daemon/store/store.h"
+#include "daemon/store/store_reader.h"
+#include "daemon/workers/worker_pool.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { GIVE_UP_MS = 5000 }; // on a store that does not commit, when stopping
+
+enum daemon_phase {
+    DAEMON_RUNNING,
+    DAEMON_STOPPING, // workers finish what they began
+    DAEMON_FLUSHING, // what they made is published and committed
+    DAEMON_CLOSING   // handles are being closed
+};
+
+struct daemon {
+    uv_loop_t loop;
+    struct farm farm;
+    struct store *store;
+    struct listener *listener;
+    struct watchdog *watchdog; // NULL: nobody waits for it
+    struct manager *manager;
+    struct options *options; // borrowed; outlive us
+    daemon_read_options *read_options;
+    void *read_user; // borrowed; outlives us
+    uv_signal_t terminate, interrupt, hang_up;
+    uv_prepare_t turn; // at the end of each turn of the loop
+    enum daemon_phase phase;
+    int64_t flushing_since_ms;
+};
+
+static void on_message(void *user, struct client *client, const struct message *message);
+static void on_client_gone(void *user, struct client *client);
+static void on_turn(uv_prepare_t *turn);
+static void on_signal(uv_signal_t *handle, int signal_number);
+static void on_hang_up(uv_signal_t *handle, int signal_number);
+
+static bool open_store(struct daemon *daemon, const struct options *options, struct error *error)
+{
+    if (!folders_make(options->state_folder, 0700, error) || !folders_make(options->output_roots.paths[0], 0755, error))
+        return false;
+    daemon->store = store_open(options->state_folder, error);
+    if (!daemon->store) return false;
+    daemon->farm.reader = store_reader_open(options->state_folder, error);
+    return daemon->farm.reader != NULL;
+}
+
+static void create_modules(struct daemon *daemon, const struct options *options)
+{
+    struct farm *farm = &daemon->farm;
+    int slots = options->worker_count ? options->worker_count : (int)uv_available_parallelism();
+
+    farm->committer = committer_create(farm->loop, daemon->store);
+    farm->publisher = publisher_create(farm->loop, farm->committer, frame_life_on_published, farm);
+    farm->sweeper = sweeper_create(farm->loop, farm_on_swept, farm);
+    farm->events = events_create(farm);
+    farm->pool = worker_pool_create(farm, slots);
+    daemon->watchdog = watchdog_open(farm->loop);
+    daemon->manager = manager_open(farm);
+    uv_signal_init(farm->loop, &daemon->terminate);
+    uv_signal_init(farm->loop, &daemon->interrupt);
+    uv_signal_init(farm->loop, &daemon->hang_up);
+    uv_prepare_init(farm->loop, &daemon->turn);
+    daemon->terminate.data = daemon->interrupt.data = daemon->hang_up.data = daemon->turn.data = daemon;
+}
+
+static bool listen_for_clients(struct daemon *daemon, const struct options *options, struct error *error)
+{
+    struct listener_handlers handlers = {.on_message = on_message, .on_gone = on_client_gone, .user = daemon};
+
+    daemon->listener = listener_open(&daemon->loop, options->socket_path, &handlers, error);
+    return daemon->listener != NULL;
+}
+
+static void start(struct daemon *daemon)
+{
+    uv_signal_start(&daemon->terminate, on_signal, SIGTERM);
+    uv_signal_start(&daemon->interrupt, on_signal, SIGINT);
+    uv_signal_start(&daemon->hang_up, isatty(STDERR_FILENO) ? on_signal : on_hang_up, SIGHUP);
+    uv_prepare_start(&daemon->turn, on_turn);
+    worker_pool_start(daemon->farm.pool);
+    restore_wind_up(&daemon->farm);
+    farm_want_feed(&daemon->farm);
+    log_info("marchd %s: %zu jobs, %lld frames queued, output below %s", MARCHD_VERSION, daemon->farm.jobs.count,
+             (long long)queue_count(daemon->farm.queue, FRAME_QUEUED), daemon->farm.options->output_roots.paths[0]);
+    manager_tell_ready(daemon->manager);
+}
+
+static void close_all(struct daemon *daemon)
+{
+    daemon->phase = DAEMON_CLOSING;
+    if (daemon->listener) listener_close(daemon->listener);
+    watchdog_close(daemon->watchdog);
+    manager_close(daemon->manager);
+    worker_pool_close(daemon->farm.pool);
+    events_close(daemon->farm.events);
+    committer_close(daemon->farm.committer);
+    uv_close((uv_handle_t *)&daemon->terminate, NULL);
+    uv_close((uv_handle_t *)&daemon->interrupt, NULL);
+    uv_close((uv_handle_t *)&daemon->hang_up, NULL);
+    uv_close((uv_handle_t *)&daemon->turn, NULL);
+}
+
+struct daemon *daemon_create(struct options *options, daemon_read_options *read_options, void *user,
+                             struct error *error)
+{
+    struct daemon *daemon = xcalloc(1, sizeof *daemon);
+    struct farm *farm = &daemon->farm;
+
+    daemon->options = options;
+    daemon->read_options = read_options;
+    daemon->read_user = user;
+    uv_loop_init(&daemon->loop);
+    farm->loop = &daemon->loop;
+    farm->options = options;
+    farm->queue = queue_create(options->max_attempts);
+    farm->started_ms = farm_clock_ms();
+    farm->rights.daemon_uid = geteuid();
+    if (!open_store(daemon, options, error) || !restore_farm(farm, daemon->store, error)) {
+        daemon_destroy(daemon);
+        return NULL;
+    }
+    create_modules(daemon, options);
+    if (!listen_for_clients(daemon, options, error)) {
+        close_all(daemon);
+        daemon_destroy(daemon);
+        return NULL;
+    }
+    start(daemon);
+    return daemon;
+}
+
+void daemon_run(struct daemon *daemon)
+{
+    uv_run(&daemon->loop, UV_RUN_DEFAULT);
+}
+
+void daemon_destroy(struct daemon *daemon)
+{
+    struct farm *farm;
+
+    if (!daemon) return;
+    farm = &daemon->farm;
+    uv_run(&daemon->loop, UV_RUN_DEFAULT);
+    worker_pool_destroy(farm->pool);
+    events_destroy(farm->events);
+    sweeper_destroy(farm->sweeper);
+    publisher_destroy(farm->publisher);
+    committer_destroy(farm->committer);
+    queue_destroy(farm->queue);
+    job_table_finish(&farm->jobs);
+    quota_finish(&farm->quota);
+    store_reader_close(farm->reader);
+    store_close(daemon->store);
+    // A handle that is left open is our mistake, and its memory is about to go.
+    if (uv_loop_close(&daemon->loop) != 0) abort();
+    free(daemon);
+}
+
+static void on_message(void *user, struct client *client, const struct message *message)
+{
+    struct daemon *daemon = user;
+
+    requests_handle(&daemon->farm, client, message);
+}
+
+static void on_client_gone(void *user, struct client *client)
+{
+    struct daemon *daemon = user;
+
+    events_forget(daemon->farm.events, client);
+}
+
+static void begin_stop(struct daemon *daemon)
+{
+    log_info("stopping: running frames get %lld s", (long long)daemon->farm.options->stop_timeout_ms / 1000);
+    daemon->phase = DAEMON_STOPPING;
+    manager_tell_stopping(daemon->manager, daemon->farm.options->stop_timeout_ms);
+    listener_stop(daemon->listener);
+    worker_pool_stop(daemon->farm.pool, daemon->farm.options->stop_timeout_ms);
+}
+
+static void on_signal(uv_signal_t *handle, int signal_number)
+{
+    struct daemon *daemon = handle->data;
+
+    if (daemon->phase == DAEMON_RUNNING) {
+        begin_stop(daemon);
+        return;
+    }
+    log_warn("stopped at once by a second signal");
+    _exit(128 + signal_number);
+}
+
+static void log_changes(const struct reload_changes *changes)
+{
+    if (changes->held[0])
+        log_info("settings: changed: %s", changes->held);
+    else
+        log_info("settings: read again, nothing else holds now");
+    if (changes->waiting[0]) log_warn("settings: changed, but need a restart: %s", changes->waiting);
+}
+
+static void hold_options(struct daemon *daemon, struct options *fresh)
+{
+    struct reload_changes changes;
+    bool was_quiet = daemon->options->log_level > LOG_INFO;
+
+    reload_take(daemon->options, fresh, &changes);
+    if (!was_quiet) log_changes(&changes);
+    log_set_level(daemon->options->log_level);
+    if (was_quiet) log_changes(&changes);
+    limits_refresh(&daemon->farm);
+    queue_set_max_attempts(daemon->farm.queue, daemon->options->max_attempts);
+    worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
+}
+
+// Settings that cannot be read, or do not hold here, change nothing.
+static void reload(struct daemon *daemon)
+{
+    struct options fresh = {0};
+    struct error error = {0};
+
+    manager_tell_reloading(daemon->manager);
+    if (daemon->read_options(daemon->read_user, &fresh, &error) &&
+        folders_make(fresh.output_roots.paths[0], 0755, &error))
+        hold_options(daemon, &fresh);
+    else
+        log_error("settings: all as before: %s", error.message);
+    options_finish(&fresh);
+    manager_tell_ready(daemon->manager);
+}
+
+static void on_hang_up(uv_signal_t *handle, int signal_number)
+{
+    struct daemon *daemon = handle->data;
+
+    (void)signal_number;
+    if (daemon->phase == DAEMON_RUNNING) reload(daemon);
+}
+
+static bool is_flushed(const struct farm *farm)
+{
+    return publisher_is_idle(farm->publisher) && sweeper_is_idle(farm->sweeper) && !farm->submits && !farm->deletions &&
+           committer_is_idle(farm->committer);
+}
+
+// What is published has its intent on disk, so a restart brings its result back.
+static void give_up_on_store(const struct daemon *daemon)
+{
+    const char *trouble = committer_trouble(daemon->farm.committer);
+
+    if (!trouble || farm_now_ms(&daemon->farm) - daemon->flushing_since_ms < GIVE_UP_MS) return;
+    log_error("stopped with %zu changes that the store could not commit: %s", committer_waiting(daemon->farm.committer),
+              trouble);
+    _exit(1);
+}
+
+static void on_turn(uv_prepare_t *turn)
+{
+    struct daemon *daemon = turn->data;
+
+    if (daemon->phase == DAEMON_RUNNING && daemon->farm.wants_feed) {
+        daemon->farm.wants_feed = false;
+        feed_workers(&daemon->farm);
+    }
+    if (daemon->phase == DAEMON_STOPPING && worker_pool_is_empty(daemon->farm.pool)) {
+        daemon->phase = DAEMON_FLUSHING;
+        listener_hush(daemon->listener);
+        daemon->flushing_since_ms = farm_now_ms(&daemon->farm);
+    }
+    if (daemon->phase == DAEMON_FLUSHING && is_flushed(&daemon->farm))
+        close_all(daemon);
+    else if (daemon->phase == DAEMON_FLUSHING)
+        give_up_on_store(daemon);
+}

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/service/restore.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
+#include "core/job/output_path.h"
+#include "core/wire/publish.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/limits.h"
+#include "daemon/store/store.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct restore_state {
+    struct farm *farm;
+    struct job_record *record;   // of the newest frame row
+    struct store_frame *intents; // owned; rows of files on their way to their names
+    size_t intent_count, intent_capacity;
+    struct store_op *ops; // owned; what came of them
+    size_t op_count, op_capacity;
+};
+
+static char *copy_text(const char *text)
+{
+    return text ? xstrdup(text) : NULL;
+}
+
+static bool on_job(void *user, const struct store_job *row, struct error *error)
+{
+    struct restore_state *state = user;
+    struct farm *farm = state->farm;
+    struct job_record *record;
+    struct job job = {0};
+    struct error cause;
+
+    // It stays in the store, untouched, for a daemon that can read it.
+    if (!job_parse(&job, row->document, strlen(row->document), row->root, &cause)) {
+        log_about(LOG_ERROR, &(struct log_subject){.job = row->id, .owner = row->owner},
+                  "job %lld of the store is left out: %s", (long long)row->id, cause.message);
+        return true;
+    }
+    record = job_table_add(&farm->jobs, row->id, xstrdup(row->root), &job.output.path);
+    record->name = xstrdup(row->name);
+    record->owner = xstrdup(row->owner);
+    record->owner_uid = row->owner_uid;
+    record->reason = copy_text(row->reason);
+    record->code = copy_text(scene_find_code(&job.scene));
+    record->submitted_ms = row->submitted_ms;
+    record->started_ms = row->started_ms;
+    record->finished_ms = row->finished_ms;
+    record->is_ending = record->is_settled = row->finished_ms != 0;
+    record->frame_pixels = (int64_t)job.width_px * job.height_px;
+    record->queued = queue_add_job(farm->queue, row->id, &job.frames, row->priority, row->is_paused);
+    record->queued->has_started = row->started_ms != 0;
+    record->restored_canceled = row->is_canceled;
+    record->restored_failed = row->is_failed;
+    job_finish(&job);
+    return true;
+}
+
+static bool on_frame(void *user, const struct store_frame *row, struct error *error)
+{
+    struct restore_state *state = user;
+
+    if (!state->record || state->record->id != row->job) state->record = job_table_find(&state->farm->jobs, row->job);
+    if (!state->record || row->index < 0 || row->index >= frame_range_count(&state->record->queued->frames))
+        return true;
+    if (row->state != FRAME_RUNNING) {
+        queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);
+        if (row->state == FRAME_SUCCEEDED) state->record->disk_bytes += (int64_t)row->size_bytes;
+        return true;
+    }
+    state->intents = xgrow(state->intents, &state->intent_capacity, state->intent_count + 1, sizeof *row);
+    state->intents[state->intent_count] = *row;
+    state->intents[state->intent_count++].error = NULL;
+    return true;
+}
+
+// True when the file has its name, durably.
+static bool settle_file(const struct job_record *record, const struct store_frame *row)
+{
+    struct published_file file = {.inode = row->inode, .size_bytes = row->size_bytes};
+    int32_t frame = frame_range_at(&record->queued->frames, row->index);
+    int folder = output_path_open_folder(&record->path, record->root, false, NULL);
+    char part[OUTPUT_NAME_SIZE], name[OUTPUT_NAME_SIZE];
+    enum publish_state found = PUBLISH_LOST;
+    bool ok = false;
+
+    if (folder < 0) return false;
+    memcpy(file.hash, row->hash, sizeof file.hash);
+    output_path_format_part(&record->path, frame, record->id, row->epoch, row->attempts, part);
+    output_path_format_name(&record->path, frame, name);
+    found = publish_settle(folder, part, name, &file);
+    ok = found == PUBLISH_DONE || (found == PUBLISH_PENDING && publish_file(folder, part, name, &file, NULL));
+    ok = ok && publish_sync(folder, NULL);
+    close(folder);
+    return ok;
+}
+
+static void settle(struct restore_state *state, const struct store_frame *row)
+{
+    struct job_record *record = job_table_find(&state->farm->jobs, row->job);
+    bool is_published = settle_file(record, row);
+    struct store_op op = {.kind = STORE_SET_FRAME, .frame = *row};
+    struct log_subject subject = job_record_subject(record);
+
+    queue_restore_frame(record->queued, row->index, is_published ? FRAME_SUCCEEDED : FRAME_QUEUED, row->attempts);
+    if (is_published) {
+        record->disk_bytes += (int64_t)row->size_bytes;
+        op.frame.state = FRAME_SUCCEEDED;
+    } else {
+        op = (struct store_op){.kind = STORE_RESET_FRAMES, .reset = {.job = row->job, .count = 1}};
+        op.reset.indices = xmalloc(sizeof op.reset.indices[0]);
+        op.reset.indices[0] = row->index;
+    }
+    state->ops = xgrow(state->ops, &state->op_capacity, state->op_count + 1, sizeof op);
+    state->ops[state->op_count++] = op;
+    subject.frame = frame_range_at(&record->queued->frames, row->index);
+    subject.attempt = row->attempts;
+    log_about(LOG_INFO, &subject, "job %lld frame %d: its file was being published when the daemon ended: %s",
+              (long long)row->job, subject.frame, is_published ? "it has its name" : "it is rendered again");
+}
+
+// A job that was stopped as a whole has no rows for the frames that went with it.
+static void stop_again(struct farm *farm)
+{
+    for (size_t i = 0; i < farm->jobs.count; i++) {
+        struct job_record *record = farm->jobs.records[i];
+
+        queue_restore_end(record->queued, record->restored_canceled, record->restored_failed);
+        record->told_state = queue_job_state(record->queued);
+        limits_count_job(farm, record);
+    }
+}
+
+bool restore_farm(struct farm *farm, struct store *store, struct error *error)
+{
+    struct restore_state state = {.farm = farm};
+    bool ok = store_load(store, on_job, on_frame, &state, error);
+
+    for (size_t i = 0; i < state.intent_count && ok; i++)
+        settle(&state, &state.intents[i]);
+    if (ok && state.op_count > 0) ok = store_commit(store, state.ops, state.op_count, error);
+    stop_again(farm);
+    limits_refresh(farm);
+    for (size_t i = 0; i < state.op_count; i++)
+        store_op_finish(&state.ops[i]);
+    free(state.ops);
+    free(state.intents);
+    farm->epoch = store_epoch(store);
+    farm->next_job_id = store_next_job_id(store);
+    return ok;
+}
+
+void restore_wind_up(struct farm *farm)
+{
+    for (size_t i = 0; i < farm->jobs.count; i++) {
+        struct job_record *record = farm->jobs.records[i];
+
+        if (!queue_job_is_live(record->queued) && !record->is_settled) farm_note_change(farm, record);
+    }
+}

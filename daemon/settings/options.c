@@ -1,0 +1,371 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/settings/options.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "daemon/settings/options_file.h"
+#include "daemon/settings/options_value.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+const char options_help[] =
+    "usage: marchd [options]\n"
+    "\n"
+    "Takes jobs over a unix socket, keeps them in a durable queue and feeds their frames to workers.\n"
+    "\n"
+    "  --config PATH           settings read from there: a line `KEY = VALUE` each, keys as the options below\n"
+    "                          (system: /etc/marchd/marchd.conf, if it is there)\n"
+    "  --system                the system's folders below, as root has them anyway\n"
+    "  --state DIR             where the queue is kept (system: /var/lib/marchd, else $XDG_STATE_HOME/marchd)\n"
+    "  --socket PATH           where clients connect (system: /run/marchd/marchd.sock, else "
+    "$XDG_RUNTIME_DIR/marchd.sock)\n"
+    "  --output-root DIR       a folder that output may go below; the first takes relative paths; may be given again\n"
+    "                          (system: /srv/marchd, else ~/marchd)\n"
+    "  --input-root DIR        a folder that jobs may read files below; may be given again\n"
+    "                          (system: /srv/marchd-input and /usr/share, else /)\n"
+    "  --workers N|auto        worker processes (auto: one a core)\n"
+    "  --threads N             threads one worker renders with (1)\n"
+    "  --backend NAME          auto, egl or osmesa (auto)\n"
+    "  --worker-memory BYTES   what one worker may allocate: auto, none, or as in 4G (auto: its share of nine tenths)\n"
+    "  --sandbox yes|no        workers reach nothing but the files of the job they render (yes)\n"
+    "  --worker-program PATH   the worker (march-worker beside marchd)\n"
+    "  --shader-dir DIR        shaders read from there instead of the worker's own\n"
+    "  --max-attempts N        attempts a frame has before it is failed (3)\n"
+    "  --progress-limit SECONDS  a worker that makes no progress for so long is killed (120)\n"
+    "  --stop-timeout SECONDS  what running frames get to finish when the daemon stops (30)\n"
+    "  --admin-group NAME      its members may change any job and have no limits (marchd-admin)\n"
+    "  --user-jobs N           jobs that a user may have waiting or running, or none (1000)\n"
+    "  --user-frames N         their frames that are not done, or none for no limit (1M)\n"
+    "  --user-pixels N         pixels of those frames, as in 500G (none)\n"
+    "  --user-disk BYTES       published files of a user's jobs until they are deleted, as in 2T (none)\n"
+    "  --log-level LEVEL       debug, info, warning or error (info)\n"
+    "  --help, --version\n"
+    "\n"
+    "The command line counts before the environment, that before the file. MARCHD_SOCKET in the environment stands for "
+    "--socket.\n"
+    "SIGTERM stops in order, a second one at once. SIGHUP reads the settings again.\n"
+    "\n"
+    "Examples:\n"
+    "  marchd --state /tmp/farm --socket /tmp/farm.sock --output-root /tmp/pictures\n"
+    "  marchd --workers 2 --backend osmesa --log-level debug\n";
+
+enum option_code {
+    OPTION_CONFIG = 256,
+    OPTION_SYSTEM,
+    OPTION_STATE,
+    OPTION_SOCKET,
+    OPTION_OUTPUT_ROOT,
+    OPTION_INPUT_ROOT,
+    OPTION_WORKERS,
+    OPTION_THREADS,
+    OPTION_BACKEND,
+    OPTION_WORKER_PROGRAM,
+    OPTION_SHADER_DIR,
+    OPTION_MAX_ATTEMPTS,
+    OPTION_PROGRESS_LIMIT,
+    OPTION_STOP_TIMEOUT,
+    OPTION_ADMIN_GROUP,
+    OPTION_USER_JOBS,
+    OPTION_USER_FRAMES,
+    OPTION_USER_PIXELS,
+    OPTION_USER_DISK,
+    OPTION_WORKER_MEMORY,
+    OPTION_SANDBOX,
+    OPTION_LOG_LEVEL,
+    OPTION_HELP,
+    OPTION_VERSION
+};
+
+static const struct option long_options[] = {
+    {"config", required_argument, NULL, OPTION_CONFIG},
+    {"system", no_argument, NULL, OPTION_SYSTEM},
+    {"state", required_argument, NULL, OPTION_STATE},
+    {"socket", required_argument, NULL, OPTION_SOCKET},
+    {"output-root", required_argument, NULL, OPTION_OUTPUT_ROOT},
+    {"input-root", required_argument, NULL, OPTION_INPUT_ROOT},
+    {"workers", required_argument, NULL, OPTION_WORKERS},
+    {"threads", required_argument, NULL, OPTION_THREADS},
+    {"backend", required_argument, NULL, OPTION_BACKEND},
+    {"worker-program", required_argument, NULL, OPTION_WORKER_PROGRAM},
+    {"shader-dir", required_argument, NULL, OPTION_SHADER_DIR},
+    {"max-attempts", required_argument, NULL, OPTION_MAX_ATTEMPTS},
+    {"progress-limit", required_argument, NULL, OPTION_PROGRESS_LIMIT},
+    {"stop-timeout", required_argument, NULL, OPTION_STOP_TIMEOUT},
+    {"admin-group", required_argument, NULL, OPTION_ADMIN_GROUP},
+    {"user-jobs", required_argument, NULL, OPTION_USER_JOBS},
+    {"user-frames", required_argument, NULL, OPTION_USER_FRAMES},
+    {"user-pixels", required_argument, NULL, OPTION_USER_PIXELS},
+    {"user-disk", required_argument, NULL, OPTION_USER_DISK},
+    {"worker-memory", required_argument, NULL, OPTION_WORKER_MEMORY},
+    {"sandbox", required_argument, NULL, OPTION_SANDBOX},
+    {"log-level", required_argument, NULL, OPTION_LOG_LEVEL},
+    {"help", no_argument, NULL, OPTION_HELP},
+    {"version", no_argument, NULL, OPTION_VERSION},
+    {NULL, 0, NULL, 0},
+};
+
+// Who sets options: one line of the command line, or one of the file.
+struct setter {
+    struct options *options;
+    const char *current_folder;             // NULL: paths must be absolute
+    bool has_output_roots, has_input_roots; // it has given such: more are added to them
+};
+
+static char *make_path(const struct setter *setter, const char *name, const char *text, struct error *error)
+{
+    char *path;
+
+    if (!*text) {
+        error_set(error, "--%s: expected a path, got nothing", name);
+        return NULL;
+    }
+    if (text[0] != '/' && !setter->current_folder) {
+        error_set(error, "--%s: expected an absolute path, got \"%s\"", name, text);
+        return NULL;
+    }
+    path = text[0] == '/' ? xstrdup(text) : xasprintf("%s/%s", setter->current_folder, text);
+    for (size_t length = strlen(path); length > 1 && path[length - 1] == '/'; length--)
+        path[length - 1] = '\0';
+    return path;
+}
+
+static bool set_path(const struct setter *setter, char **path, const char *name, const char *text, struct error *error)
+{
+    char *made = make_path(setter, name, text, error);
+
+    if (!made) return false;
+    free(*path);
+    *path = made;
+    return true;
+}
+
+// The first that somebody gives puts away what those before have given.
+static bool add_path(const struct setter *setter, struct path_list *list, bool *has_given, const char *name,
+                     const char *text, struct error *error)
+{
+    char *made = make_path(setter, name, text, error);
+
+    if (!made) return false;
+    if (!*has_given) path_list_finish(list);
+    *has_given = true;
+    path_list_add(list, made);
+    return true;
+}
+
+static bool set_group(struct options *options, const char *text, struct error *error)
+{
+    if (!*text) {
+        error_set(error, "--admin-group: expected a group's name, got nothing");
+        return false;
+    }
+    free(options->admin_group);
+    options->admin_group = xstrdup(text);
+    return true;
+}
+
+static bool set_folder(struct setter *setter, int code, const char *text, struct error *error)
+{
+    struct options *options = setter->options;
+
+    switch (code) {
+    case OPTION_STATE:
+        return set_path(setter, &options->state_folder, "state", text, error);
+    case OPTION_SOCKET:
+        return set_path(setter, &options->socket_path, "socket", text, error);
+    case OPTION_OUTPUT_ROOT:
+        return add_path(setter, &options->output_roots, &setter->has_output_roots, "output-root", text, error);
+    case OPTION_INPUT_ROOT:
+        return add_path(setter, &options->input_roots, &setter->has_input_roots, "input-root", text, error);
+    case OPTION_WORKER_PROGRAM:
+        return set_path(setter, &options->worker_program, "worker-program", text, error);
+    default:
+        return set_path(setter, &options->shader_folder, "shader-dir", text, error);
+    }
+}
+
+static bool set_user_limit(struct options *options, int code, const char *text, struct error *error)
+{
+    switch (code) {
+    case OPTION_USER_JOBS:
+        return options_value_limit("user-jobs", text, 1000, 0, &options->user_jobs, error);
+    case OPTION_USER_FRAMES:
+        return options_value_limit("user-frames", text, 1000, 0, &options->user_frames, error);
+    case OPTION_USER_PIXELS:
+        return options_value_limit("user-pixels", text, 1000, 0, &options->user_pixels, error);
+    default:
+        return options_value_limit("user-disk", text, 1024, 0, &options->user_disk_bytes, error);
+    }
+}
+
+static bool set_option(struct setter *setter, int code, const char *text, struct error *error)
+{
+    struct options *options = setter->options;
+
+    switch (code) {
+    case OPTION_WORKERS:
+        return options_value_workers(text, &options->worker_count, error);
+    case OPTION_THREADS:
+        return options_value_count("threads", text, 1024, &options->thread_count, error);
+    case OPTION_MAX_ATTEMPTS:
+        return options_value_count("max-attempts", text, 100, &options->max_attempts, error);
+    case OPTION_STOP_TIMEOUT:
+        return options_value_seconds("stop-timeout", text, 0, &options->stop_timeout_ms, error);
+    case OPTION_PROGRESS_LIMIT:
+        return options_value_seconds("progress-limit", text, 1, &options->progress_limit_ms, error);
+    case OPTION_BACKEND:
+        return options_value_backend(text, &options->backend, error);
+    case OPTION_ADMIN_GROUP:
+        return set_group(options, text, error);
+    case OPTION_USER_JOBS:
+    case OPTION_USER_FRAMES:
+    case OPTION_USER_PIXELS:
+    case OPTION_USER_DISK:
+        return set_user_limit(options, code, text, error);
+    case OPTION_WORKER_MEMORY:
+        return options_value_memory("worker-memory", text, &options->worker_memory_bytes, error);
+    case OPTION_SANDBOX:
+        return options_value_switch("sandbox", text, &options->has_sandbox, error);
+    case OPTION_LOG_LEVEL:
+        return options_value_level(text, &options->log_level, error);
+    default:
+        return set_folder(setter, code, text, error);
+    }
+}
+
+static void set_default_roots(struct options *options, bool is_system, const char *home)
+{
+    if (options->output_roots.count == 0)
+        path_list_add(&options->output_roots, is_system ? xstrdup("/srv/marchd") : xasprintf("%s/marchd", home));
+    if (options->input_roots.count > 0) return;
+    path_list_add(&options->input_roots, xstrdup(is_system ? "/srv/marchd-input" : "/"));
+    if (is_system) path_list_add(&options->input_roots, xstrdup("/usr/share"));
+}
+
+static bool set_defaults(struct options *options, const struct options_surroundings *surroundings, bool is_system,
+                         struct error *error)
+{
+    const char *home = surroundings->home;
+
+    if (!options->worker_program) options->worker_program = xasprintf("%s/march-worker", surroundings->program_folder);
+    if (!options->admin_group) options->admin_group = xstrdup("marchd-admin");
+    if (!is_system && !home && (!options->state_folder || options->output_roots.count == 0)) {
+        error_set(error, "there is no HOME: expected --state and --output-root");
+        return false;
+    }
+    set_default_roots(options, is_system, home);
+    if (!options->state_folder) {
+        options->state_folder = is_system                      ? xstrdup("/var/lib/marchd")
+                                : surroundings->xdg_state_home ? xasprintf("%s/marchd", surroundings->xdg_state_home)
+                                                               : xasprintf("%s/.local/state/marchd", home);
+    }
+    if (!options->socket_path) {
+        options->socket_path = is_system ? xstrdup("/run/marchd/marchd.sock")
+                               : surroundings->xdg_runtime_dir
+                                   ? xasprintf("%s/marchd.sock", surroundings->xdg_runtime_dir)
+                                   : xasprintf("%s/marchd.sock", options->state_folder);
+    }
+    return true;
+}
+
+// As the option of that name would set it.
+static bool on_setting(void *user, const char *key, const char *value, struct error *error)
+{
+    struct setter *setter = user;
+
+    for (const struct option *option = long_options; option->name; option++)
+        if (option->has_arg == required_argument && option->val != OPTION_CONFIG && strcmp(option->name, key) == 0)
+            return set_option(setter, option->val, value, error);
+    error_set(error, "%s: there is no such setting, see marchd --help", key);
+    return false;
+}
+
+static bool read_file(struct options *options, const char *named, const char *path, struct error *error)
+{
+    // Whoever starts the daemon stands anywhere: paths must be absolute.
+    struct setter setter = {.options = options};
+
+    if (named) path = named;
+    if (!path || (!named && access(path, F_OK) != 0)) return true;
+    return options_file_read(path, on_setting, &setter, error);
+}
+
+// What goes before all else on the command line.
+struct first_look {
+    const char *config;
+    bool is_system;
+};
+
+// One pass over the command line: the first, with `look`, sets nothing.
+static bool parse_line(struct setter *setter, int argc, char **argv, struct first_look *look, struct error *error)
+{
+    struct options *options = setter->options;
+    int code;
+
+    optind = 0;
+    opterr = 0;
+    while ((code = getopt_long(argc, argv, "+:", long_options, NULL)) != -1) {
+        if (code == OPTION_HELP) options->wants_help = true;
+        if (code == OPTION_VERSION) options->wants_version = true;
+        if (code == OPTION_HELP || code == OPTION_VERSION) return true;
+        if (code == '?' || code == ':') {
+            error_set(error, code == ':' ? "%s: expected a value after it" : "%s: there is no such option, see --help",
+                      argv[optind - 1]);
+            return false;
+        }
+        if (code == OPTION_CONFIG && look) look->config = optarg;
+        if (code == OPTION_SYSTEM && look) look->is_system = true;
+        if (code != OPTION_CONFIG && code != OPTION_SYSTEM && !look && !set_option(setter, code, optarg, error))
+            return false;
+    }
+    if (optind == argc) return true;
+    error_set(error, "%s: expected options only, see --help", argv[optind]);
+    return false;
+}
+
+static bool read_all(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+                     struct error *error)
+{
+    struct setter setter = {.options = options, .current_folder = surroundings->current_folder};
+    struct first_look look = {.is_system = surroundings->is_root};
+    const char *socket = surroundings->marchd_socket;
+
+    if (!parse_line(&setter, argc, argv, &look, error)) return false;
+    if (options->wants_help || options->wants_version) return true;
+    if (!read_file(options, look.config, look.is_system ? surroundings->config_path : NULL, error)) return false;
+    if (socket && *socket && !set_path(&setter, &options->socket_path, "socket", socket, error)) return false;
+    if (!parse_line(&setter, argc, argv, NULL, error)) return false;
+    return set_defaults(options, surroundings, look.is_system, error);
+}
+
+bool options_parse(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+                   struct error *error)
+{
+    *options = (struct options){.thread_count = 1,
+                                .max_attempts = 3,
+                                .stop_timeout_ms = 30000,
+                                .progress_limit_ms = 120000,
+                                .user_jobs = 1000,
+                                .user_frames = 1000000,
+                                .has_sandbox = true,
+                                .log_level = LOG_INFO,
+                                .backend = xstrdup("auto")};
+    if (read_all(options, argc, argv, surroundings, error)) return true;
+    options_finish(options);
+    return false;
+}
+
+void options_finish(struct options *options)
+{
+    free(options->state_folder);
+    free(options->socket_path);
+    path_list_finish(&options->output_roots);
+    path_list_finish(&options->input_roots);
+    free(options->worker_program);
+    free(options->shader_folder);
+    free(options->backend);
+    free(options->admin_group);
+    *options = (struct options){0};
+}

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/store/committer.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "daemon/store/store.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RETRY_MS = 1000 };
+
+// Who is told about the ops [first, first + count) of a batch.
+struct commit_entry {
+    size_t first, count;
+    enum commit_policy policy;
+    committer_on_done *on_done;
+    void *user; // borrowed
+};
+
+struct commit_batch {
+    struct store_op *ops; // owned
+    size_t op_count, op_capacity;
+    struct commit_entry *entries; // owned
+    size_t entry_count, entry_capacity;
+};
+
+struct committer {
+    uv_loop_t *loop;     // borrowed; outlives us
+    struct store *store; // borrowed; outlives us
+    uv_timer_t retry_timer;
+    uv_work_t work;
+    struct commit_batch gathering, in_flight;
+    bool is_working;    // `work` is queued: in_flight belongs to its thread
+    bool result;        // of the thread
+    struct error error; // the thread's
+    bool has_failed;
+    struct error trouble; // of the newest failure
+};
+
+static void start_batch(struct committer *committer);
+static void on_commit_run(uv_work_t *work);
+static void on_commit_done(uv_work_t *work, int status);
+static void on_retry(uv_timer_t *timer);
+
+struct committer *committer_create(uv_loop_t *loop, struct store *store)
+{
+    struct committer *committer = xcalloc(1, sizeof *committer);
+
+    committer->loop = loop;
+    committer->store = store;
+    uv_timer_init(loop, &committer->retry_timer);
+    committer->retry_timer.data = committer;
+    committer->work.data = committer;
+    return committer;
+}
+
+static void batch_finish(struct commit_batch *batch)
+{
+    for (size_t i = 0; i < batch->op_count; i++)
+        store_op_finish(&batch->ops[i]);
+    free(batch->ops);
+    free(batch->entries);
+    *batch = (struct commit_batch){0};
+}
+
+void committer_destroy(struct committer *committer)
+{
+    if (!committer) return;
+    assert(!committer->is_working);
+    batch_finish(&committer->gathering);
+    batch_finish(&committer->in_flight);
+    free(committer);
+}
+
+void committer_put(struct committer *committer, enum commit_policy policy, struct store_op *ops, size_t op_count,
+                   committer_on_done *on_done, void *user)
+{
+    struct commit_batch *batch = &committer->gathering;
+
+    if (op_count > 0) {
+        batch->ops = xgrow(batch->ops, &batch->op_capacity, batch->op_count + op_count, sizeof *batch->ops);
+        memcpy(batch->ops + batch->op_count, ops, op_count * sizeof *ops);
+    }
+    batch->entries = xgrow(batch->entries, &batch->entry_capacity, batch->entry_count + 1, sizeof *batch->entries);
+    batch->entries[batch->entry_count++] = (struct commit_entry){
+        .first = batch->op_count, .count = op_count, .policy = policy, .on_done = on_done, .user = user};
+    batch->op_count += op_count;
+    start_batch(committer);
+}
+
+void committer_settle(struct committer *committer, committer_on_done *on_done, void *user)
+{
+    if (committer_is_idle(committer))
+        on_done(user, true, NULL);
+    else
+        committer_put(committer, COMMIT_REPORTED, NULL, 0, on_done, user);
+}
+
+size_t committer_waiting(const struct committer *committer)
+{
+    return committer->gathering.op_count + committer->in_flight.op_count;
+}
+
+bool committer_is_idle(const struct committer *committer)
+{
+    return !committer->is_working && committer_waiting(committer) == 0;
+}
+
+const char *committer_trouble(const struct committer *committer)
+{
+    return committer->has_failed ? committer->trouble.message : NULL;
+}
+
+void committer_close(struct committer *committer)
+{
+    uv_close((uv_handle_t *)&committer->retry_timer, NULL);
+}
+
+// Behind what failed before, if anything did, so that who asks while the store fails is told so.
+static void gather_into_flight(struct committer *committer)
+{
+    struct commit_batch *kept = &committer->in_flight, *batch = &committer->gathering;
+
+    if (batch->op_count > 0) {
+        kept->ops = xgrow(kept->ops, &kept->op_capacity, kept->op_count + batch->op_count, sizeof *kept->ops);
+        memcpy(kept->ops + kept->op_count, batch->ops, batch->op_count * sizeof *kept->ops);
+    }
+    kept->entries =
+        xgrow(kept->entries, &kept->entry_capacity, kept->entry_count + batch->entry_count, sizeof *kept->entries);
+    for (size_t i = 0; i < batch->entry_count; i++) {
+        kept->entries[kept->entry_count] = batch->entries[i];
+        kept->entries[kept->entry_count++].first += kept->op_count;
+    }
+    kept->op_count += batch->op_count;
+    batch->op_count = batch->entry_count = 0;
+}
+
+static void start_batch(struct committer *committer)
+{
+    if (committer->is_working || uv_is_active((uv_handle_t *)&committer->retry_timer)) return;
+    if (committer->in_flight.entry_count == 0) {
+        struct commit_batch emptied = committer->in_flight;
+
+        committer->in_flight = committer->gathering;
+        committer->gathering = emptied;
+    } else if (committer->gathering.entry_count > 0) {
+        gather_into_flight(committer);
+    }
+    if (committer->in_flight.entry_count == 0) return;
+    committer->is_working = true;
+    uv_queue_work(committer->loop, &committer->work, on_commit_run, on_commit_done);
+}
+
+static void on_commit_run(uv_work_t *work)
+{
+    struct committer *committer = work->data;
+    const struct commit_batch *batch = &committer->in_flight;
+
+    committer->result = store_commit(committer->store, batch->ops, batch->op_count, &committer->error);
+}
+
+static void tell(const struct commit_entry *entry, bool ok, const struct error *error)
+{
+    if (entry->on_done) entry->on_done(entry->user, ok, error);
+}
+
+static void settle_success(struct committer *committer)
+{
+    // The callbacks put new ops, which start the next batch: this one steps aside first.
+    struct commit_batch batch = committer->in_flight;
+
+    committer->in_flight = (struct commit_batch){0};
+    if (batch.op_count > 0) { // no ops say nothing about the store
+        if (committer->has_failed) log_info("store: commits again");
+        committer->has_failed = false;
+    }
+    start_batch(committer);
+    for (size_t i = 0; i < batch.entry_count; i++)
+        tell(&batch.entries[i], true, NULL);
+    batch_finish(&batch);
+}
+
+// Takes out what must not be tried again and says so; the rest waits for the retry timer.
+static void settle_failure(struct committer *committer)
+{
+    struct commit_batch batch = committer->in_flight;
+    struct commit_batch kept = {0};
+    struct error error = committer->error;
+
+    if (!committer->has_failed) log_error("%s; tried again every second", error.message);
+    committer->has_failed = true;
+    committer->trouble = error;
+    kept.ops = xmalloc(batch.op_count * sizeof *kept.ops);
+    kept.op_capacity = batch.op_count;
+    kept.entries = xmalloc(batch.entry_count * sizeof *kept.entries);
+    kept.entry_capacity = batch.entry_count;
+    for (size_t i = 0; i < batch.entry_count; i++) {
+        struct commit_entry entry = batch.entries[i];
+
+        if (entry.policy == COMMIT_OR_DROP || entry.count == 0) {
+            for (size_t op = 0; op < entry.count; op++)
+                store_op_finish(&batch.ops[entry.first + op]);
+            continue;
+        }
+        memcpy(kept.ops + kept.op_count, batch.ops + entry.first, entry.count * sizeof *kept.ops);
+        entry.first = kept.op_count;
+        kept.op_count += entry.count;
+        if (entry.policy == COMMIT_REPORTED) entry.policy = COMMIT_SILENT;
+        if (entry.policy == COMMIT_SILENT) entry.on_done = NULL;
+        kept.entries[kept.entry_count++] = entry;
+    }
+    committer->in_flight = kept;
+    uv_timer_start(&committer->retry_timer, on_retry, RETRY_MS, 0);
+    for (size_t i = 0; i < batch.entry_count; i++) {
+        if (batch.entries[i].policy == COMMIT_OR_DROP || batch.entries[i].policy == COMMIT_REPORTED)
+            tell(&batch.entries[i], false, &error);
+    }
+    free(batch.ops);
+    free(batch.entries);
+}
+
+static void on_commit_done(uv_work_t *work, int status)
+{
+    struct committer *committer = work->data;
+
+    committer->is_working = false;
+    if (committer->result)
+        settle_success(committer);
+    else
+        settle_failure(committer);
+}
+
+static void on_retry(uv_timer_t *timer)
+{
+    start_batch(timer->data);
+}

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/store/store.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "daemon/store/store_lock.h"
+#include "daemon/store/store_schema.h"
+#include "daemon/store/store_sql.h"
+
+#include <inttypes.h>
+#include <sqlite3.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { BUSY_TIMEOUT_MS = 5000 };
+
+enum statement {
+    BEGIN,
+    COMMIT,
+    ADD_JOB,
+    ADD_DOCUMENT,
+    SET_JOB,
+    SET_FRAME,
+    RESET_FRAMES,
+    MARK_FRAME,
+    ADD_ATTEMPT,
+    TRIM_ATTEMPTS,
+    KEEP_ID,
+    DELETE_JOB,
+    DELETE_DOCUMENT,
+    DELETE_FRAMES,
+    DELETE_ATTEMPTS,
+    LOAD_JOBS,
+    LOAD_FRAMES,
+    LOAD_FRAME,
+    STATEMENT_COUNT
+};
+
+static const char *const statement_texts[STATEMENT_COUNT] = {
+    [BEGIN] = "BEGIN IMMEDIATE",
+    [COMMIT] = "COMMIT",
+    [ADD_JOB] = "INSERT INTO job (id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms,"
+                " finished_ms, reason, name, owner, owner_uid, root) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+    [ADD_DOCUMENT] = "INSERT INTO document VALUES (?, ?)",
+    [SET_JOB] = "UPDATE job SET priority = ?2, is_paused = ?3, is_canceled = ?4, is_failed = ?5, submitted_ms = ?6,"
+                " started_ms = ?7, finished_ms = ?8, reason = ?9 WHERE id = ?1",
+    [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
+                  " ?, ?, ?, ?, ?, ?)",
+    [RESET_FRAMES] = "DELETE FROM frame WHERE job = ? AND frame_index BETWEEN ? AND ?",
+    [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state) VALUES (?, ?, ?) ON CONFLICT DO NOTHING",
+    [ADD_ATTEMPT] = "INSERT INTO attempt (job, number, frame, attempt, worker, ended_ms, outcome, log) VALUES (?1,"
+                    " coalesce((SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1), 0) + 1,"
+                    " ?2, ?3, ?4, ?5, ?6, ?7)",
+    [TRIM_ATTEMPTS] = "DELETE FROM attempt WHERE job = ?1 AND number <="
+                      " (SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1) - ?2",
+    [KEEP_ID] = "UPDATE daemon SET last_job_id = max(last_job_id, ?)",
+    [DELETE_JOB] = "DELETE FROM job WHERE id = ?",
+    [DELETE_DOCUMENT] = "DELETE FROM document WHERE job = ?",
+    [DELETE_FRAMES] = "DELETE FROM frame WHERE job = ?",
+    [DELETE_ATTEMPTS] = "DELETE FROM attempt WHERE job = ?",
+    [LOAD_JOBS] =
+        "SELECT id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms, finished_ms, reason,"
+        " name, owner, owner_uid, root, text FROM job JOIN document ON document.job = id ORDER BY id",
+    [LOAD_FRAMES] = "SELECT job, frame_index, state, attempts, size_bytes FROM frame ORDER BY job, frame_index",
+    [LOAD_FRAME] = "SELECT " STORE_SCHEMA_FRAME_COLUMNS " FROM frame WHERE job = ? AND frame_index = ?",
+};
+
+struct store {
+    int lock_fd;
+    sqlite3 *db;                               // owned
+    sqlite3_stmt *statements[STATEMENT_COUNT]; // owned
+    int64_t epoch;
+    int64_t next_job_id;
+};
+
+static void finish_job(struct store_job *job)
+{
+    free(job->document);
+    free(job->name);
+    free(job->owner);
+    free(job->reason);
+    free(job->root);
+}
+
+void store_op_finish(struct store_op *op)
+{
+    switch (op->kind) {
+    case STORE_ADD_JOB:
+    case STORE_SET_JOB:
+    case STORE_DELETE_JOB:
+        finish_job(&op->job);
+        break;
+    case STORE_SET_FRAME:
+        free(op->frame.error);
+        break;
+    case STORE_ADD_ATTEMPT:
+        free(op->attempt.log);
+        break;
+    case STORE_RESET_FRAMES:
+        free(op->reset.indices);
+        break;
+    case STORE_MARK_FRAMES:
+        free(op->mark.indices);
+        break;
+    }
+    *op = (struct store_op){0};
+}
+
+// Nothing is written before the database is known to be ours; then the tables and the new epoch are one transaction.
+static bool open_database(struct store *store, const char *path, struct error *error)
+{
+    int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+    int64_t last_id = 0;
+    int found;
+
+    if (sqlite3_open_v2(path, &store->db, flags, NULL) != SQLITE_OK) {
+        store_sql_set_error(error, store->db, "open queue.db");
+        return false;
+    }
+    // A store that is refused keeps its log as well.
+    sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
+    sqlite3_busy_timeout(store->db, BUSY_TIMEOUT_MS);
+    if (!store_schema_check(store->db, &found, error)) return false;
+    sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
+
+    if (!store_sql_execute(store->db, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; BEGIN IMMEDIATE",
+                           "write to queue.db", error))
+        return false;
+    if (!store_schema_bring_up(store->db, found, error)) return false;
+    if (!store_sql_execute(store->db, "UPDATE daemon SET epoch = epoch + 1; COMMIT", "count this start", error))
+        return false;
+    if (!store_sql_read_integer(store->db, "SELECT epoch FROM daemon", &store->epoch, error)) return false;
+    if (!store_sql_read_integer(
+            store->db, "SELECT max(last_job_id, (SELECT coalesce(max(id), 0) FROM job)) FROM daemon", &last_id, error))
+        return false;
+    store->next_job_id = last_id + 1;
+    return true;
+}
+
+struct store *store_open(const char *folder, struct error *error)
+{
+    struct store *store = xcalloc(1, sizeof *store);
+    char *path = xasprintf("%s/queue.db", folder);
+    bool ok = false;
+
+    store->lock_fd = store_lock_take(folder, error);
+    if (store->lock_fd < 0) goto out;
+    if (!open_database(store, path, error)) goto out;
+    for (int i = 0; i < STATEMENT_COUNT; i++)
+        if (!store_sql_prepare(store->db, statement_texts[i], &store->statements[i], error)) goto out;
+    ok = true;
+out:
+    free(path);
+    if (ok) return store;
+    store_close(store);
+    return NULL;
+}
+
+void store_close(struct store *store)
+{
+    if (!store) return;
+    for (int i = 0; i < STATEMENT_COUNT; i++)
+        sqlite3_finalize(store->statements[i]);
+    sqlite3_close(store->db);
+    if (store->lock_fd >= 0) close(store->lock_fd);
+    free(store);
+}
+
+int64_t store_epoch(const struct store *store)
+{
+    return store->epoch;
+}
+
+int64_t store_next_job_id(const struct store *store)
+{
+    return store->next_job_id;
+}
+
+static void bind_job_changes(sqlite3_stmt *statement, const struct store_job *job)
+{
+    sqlite3_bind_int64(statement, 1, job->id);
+    sqlite3_bind_int(statement, 2, job->priority);
+    sqlite3_bind_int(statement, 3, job->is_paused);
+    sqlite3_bind_int(statement, 4, job->is_canceled);
+    sqlite3_bind_int(statement, 5, job->is_failed);
+    sqlite3_bind_int64(statement, 6, job->submitted_ms);
+    sqlite3_bind_int64(statement, 7, job->started_ms);
+    sqlite3_bind_int64(statement, 8, job->finished_ms);
+    store_sql_bind_text(statement, 9, job->reason);
+}
+
+static bool add_job(struct store *store, const struct store_job *job, struct error *error)
+{
+    sqlite3_stmt *add = store->statements[ADD_JOB];
+    sqlite3_stmt *document = store->statements[ADD_DOCUMENT];
+
+    bind_job_changes(add, job);
+    store_sql_bind_text(add, 10, job->name);
+    store_sql_bind_text(add, 11, job->owner);
+    sqlite3_bind_int64(add, 12, job->owner_uid);
+    store_sql_bind_text(add, 13, job->root);
+    sqlite3_bind_int64(document, 1, job->id);
+    store_sql_bind_text(document, 2, job->document);
+    return store_sql_run(add, "add a job", error) && store_sql_run(document, "add a job", error);
+}
+
+static bool set_job(struct store *store, const struct store_job *job, struct error *error)
+{
+    bind_job_changes(store->statements[SET_JOB], job);
+    if (!store_sql_run(store->statements[SET_JOB], "change a job", error)) return false;
+    if (sqlite3_changes(store->db) == 1) return true;
+    error_set(error, "store: cannot change job %" PRId64 ": it is not there", job->id);
+    return false;
+}
+
+static void bind_accuracy(sqlite3_stmt *statement, const struct frame_accuracy *accuracy)
+{
+    for (int column = 12; column <= 17; column++)
+        sqlite3_bind_null(statement, column);
+    if (accuracy->audit[0]) {
+        store_sql_bind_text(statement, 12, accuracy->audit);
+        sqlite3_bind_double(statement, 13, accuracy->error);
+        sqlite3_bind_double(statement, 14, accuracy->error95);
+        sqlite3_bind_int(statement, 15, accuracy->audit_rays);
+        store_sql_bind_text(statement, 16, accuracy->method);
+    }
+    if (accuracy->has_cut_share) sqlite3_bind_double(statement, 17, accuracy->cut_share);
+}
+
+static bool set_frame(struct store *store, const struct store_frame *frame, struct error *error)
+{
+    sqlite3_stmt *statement = store->statements[SET_FRAME];
+
+    sqlite3_bind_int64(statement, 1, frame->job);
+    sqlite3_bind_int(statement, 2, frame->index);
+    sqlite3_bind_int(statement, 3, frame->state);
+    sqlite3_bind_int(statement, 4, frame->attempts);
+    sqlite3_bind_int64(statement, 5, frame->epoch);
+    sqlite3_bind_int64(statement, 6, (int64_t)frame->inode);
+    sqlite3_bind_int64(statement, 7, (int64_t)frame->size_bytes);
+    store_sql_bind_text(statement, 8, frame->hash[0] ? frame->hash : NULL);
+    sqlite3_bind_double(statement, 9, frame->render_s);
+    sqlite3_bind_double(statement, 10, frame->encode_s);
+    store_sql_bind_text(statement, 11, frame->error);
+    bind_accuracy(statement, &frame->accuracy);
+    return store_sql_run(statement, "write a frame", error);
+}
+
+static bool add_attempt(struct store *store, const struct store_attempt *attempt, struct error *error)
+{
+    sqlite3_stmt *add = store->statements[ADD_ATTEMPT];
+    sqlite3_stmt *trim = store->statements[TRIM_ATTEMPTS];
+
+    sqlite3_bind_int64(add, 1, attempt->job);
+    sqlite3_bind_int(add, 2, attempt->frame);
+    sqlite3_bind_int(add, 3, attempt->attempt);
+    sqlite3_bind_int(add, 4, attempt->worker);
+    sqlite3_bind_int64(add, 5, attempt->ended_ms);
+    store_sql_bind_text(add, 6, attempt->outcome);
+    store_sql_bind_text(add, 7, attempt->log);
+    sqlite3_bind_int64(trim, 1, attempt->job);
+    sqlite3_bind_int(trim, 2, STORE_ATTEMPT_LIMIT);
+    return store_sql_run(add, "add an attempt", error) && store_sql_run(trim, "drop old attempts", error);
+}
+
+// Neighbours go by one statement.
+static bool reset_frames(struct store *store, int64_t job, const int32_t *indices, size_t count, struct error *error)
+{
+    sqlite3_stmt *statement = store->statements[RESET_FRAMES];
+
+    for (size_t first = 0, next; first < count; first = next) {
+        for (next = first + 1; next < count && indices[next] == indices[next - 1] + 1;)
+            next++;
+        sqlite3_bind_int64(statement, 1, job);
+        sqlite3_bind_int(statement, 2, indices[first]);
+        sqlite3_bind_int(statement, 3, indices[next - 1]);
+        if (!store_sql_run(statement, "queue frames again", error)) return false;
+    }
+    return true;
+}
+
+static bool mark_frames(struct store *store, int64_t job, const int32_t *indices, size_t count, int state,
+                        struct error *error)
+{
+    sqlite3_stmt *statement = store->statements[MARK_FRAME];
+
+    for (size_t i = 0; i < count; i++) {
+        sqlite3_bind_int64(statement, 1, job);
+        sqlite3_bind_int(statement, 2, indices[i]);
+        sqlite3_bind_int(statement, 3, state);
+        if (!store_sql_run(statement, "mark frames", error)) return false;
+    }
+    return true;
+}
+
+static bool delete_job(struct store *store, int64_t job, struct error *error)
+{
+    for (int i = KEEP_ID; i <= DELETE_ATTEMPTS; i++) {
+        sqlite3_bind_int64(store->statements[i], 1, job);
+        if (!store_sql_run(store->statements[i], "delete a job", error)) return false;
+    }
+    return true;
+}
+
+static bool apply(struct store *store, const struct store_op *op, struct error *error)
+{
+    switch (op->kind) {
+    case STORE_ADD_JOB:
+        return add_job(store, &op->job, error);
+    case STORE_SET_JOB:
+        return set_job(store, &op->job, error);
+    case STORE_DELETE_JOB:
+        return delete_job(store, op->job.id, error);
+    case STORE_SET_FRAME:
+        return set_frame(store, &op->frame, error);
+    case STORE_ADD_ATTEMPT:
+        return add_attempt(store, &op->attempt, error);
+    case STORE_RESET_FRAMES:
+        return reset_frames(store, op->reset.job, op->reset.indices, op->reset.count, error);
+    case STORE_MARK_FRAMES:
+        return mark_frames(store, op->mark.job, op->mark.indices, op->mark.count, op->mark.state, error);
+    }
+    return false;
+}
+
+bool store_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
+{
+    bool ok = false;
+
+    if (op_count == 0) return true;
+    if (!store_sql_run(store->statements[BEGIN], "begin", error)) return false;
+    for (size_t i = 0; i < op_count; i++)
+        if (!apply(store, &ops[i], error)) goto out;
+    ok = store_sql_run(store->statements[COMMIT], "commit", error);
+out:
+    // Some failures have rolled back by themselves.
+    if (!ok && !sqlite3_get_autocommit(store->db)) sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
+    for (size_t i = 0; ok && i < op_count; i++)
+        if (ops[i].kind == STORE_ADD_JOB && ops[i].job.id >= store->next_job_id) store->next_job_id = ops[i].job.id + 1;
+    return ok;
+}
+
+static bool read_job(sqlite3_stmt *row, struct store_job *job, struct error *error)
+{
+    *job = (struct store_job){.id = sqlite3_column_int64(row, 0),
+                              .priority = sqlite3_column_int(row, 1),
+                              .is_paused = sqlite3_column_int(row, 2) != 0,
+                              .is_canceled = sqlite3_column_int(row, 3) != 0,
+                              .is_failed = sqlite3_column_int(row, 4) != 0,
+                              .submitted_ms = sqlite3_column_int64(row, 5),
+                              .started_ms = sqlite3_column_int64(row, 6),
+                              .finished_ms = sqlite3_column_int64(row, 7),
+                              .reason = store_sql_text(row, 8),
+                              .name = store_sql_text(row, 9),
+                              .owner = store_sql_text(row, 10),
+                              .owner_uid = sqlite3_column_int64(row, 11),
+                              .root = store_sql_text(row, 12),
+                              .document = store_sql_text(row, 13)};
+    if (job->id > 0 && job->priority >= 0 && job->priority < QUEUE_PRIORITY_LIMIT && job->document) return true;
+    error_set(error, "store: job %" PRId64 " has priority %d, expected 0 to %d", job->id, job->priority,
+              QUEUE_PRIORITY_LIMIT - 1);
+    return false;
+}
+
+static bool load_jobs(struct store *store, store_on_job *on_job, void *user, struct error *error)
+{
+    sqlite3_stmt *rows = store->statements[LOAD_JOBS];
+    bool ok = true;
+    int result;
+
+    while ((result = sqlite3_step(rows)) == SQLITE_ROW) {
+        struct store_job job;
+
+        ok = read_job(rows, &job, error) && on_job(user, &job, error);
+        if (!ok) break;
+    }
+    if (ok && result != SQLITE_DONE) {
+        store_sql_set_error(error, store->db, "load the jobs");
+        ok = false;
+    }
+    sqlite3_reset(rows);
+    return ok;
+}
+
+// A publish intent is settled by all of its row.
+static bool load_intent(struct store *store, int64_t job, int32_t index, store_on_frame *on_frame, void *user,
+                        struct error *error)
+{
+    sqlite3_stmt *row = store->statements[LOAD_FRAME];
+    struct store_frame frame;
+    bool ok = false;
+
+    sqlite3_bind_int64(row, 1, job);
+    sqlite3_bind_int(row, 2, index);
+    if (sqlite3_step(row) != SQLITE_ROW)
+        store_sql_set_error(error, store->db, "load a frame");
+    else
+        ok = store_schema_read_frame(row, &frame, error) && on_frame(user, &frame, error);
+    sqlite3_reset(row);
+    return ok;
+}
+
+static bool load_frames(struct store *store, store_on_frame *on_frame, void *user, struct error *error)
+{
+    sqlite3_stmt *rows = store->statements[LOAD_FRAMES];
+    bool ok = true;
+    int result;
+
+    while ((result = sqlite3_step(rows)) == SQLITE_ROW) {
+        struct store_frame frame;
+
+        ok = store_schema_read_state(rows, &frame, error);
+        frame.size_bytes = (uint64_t)sqlite3_column_int64(rows, 4);
+        if (ok && frame.state == FRAME_RUNNING)
+            ok = load_intent(store, frame.job, frame.index, on_frame, user, error);
+        else if (ok)
+            ok = on_frame(user, &frame, error);
+        if (!ok) break;
+    }
+    if (ok && result != SQLITE_DONE) {
+        store_sql_set_error(error, store->db, "load the frames");
+        ok = false;
+    }
+    sqlite3_reset(rows);
+    return ok;
+}
+
+bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error)
+{
+    return load_jobs(store, on_job, user, error) && load_frames(store, on_frame, user, error);
+}

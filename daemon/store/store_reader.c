@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/store/store_reader.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "daemon/store/store_schema.h"
+#include "daemon/store/store_sql.h"
+
+#include <inttypes.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { BUSY_TIMEOUT_MS = 5000 };
+
+struct store_reader {
+    sqlite3 *db;                                        // owned
+    sqlite3_stmt *frames, *bytes, *attempts, *document; // owned
+};
+
+struct store_reader *store_reader_open(const char *folder, struct error *error)
+{
+    struct store_reader *reader = xcalloc(1, sizeof *reader);
+    char *path = xasprintf("%s/queue.db", folder);
+    bool ok = false;
+
+    if (sqlite3_open_v2(path, &reader->db, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, NULL) != SQLITE_OK) {
+        store_sql_set_error(error, reader->db, "open queue.db to read");
+        goto out;
+    }
+    sqlite3_busy_timeout(reader->db, BUSY_TIMEOUT_MS);
+    ok = store_sql_prepare(reader->db,
+                           "SELECT " STORE_SCHEMA_FRAME_COLUMNS " FROM frame"
+                           " WHERE job = ? AND frame_index BETWEEN ? AND ? ORDER BY frame_index",
+                           &reader->frames, error) &&
+         store_sql_prepare(reader->db,
+                           "SELECT coalesce(sum(size_bytes), 0) FROM frame"
+                           " WHERE job = ? AND frame_index BETWEEN ? AND ?",
+                           &reader->bytes, error) &&
+         store_sql_prepare(reader->db,
+                           "SELECT job, frame, attempt, worker, ended_ms, outcome, log FROM attempt"
+                           " WHERE job = ?1 AND (?2 = -1 OR frame = ?2) ORDER BY number DESC LIMIT ?3",
+                           &reader->attempts, error) &&
+         store_sql_prepare(reader->db, "SELECT text FROM document WHERE job = ?", &reader->document, error);
+out:
+    free(path);
+    if (ok) return reader;
+    store_reader_close(reader);
+    return NULL;
+}
+
+void store_reader_close(struct store_reader *reader)
+{
+    if (!reader) return;
+    sqlite3_finalize(reader->document);
+    sqlite3_finalize(reader->attempts);
+    sqlite3_finalize(reader->bytes);
+    sqlite3_finalize(reader->frames);
+    sqlite3_close(reader->db);
+    free(reader);
+}
+
+bool store_read_frames(struct store_reader *reader, int64_t job, int32_t first, int32_t last, store_on_frame *on_frame,
+                       void *user, struct error *error)
+{
+    sqlite3_stmt *rows = reader->frames;
+    bool ok = true;
+    int result;
+
+    sqlite3_bind_int64(rows, 1, job);
+    sqlite3_bind_int(rows, 2, first);
+    sqlite3_bind_int(rows, 3, last);
+    while ((result = sqlite3_step(rows)) == SQLITE_ROW) {
+        struct store_frame frame;
+
+        ok = store_schema_read_frame(rows, &frame, error) && on_frame(user, &frame, error);
+        if (!ok) break;
+    }
+    if (ok && result != SQLITE_DONE) {
+        store_sql_set_error(error, reader->db, "read frames");
+        ok = false;
+    }
+    sqlite3_reset(rows);
+    return ok;
+}
+
+bool store_read_bytes(struct store_reader *reader, int64_t job, int32_t first, int32_t last, int64_t *bytes,
+                      struct error *error)
+{
+    sqlite3_stmt *sum = reader->bytes;
+    bool ok;
+
+    sqlite3_bind_int64(sum, 1, job);
+    sqlite3_bind_int(sum, 2, first);
+    sqlite3_bind_int(sum, 3, last);
+    ok = sqlite3_step(sum) == SQLITE_ROW;
+    if (ok)
+        *bytes = sqlite3_column_int64(sum, 0);
+    else
+        store_sql_set_error(error, reader->db, "count the bytes of files");
+    sqlite3_reset(sum);
+    return ok;
+}
+
+static void read_attempt(sqlite3_stmt *row, struct store_attempt *attempt)
+{
+    const char *outcome = store_sql_text(row, 5);
+
+    *attempt = (struct store_attempt){.job = sqlite3_column_int64(row, 0),
+                                      .frame = sqlite3_column_int(row, 1),
+                                      .attempt = sqlite3_column_int(row, 2),
+                                      .worker = sqlite3_column_int(row, 3),
+                                      .ended_ms = sqlite3_column_int64(row, 4),
+                                      .log = store_sql_text(row, 6)};
+    snprintf(attempt->outcome, sizeof attempt->outcome, "%s", outcome ? outcome : "");
+}
+
+bool store_read_attempts(struct store_reader *reader, int64_t job, int32_t frame, int limit,
+                         store_on_attempt *on_attempt, void *user, struct error *error)
+{
+    sqlite3_stmt *rows = reader->attempts;
+    bool ok = true;
+    int result;
+
+    sqlite3_bind_int64(rows, 1, job);
+    sqlite3_bind_int(rows, 2, frame);
+    sqlite3_bind_int(rows, 3, limit > 0 ? limit : 0);
+    while ((result = sqlite3_step(rows)) == SQLITE_ROW) {
+        struct store_attempt attempt;
+
+        read_attempt(rows, &attempt);
+        ok = on_attempt(user, &attempt, error);
+        if (!ok) break;
+    }
+    if (ok && result != SQLITE_DONE) {
+        store_sql_set_error(error, reader->db, "read attempts");
+        ok = false;
+    }
+    sqlite3_reset(rows);
+    return ok;
+}
+
+bool store_read_document(struct store_reader *reader, int64_t job, char **document, struct error *error)
+{
+    sqlite3_stmt *rows = reader->document;
+    int result;
+
+    *document = NULL;
+    sqlite3_bind_int64(rows, 1, job);
+    result = sqlite3_step(rows);
+    if (result == SQLITE_ROW) {
+        const char *text = store_sql_text(rows, 0);
+
+        *document = xstrdup(text ? text : "");
+    } else if (result == SQLITE_DONE) {
+        error_set(error, "store: no job %" PRId64, job);
+    } else {
+        store_sql_set_error(error, reader->db, "read a job's file");
+    }
+    sqlite3_reset(rows);
+    return *document != NULL;
+}

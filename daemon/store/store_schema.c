@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/store/store_schema.h"
+
+#include "core/base/error.h"
+#include "daemon/store/store.h"
+#include "daemon/store/store_sql.h"
+
+#include <inttypes.h>
+#include <sqlite3.h>
+#include <stdio.h>
+
+enum { NO_VERSION = 0, FIRST_VERSION = 1 };
+
+#define APPLICATION_ID 1299342184 // "Mrch": tells the database from any other program's
+#define STRINGIFY(number) #number
+#define TEXT_OF(number) STRINGIFY(number)
+
+// The tables of the first version; each later one is reached from the one before it, by its own step alone.
+static const char first_sql[] =
+    "CREATE TABLE daemon (epoch INTEGER NOT NULL);"
+    "INSERT INTO daemon VALUES (0);"
+    "CREATE TABLE job ("
+    "    id INTEGER PRIMARY KEY, name TEXT, owner TEXT, owner_uid INTEGER NOT NULL, priority INTEGER NOT NULL,"
+    "    is_paused INTEGER NOT NULL, is_canceled INTEGER NOT NULL, is_failed INTEGER NOT NULL,"
+    "    submitted_ms INTEGER NOT NULL, started_ms INTEGER NOT NULL, finished_ms INTEGER NOT NULL,"
+    "    reason TEXT, root TEXT);"
+    // Apart from `job`, whose rows are rewritten whole at every change.
+    "CREATE TABLE document (job INTEGER PRIMARY KEY, text TEXT NOT NULL);"
+    "CREATE TABLE frame ("
+    "    job INTEGER NOT NULL, frame_index INTEGER NOT NULL, state INTEGER NOT NULL,"
+    "    attempts INTEGER NOT NULL DEFAULT 0, epoch INTEGER NOT NULL DEFAULT 0, inode INTEGER NOT NULL DEFAULT 0,"
+    "    size_bytes INTEGER NOT NULL DEFAULT 0, hash TEXT, render_s REAL NOT NULL DEFAULT 0,"
+    "    encode_s REAL NOT NULL DEFAULT 0, error TEXT, PRIMARY KEY (job, frame_index)) WITHOUT ROWID;"
+    "CREATE TABLE attempt ("
+    "    job INTEGER NOT NULL, number INTEGER NOT NULL, frame INTEGER NOT NULL, attempt INTEGER NOT NULL,"
+    "    worker INTEGER NOT NULL, ended_ms INTEGER NOT NULL, outcome TEXT NOT NULL, log TEXT,"
+    "    PRIMARY KEY (job, number)) WITHOUT ROWID;"
+    "PRAGMA application_id = " TEXT_OF(APPLICATION_ID);
+
+// steps[N] makes version N + 1 of version N. Columns that a step adds are NULL in the rows that were there.
+static const char *const steps[STORE_SCHEMA_VERSION] = {
+    [NO_VERSION] = first_sql,
+    [1] = "ALTER TABLE frame ADD COLUMN audit TEXT;"
+          "ALTER TABLE frame ADD COLUMN measured_error REAL;"
+          "ALTER TABLE frame ADD COLUMN error95 REAL;"
+          "ALTER TABLE frame ADD COLUMN audit_rays INTEGER;"
+          "ALTER TABLE frame ADD COLUMN method TEXT;"
+          "ALTER TABLE frame ADD COLUMN cut_share REAL;",
+    // Of jobs that are deleted; the others are in `job`.
+    [2] = "ALTER TABLE daemon ADD COLUMN last_job_id INTEGER NOT NULL DEFAULT 0;",
+};
+
+bool store_schema_check(sqlite3 *db, int *found, struct error *error)
+{
+    int64_t application, version, tables;
+
+    if (!store_sql_read_integer(db, "PRAGMA application_id", &application, error)) return false;
+    if (!store_sql_read_integer(db, "PRAGMA user_version", &version, error)) return false;
+    if (!store_sql_read_integer(db, "SELECT count(*) FROM sqlite_schema", &tables, error)) return false;
+
+    *found = NO_VERSION;
+    if (application == 0 && version == 0 && tables == 0) return true;
+    if (application != APPLICATION_ID) {
+        error_set(error, "store: queue.db is a database of another program, expected marchd's");
+        return false;
+    }
+    if (version > STORE_SCHEMA_VERSION) {
+        error_set(error, "store: written by a newer marchd (version %" PRId64 ", this one reads %d)", version,
+                  STORE_SCHEMA_VERSION);
+        return false;
+    }
+    if (version < FIRST_VERSION) {
+        error_set(error, "store: version %" PRId64 ", expected %d to %d", version, FIRST_VERSION, STORE_SCHEMA_VERSION);
+        return false;
+    }
+    *found = (int)version;
+    return true;
+}
+
+bool store_schema_bring_up(sqlite3 *db, int found, struct error *error)
+{
+    if (found == STORE_SCHEMA_VERSION) return true;
+    for (int version = found; version < STORE_SCHEMA_VERSION; version++)
+        if (!store_sql_execute(db, steps[version], "make the tables", error)) return false;
+    return store_sql_execute(db, "PRAGMA user_version = " TEXT_OF(STORE_SCHEMA_VERSION), "make the tables", error);
+}
+
+bool store_schema_read_state(sqlite3_stmt *row, struct store_frame *frame, struct error *error)
+{
+    int64_t index = sqlite3_column_int64(row, 1);
+
+    *frame = (struct store_frame){.job = sqlite3_column_int64(row, 0),
+                                  .index = (int32_t)index,
+                                  .state = sqlite3_column_int(row, 2),
+                                  .attempts = sqlite3_column_int(row, 3)};
+    if (index >= 0 && index < FRAME_COUNT_LIMIT && frame->state >= 0 && frame->state < FRAME_STATE_COUNT) return true;
+    error_set(error, "store: job %" PRId64 " has a frame of index %" PRId64 " in state %d, which cannot be", frame->job,
+              index, frame->state);
+    return false;
+}
+
+static void read_name(sqlite3_stmt *row, int column, char name[static FRAME_ACCURACY_TEXT_SIZE])
+{
+    const char *text = store_sql_text(row, column);
+
+    if (text) snprintf(name, FRAME_ACCURACY_TEXT_SIZE, "%s", text);
+}
+
+static void read_accuracy(sqlite3_stmt *row, struct frame_accuracy *accuracy)
+{
+    read_name(row, 11, accuracy->audit);
+    accuracy->error = sqlite3_column_double(row, 12);
+    accuracy->error95 = sqlite3_column_double(row, 13);
+    accuracy->audit_rays = sqlite3_column_int(row, 14);
+    read_name(row, 15, accuracy->method);
+    accuracy->has_cut_share = sqlite3_column_type(row, 16) != SQLITE_NULL;
+    accuracy->cut_share = sqlite3_column_double(row, 16);
+}
+
+bool store_schema_read_frame(sqlite3_stmt *row, struct store_frame *frame, struct error *error)
+{
+    const char *hash;
+
+    if (!store_schema_read_state(row, frame, error)) return false;
+    frame->epoch = sqlite3_column_int64(row, 4);
+    frame->inode = (uint64_t)sqlite3_column_int64(row, 5);
+    frame->size_bytes = (uint64_t)sqlite3_column_int64(row, 6);
+    hash = store_sql_text(row, 7);
+    if (hash) snprintf(frame->hash, sizeof frame->hash, "%s", hash);
+    frame->render_s = sqlite3_column_double(row, 8);
+    frame->encode_s = sqlite3_column_double(row, 9);
+    frame->error = store_sql_text(row, 10);
+    read_accuracy(row, &frame->accuracy);
+    return true;
+}

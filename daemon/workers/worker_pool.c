@@ -1,0 +1,446 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/workers/worker_pool.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/json/json_write.h"
+#include "core/wire/message.h"
+#include "daemon/farm/farm.h"
+#include "daemon/jobs/events.h"
+#include "daemon/jobs/frame_life.h"
+#include "daemon/jobs/job_change.h"
+#include "daemon/settings/options.h"
+#include "daemon/workers/job_fence.h"
+#include "daemon/workers/worker_slot.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    TICK_MS = 250,
+    EXIT_MS = 5000,
+    START_LIMIT = 3 // workers of a job that end before they are ready, until it is seen whether others do start
+};
+
+struct worker_pool {
+    struct farm *farm; // borrowed; outlives us
+    struct worker_handlers handlers;
+    uv_timer_t tick;
+    struct worker_slot *slots; // owned
+    int slot_count;
+    bool is_stopping;
+};
+
+static void on_tick(uv_timer_t *tick);
+static void on_report(void *user, struct worker_process *worker, const struct worker_report *report);
+static void on_gone(void *user, struct worker_process *worker);
+
+struct worker_pool *worker_pool_create(struct farm *farm, int slot_count)
+{
+    struct worker_pool *pool = xcalloc(1, sizeof *pool);
+
+    pool->farm = farm;
+    pool->handlers = (struct worker_handlers){.on_report = on_report, .on_gone = on_gone, .user = pool};
+    pool->slots = xcalloc((size_t)slot_count, sizeof pool->slots[0]);
+    pool->slot_count = slot_count;
+    uv_timer_init(farm->loop, &pool->tick);
+    pool->tick.data = pool;
+    return pool;
+}
+
+static struct worker_slot *slot_of(struct worker_pool *pool, const struct worker_process *worker)
+{
+    return &pool->slots[worker->id - 1];
+}
+
+// Workers that are about to take a frame of the job, or as good as.
+static int64_t count_waiting_for(const struct worker_pool *pool, int64_t job)
+{
+    int64_t count = 0;
+
+    for (int i = 0; i < pool->slot_count; i++) {
+        const struct worker_process *worker = pool->slots[i].worker;
+
+        if (!worker) continue;
+        if (worker->state == WORKER_STOPPING)
+            count += worker->next_job == job;
+        else
+            count += worker->job == job && worker->hand.count == 0;
+    }
+    return count;
+}
+
+// The job that a worker is started for; NULL: for any, or for none yet.
+static struct job_record *find_job_to_serve(const struct worker_pool *pool)
+{
+    const struct queue_job *next = pool->farm->options->has_sandbox ? queue_next_job(pool->farm->queue) : NULL;
+    struct job_record *record;
+
+    if (!next || count_waiting_for(pool, next->id) >= next->counts[FRAME_QUEUED]) return NULL;
+    record = job_table_find(&pool->farm->jobs, next->id);
+    return record->failed_starts < START_LIMIT || record->is_last_start ? record : NULL;
+}
+
+static int64_t find_memory_limit(const struct worker_pool *pool)
+{
+    int64_t limit = pool->farm->options->worker_memory_bytes;
+
+    if (limit != 0) return limit > 0 ? limit : 0;
+    return (int64_t)((double)uv_get_total_memory() * 0.9 / pool->slot_count);
+}
+
+// False: the job cannot be served, and is not tried again.
+static bool write_fence(struct worker_pool *pool, struct job_record *record, struct json_writer *fence)
+{
+    struct error error = {0};
+    bool is_job_fault;
+
+    if (job_fence_write(pool->farm, record, fence, &is_job_fault, &error)) return true;
+    frame_life_refuse_job(pool->farm, record, is_job_fault, error.message);
+    return false;
+}
+
+static void start_worker(struct worker_pool *pool, int index)
+{
+    struct job_record *record = find_job_to_serve(pool);
+    struct json_writer fence = {0};
+    const struct options *options = pool->farm->options;
+    struct worker_slot *slot = &pool->slots[index];
+    struct worker_params params = {.program = options->worker_program,
+                                   .backend = options->backend,
+                                   .shader_folder = options->shader_folder,
+                                   .thread_count = options->thread_count,
+                                   .progress_limit_ms = options->progress_limit_ms,
+                                   .has_sandbox = options->has_sandbox,
+                                   .memory_bytes = find_memory_limit(pool),
+                                   .fence = &fence,
+                                   .id = index + 1};
+    struct log_subject subject = {.worker = index + 1};
+    struct error error = {0};
+
+    if (record && write_fence(pool, record, &fence)) params.job = record->id;
+    slot->worker = worker_process_start(pool->farm->loop, &params, &pool->handlers, &error);
+    if (slot->worker) {
+        log_about(LOG_DEBUG, &subject, "worker %d: started, pid %d", index + 1, worker_process_pid(slot->worker));
+    } else {
+        retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
+        worker_slot_set_reason(slot, xstrdup(error.message));
+        log_about(LOG_WARN, &subject, "worker %d: %s", index + 1, error.message);
+    }
+    json_writer_finish(&fence);
+    events_tell_worker(pool->farm->events, index);
+}
+
+static void start_due(struct worker_pool *pool)
+{
+    int64_t now_ms = farm_now_ms(pool->farm);
+
+    for (int i = 0; i < pool->slot_count && !pool->is_stopping; i++) {
+        if (!pool->slots[i].worker && retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0)
+            start_worker(pool, i);
+    }
+}
+
+void worker_pool_start(struct worker_pool *pool)
+{
+    start_due(pool);
+    uv_timer_start(&pool->tick, on_tick, TICK_MS, TICK_MS);
+}
+
+static void check_liveness(struct worker_pool *pool, struct worker_process *worker, int64_t now_ms)
+{
+    struct job_record *record = job_table_find(&pool->farm->jobs, hand_current_job(&worker->hand));
+    double median_s = record ? estimate_median_s(&record->estimate) : 0;
+    size_t known = record ? estimate_count(&record->estimate) : 0;
+    char reason[LIVENESS_REASON_SIZE];
+    struct log_subject subject;
+    enum liveness_verdict verdict = liveness_check(&worker->liveness, median_s, known, now_ms, reason);
+
+    if (verdict == LIVENESS_ALIVE || worker->end_reason) return;
+    if (record && (verdict == LIVENESS_STUCK || verdict == LIVENESS_OVERLONG)) worker->suspect = record->code;
+    subject = worker_process_subject(worker);
+    log_about(LOG_WARN, &subject, "worker %d: killed: %s", worker->id, reason);
+    worker_process_kill(worker, reason);
+}
+
+static void on_tick(uv_timer_t *tick)
+{
+    struct worker_pool *pool = tick->data;
+    int64_t now_ms = farm_now_ms(pool->farm);
+
+    for (int i = 0; i < pool->slot_count; i++) {
+        if (pool->slots[i].worker) check_liveness(pool, pool->slots[i].worker, now_ms);
+        if (pool->slots[i].worker) worker_process_check(pool->slots[i].worker, now_ms);
+    }
+    start_due(pool);
+}
+
+static char *copy_text(const char *text)
+{
+    return text ? xstrdup(text) : NULL;
+}
+
+static void note_start(const struct worker_pool *pool, const struct worker_process *worker)
+{
+    struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
+
+    if (!record) return;
+    record->failed_starts = 0;
+    record->is_last_start = false;
+}
+
+// Where workers start, but not with the fence of this job, it is held: else no other's frames would be rendered.
+static void note_failed_start(const struct worker_pool *pool, const struct worker_process *worker, const char *reason)
+{
+    struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
+    struct error why;
+
+    if (!record || pool->is_stopping) return;
+    if (!record->is_last_start) {
+        if (record->failed_starts < START_LIMIT) record->failed_starts++;
+        return;
+    }
+    record->failed_starts = 0;
+    record->is_last_start = false;
+    error_set(&why, "workers start, but not those for this job: %s", reason);
+    job_change_hold(pool->farm, record, &why);
+}
+
+static void note_ready(struct worker_pool *pool, struct worker_process *worker, const struct worker_report *report)
+{
+    if (worker->state != WORKER_STARTING) return;
+    liveness_ready(&worker->liveness, farm_now_ms(pool->farm));
+    worker->state = WORKER_READY;
+    worker->backend = xstrdup(report->backend);
+    worker->vendor = xstrdup(report->vendor);
+    worker->renderer = xstrdup(report->renderer);
+    worker->version = xstrdup(report->version);
+    worker->device_uuid = copy_text(report->device_uuid);
+    worker->sandbox = copy_text(report->sandbox);
+    note_start(pool, worker);
+    // One comes with each job: news only where it is the farm's.
+    log_about(worker->job ? LOG_DEBUG : LOG_INFO,
+              &(struct log_subject){.worker = worker->id, .job = worker->job > 0 ? worker->job : 0},
+              "worker %d: ready: %s on %s (%s)", worker->id, report->backend, report->renderer, report->version);
+    worker_slot_set_reason(slot_of(pool, worker), NULL);
+    events_tell_worker(pool->farm->events, worker->id - 1);
+    farm_want_feed(pool->farm);
+}
+
+// That the job cannot be fenced in says nothing about the worker.
+static void note_unable(struct worker_pool *pool, struct worker_process *worker, const struct worker_report *report,
+                        int64_t now_ms)
+{
+    struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
+
+    if (!worker->end_reason) worker->end_reason = xstrdup(report->error);
+    if (worker->job != WORKER_ANY_JOB && worker->state == WORKER_STARTING && report->fault != RETRY_FAULT_WORKER) {
+        worker->is_replaced = true;
+        if (record) frame_life_refuse_job(pool->farm, record, report->fault == RETRY_FAULT_JOB, report->error);
+    }
+    worker_process_expect_exit(worker, now_ms + EXIT_MS);
+}
+
+static void note_clocks(struct worker_process *worker, const struct worker_report *report, int64_t now_ms)
+{
+    switch (report->kind) {
+    case WORKER_REPORT_BEAT:
+        liveness_progress(&worker->liveness, report->progress, now_ms);
+        break;
+    case WORKER_REPORT_STARTED:
+    case WORKER_REPORT_PLANNED:
+        liveness_begin_frame(&worker->liveness, now_ms);
+        break;
+    case WORKER_REPORT_PLANNING: // for many frames: no other frame's time says how long it may take
+    case WORKER_REPORT_RENDERED:
+    case WORKER_REPORT_SKIPPED:
+    case WORKER_REPORT_FAILED:
+        liveness_end_frame(&worker->liveness, now_ms);
+        break;
+    default:
+        liveness_hear(&worker->liveness, now_ms);
+        break;
+    }
+}
+
+static void on_report(void *user, struct worker_process *worker, const struct worker_report *report)
+{
+    struct worker_pool *pool = user;
+    int64_t now_ms = farm_now_ms(pool->farm);
+
+    note_clocks(worker, report, now_ms);
+    if (report->kind == WORKER_REPORT_READY) note_ready(pool, worker, report);
+    if (report->kind == WORKER_REPORT_UNABLE) note_unable(pool, worker, report, now_ms);
+    if (report->kind >= WORKER_REPORT_STARTED && report->kind <= WORKER_REPORT_DROPPED)
+        frame_life_note_report(pool->farm, worker, report);
+    if (report->kind == WORKER_REPORT_FINISHED || report->kind == WORKER_REPORT_SKIPPED)
+        retry_backoff_succeed(&slot_of(pool, worker)->backoff);
+    liveness_set_busy(&worker->liveness, worker->hand.count > 0, now_ms);
+}
+
+static void on_gone(void *user, struct worker_process *worker)
+{
+    struct worker_pool *pool = user;
+    struct worker_slot *slot = slot_of(pool, worker);
+    char *reason = worker_process_describe_end(worker);
+    struct log_subject subject = worker_process_subject(worker);
+    bool is_replaced = worker->is_replaced && worker->hand.count == 0 && worker->exit_signal == 0;
+    bool is_expected = is_replaced || (pool->is_stopping && worker->exit_status == 0 && worker->exit_signal == 0);
+
+    if (!is_expected)
+        log_about(LOG_WARN, &subject, "worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
+    frame_life_lose_hand(pool->farm, worker, reason);
+    if (!worker->backend && !is_replaced) note_failed_start(pool, worker, reason);
+    slot->done += worker->done;
+    slot->worker = NULL;
+    // Code that does not end says nothing about the slot.
+    if (worker->done == 0 && !worker->suspect && !is_replaced)
+        retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
+    if (is_replaced) {
+        free(reason);
+        reason = NULL;
+    }
+    worker_slot_set_reason(slot, reason);
+    events_tell_worker(pool->farm->events, worker->id - 1);
+    worker_process_close(worker);
+    farm_want_feed(pool->farm); // others may have left the next frames to it
+    start_due(pool);
+}
+
+void worker_pool_set_progress_limit(struct worker_pool *pool, int64_t limit_ms)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        if (pool->slots[i].worker) pool->slots[i].worker->liveness.limits.progress_ms = limit_ms;
+    }
+}
+
+void worker_pool_stop(struct worker_pool *pool, int64_t timeout_ms)
+{
+    int64_t stop_by_ms = farm_now_ms(pool->farm) + timeout_ms;
+
+    pool->is_stopping = true;
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (!worker) continue;
+        if (worker->state == WORKER_STARTING)
+            worker_process_kill(worker, "the daemon stops");
+        else
+            worker_process_exit(worker, stop_by_ms);
+        events_tell_worker(pool->farm->events, i);
+    }
+}
+
+bool worker_pool_is_empty(const struct worker_pool *pool)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        if (pool->slots[i].worker) return false;
+    }
+    return true;
+}
+
+void worker_pool_close(struct worker_pool *pool)
+{
+    assert(worker_pool_is_empty(pool));
+    uv_close((uv_handle_t *)&pool->tick, NULL);
+}
+
+void worker_pool_destroy(struct worker_pool *pool)
+{
+    if (!pool) return;
+    for (int i = 0; i < pool->slot_count; i++)
+        worker_slot_finish(&pool->slots[i]);
+    free(pool->slots);
+    free(pool);
+}
+
+int worker_pool_slot_count(const struct worker_pool *pool)
+{
+    return pool->slot_count;
+}
+
+struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index)
+{
+    struct worker_process *worker = pool->slots[index].worker;
+
+    return worker && worker->state == WORKER_READY ? worker : NULL;
+}
+
+bool worker_pool_suits(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job)
+{
+    struct job_record *record = job_table_find(&pool->farm->jobs, job->id);
+
+    if (!pool->farm->options->has_sandbox || worker->job == job->id) return true;
+    if (record->failed_starts == START_LIMIT) record->is_last_start = true; // for this one did start
+    if (worker->hand.count > 0 || count_waiting_for(pool, job->id) >= job->counts[FRAME_QUEUED]) return false;
+    worker->is_replaced = true;
+    worker->next_job = job->id;
+    worker_process_exit(worker, farm_now_ms(pool->farm) + EXIT_MS);
+    return false;
+}
+
+int worker_pool_ready_count(const struct worker_pool *pool)
+{
+    int count = 0;
+
+    for (int i = 0; i < pool->slot_count; i++)
+        count += worker_pool_ready_at(pool, i) != NULL;
+    return count;
+}
+
+char *worker_pool_format_trouble(const struct worker_pool *pool)
+{
+    const char *reason = NULL;
+
+    if (pool->is_stopping) return xstrdup("the daemon is stopping");
+    for (int i = 0; i < pool->slot_count; i++) {
+        if (worker_pool_ready_at(pool, i)) return NULL;
+        if (!reason) reason = pool->slots[i].reason;
+    }
+    return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("no worker is ready: they are starting");
+}
+
+static void send_about_job(struct worker_process *worker, const char *method, int64_t job, bool has_running,
+                           bool running)
+{
+    struct json_writer writer = {0};
+
+    message_begin_notification(&writer, method);
+    json_write_begin_object(&writer);
+    json_write_integer_member(&writer, "job", job);
+    if (has_running) json_write_bool_member(&writer, "running", running);
+    json_write_end_object(&writer);
+    message_end(&writer);
+    worker_process_send(worker, &writer);
+    json_writer_finish(&writer);
+}
+
+void worker_pool_drop_job(struct worker_pool *pool, int64_t job, bool running)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (worker && hand_holds_job(&worker->hand, job)) send_about_job(worker, "worker.drop", job, true, running);
+    }
+}
+
+void worker_pool_forget_job(struct worker_pool *pool, int64_t job)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (!worker) continue;
+        // Brought back, it may read other files: what was opened may be gone.
+        if (worker->job == job) worker->job = WORKER_NO_JOB;
+        if (!worker_process_knows_job(worker, job)) continue;
+        worker_process_forget_job(worker, job);
+        send_about_job(worker, "worker.forget", job, false, false);
+    }
+}
+
+void worker_pool_write_slot(const struct worker_pool *pool, int index, struct json_writer *writer)
+{
+    worker_slot_write(&pool->slots[index], index + 1, writer);
+}

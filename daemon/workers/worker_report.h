@@ -1,0 +1,46 @@
+// What a worker says about itself and its frames, read from its messages.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/wire/frame_accuracy.h"
+#include "core/wire/publish.h"
+#include "daemon/schedule/retry.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+struct message;
+
+enum worker_report_kind {
+    WORKER_REPORT_READY,
+    WORKER_REPORT_UNABLE, // worker.failed
+    WORKER_REPORT_BEAT,
+    WORKER_REPORT_STARTED, // from here on: of a frame
+    WORKER_REPORT_PLANNING,
+    WORKER_REPORT_PLANNED,
+    WORKER_REPORT_RENDERED,
+    WORKER_REPORT_FINISHED,
+    WORKER_REPORT_SKIPPED,
+    WORKER_REPORT_FAILED,
+    WORKER_REPORT_DROPPED,
+    WORKER_REPORT_UNKNOWN // a method this daemon does not know; not an error
+};
+
+// Strings are borrowed from the message.
+struct worker_report {
+    enum worker_report_kind kind;
+    const char *backend, *vendor, *renderer, *version, *device_uuid; // ready; device_uuid may be NULL
+    const char *sandbox;                                             // ready; what keeps it in; may be NULL
+    double progress;                                                 // beat
+    int64_t job;                                                     // of a frame
+    int32_t frame, attempt;
+    struct published_file file; // finished; skipped without inode
+    double render_s, encode_s;
+    double audit_s;                 // beside both
+    struct frame_accuracy accuracy; // finished, skipped
+    enum retry_fault fault;         // failed
+    const char *error;              // failed, unable
+};
+
+bool worker_report_read(struct worker_report *report, const struct message *message, struct error *error);

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/workers/worker_slot.h"
+
+#include "core/json/json_write.h"
+#include "daemon/workers/worker_process.h"
+
+#include <stdlib.h>
+
+void worker_slot_finish(struct worker_slot *slot)
+{
+    free(slot->reason);
+    *slot = (struct worker_slot){0};
+}
+
+void worker_slot_set_reason(struct worker_slot *slot, char *reason)
+{
+    free(slot->reason);
+    slot->reason = reason;
+}
+
+static const char *state_name(const struct worker_slot *slot)
+{
+    if (!slot->worker) return "backing_off";
+    if (slot->worker->state == WORKER_STARTING) return "starting";
+    if (slot->worker->state == WORKER_STOPPING) return "stopping";
+    return slot->worker->hand.count > 0 ? "busy" : "idle";
+}
+
+static void write_process(const struct worker_process *worker, struct json_writer *writer)
+{
+    int64_t job = worker ? hand_current_job(&worker->hand) : 0;
+
+    json_write_string_member(writer, "backend", worker ? worker->backend : NULL);
+    json_write_string_member(writer, "vendor", worker ? worker->vendor : NULL);
+    json_write_string_member(writer, "renderer", worker ? worker->renderer : NULL);
+    json_write_string_member(writer, "version", worker ? worker->version : NULL);
+    json_write_string_member(writer, "device_uuid", worker ? worker->device_uuid : NULL);
+    json_write_string_member(writer, "sandbox", worker ? worker->sandbox : NULL);
+    json_write_key(writer, "job");
+    if (job)
+        json_write_integer(writer, job);
+    else
+        json_write_null(writer);
+    json_write_integer_member(writer, "frames", worker ? (int64_t)worker->hand.count : 0);
+}
+
+void worker_slot_write(const struct worker_slot *slot, int id, struct json_writer *writer)
+{
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "id", id);
+    json_write_key(writer, "pid");
+    if (slot->worker)
+        json_write_integer(writer, worker_process_pid(slot->worker));
+    else
+        json_write_null(writer);
+    json_write_string_member(writer, "state", state_name(slot));
+    write_process(slot->worker, writer);
+    json_write_integer_member(writer, "done", slot->done + (slot->worker ? slot->worker->done : 0));
+    json_write_string_member(writer, "reason", slot->reason);
+    json_write_end_object(writer);
+}

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/job/quality_json.h"
+
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
+#include "tests/support/job_text.h"
+#include "tests/support/json_edit.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static struct job parse(const char *text)
+{
+    struct job job;
+    struct error error = {0};
+
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    return job;
+}
+
+static void assert_refused(const char *text, const char *expected)
+{
+    struct job job;
+    struct error error = {0};
+
+    if (job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("taken, not \"%s\"", expected);
+    assert_string_equal(error.message, expected);
+}
+
+static void qualities_are_read(void **state)
+{
+    struct job noise = parse(job_text_noise), fog = parse(job_text_fog);
+
+    assert_int_equal(noise.quality.method, JOB_METHOD_MIDPOINT);
+    assert_true(noise.quality.step == 0.05 && noise.quality.light_step == 0.1 && noise.quality.step_voxels == 0.0);
+    assert_true(noise.quality.roulette_below == 0.125 && noise.quality.roulette_survive == 0.5);
+    assert_int_equal(noise.quality.samples, 4);
+    assert_int_equal(fog.quality.method, JOB_METHOD_EQUIANGULAR);
+    assert_int_equal(fog.quality.points, 8);
+    assert_int_equal(fog.quality.samples, 2);
+    // 1 to 9 at 25 a second, and half a frame until the shutter closes.
+    assert_true(fabs(job_time_span(&fog).last - 0.38) < 1e-15);
+    job_finish(&noise);
+    job_finish(&fog);
+}
+
+// Their parameters are midpoint's.
+static void jittered_and_preintegrated_are_read(void **state)
+{
+    static const char *const names[] = {"\"jittered\"", "\"preintegrated\""};
+    static const enum job_method methods[] = {JOB_METHOD_JITTERED, JOB_METHOD_PREINTEGRATED};
+
+    for (int i = 0; i < 2; i++) {
+        char *text = json_edit_set(job_text_noise, "quality.method", names[i]);
+        struct job job = parse(text);
+
+        assert_int_equal(job.quality.method, methods[i]);
+        assert_true(job.quality.step == 0.05 && job.quality.light_step == 0.1 && job.quality.roulette_below == 0.125);
+        assert_memory_equal(job_method_name(job.quality.method), names[i] + 1, strlen(names[i]) - 2);
+        job_finish(&job);
+        free(text);
+    }
+}
+
+static void steps_by_depth_and_by_rule_are_read(void **state)
+{
+    char *text = json_edit_set(job_text_noise, "quality",
+                               "{\"method\":\"adaptive\",\"step\":0.5,\"light_step\":1,\"depth_step\":0.125}");
+    struct job adaptive = parse(text), gauss;
+
+    assert_int_equal(adaptive.quality.method, JOB_METHOD_ADAPTIVE);
+    assert_true(adaptive.quality.step == 0.5 && adaptive.quality.depth_step == 0.125);
+    free(text);
+    text = json_edit_set(job_text_noise, "quality", "{\"method\":\"gauss\",\"step\":0.5,\"light_step\":1,\"order\":3}");
+    gauss = parse(text);
+    assert_int_equal(gauss.quality.method, JOB_METHOD_GAUSS);
+    assert_int_equal(gauss.quality.order, 3);
+    job_finish(&gauss);
+    free(text);
+    text = json_edit_set(job_text_noise, "quality", "{\"method\":\"gauss\",\"step\":0.5,\"light_step\":1}");
+    gauss = parse(text);
+    assert_int_equal(gauss.quality.order, 2);
+    job_finish(&gauss);
+    free(text);
+    job_finish(&adaptive);
+}
+
+static void tracking_is_read(void **state)
+{
+    char *text =
+        json_edit_set(job_text_noise, "quality", "{\"method\":\"tracking\",\"estimator\":\"ratio\",\"samples\":3}");
+    struct job ratio = parse(text), jackknife;
+
+    assert_int_equal(ratio.quality.method, JOB_METHOD_TRACKING);
+    assert_int_equal(ratio.quality.estimator, JOB_ESTIMATOR_RATIO);
+    assert_true(job_quality_has_majorants(&ratio.quality) && ratio.quality.step == 0.0);
+    free(text);
+    text = json_edit_set(job_text_noise, "quality",
+                         "{\"method\":\"tracking\",\"estimator\":\"jackknife\",\"step\":0.5,\"light_step\":0.25}");
+    jackknife = parse(text);
+    assert_int_equal(jackknife.quality.estimator, JOB_ESTIMATOR_JACKKNIFE);
+    assert_false(job_quality_has_majorants(&jackknife.quality));
+    assert_true(jackknife.quality.step == 0.5 && jackknife.quality.light_step == 0.25);
+    free(text);
+    job_finish(&ratio);
+    job_finish(&jackknife);
+}
+
+static void cached_is_read(void **state)
+{
+    char *text =
+        json_edit_set(job_text_noise, "quality",
+                      "{\"method\":\"cached\",\"step\":0.05,\"light_grid\":64,\"density_grid\":32,\"samples\":3}");
+    struct job job = parse(text);
+
+    (void)state;
+    assert_int_equal(job.quality.method, JOB_METHOD_CACHED);
+    assert_int_equal(job.quality.light_grid, 64);
+    assert_int_equal(job.quality.density_grid, 32);
+    assert_int_equal(job.quality.samples, 3);
+    assert_true(job.quality.step == 0.05 && job.quality.light_step == 0.0);
+    job_finish(&job);
+    free(text);
+}
+
+static void assert_tolerance(const char *quality, double tolerance, int samples)
+{
+    char *text = json_edit_set(job_text_noise, "quality", quality);
+    struct job job = parse(text);
+
+    assert_int_equal(job.quality.method, JOB_METHOD_AUTO);
+    assert_true(job.quality.tolerance == tolerance && job.quality.step == 0.0 && job.quality.light_step == 0.0);
+    assert_int_equal(job.quality.samples, samples);
+    job_finish(&job);
+    free(text);
+}
+
+static void without_a_method_there_is_a_tolerance(void **state)
+{
+    assert_tolerance(NULL, 0.01, 1);
+    assert_tolerance("{}", 0.01, 1);
+    assert_tolerance("{\"tolerance\":0.125}", 0.125, 1);
+    assert_tolerance("{\"method\":\"auto\",\"tolerance\":0.0002,\"samples\":4}", 2e-4, 4);
+}
+
+static void wrong_qualities_are_refused_by_place(void **state)
+{
+    static const struct {
+        const char *path, *value, *expected;
+    } edits[] = {
+        {"quality.roulette.below", "0", "quality.roulette.below: expected a number in (0, 1], got 0"},
+        {"quality.roulette.survive", "1", "quality.roulette.survive: expected a number in (0, 1), got 1"},
+        {"quality.roulette.survive", NULL, "quality.roulette.survive: expected a number from 0 to 1, got nothing"},
+        {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
+        {"quality.points", "3", "quality: unknown key \"points\" beside method \"midpoint\""},
+        {"quality.step_voxels", "1", "quality.step_voxels: expected step or step_voxels, got both"},
+        {"quality.light_step_voxels", "1",
+         "quality.light_step_voxels: expected light_step or light_step_voxels, got both"},
+        {"quality", "{\"method\":\"midpoint\",\"step_voxels\":1,\"light_step\":1}",
+         "quality.step_voxels: expected a density of kind \"grid\" to take the voxels of, got none"},
+        {"quality", "{\"method\":\"adaptive\",\"step\":1,\"light_step\":1}",
+         "quality.depth_step: expected a number from 0.0001 to 100, got nothing"},
+        {"quality", "{\"method\":\"gauss\",\"step\":1,\"light_step\":1,\"order\":5}",
+         "quality.order: expected an integer from 2 to 4, got 5"},
+        {"quality", "{\"method\":\"tracking\"}",
+         "quality.estimator: expected one of \"delta\",\"ratio\",\"debiased\",\"jackknife\", got nothing"},
+        {"quality", "{\"method\":\"tracking\",\"estimator\":\"delta\",\"step\":1}",
+         "quality: unknown key \"step\" beside method \"tracking\""},
+        {"quality", "{\"method\":\"tracking\",\"estimator\":\"debiased\"}",
+         "quality.step: expected a number from 1e-09 to 1000000000, got nothing"},
+        {"quality", "{\"method\":\"tracking\",\"estimator\":\"debiased\",\"step\":1}",
+         "quality.light_step: expected a number of metres, as light marches through media, got nothing"},
+        {"quality.tolerance", "0.1", "quality: unknown key \"tolerance\" beside method \"midpoint\""},
+        {"quality", "{\"tolerance\":0.6}", "quality.tolerance: expected a number from 0.0001 to 0.5, got 0.6"},
+        {"quality", "{\"tolerance\":0.1,\"step\":1}",
+         "quality.step: only beside a method; without one, a tolerance's plan chooses it"},
+        {"quality", "{\"tolerance\":0.00015}",
+         "quality.tolerance: expected at least 0.0002 of pixels in half, whose rounding leaves no less, got 0.00015; "
+         "output.pixel \"float\" keeps more"},
+        {"quality", "{\"light_grid\":64}",
+         "quality.light_grid: only beside a method; without one, a tolerance's plan chooses it"},
+        {"quality", "{\"method\":\"cached\",\"step\":1,\"light_grid\":3}",
+         "quality.light_grid: expected an integer from 4 to 512, got 3"},
+        {"quality", "{\"method\":\"cached\",\"step\":1,\"light_grid\":64,\"light_step\":1}",
+         "quality: unknown key \"light_step\", did you mean \"light_grid\"?"},
+        {"quality", "{\"method\":\"equiangular\"}", "quality.points: expected an integer from 1 to 1000, got nothing"},
+        {"quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4,\"roulette\":{}}",
+         "quality: unknown key \"roulette\" beside method \"riemann\""},
+    };
+
+    for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
+        char *text = json_edit_set(job_text_noise, edits[i].path, edits[i].value);
+
+        assert_refused(text, edits[i].expected);
+        free(text);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(qualities_are_read),
+        cmocka_unit_test(jittered_and_preintegrated_are_read),
+        cmocka_unit_test(steps_by_depth_and_by_rule_are_read),
+        cmocka_unit_test(without_a_method_there_is_a_tolerance),
+        cmocka_unit_test(tracking_is_read),
+        cmocka_unit_test(cached_is_read),
+        cmocka_unit_test(wrong_qualities_are_refused_by_place),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

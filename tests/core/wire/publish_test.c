@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/wire/publish.h"
+
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "tests/support/temp_folder.h"
+
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <sys/stat.h>
+
+#include <cmocka.h>
+
+static const char part[] = "x.0001.exr.1.1.1.part";
+static const char name[] = "x.0001.exr";
+
+static int open_folder(void *const *state)
+{
+    int fd = open(*state, O_RDONLY | O_DIRECTORY);
+
+    assert_true(fd >= 0);
+    return fd;
+}
+
+// Writes `text` as `file` and says what a worker would report of it.
+static struct published_file write_file(void *const *state, const char *file, const char *text)
+{
+    struct published_file written = {.size_bytes = strlen(text)};
+    struct stat status;
+
+    assert_true(file_write_atomic(temp_folder_path(state, file), text, strlen(text), NULL));
+    assert_int_equal(stat(temp_folder_path(state, file), &status), 0);
+    written.inode = status.st_ino;
+    hash_bytes(text, strlen(text), written.hash);
+    return written;
+}
+
+static bool exists(void *const *state, const char *file)
+{
+    struct stat status;
+
+    return lstat(temp_folder_path(state, file), &status) == 0;
+}
+
+static void part_gets_its_name(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    int fd = open_folder(state);
+    char *text;
+
+    assert_true(publish_file(fd, part, name, &expected, NULL));
+    assert_true(publish_sync(fd, NULL));
+    assert_false(exists(state, part));
+    assert_true(file_read_text(temp_folder_path(state, name), 100, &text, NULL, NULL));
+    assert_string_equal(text, "picture");
+    free(text);
+    close(fd);
+}
+
+static void older_file_is_replaced(void **state)
+{
+    struct published_file expected = write_file(state, part, "new picture");
+    int fd = open_folder(state);
+
+    write_file(state, name, "old");
+    assert_true(publish_file(fd, part, name, &expected, NULL));
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_DONE);
+    close(fd);
+}
+
+static void other_size_or_inode_is_refused(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    struct published_file wrong = expected;
+    int fd = open_folder(state);
+    struct error error = {0};
+
+    wrong.size_bytes++;
+    assert_false(publish_file(fd, part, name, &wrong, &error));
+    assert_non_null(strstr(error.message, "of 8 bytes, got inode"));
+    wrong = expected;
+    wrong.inode++;
+    assert_false(publish_file(fd, part, name, &wrong, NULL));
+    assert_true(exists(state, part));
+    assert_false(exists(state, name));
+    close(fd);
+}
+
+static void missing_part_is_refused(void **state)
+{
+    struct published_file expected = {.inode = 1};
+    int fd = open_folder(state);
+    struct error error = {0};
+
+    assert_false(publish_file(fd, part, name, &expected, &error));
+    assert_string_equal(error.message, "cannot publish x.0001.exr.1.1.1.part: No such file or directory");
+    close(fd);
+}
+
+static void link_in_place_of_the_part_is_refused(void **state)
+{
+    struct published_file expected = write_file(state, "real", "picture");
+    int fd = open_folder(state);
+    struct error error = {0};
+
+    assert_int_equal(symlink("real", temp_folder_path(state, part)), 0);
+    assert_false(publish_file(fd, part, name, &expected, &error));
+    assert_string_equal(error.message, "x.0001.exr.1.1.1.part: expected a file, got a symbolic link");
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_LOST);
+    assert_false(exists(state, name));
+    close(fd);
+}
+
+static void link_in_place_of_the_name_is_refused(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    int fd = open_folder(state);
+    struct error error = {0};
+
+    assert_int_equal(symlink(part, temp_folder_path(state, name)), 0);
+    assert_false(publish_file(fd, part, name, &expected, &error));
+    assert_string_equal(error.message, "x.0001.exr: expected a file or nothing, got a symbolic link");
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_PENDING);
+    assert_true(exists(state, part));
+    close(fd);
+}
+
+static void folder_in_place_of_the_name_is_refused(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    int fd = open_folder(state);
+    struct error error = {0};
+
+    assert_int_equal(mkdir(temp_folder_path(state, name), 0700), 0);
+    assert_false(publish_file(fd, part, name, &expected, &error));
+    assert_string_equal(error.message, "x.0001.exr: expected a file or nothing, got something else");
+    close(fd);
+}
+
+static void crash_before_the_rename_leaves_it_pending(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    int fd = open_folder(state);
+
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_PENDING);
+    write_file(state, name, "picture");
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_PENDING);
+    close(fd);
+}
+
+static void crash_after_the_rename_is_done(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    int fd = open_folder(state);
+
+    assert_true(publish_file(fd, part, name, &expected, NULL));
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_DONE);
+    close(fd);
+}
+
+static void other_bytes_of_the_same_size_are_lost(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    int fd = open_folder(state);
+    int written = open(temp_folder_path(state, part), O_WRONLY);
+
+    assert_true(file_write_all(written, "PICTURE", 7, NULL));
+    close(written);
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_LOST);
+    close(fd);
+}
+
+static void other_bytes_under_the_name_are_lost(void **state)
+{
+    struct published_file expected = write_file(state, part, "picture");
+    int fd = open_folder(state);
+    int written;
+
+    assert_true(publish_file(fd, part, name, &expected, NULL));
+    written = open(temp_folder_path(state, name), O_WRONLY);
+    assert_true(file_write_all(written, "PICTURE", 7, NULL));
+    close(written);
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_LOST);
+    close(fd);
+}
+
+static void neither_name_is_lost(void **state)
+{
+    struct published_file expected = {.inode = 1, .size_bytes = 7};
+    int fd = open_folder(state);
+
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_LOST);
+    write_file(state, name, "another");
+    assert_int_equal(publish_settle(fd, part, name, &expected), PUBLISH_LOST);
+    close(fd);
+}
+
+int main(void)
+{
+#define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, temp_folder_create, temp_folder_destroy)
+    const struct CMUnitTest tests[] = {
+        WITH_FOLDER(part_gets_its_name),
+        WITH_FOLDER(older_file_is_replaced),
+        WITH_FOLDER(other_size_or_inode_is_refused),
+        WITH_FOLDER(missing_part_is_refused),
+        WITH_FOLDER(link_in_place_of_the_part_is_refused),
+        WITH_FOLDER(link_in_place_of_the_name_is_refused),
+        WITH_FOLDER(folder_in_place_of_the_name_is_refused),
+        WITH_FOLDER(crash_before_the_rename_leaves_it_pending),
+        WITH_FOLDER(crash_after_the_rename_is_done),
+        WITH_FOLDER(other_bytes_of_the_same_size_are_lost),
+        WITH_FOLDER(other_bytes_under_the_name_are_lost),
+        WITH_FOLDER(neither_name_is_lost),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/schedule/estimate.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+// Durations are kept in single precision.
+#define FLOAT_TOLERANCE 1e-6
+
+static void nothing_is_known_at_first(void **state)
+{
+    struct estimate estimate = {0};
+
+    assert_int_equal(estimate_count(&estimate), 0);
+    assert_true(estimate_median_s(&estimate) == 0);
+    assert_true(estimate_eta_s(&estimate, 10, 2) < 0);
+}
+
+static void median_ignores_one_slow_frame(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add(&estimate, 2);
+    estimate_add(&estimate, 1000);
+    estimate_add(&estimate, 1);
+    assert_float_equal(estimate_median_s(&estimate), 2, FLOAT_TOLERANCE);
+    estimate_add(&estimate, 4);
+    assert_float_equal(estimate_median_s(&estimate), 3, FLOAT_TOLERANCE);
+}
+
+static void median_follows_the_recent_frames(void **state)
+{
+    struct estimate estimate = {0};
+
+    for (int i = 0; i < 1000; i++)
+        estimate_add(&estimate, 1);
+    assert_int_equal(estimate_count(&estimate), ESTIMATE_RECENT);
+    for (int i = 0; i < ESTIMATE_RECENT / 2; i++)
+        estimate_add(&estimate, 5);
+    assert_float_equal(estimate_median_s(&estimate), 1, FLOAT_TOLERANCE);
+    estimate_add(&estimate, 5);
+    assert_float_equal(estimate_median_s(&estimate), 5, FLOAT_TOLERANCE);
+}
+
+static void immeasurable_frame_is_known_to_be_short(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add(&estimate, 0);
+    assert_true(estimate_median_s(&estimate) > 0);
+    assert_true(estimate_median_s(&estimate) <= 1e-6);
+}
+
+static void impossible_durations_are_ignored(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add(&estimate, (double)NAN);
+    estimate_add(&estimate, (double)INFINITY);
+    estimate_add(&estimate, -1);
+    assert_int_equal(estimate_count(&estimate), 0);
+}
+
+static void eta_counts_rounds_of_all_workers(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add(&estimate, 2);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 2), 10, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 9, 2), 10, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 1, 8), 2, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 0, 8), 0, FLOAT_TOLERANCE);
+}
+
+static void eta_is_unknown_without_workers(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add(&estimate, 2);
+    assert_true(estimate_eta_s(&estimate, 10, 0) < 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_is_known_at_first),        cmocka_unit_test(median_ignores_one_slow_frame),
+        cmocka_unit_test(median_follows_the_recent_frames), cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
+        cmocka_unit_test(impossible_durations_are_ignored), cmocka_unit_test(eta_counts_rounds_of_all_workers),
+        cmocka_unit_test(eta_is_unknown_without_workers),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

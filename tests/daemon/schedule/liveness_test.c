@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/schedule/liveness.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static char reason[LIVENESS_REASON_SIZE];
+
+// Checks every second up to `until_ms`, as the daemon does, with a beat of unchanged progress when `beats`.
+static enum liveness_verdict run_until(struct liveness *liveness, int64_t until_ms, bool beats, double median_s,
+                                       size_t known)
+{
+    enum liveness_verdict verdict = LIVENESS_ALIVE;
+
+    for (int64_t now_ms = liveness->checked_ms + 1000; now_ms <= until_ms && verdict == LIVENESS_ALIVE;
+         now_ms += 1000) {
+        if (beats) liveness_progress(liveness, 7, now_ms);
+        verdict = liveness_check(liveness, median_s, known, now_ms, reason);
+    }
+    return verdict;
+}
+
+static struct liveness ready_worker(void)
+{
+    struct liveness liveness = {0};
+
+    liveness_start(&liveness, 0);
+    liveness_ready(&liveness, 0);
+    return liveness;
+}
+
+static void worker_must_be_ready_within_thirty_seconds(void **state)
+{
+    struct liveness liveness = {0};
+
+    liveness_start(&liveness, 0);
+    assert_int_equal(run_until(&liveness, 30000, false, 0, 0), LIVENESS_ALIVE);
+    assert_int_equal(run_until(&liveness, 31000, false, 0, 0), LIVENESS_NO_START);
+    assert_string_equal(reason, "not ready 30 s after its start");
+}
+
+static void silent_worker_is_found_after_ten_seconds(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    assert_int_equal(run_until(&liveness, 10000, false, 0, 0), LIVENESS_ALIVE);
+    assert_int_equal(run_until(&liveness, 11000, false, 0, 0), LIVENESS_SILENT);
+    assert_string_equal(reason, "no message for 10 s");
+}
+
+static void any_message_is_a_heartbeat(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    run_until(&liveness, 9000, false, 0, 0);
+    liveness_hear(&liveness, 9000);
+    assert_int_equal(run_until(&liveness, 19000, false, 0, 0), LIVENESS_ALIVE);
+    assert_int_equal(run_until(&liveness, 20000, false, 0, 0), LIVENESS_SILENT);
+}
+
+static void idle_worker_needs_no_progress(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    assert_int_equal(run_until(&liveness, 1000000, true, 0, 0), LIVENESS_ALIVE);
+}
+
+static void busy_worker_without_progress_is_stuck(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    run_until(&liveness, 500000, true, 0, 0);
+    liveness_set_busy(&liveness, true, 500000);
+    assert_int_equal(run_until(&liveness, 620000, true, 0, 0), LIVENESS_ALIVE);
+    assert_int_equal(run_until(&liveness, 621000, true, 0, 0), LIVENESS_STUCK);
+    assert_string_equal(reason, "no progress for 120 s");
+}
+
+static void progress_keeps_a_busy_worker_alive(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    liveness_set_busy(&liveness, true, 0);
+    for (int i = 0; i < 10; i++) {
+        assert_int_equal(run_until(&liveness, 100000 * (i + 1), true, 0, 0), LIVENESS_ALIVE);
+        liveness_progress(&liveness, 100 + i, liveness.checked_ms);
+    }
+}
+
+static void staying_busy_does_not_count_as_progress(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    liveness_set_busy(&liveness, true, 0);
+    run_until(&liveness, 100000, true, 0, 0);
+    liveness_set_busy(&liveness, true, 100000);
+    assert_int_equal(run_until(&liveness, 122000, true, 0, 0), LIVENESS_STUCK);
+}
+
+// A worker whose progress grows while its frame never ends.
+static enum liveness_verdict render_for(int64_t duration_ms, double median_s, size_t known)
+{
+    struct liveness liveness = ready_worker();
+    enum liveness_verdict verdict = LIVENESS_ALIVE;
+
+    liveness_set_busy(&liveness, true, 0);
+    liveness_begin_frame(&liveness, 0);
+    for (int64_t now_ms = 1000; now_ms <= duration_ms && verdict == LIVENESS_ALIVE; now_ms += 1000) {
+        liveness_progress(&liveness, (double)now_ms, now_ms);
+        verdict = liveness_check(&liveness, median_s, known, now_ms, reason);
+    }
+    return verdict;
+}
+
+static void frame_may_take_twenty_medians(void **state)
+{
+    assert_int_equal(render_for(200000, 10, 5), LIVENESS_ALIVE);
+    assert_int_equal(render_for(201000, 10, 5), LIVENESS_OVERLONG);
+    assert_string_equal(reason, "frame renders for more than 200 s, the job's median is 10 s");
+}
+
+static void frame_may_always_take_a_minute(void **state)
+{
+    assert_int_equal(render_for(60000, 0.001, 63), LIVENESS_ALIVE);
+    assert_int_equal(render_for(61000, 0.001, 63), LIVENESS_OVERLONG);
+}
+
+static void median_of_four_frames_judges_none(void **state)
+{
+    assert_int_equal(render_for(1000000, 0.001, 4), LIVENESS_ALIVE);
+}
+
+static void ended_frame_has_no_run_time(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    liveness_begin_frame(&liveness, 0);
+    liveness_end_frame(&liveness, 1000);
+    assert_int_equal(run_until(&liveness, 100000, true, 0.001, 63), LIVENESS_ALIVE);
+}
+
+static void emptied_hands_have_no_run_time(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    liveness_set_busy(&liveness, true, 0);
+    liveness_begin_frame(&liveness, 0);
+    liveness_set_busy(&liveness, false, 1000);
+    run_until(&liveness, 100000, true, 0, 0);
+    liveness_set_busy(&liveness, true, 100000);
+    assert_int_equal(run_until(&liveness, 110000, true, 0.001, 63), LIVENESS_ALIVE);
+}
+
+static void late_check_is_not_the_workers_silence(void **state)
+{
+    struct liveness liveness = ready_worker();
+
+    assert_int_equal(liveness_check(&liveness, 0, 0, 1000, reason), LIVENESS_ALIVE);
+    assert_int_equal(liveness_check(&liveness, 0, 0, 3600 * 1000, reason), LIVENESS_ALIVE);
+    assert_int_equal(run_until(&liveness, 3600 * 1000 + 9000, false, 0, 0), LIVENESS_ALIVE);
+    assert_int_equal(run_until(&liveness, 3600 * 1000 + 11000, false, 0, 0), LIVENESS_SILENT);
+}
+
+static void limits_can_be_set(void **state)
+{
+    struct liveness liveness = {.limits = {.heartbeat_ms = 3000}};
+
+    liveness_start(&liveness, 0);
+    liveness_ready(&liveness, 0);
+    assert_int_equal(run_until(&liveness, 3000, false, 0, 0), LIVENESS_ALIVE);
+    assert_int_equal(run_until(&liveness, 4000, false, 0, 0), LIVENESS_SILENT);
+    assert_string_equal(reason, "no message for 3 s");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(worker_must_be_ready_within_thirty_seconds),
+        cmocka_unit_test(silent_worker_is_found_after_ten_seconds),
+        cmocka_unit_test(any_message_is_a_heartbeat),
+        cmocka_unit_test(idle_worker_needs_no_progress),
+        cmocka_unit_test(busy_worker_without_progress_is_stuck),
+        cmocka_unit_test(progress_keeps_a_busy_worker_alive),
+        cmocka_unit_test(staying_busy_does_not_count_as_progress),
+        cmocka_unit_test(frame_may_take_twenty_medians),
+        cmocka_unit_test(frame_may_always_take_a_minute),
+        cmocka_unit_test(median_of_four_frames_judges_none),
+        cmocka_unit_test(ended_frame_has_no_run_time),
+        cmocka_unit_test(emptied_hands_have_no_run_time),
+        cmocka_unit_test(late_check_is_not_the_workers_silence),
+        cmocka_unit_test(limits_can_be_set),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

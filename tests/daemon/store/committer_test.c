@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/store/committer.h"
+#include "tests/daemon/store/store_fixture.h"
+
+// What the callbacks were told, in order: "3+" for ops tagged 3 that are on disk, "3-" for a failure.
+static char told[256];
+
+static void on_done(void *user, bool ok, const struct error *error)
+{
+    size_t length = strlen(told);
+
+    snprintf(told + length, sizeof told - length, "%s%d%c", length ? " " : "", *(const int *)user, ok ? '+' : '-');
+    assert_true(ok || error->message[0]);
+}
+
+static void put(struct committer *committer, enum commit_policy policy, int64_t job, const int *tag)
+{
+    struct store_op op = job_op(job);
+
+    committer_put(committer, policy, &op, 1, on_done, (void *)tag);
+}
+
+static bool count_job(void *user, const struct store_job *job, struct error *error)
+{
+    (*(size_t *)user)++;
+    return true;
+}
+
+static bool count_frame(void *user, const struct store_frame *frame, struct error *error)
+{
+    return true;
+}
+
+static size_t count_jobs(struct store *store)
+{
+    size_t count = 0;
+
+    assert_true(store_load(store, count_job, count_frame, &count, NULL));
+    return count;
+}
+
+static void finish(uv_loop_t *loop, struct committer *committer, struct store *store)
+{
+    assert_true(committer_is_idle(committer));
+    committer_close(committer);
+    uv_run(loop, UV_RUN_DEFAULT);
+    committer_destroy(committer);
+    assert_int_equal(uv_loop_close(loop), 0);
+    store_close(store);
+}
+
+static void callbacks_come_in_order_after_the_commit(void **state)
+{
+    static const int one = 1, two = 2, three = 3;
+    struct store *store = open_store(*state);
+    struct committer *committer;
+    uv_loop_t loop;
+
+    told[0] = '\0';
+    uv_loop_init(&loop);
+    committer = committer_create(&loop, store);
+    put(committer, COMMIT_CERTAIN, 1, &one);
+    put(committer, COMMIT_REPORTED, 2, &two);
+    put(committer, COMMIT_OR_DROP, 3, &three);
+    assert_int_equal(committer_waiting(committer), 3);
+    assert_string_equal(told, "");
+    while (!committer_is_idle(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2+ 3+");
+    assert_int_equal(count_jobs(store), 3);
+    finish(&loop, committer, store);
+}
+
+// A job id that is taken makes the batch fail as a whole, like a full disk does.
+static void a_failed_batch_is_reported_dropped_or_kept_as_its_ops_wish(void **state)
+{
+    static const int ten = 10, certain = 1, reported = 2, dropped = 3, taken = 4;
+    struct store *store = open_store(*state);
+    struct committer *committer;
+    uv_loop_t loop;
+
+    told[0] = '\0';
+    uv_loop_init(&loop);
+    committer = committer_create(&loop, store);
+    put(committer, COMMIT_CERTAIN, 10, &ten);
+    put(committer, COMMIT_CERTAIN, 1, &certain);
+    put(committer, COMMIT_REPORTED, 2, &reported);
+    put(committer, COMMIT_OR_DROP, 3, &dropped);
+    put(committer, COMMIT_OR_DROP, 10, &taken);
+    while (!committer_trouble(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "10+ 2- 3- 4-");
+    assert_int_equal(count_jobs(store), 1);
+    assert_int_equal(committer_waiting(committer), 2);
+    while (!committer_is_idle(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "10+ 2- 3- 4- 1+");
+    assert_null(committer_trouble(committer));
+    assert_int_equal(count_jobs(store), 3);
+    finish(&loop, committer, store);
+}
+
+// While older ops wait for the store to work again, who asks now is told now.
+static void a_lasting_failure_is_told_to_who_comes_later(void **state)
+{
+    static const int kept = 1, dropped = 2, reported = 3;
+    struct store *store = open_store(*state);
+    struct committer *committer;
+    uv_loop_t loop;
+
+    told[0] = '\0';
+    uv_loop_init(&loop);
+    committer = committer_create(&loop, store);
+    put(committer, COMMIT_CERTAIN, 1, &kept);
+    while (!committer_is_idle(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    // The id is taken for good.
+    put(committer, COMMIT_CERTAIN, 1, &kept);
+    while (!committer_trouble(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    put(committer, COMMIT_OR_DROP, 2, &dropped);
+    put(committer, COMMIT_REPORTED, 3, &reported);
+    for (uint64_t start_ms = uv_now(&loop); !strchr(told, '3') && uv_now(&loop) - start_ms < 5000;)
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2- 3-");
+    assert_int_equal(committer_waiting(committer), 2);
+    assert_int_equal(count_jobs(store), 1);
+    // Nothing frees the id, so what waits is left where it is.
+    committer_close(committer);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    committer_destroy(committer);
+    assert_int_equal(uv_loop_close(&loop), 0);
+    store_close(store);
+}
+
+// Who settles is told after the ops before, and nobody else's.
+static void settling_waits_for_what_was_put(void **state)
+{
+    static const int idle = 1, put_one = 2, behind = 3, later = 4;
+    struct store *store = open_store(*state);
+    struct committer *committer;
+    uv_loop_t loop;
+
+    told[0] = '\0';
+    uv_loop_init(&loop);
+    committer = committer_create(&loop, store);
+    committer_settle(committer, on_done, (void *)&idle);
+    assert_string_equal(told, "1+");
+    put(committer, COMMIT_CERTAIN, 1, &put_one);
+    committer_settle(committer, on_done, (void *)&behind);
+    assert_string_equal(told, "1+");
+    while (!committer_is_idle(committer) || !strchr(told, '3'))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2+ 3+");
+    // The id is taken: the batch fails, what asked is told, and no commit of nothing hides the trouble.
+    put(committer, COMMIT_OR_DROP, 1, &put_one);
+    committer_settle(committer, on_done, (void *)&behind);
+    while (!committer_trouble(committer) || !strchr(told + 8, '3'))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2+ 3+ 2- 3+");
+    assert_true(committer_is_idle(committer));
+    assert_non_null(committer_trouble(committer));
+    put(committer, COMMIT_CERTAIN, 2, &later);
+    while (!committer_is_idle(committer))
+        uv_run(&loop, UV_RUN_ONCE);
+    assert_string_equal(told, "1+ 2+ 3+ 2- 3+ 4+");
+    assert_null(committer_trouble(committer));
+    finish(&loop, committer, store);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(callbacks_come_in_order_after_the_commit, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(settling_waits_for_what_was_put, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(a_failed_batch_is_reported_dropped_or_kept_as_its_ops_wish, make_folder,
+                                        remove_folder),
+        cmocka_unit_test_setup_teardown(a_lasting_failure_is_told_to_who_comes_later, make_folder, remove_folder),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,458 @@
+// Whether error95 is what it says: hundreds of small frames, good and broken ones, whose true error is known in every pixel.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "tests/support/ball_job.h"
+#include "tests/support/example_job.h"
+#include "tests/support/keep_libraries.h"
+#include "tests/support/shader_dir.h"
+#include "worker/audit/audit_estimate.h"
+#include "worker/audit/audit_map.h"
+#include "worker/audit/truth.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH_PX = 64, HEIGHT_PX = 36, PIXELS = WIDTH_PX * HEIGHT_PX, SMALL_WIDTH_PX = 16, SMALL_HEIGHT_PX = 9 };
+enum { RAYS = 64, POOLED_RAYS = 8, AUDITS = 25, FRAME_LIMIT = 600 };
+
+// What the reference and the file's rounding leave.
+static const double RESOLUTION = 5e-4;
+
+struct stage {
+    struct gl_context *context;
+    struct renderer *renderer;
+};
+
+// A scene at a moment.
+struct place {
+    struct job job;
+    int32_t frame;
+    struct truth_pixel *light; // owned; of every pixel
+};
+
+enum flaw { FLAW_NONE, FLAW_SPOT, FLAW_DIM, FLAW_CONSTANT, FLAW_LIGHT_MOVED, FLAW_LIGHT_GONE, FLAW_COARSE, FLAW_COUNT };
+
+static const char *const FLAWS[FLAW_COUNT] = {"none",
+                                              "two pixels of the brightest value",
+                                              "a region 20 % dim",
+                                              "all 5 % bright",
+                                              "a light 0.2 s late",
+                                              "a light at a quarter in a region",
+                                              "steps 3 times as long"};
+
+struct picture {
+    struct image image, finer, coarser;
+    double error; // true, of the values as a half holds them
+};
+
+// What a kind of frames came to.
+struct tally {
+    const char *name;
+    int frames, audits, covered, badly_covered;
+    double ratios[FRAME_LIMIT]; // error95 over the true error, a median a frame
+};
+
+static int compare(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+static double quantile(const double *sorted, int count, double share)
+{
+    return sorted[(int)(share * (count - 1))];
+}
+
+static int set_stage(void **state)
+{
+    struct stage *stage = xcalloc(1, sizeof *stage);
+
+    stage->context = gl_context_create(GL_BACKEND_OSMESA, NULL, NULL);
+    if (!stage->context) return -1;
+    keep_libraries();
+    stage->renderer = renderer_create(stage->context, test_shader_dir());
+    *state = stage;
+    return 0;
+}
+
+static int clear_stage(void **state)
+{
+    struct stage *stage = *state;
+
+    renderer_destroy(stage->renderer);
+    gl_context_destroy(stage->context);
+    free(stage);
+    return 0;
+}
+
+static void render(const struct stage *stage, const struct job *job, int32_t frame, int width_px, int height_px,
+                   struct image *image)
+{
+    struct renderer_result result;
+    struct error error = {{0}};
+    struct job sized = *job;
+
+    sized.width_px = width_px;
+    sized.height_px = height_px;
+    if (!image_init(image, width_px, height_px, job->output.has_depth, job->output.has_transmittance, &error) ||
+        !renderer_render(stage->renderer, &sized, frame, image, NULL, NULL, &result, &error))
+        fail_msg("%s", error.message);
+}
+
+static struct job in_steps(const struct job *job, double factor)
+{
+    struct job changed = *job;
+    struct job_quality *quality = &changed.quality;
+
+    quality->step *= factor;
+    quality->light_step *= factor;
+    quality->step_voxels *= factor;
+    quality->light_step_voxels *= factor;
+    if (quality->points > 0) quality->points = (int)fmax(quality->points / factor, 1.0);
+    return changed;
+}
+
+static void open_place(struct place *place, int32_t frame)
+{
+    const struct integrate_accuracy accuracy = {.relative = 1e-3};
+    struct truth_place *all = xcalloc(PIXELS, sizeof *all);
+    struct error error = {{0}};
+    struct truth *truth;
+
+    place->frame = frame;
+    place->job.quality.samples = 1;
+    place->job.output.has_depth = place->job.output.has_transmittance = false;
+    place->light = xcalloc(PIXELS, sizeof *place->light);
+    for (int i = 0; i < PIXELS; i++)
+        all[i] = (struct truth_place){i % WIDTH_PX, i / WIDTH_PX};
+    truth = truth_open(&(struct truth_params){.job = &place->job, .frame = frame}, &error);
+    if (!truth) fail_msg("%s", error.message);
+    truth_measure_many(
+        truth, &(struct truth_many){.places = all, .pixels = place->light, .count = PIXELS, .accuracy = &accuracy});
+    truth_close(truth);
+    free(all);
+}
+
+static void open_example(struct place *place, const char *name, double time, int32_t frame)
+{
+    example_job_load(&place->job, name);
+    example_job_shrink(&place->job, WIDTH_PX, HEIGHT_PX, time);
+    open_place(place, frame);
+}
+
+static struct timeline constant(double value)
+{
+    return (struct timeline){.component_count = 1, .value = {value}};
+}
+
+// A ball that thins out towards its rim, marched: coarse steps show.
+static void open_ball(struct place *place, double scale)
+{
+    ball_job_parse(&place->job, "\"sigma_s\": [3, 2.1, 1.2], \"sigma_a\": 0.4",
+                   BALL_JOB_POINT_LIGHT ", \"background\": 0.05, "
+                                        "\"quality\": {\"method\": \"midpoint\", \"step\": 0.1, \"light_step\": 0.2}");
+    place->job.scene.media[0].density = (struct scene_density){
+        .kind = SCENE_DENSITY_HOMOGENEOUS,
+        .bounds = {.kind = SCENE_BOUNDS_SPHERE,
+                   .center = {.component_count = 3},
+                   .radius = constant(1.0),
+                   .falloff = constant(0.6)},
+        .homogeneous.scale = constant(scale),
+    };
+    place->job.width_px = WIDTH_PX;
+    place->job.height_px = HEIGHT_PX;
+    open_place(place, 0);
+}
+
+static void close_place(struct place *place)
+{
+    free(place->light);
+    job_finish(&place->job);
+}
+
+static bool is_in_region(int i)
+{
+    int x = i % WIDTH_PX, y = i / WIDTH_PX;
+
+    return x >= 24 && x < 40 && y >= 14 && y < 22;
+}
+
+static float *value_at(struct image *image, int i, int channel)
+{
+    return &image->rgba[4 * (size_t)i + (size_t)channel];
+}
+
+// A mistake that a renderer could make, in the picture itself.
+static void spoil_values(struct image *image, enum flaw flaw)
+{
+    float brightest = 0.0f;
+
+    for (int i = 0; i < PIXELS; i++)
+        for (int c = 0; c < 3; c++)
+            brightest = fmaxf(brightest, *value_at(image, i, c));
+    for (int i = 0; i < PIXELS; i++) {
+        bool is_spot = i == 18 * WIDTH_PX + 30 || i == 18 * WIDTH_PX + 31;
+
+        for (int c = 0; c < 3; c++) {
+            if (flaw == FLAW_SPOT && is_spot) *value_at(image, i, c) = brightest;
+            if (flaw == FLAW_DIM && is_in_region(i)) *value_at(image, i, c) *= 0.8f;
+            if (flaw == FLAW_CONSTANT) *value_at(image, i, c) *= 1.05f;
+        }
+    }
+}
+
+// `job` is a copy that is not finished.
+static void dim_light(struct job *job, int32_t frame, double factor)
+{
+    struct timeline *intensity = &job->scene.lights[0].intensity,
+                    dimmed = {.component_count = intensity->component_count};
+
+    timeline_evaluate(intensity, job_frame_time(job, frame), dimmed.value);
+    for (int c = 0; c < 3; c++)
+        dimmed.value[c] *= factor;
+    *intensity = dimmed;
+}
+
+// A mistake in the scene: its first light is elsewhere, or hardly there in one region.
+static void spoil_light(const struct stage *stage, const struct place *place, const struct job *job, enum flaw flaw,
+                        struct image *image)
+{
+    struct job spoilt = *job;
+    struct image dark;
+
+    if (flaw == FLAW_LIGHT_MOVED) spoilt.time_offset += 0.2;
+    if (flaw == FLAW_LIGHT_GONE) dim_light(&spoilt, place->frame, 0.25);
+    render(stage, &spoilt, place->frame, WIDTH_PX, HEIGHT_PX, &dark);
+    for (int i = 0; i < PIXELS; i++)
+        for (int c = 0; c < 3; c++)
+            if (flaw == FLAW_LIGHT_MOVED || is_in_region(i)) *value_at(image, i, c) = *value_at(&dark, i, c);
+    image_finish(&dark);
+}
+
+static double find_error(const struct place *place, const struct image *image)
+{
+    struct audit_map map;
+    double errors = 0.0, light = 0.0;
+
+    audit_map_init(&map, &(struct audit_map_params){.image = image, .pixel = JOB_PIXEL_HALF});
+    for (int i = 0; i < PIXELS; i++) {
+        struct truth_place at = {i % WIDTH_PX, i / WIDTH_PX};
+
+        errors += audit_map_compare(&map, at, &place->light[i]).square * audit_map_density(&map, at) * map.mean_square;
+        for (int c = 0; c < 3; c++)
+            light += place->light[i].rgb[c] * place->light[i].rgb[c] / 3.0;
+    }
+    audit_map_finish(&map);
+    return sqrt(errors / light);
+}
+
+static void make_picture(const struct stage *stage, const struct place *place, double steps, enum flaw flaw,
+                         struct picture *picture)
+{
+    struct job used = in_steps(&place->job, flaw == FLAW_COARSE ? 3.0 * steps : steps), halved = in_steps(&used, 0.5);
+
+    render(stage, &used, place->frame, WIDTH_PX, HEIGHT_PX, &picture->image);
+    render(stage, &used, place->frame, SMALL_WIDTH_PX, SMALL_HEIGHT_PX, &picture->coarser);
+    render(stage, &halved, place->frame, SMALL_WIDTH_PX, SMALL_HEIGHT_PX, &picture->finer);
+    if (flaw == FLAW_LIGHT_MOVED || flaw == FLAW_LIGHT_GONE)
+        spoil_light(stage, place, &used, flaw, &picture->image);
+    else
+        spoil_values(&picture->image, flaw);
+    picture->error = find_error(place, &picture->image);
+}
+
+static void finish_picture(struct picture *picture)
+{
+    image_finish(&picture->image);
+    image_finish(&picture->finer);
+    image_finish(&picture->coarser);
+}
+
+static void map_picture(struct audit_map *map, const struct picture *picture)
+{
+    audit_map_init(map, &(struct audit_map_params){.image = &picture->image,
+                                                   .pixel = JOB_PIXEL_HALF,
+                                                   .finer = &picture->finer,
+                                                   .coarser = &picture->coarser,
+                                                   .is_own = true});
+}
+
+static void draw_samples(const struct audit_map *map, const struct place *place, int seed, size_t count,
+                         struct audit_samples *samples)
+{
+    struct truth_place places[RAYS];
+
+    audit_map_draw(map, &place->job, seed, 0, count, places);
+    for (size_t i = 0; i < count; i++) {
+        const struct truth_pixel *light = &place->light[places[i].y * WIDTH_PX + places[i].x];
+        struct audit_sample sample = audit_map_compare(map, places[i], light);
+
+        audit_samples_append(samples, &sample);
+    }
+}
+
+static void note_frame(struct tally *tally, const struct picture *picture, double *bounds, int covered)
+{
+    qsort(bounds, AUDITS, sizeof *bounds, compare);
+    assert_true(tally->frames < FRAME_LIMIT);
+    tally->ratios[tally->frames++] = quantile(bounds, AUDITS, 0.5) / picture->error;
+    tally->audits += AUDITS;
+    tally->covered += covered;
+    if (covered < 0.95 * AUDITS) tally->badly_covered++;
+}
+
+// Many audits of one frame, each with other pixels; `pool` NULL: by itself.
+static void audit_picture(struct tally *tally, const struct place *place, const struct picture *picture,
+                          const struct place *pool_place, const struct picture *pool_picture)
+{
+    struct audit_map map, pool_map = {.change = -1.0};
+    double bounds[AUDITS];
+    int covered = 0;
+
+    map_picture(&map, picture);
+    if (pool_picture) map_picture(&pool_map, pool_picture);
+    for (int i = 0; i < AUDITS; i++) {
+        struct audit_samples own = {0}, pool = {0};
+        struct audit_evidence evidence = {
+            .own = &own, .change = map.change, .pool_change = pool_map.change, .resolution = RESOLUTION};
+        struct audit_verdict verdict;
+
+        draw_samples(&map, place, i, pool_picture ? POOLED_RAYS : RAYS, &own);
+        if (pool_picture) {
+            draw_samples(&pool_map, pool_place, 1000 + i, RAYS, &pool);
+            evidence.pool = &pool;
+        }
+        verdict = audit_estimate(&evidence);
+        if (pool_picture && !verdict.is_pooled) { // it goes on by itself
+            audit_samples_finish(&own);
+            draw_samples(&map, place, i, RAYS, &own);
+            verdict = audit_estimate(&evidence);
+        }
+        bounds[i] = verdict.error95;
+        covered += verdict.error95 >= picture->error;
+        audit_samples_finish(&own);
+        audit_samples_finish(&pool);
+    }
+    note_frame(tally, picture, bounds, covered);
+    audit_map_finish(&map);
+    audit_map_finish(&pool_map);
+}
+
+static void report(struct tally *tally)
+{
+    qsort(tally->ratios, (size_t)tally->frames, sizeof *tally->ratios, compare);
+    print_message("%-34s %3d frames, %5d audits: holds in %.2f %%, in less than 95 %% of %d frames; ratio median %.2f, "
+                  "9 of 10 below %.2f\n",
+                  tally->name, tally->frames, tally->audits, 100.0 * tally->covered / tally->audits,
+                  tally->badly_covered, quantile(tally->ratios, tally->frames, 0.5),
+                  quantile(tally->ratios, tally->frames, 0.9));
+}
+
+static const double STEPS[] = {1.0, 2.0, 4.0, 8.0};
+enum { STEPS_COUNT = sizeof STEPS / sizeof *STEPS };
+
+// Frames of two moments of a scene, so that one's pool serves the other.
+struct tallies {
+    struct tally alone[FLAW_COUNT], pooled[FLAW_COUNT];
+};
+
+static void audit_scene(const struct stage *stage, struct place places[static 2], struct tallies *tallies)
+{
+    for (int s = 0; s < STEPS_COUNT; s++) {
+        struct picture whole[2], picture;
+
+        for (int m = 0; m < 2; m++)
+            make_picture(stage, &places[m], STEPS[s], FLAW_NONE, &whole[m]);
+        for (int i = 0; i < 2 * FLAW_COUNT; i++) {
+            int m = i % 2, flaw = i / 2;
+
+            make_picture(stage, &places[m], STEPS[s], (enum flaw)flaw, &picture);
+            audit_picture(&tallies->alone[flaw], &places[m], &picture, NULL, NULL);
+            audit_picture(&tallies->pooled[flaw], &places[m], &picture, &places[1 - m], &whole[1 - m]);
+            finish_picture(&picture);
+        }
+        finish_picture(&whole[0]);
+        finish_picture(&whole[1]);
+    }
+    close_place(&places[0]);
+    close_place(&places[1]);
+}
+
+// Returns all frames but the good ones as one.
+static struct tally report_all(struct tally tallies[static FLAW_COUNT], const char *name)
+{
+    static struct tally broken;
+
+    broken = (struct tally){.name = "all broken ones"};
+    print_message("%s:\n", name);
+    for (int flaw = 0; flaw < FLAW_COUNT; flaw++) {
+        struct tally *tally = &tallies[flaw];
+
+        tally->name = FLAWS[flaw];
+        report(tally);
+        if (flaw == FLAW_NONE) continue;
+        memcpy(broken.ratios + broken.frames, tally->ratios, (size_t)tally->frames * sizeof *tally->ratios);
+        broken.frames += tally->frames;
+        broken.audits += tally->audits;
+        broken.covered += tally->covered;
+        broken.badly_covered += tally->badly_covered;
+    }
+    report(&broken);
+    return broken;
+}
+
+static double covered_share(const struct tally *tally)
+{
+    return (double)tally->covered / tally->audits;
+}
+
+static void error95_holds(void **state)
+{
+    struct tallies *tallies = xcalloc(1, sizeof *tallies);
+    struct tally alone, pooled;
+    struct place places[2];
+
+    open_example(&places[0], "fog", 1.4, 0);
+    open_example(&places[1], "fog", 1.8, 0);
+    audit_scene(*state, places, tallies);
+    open_example(&places[0], "sunset", 2.0, 0);
+    open_example(&places[1], "sunset", 7.0, 0);
+    audit_scene(*state, places, tallies);
+    open_example(&places[0], "smoke", 0.0, 6);
+    open_example(&places[1], "smoke", 0.0, 8);
+    audit_scene(*state, places, tallies);
+    open_ball(&places[0], 1.0);
+    open_ball(&places[1], 1.4);
+    audit_scene(*state, places, tallies);
+    alone = report_all(tallies->alone, "by themselves");
+    pooled = report_all(tallies->pooled, "with a pool of good frames");
+    assert_true(tallies->alone[FLAW_NONE].frames + alone.frames >= 200);
+    assert_true(covered_share(&tallies->alone[FLAW_NONE]) >= 0.95);
+    assert_true(covered_share(&tallies->pooled[FLAW_NONE]) >= 0.95);
+    assert_true(covered_share(&alone) >= 0.95);
+    assert_true(covered_share(&pooled) >= 0.9);
+    // Far from tight is of no use: frames would be rendered again that are good.
+    assert_true(quantile(tallies->alone[FLAW_NONE].ratios, tallies->alone[FLAW_NONE].frames, 0.5) < 2.5);
+    assert_true(quantile(alone.ratios, alone.frames, 0.5) < 3.0);
+    free(tallies);
+}
+
+int main(int argc, char *argv[])
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(error95_holds)};
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, set_stage, clear_stage);
+}

@@ -1,0 +1,204 @@
+// Marches that go on from slice to slice of a frame: the same picture as in one go, however short the slices.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/error.h"
+#include "core/base/file.h"
+#include "core/job/job.h"
+#include "reference/reference.h"
+#include "tests/support/example_job.h"
+#include "tests/support/keep_libraries.h"
+#include "tests/support/shader_dir.h"
+#include "tests/support/temp_folder.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <cmocka.h>
+
+enum { WIDTH_PX = 32, HEIGHT_PX = 18, PIXELS = WIDTH_PX * HEIGHT_PX, TEXT_LIMIT = 1 << 16 };
+
+struct counted {
+    int calls;
+};
+
+static bool count_call(void *user, double done)
+{
+    struct counted *counted = user;
+
+    (void)done;
+    ++counted->calls;
+    return true;
+}
+
+static struct image render(const struct job *job, const char *shader_dir, int *calls)
+{
+    struct error error = {{0}};
+    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct renderer *renderer;
+    struct renderer_result result;
+    struct counted counted = {0};
+    struct image image;
+
+    if (!context) fail_msg("%s", error.message);
+    keep_libraries();
+    renderer = renderer_create(context, shader_dir);
+    assert_true(image_init(&image, job->width_px, job->height_px, true, true, &error));
+    if (!renderer_render(renderer, job, 0, &image, count_call, &counted, &result, &error))
+        fail_msg("%s", error.message);
+    renderer_destroy(renderer);
+    gl_context_destroy(context);
+    *calls = counted.calls;
+    return image;
+}
+
+// Copies a module into the test's folder with another number in it.
+static void shorten(void **state, const char *name, const char *from, const char *to)
+{
+    const char *folder = test_shader_dir() ? test_shader_dir() : PROJECT_ROOT "/shaders";
+    char path[512], changed[TEXT_LIMIT], *text, *place;
+    struct error error = {{0}};
+    int length;
+
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (!file_read_text(path, TEXT_LIMIT, &text, NULL, &error)) fail_msg("%s", error.message);
+    place = strstr(text, from);
+    assert_non_null(place);
+    length = snprintf(changed, sizeof changed, "%.*s%s%s", (int)(place - text), text, to, place + strlen(from));
+    assert_true(file_write_atomic(temp_folder_path(state, name), changed, (size_t)length, NULL));
+    free(text);
+}
+
+// Camera rays get `turns` of a slice.
+static void shorten_slices(void **state, const char *turns)
+{
+    char to[64];
+
+    (void)mkdir(temp_folder_path(state, "math"), 0700);
+    (void)mkdir(temp_folder_path(state, "integrator"), 0700);
+    snprintf(to, sizeof to, "MARCH_TURNS = %s", turns);
+    // Above what a shadow ray takes, below what a camera ray does.
+    shorten(state, "math/march.glsl", "MARCH_LIMIT = 60000", "MARCH_LIMIT = 150");
+    shorten(state, "integrator/sliced.glsl", "MARCH_TURNS = 20000", to);
+}
+
+struct variant {
+    const char *job;
+    struct job_quality quality;
+};
+
+static const struct variant variants[] = {
+    {"cloud", {.method = JOB_METHOD_RIEMANN, .step = 0.0015, .light_steps = 40, .samples = 1}},
+    {"cloud",
+     {.method = JOB_METHOD_RIEMANN, .step = 0.0015, .light_steps = 40, .samples = 1, .min_transmittance = 0.01}},
+    {"cloud", {.method = JOB_METHOD_MIDPOINT, .step = 0.001, .light_step = 0.02, .samples = 1}},
+    {"cloud",
+     {.method = JOB_METHOD_MIDPOINT,
+      .step = 0.001,
+      .light_step = 0.02,
+      .samples = 3,
+      .roulette_below = 0.5,
+      .roulette_survive = 0.4}},
+    {"cloud", {.method = JOB_METHOD_JITTERED, .step = 0.001, .light_step = 0.02, .samples = 2}},
+    {"cloud", {.method = JOB_METHOD_ADAPTIVE, .step = 0.002, .light_step = 0.02, .depth_step = 0.05, .samples = 1}},
+    {"noise", {.method = JOB_METHOD_MIDPOINT, .step = 0.01, .light_step = 0.1, .samples = 1}},
+    {"noise", {.method = JOB_METHOD_GAUSS, .order = 2, .step = 0.01, .light_step = 0.1, .samples = 1}},
+};
+
+static void load(struct job *job, const struct variant *variant)
+{
+    example_job_load(job, variant->job);
+    example_job_shrink(job, WIDTH_PX, HEIGHT_PX, 2.0);
+    job->output.has_depth = job->output.has_transmittance = true;
+    job->quality = variant->quality;
+}
+
+// Bit for bit, also of depths, and of rays that end by lot.
+static void short_slices_make_the_same_picture(void **state)
+{
+    static const char *const turns[] = {"7", "61"};
+
+    for (size_t k = 0; k < sizeof turns / sizeof *turns; ++k) {
+        shorten_slices(state, turns[k]);
+        for (size_t i = 0; i < sizeof variants / sizeof *variants; ++i) {
+            struct image whole, sliced;
+            struct job job;
+            int whole_calls, sliced_calls;
+
+            load(&job, &variants[i]);
+            whole = render(&job, test_shader_dir(), &whole_calls);
+            sliced = render(&job, *state, &sliced_calls);
+            print_message("variant %zu: progress told %d times, in slices %d\n", i, whole_calls, sliced_calls);
+            assert_true(sliced_calls > whole_calls + 2);
+            assert_memory_equal(whole.rgba, sliced.rgba, 4 * PIXELS * sizeof(float));
+            assert_memory_equal(whole.transmittance, sliced.transmittance, 4 * PIXELS * sizeof(float));
+            assert_memory_equal(whole.depth, sliced.depth, PIXELS * sizeof(float));
+            image_finish(&whole);
+            image_finish(&sliced);
+            job_finish(&job);
+        }
+    }
+}
+
+static double find_error(const struct job_quality *quality)
+{
+    static double truth[3 * PIXELS];
+    static bool is_known;
+    const struct variant variant = {"cloud", *quality};
+    float seen[3 * PIXELS];
+    struct reference_error error;
+    struct image image;
+    struct still still;
+    struct job job;
+    int calls;
+
+    load(&job, &variant);
+    still_init(&still, &job, 2.0);
+    for (int i = 0; i < PIXELS && !is_known; ++i)
+        memcpy(
+            truth + 3 * i,
+            reference_measure_pixel(&still, i % WIDTH_PX, i / WIDTH_PX, &(struct integrate_accuracy){.relative = 1e-3})
+                .radiance,
+            3 * sizeof *truth);
+    is_known = true;
+    image = render(&job, test_shader_dir(), &calls);
+    for (int i = 0; i < PIXELS; ++i)
+        memcpy(seen + 3 * i, image.rgba + 4 * i, 3 * sizeof *seen);
+    image_finish(&image);
+    job_finish(&job);
+    error = reference_image_error(seen, truth, 3 * PIXELS);
+    print_message("%.2e of the light\n", error.relative_rmse);
+    return error.relative_rmse;
+}
+
+// Of first order: what the sums' steps, and those to the light, leave is halved with them. The finer ones take 14 and 60
+// times the turns that software GL runs at once.
+static void fine_sums_converge(void **state)
+{
+    double coarse = find_error(
+        &(struct job_quality){.method = JOB_METHOD_RIEMANN, .step = 0.005, .light_steps = 512, .samples = 1});
+    double fine = find_error(
+        &(struct job_quality){.method = JOB_METHOD_RIEMANN, .step = 0.0025, .light_steps = 1024, .samples = 1});
+
+    assert_true(fine < 7e-3);
+    assert_true(fine < 0.65 * coarse);
+    assert_true(find_error(&(struct job_quality){
+                    .method = JOB_METHOD_MIDPOINT, .step = 0.002, .light_step = 0.002, .samples = 1}) < 4e-4);
+}
+
+int main(int argument_count, char **arguments)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(short_slices_make_the_same_picture, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test(fine_sums_converge),
+    };
+
+    if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,276 @@
+// What pictures of objects show that has a closed form: depth, alpha, furnaces, counts of rays.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/error.h"
+#include "tests/support/keep_libraries.h"
+#include "tests/support/object_job.h"
+#include "tests/support/shader_dir.h"
+#include "worker/gl/gl_context.h"
+#include "worker/picture/image.h"
+#include "worker/render/renderer.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define OBJECTS(list) "\"objects\": [" list "]"
+#define WHITE "\"background\": 1, "
+#define DEEP                                                                                                           \
+    "\"quality\": {\"method\": \"midpoint\", \"step\": 0.05, \"light_step\": 0.05, \"max_depth\": 32, "                \
+    "\"min_throughput\": 1e-7}"
+#define SAMPLES "\"quality\": {\"method\": \"midpoint\", \"step\": 0.05, \"light_step\": 0.05, \"samples\": 4}"
+
+struct picture {
+    struct image image;
+    struct renderer_result result;
+};
+
+static bool try_to_render_on(enum gl_backend backend, struct picture *picture, const char *scene, const char *rest,
+                             struct error *error)
+{
+    struct gl_context *context = gl_context_create(backend, NULL, error);
+    struct renderer *renderer;
+    struct job job;
+    bool ok;
+
+    if (!context && backend != GL_BACKEND_OSMESA) {
+        print_message("skipped: %s\n", error->message);
+        skip();
+    }
+    if (!context) fail_msg("%s", error->message);
+    keep_libraries();
+    object_job_parse(&job, scene, rest);
+    renderer = renderer_create(context, test_shader_dir());
+    ok = image_init(&picture->image, job.width_px, job.height_px, true, true, error) &&
+         renderer_render(renderer, &job, 0, &picture->image, NULL, NULL, &picture->result, error);
+    renderer_destroy(renderer);
+    gl_context_destroy(context);
+    job_finish(&job);
+    return ok;
+}
+
+static void render_on(enum gl_backend backend, struct picture *picture, const char *scene, const char *rest)
+{
+    struct error error = {{0}};
+
+    if (!try_to_render_on(backend, picture, scene, rest, &error)) fail_msg("%s", error.message);
+}
+
+static void render(struct picture *picture, const char *scene, const char *rest)
+{
+    render_on(GL_BACKEND_OSMESA, picture, scene, rest);
+}
+
+static const float *rgba_at(const struct picture *picture, int x, int y)
+{
+    return picture->image.rgba + 4 * (y * picture->image.width_px + x);
+}
+
+static float depth_at(const struct picture *picture, int x, int y)
+{
+    return picture->image.depth[y * picture->image.width_px + x];
+}
+
+static float behind_at(const struct picture *picture, int x, int y)
+{
+    return picture->image.transmittance[4 * (y * picture->image.width_px + x)];
+}
+
+// Depth is along the view's axis: the wall at z = 1 is 3 m away for every pixel.
+static void depth_is_that_of_the_first_surface(void **state)
+{
+    struct picture picture;
+
+    render(
+        &picture,
+        OBJECTS("{\"kind\": \"plane\", \"point\": [0, 0, -1], \"normal\": [0, 0, 1], \"material\": {" OBJECT_JOB_GREY
+                "}}, {\"kind\": \"box\", \"center\": [0, 0, 0.5], \"size\": [1, 1, 1], \"material\": {" OBJECT_JOB_GLASS
+                "}}"),
+        SAMPLES);
+    assert_float_equal(depth_at(&picture, 24, 16), 3, 1e-5);
+    assert_float_equal(depth_at(&picture, 0, 0), 5, 1e-5);
+    assert_float_equal(depth_at(&picture, 47, 31), 5, 1e-5);
+    image_finish(&picture.image);
+}
+
+// Extinction of ln 2 a metre halves the light after a metre: before the wall or behind it.
+static void a_medium_may_be_nearer_than_the_surface(void **state)
+{
+    static const char *const scene =
+        "\"media\": [{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_s\": 0, \"sigma_a\": 0.69314718}], "
+        "\"objects\": [{\"kind\": \"plane\", \"point\": [0, 0, %g], \"normal\": [0, 0, 1], \"material\": {%s}}]";
+    static const struct {
+        double z, depth;
+    } walls[] = {{3.5, 0.5}, {2, 1}};
+
+    for (size_t i = 0; i < 2; ++i) {
+        struct picture picture;
+        char text[512];
+
+        snprintf(text, sizeof text, scene, walls[i].z, OBJECT_JOB_MIRROR);
+        render(&picture, text, OBJECT_JOB_QUALITY);
+        assert_float_equal(depth_at(&picture, 24, 16), walls[i].depth, 1e-3);
+        image_finish(&picture.image);
+    }
+}
+
+// A mirror hides what is behind; glass lets through what is not reflected on the way: (1 - F)^2 with F = 0.04.
+static void alpha_is_what_comes_through_without_reflection(void **state)
+{
+    struct picture picture;
+
+    render(&picture, OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_MIRROR)), OBJECT_JOB_QUALITY);
+    assert_float_equal(rgba_at(&picture, 24, 16)[3], 1, 0);
+    assert_float_equal(behind_at(&picture, 24, 16), 0, 0);
+    assert_float_equal(rgba_at(&picture, 0, 0)[3], 0, 0);
+    image_finish(&picture.image);
+    render(&picture, OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_GLASS)), OBJECT_JOB_QUALITY);
+    assert_float_equal(behind_at(&picture, 24, 16), 0.96 * 0.96, 1e-5);
+    assert_float_equal(rgba_at(&picture, 24, 16)[3], 1 - 0.96 * 0.96, 1e-5);
+    image_finish(&picture.image);
+    render(&picture, OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_GLASS)), WHITE OBJECT_JOB_QUALITY);
+    assert_float_equal(rgba_at(&picture, 24, 16)[3], 1, 0);
+    assert_float_equal(behind_at(&picture, 24, 16), 0.96 * 0.96, 1e-5);
+    image_finish(&picture.image);
+}
+
+static void nothing_is_seen_from_within_an_opaque_object(void **state)
+{
+    struct picture picture;
+
+    render(
+        &picture,
+        OBJECTS("{\"kind\": \"sphere\", \"center\": [0, 0, 4], \"radius\": 1, \"material\": {" OBJECT_JOB_MIRROR "}}"),
+        OBJECT_JOB_LIGHT ", " OBJECT_JOB_QUALITY);
+    for (int y = 0; y < 32; y += 31) {
+        assert_float_equal(rgba_at(&picture, 24, y)[0], 0, 0);
+        assert_float_equal(rgba_at(&picture, 24, y)[3], 1, 0);
+        assert_float_equal(behind_at(&picture, 24, y), 0, 0);
+    }
+    image_finish(&picture.image);
+}
+
+// What takes no light away leaves a white surrounding white, but for rays that were cut.
+static void what_takes_no_light_is_not_seen_in_a_furnace(void **state)
+{
+    static const char *const scenes[] = {
+        OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_MIRROR)),
+        OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_MIRROR ", \"roughness\": 0.4")),
+        OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_GLASS)),
+        OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_GLASS ", \"fresnel\": \"schlick\"")),
+        OBJECTS(OBJECT_JOB_BALL("\"kind\": \"dielectric\", \"ior\": 0.7, \"fresnel\": \"none\"")),
+        OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_GLASS ", \"roughness\": 0.1")),
+        OBJECTS(
+            OBJECT_JOB_BALL(OBJECT_JOB_GLASS) ", {\"kind\": \"box\", \"center\": [0.2, 0.1, 0], \"size\": [1, 1, 1],"
+                                              " \"material\": {\"kind\": \"dielectric\", \"ior\": 2}}"),
+    };
+    static const enum gl_backend backends[] = {GL_BACKEND_OSMESA, GL_BACKEND_EGL};
+
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
+        for (size_t k = 0; k < 2; ++k) {
+            struct picture picture;
+            double sum = 0, lost;
+
+            render_on(backends[k], &picture, scenes[i], WHITE DEEP);
+            for (size_t p = 0; p < 48 * 32; ++p) {
+                float red = picture.image.rgba[4 * p];
+
+                assert_true(red >= 0 && red <= 1.0001F);
+                sum += red;
+            }
+            lost = 1 - sum / (48 * 32);
+            print_message("scene %zu: lost %.2e, cut %.2e, %.2f rays a pixel\n", i, lost,
+                          picture.result.ray_counts.cut_throughput, picture.result.ray_counts.rays);
+            assert_float_equal(lost, picture.result.ray_counts.cut_throughput, 1e-5);
+            image_finish(&picture.image);
+        }
+}
+
+// Two mirrors that face each other: every ray between them is cut at last, with all it has left.
+static void cut_rays_are_counted(void **state)
+{
+    struct picture picture;
+
+    render(
+        &picture,
+        OBJECTS("{\"kind\": \"plane\", \"point\": [0, 0, -1], \"normal\": [0, 0, 1], \"material\": {\"kind\": "
+                "\"mirror\", \"reflectance\": 0.5}},"
+                " {\"kind\": \"plane\", \"point\": [0, 0, 5], \"normal\": [0, 0, -1], \"material\": {" OBJECT_JOB_MIRROR
+                "}}"),
+        WHITE "\"quality\": {\"method\": \"midpoint\", \"step\": 0.05, \"max_depth\": 5, \"min_throughput\": 0}");
+    // Five reflections, three of them at 0.5, are followed; the sixth ray would have the same left.
+    assert_float_equal(picture.result.ray_counts.rays, 6, 1e-6);
+    assert_float_equal(picture.result.ray_counts.cut_rays, 1, 1e-6);
+    assert_float_equal(picture.result.ray_counts.cut_throughput, 0.125, 1e-6);
+    assert_float_equal(rgba_at(&picture, 24, 16)[0], 0, 0);
+    image_finish(&picture.image);
+    render(
+        &picture,
+        OBJECTS("{\"kind\": \"plane\", \"point\": [0, 0, -1], \"normal\": [0, 0, 1], \"material\": {\"kind\": "
+                "\"mirror\", \"reflectance\": 0.5}},"
+                " {\"kind\": \"plane\", \"point\": [0, 0, 5], \"normal\": [0, 0, -1], \"material\": {" OBJECT_JOB_MIRROR
+                "}}"),
+        WHITE "\"quality\": {\"method\": \"midpoint\", \"step\": 0.05, \"max_depth\": 32, \"min_throughput\": 0.2}");
+    assert_float_equal(picture.result.ray_counts.rays, 5, 1e-6);
+    assert_float_equal(picture.result.ray_counts.cut_throughput, 0.125, 1e-6);
+    image_finish(&picture.image);
+}
+
+// The clip range ends media by the length of the way from the camera, here with a reflection in it; the wall stays.
+static void the_clip_range_bends_with_the_ray(void **state)
+{
+    struct picture picture;
+
+    // A glow of 1 a metre, seen for the 100 m to which the camera is clipped.
+    render(&picture,
+           "\"media\": [{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_s\": 0, \"sigma_a\": 0, \"emission\": "
+           "1}], " OBJECTS(
+               "{\"kind\": \"plane\", \"point\": [0, 0, 1], \"normal\": [0, 0, 1], \"material\": {" OBJECT_JOB_MIRROR
+               "}}"),
+           OBJECT_JOB_QUALITY);
+    assert_float_equal(rgba_at(&picture, 24, 16)[0], 100, 0.1);
+    image_finish(&picture.image);
+}
+
+// 33 pieces of a ray, 2 lights and 1000 points are more turns than software GL runs, and it is in the last piece that they are
+// used up: nothing comes after it that could miss them.
+static void a_ray_whose_last_loop_is_cut_fails_its_frame(void **state)
+{
+    struct error error = {{0}};
+    struct picture picture;
+
+    assert_false(try_to_render_on(
+        GL_BACKEND_OSMESA, &picture,
+        "\"media\": [{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_s\": 1e-3, \"sigma_a\": 0}], " OBJECTS(
+            "{\"kind\": \"plane\", \"point\": [0, 0, 3], \"normal\": [0, 0, 1], \"material\": {" OBJECT_JOB_MIRROR "}},"
+            " {\"kind\": \"plane\", \"point\": [0, 0, 5], \"normal\": [0, 0, -1], \"material\": {" OBJECT_JOB_MIRROR
+            "}}"),
+        "\"lights\": [{\"kind\": \"point\", \"intensity\": 1, \"position\": [0, 1, 4]}, {\"kind\": \"point\","
+        " \"intensity\": 1, \"position\": [0, -1, 4]}], \"quality\": {\"method\": \"equiangular\", \"points\": 1000,"
+        " \"max_depth\": 32}",
+        &error));
+    assert_int_equal(picture.result.fault, RENDERER_FAULT_ENDLESS);
+    assert_non_null(strstr(error.message, "turns"));
+    image_finish(&picture.image);
+}
+
+int main(int argument_count, char **arguments)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(depth_is_that_of_the_first_surface),
+        cmocka_unit_test(a_medium_may_be_nearer_than_the_surface),
+        cmocka_unit_test(alpha_is_what_comes_through_without_reflection),
+        cmocka_unit_test(nothing_is_seen_from_within_an_opaque_object),
+        cmocka_unit_test(what_takes_no_light_is_not_seen_in_a_furnace),
+        cmocka_unit_test(cut_rays_are_counted),
+        cmocka_unit_test(the_clip_range_bends_with_the_ray),
+        cmocka_unit_test(a_ray_whose_last_loop_is_cut_fails_its_frame),
+    };
+
+    if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

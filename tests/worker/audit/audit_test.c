@@ -1,0 +1,463 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/audit/audit.h"
+
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "tests/support/assert_near.h"
+#include "tests/support/example_job.h"
+#include "tests/support/render_frame.h"
+#include "worker/audit/audit_map.h"
+#include "worker/audit/truth.h"
+#include "worker/picture/image.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH_PX = 40, HEIGHT_PX = 30, PIXELS = WIDTH_PX * HEIGHT_PX, SMALL_WIDTH_PX = 8, SMALL_HEIGHT_PX = 6 };
+
+static struct image make_image(int width_px, int height_px, float value)
+{
+    struct image image;
+
+    assert_true(image_init(&image, width_px, height_px, false, false, NULL));
+    for (int i = 0; i < 4 * width_px * height_px; i++)
+        image.rgba[i] = value;
+    return image;
+}
+
+static void put(struct image *image, int x, int y, float value)
+{
+    for (int c = 0; c < 3; c++)
+        image->rgba[4 * (y * image->width_px + x) + c] = value;
+}
+
+// A picture with a bright pixel, and two small ones that differ in one place.
+struct scenery {
+    struct image image, finer, coarser;
+    struct audit_map map;
+};
+
+static void set_scenery(struct scenery *scenery)
+{
+    scenery->image = make_image(WIDTH_PX, HEIGHT_PX, 0.5f);
+    scenery->finer = make_image(SMALL_WIDTH_PX, SMALL_HEIGHT_PX, 0.5f);
+    scenery->coarser = make_image(SMALL_WIDTH_PX, SMALL_HEIGHT_PX, 0.5f);
+    put(&scenery->image, 7, 21, 4.0f);
+    put(&scenery->coarser, 5, 2, 0.7f);
+    audit_map_init(&scenery->map, &(struct audit_map_params){.image = &scenery->image,
+                                                             .pixel = JOB_PIXEL_HALF,
+                                                             .finer = &scenery->finer,
+                                                             .coarser = &scenery->coarser,
+                                                             .is_own = true});
+}
+
+static void clear_scenery(struct scenery *scenery)
+{
+    audit_map_finish(&scenery->map);
+    image_finish(&scenery->image);
+    image_finish(&scenery->finer);
+    image_finish(&scenery->coarser);
+}
+
+static void densities_are_probabilities(void **state)
+{
+    struct scenery scenery;
+    double sum = 0.0, least = INFINITY;
+
+    set_scenery(&scenery);
+    for (int i = 0; i < PIXELS; i++) {
+        double density = audit_map_density(&scenery.map, (struct truth_place){i % WIDTH_PX, i / WIDTH_PX});
+
+        sum += density / PIXELS;
+        least = fmin(least, density);
+    }
+    assert_near(sum, 1.0, 1e-9);
+    assert_true(least >= 0.25);
+    clear_scenery(&scenery);
+}
+
+// Weights are right only if pixels come up as often as their density says.
+static void draws_follow_densities(void **state)
+{
+    enum { DRAWS = 200000 };
+    struct truth_place *places = calloc(DRAWS, sizeof *places);
+    double *counts = calloc(PIXELS, sizeof *counts), worst = 0.0;
+    struct job job = {.hash = "0123"};
+    struct scenery scenery;
+
+    set_scenery(&scenery);
+    audit_map_draw(&scenery.map, &job, 3, 0, DRAWS, places);
+    for (int i = 0; i < DRAWS; i++) {
+        assert_in_range(places[i].x, 0, WIDTH_PX - 1);
+        assert_in_range(places[i].y, 0, HEIGHT_PX - 1);
+        counts[places[i].y * WIDTH_PX + places[i].x]++;
+    }
+    for (int i = 0; i < PIXELS; i++) {
+        struct truth_place place = {i % WIDTH_PX, i / WIDTH_PX};
+        double wanted = DRAWS * audit_map_density(&scenery.map, place) / PIXELS;
+
+        worst = fmax(worst, fabs(counts[i] - wanted) / sqrt(wanted));
+    }
+    // Standard errors: of 1200 counts one is 5 off by chance once in 1500 times, and the seed is fixed.
+    print_message("the count farthest off its density is %.1f standard errors off\n", worst);
+    assert_true(worst < 5.0);
+    clear_scenery(&scenery);
+    free(places);
+    free(counts);
+}
+
+static void draws_are_the_jobs_and_the_frames(void **state)
+{
+    enum { DRAWS = 50 };
+    struct truth_place places[DRAWS], again[DRAWS], later[DRAWS / 2], other[DRAWS];
+    struct job job = {.hash = "0123"}, other_job = {.hash = "0124"};
+    struct scenery scenery;
+
+    set_scenery(&scenery);
+    audit_map_draw(&scenery.map, &job, 3, 0, DRAWS, places);
+    audit_map_draw(&scenery.map, &job, 3, 0, DRAWS, again);
+    audit_map_draw(&scenery.map, &job, 3, DRAWS / 2, DRAWS / 2, later);
+    assert_memory_equal(places, again, sizeof places);
+    assert_memory_equal(places + DRAWS / 2, later, sizeof later);
+    audit_map_draw(&scenery.map, &job, 4, 0, DRAWS, other);
+    assert_memory_not_equal(places, other, sizeof places);
+    audit_map_draw(&scenery.map, &other_job, 3, 0, DRAWS, other);
+    assert_memory_not_equal(places, other, sizeof places);
+    clear_scenery(&scenery);
+}
+
+static void what_stands_out_is_looked_at(void **state)
+{
+    struct scenery scenery;
+    double plain, spike, change;
+
+    set_scenery(&scenery);
+    plain = audit_map_density(&scenery.map, (struct truth_place){35, 2});
+    spike = audit_map_density(&scenery.map, (struct truth_place){7, 21});
+    change = audit_map_density(&scenery.map, (struct truth_place){27, 12});
+    assert_true(spike > 50.0 * plain);
+    assert_true(change > 5.0 * plain);
+    clear_scenery(&scenery);
+}
+
+static struct truth_pixel light_of(double value)
+{
+    return (struct truth_pixel){.rgb = {value, value, value}, .is_converged = true};
+}
+
+static void compare_places(const struct audit_map *map, const struct truth_place *places, size_t count, double value,
+                           struct audit_samples *samples)
+{
+    struct truth_pixel light = light_of(value);
+
+    for (size_t i = 0; i < count; i++) {
+        struct audit_sample sample = audit_map_compare(map, places[i], &light);
+
+        audit_samples_append(samples, &sample);
+    }
+}
+
+// The light is 0.5 everywhere; the one bright pixel is all of the error.
+static void the_mean_of_many_audits_is_the_error(void **state)
+{
+    enum { AUDITS = 400, RAYS = 64 };
+    double squares = 0.0, wanted = 3.5 * 3.5 / PIXELS;
+    struct job job = {.hash = "0123"};
+    struct scenery scenery;
+
+    set_scenery(&scenery);
+    for (int i = 0; i < AUDITS; i++) {
+        struct audit_samples samples = {0};
+        struct truth_place places[RAYS];
+
+        audit_map_draw(&scenery.map, &job, i, 0, RAYS, places);
+        compare_places(&scenery.map, places, RAYS, 0.5, &samples);
+        for (size_t k = 0; k < RAYS; k++)
+            squares += samples.list[k].square * scenery.map.mean_square / (AUDITS * RAYS);
+        audit_samples_finish(&samples);
+    }
+    // 25,600 draws, of which every tenth or so is the bright pixel.
+    assert_near(squares, wanted, 0.05 * wanted);
+    clear_scenery(&scenery);
+}
+
+static struct audit_samples even_samples(size_t count, double square, double cross)
+{
+    struct audit_samples samples = {0};
+
+    for (size_t i = 0; i < count; i++)
+        audit_samples_append(&samples, &(struct audit_sample){.square = square, .cross = cross});
+    return samples;
+}
+
+static void errors_are_relative_to_the_light(void **state)
+{
+    // The frame is the light times 1.25: of its values' mean square 0.04 are error, and the cross term is 0.2.
+    struct audit_samples own = even_samples(64, 0.04, 0.2);
+    struct audit_verdict verdict = audit_estimate(&(struct audit_evidence){.own = &own, .change = -1.0});
+
+    assert_near(verdict.error, 0.25, 1e-9);
+    assert_true(verdict.error95 > verdict.error);
+    verdict = audit_estimate(&(struct audit_evidence){.own = &own, .change = -1.0, .is_black = true});
+    assert_near(verdict.error, 0.2, 1e-9);
+    audit_samples_finish(&own);
+}
+
+static void what_halving_changes_is_below_the_bound(void **state)
+{
+    struct audit_samples own = even_samples(64, 1e-8, 0.0);
+    struct audit_evidence evidence = {.own = &own, .change = 0.03, .resolution = 1e-3};
+
+    assert_true(audit_estimate(&evidence).error95 >= 0.03);
+    evidence.change = -1.0;
+    assert_true(audit_estimate(&evidence).error95 >= 1e-3);
+    assert_true(audit_estimate(&evidence).error95 < 2e-3);
+    audit_samples_finish(&own);
+}
+
+static void a_frame_unlike_its_pool_is_judged_by_itself(void **state)
+{
+    struct audit_samples pool = even_samples(64, 1e-6, 0.0), own = even_samples(8, 1e-6, 0.0);
+    struct audit_evidence evidence = {.own = &own, .pool = &pool, .change = -1.0, .pool_change = -1.0};
+    struct audit_verdict verdict;
+
+    for (size_t i = 0; i < pool.count; i++)
+        pool.list[i].square *= i % 2 ? 1.5 : 0.5;
+    verdict = audit_estimate(&evidence);
+    assert_true(verdict.is_pooled);
+    assert_int_equal(verdict.ray_count, 72);
+    assert_near(verdict.error, 1e-3, 1e-6);
+    // Halving changes this frame more than the pool's.
+    evidence.change = 0.004;
+    evidence.pool_change = 0.001;
+    verdict = audit_estimate(&evidence);
+    assert_true(verdict.is_pooled);
+    assert_near(verdict.error, 4e-3, 1e-4);
+    own.list[5].square = 1e-3;
+    verdict = audit_estimate(&evidence);
+    assert_false(verdict.is_pooled);
+    assert_int_equal(verdict.ray_count, 8);
+    assert_true(verdict.error > 0.01);
+    audit_samples_finish(&pool);
+    audit_samples_finish(&own);
+}
+
+static void values_that_are_no_numbers_are_no_small_error(void **state)
+{
+    struct audit_samples own = even_samples(64, 1e-6, 0.0);
+
+    own.list[9].square = NAN;
+    assert_true(isinf(audit_estimate(&(struct audit_evidence){.own = &own, .change = -1.0}).error95));
+    audit_samples_finish(&own);
+}
+
+// The fog's example at a moment, as its job has it but for its quality.
+struct shot {
+    struct job job;
+    struct image image;
+    struct truth *truth;
+};
+
+static void take_shot(struct shot *shot, int points)
+{
+    struct error error = {{0}};
+
+    example_job_load(&shot->job, "fog");
+    example_job_shrink(&shot->job, 64, 36, 1.4);
+    shot->job.quality.points = points;
+    render_frame_zero(&shot->job, &shot->image);
+    shot->truth = truth_open(&(struct truth_params){.job = &shot->job}, &error);
+    if (!shot->truth) fail_msg("%s", error.message);
+}
+
+static void finish_shot(struct shot *shot)
+{
+    truth_close(shot->truth);
+    image_finish(&shot->image);
+    job_finish(&shot->job);
+}
+
+static struct audit_params params_of(const struct shot *shot)
+{
+    return (struct audit_params){
+        .job = &shot->job, .image = &shot->image, .truth = shot->truth, .tolerance = 0.01, .budget_s = 60.0};
+}
+
+static void a_good_frame_is_within_and_a_coarse_one_is_not(void **state)
+{
+    struct audit_result result;
+    struct audit_params params;
+    struct shot good, coarse;
+
+    take_shot(&good, 32);
+    params = params_of(&good);
+    assert_true(audit_frame(&params, &result));
+    assert_int_equal(result.kind, AUDIT_REFERENCE);
+    assert_false(result.is_pooled);
+    assert_true(result.error95 <= 0.01 && result.error <= result.error95);
+    assert_in_range(result.ray_count, AUDIT_RAYS_MIN, 16 * AUDIT_RAYS_MIN);
+    assert_true(result.tolerance == 0.01);
+    assert_true(result.sampling_error == 0.0);
+    finish_shot(&good);
+    take_shot(&coarse, 1);
+    params = params_of(&coarse);
+    assert_true(audit_frame(&params, &result));
+    assert_true(result.error > 0.02);
+    assert_int_equal(result.ray_count, AUDIT_RAYS_MIN); // that it misses is plain
+    finish_shot(&coarse);
+}
+
+static void a_budget_ends_an_audit(void **state)
+{
+    struct audit_result result;
+    struct audit_params params;
+    struct shot shot;
+
+    take_shot(&shot, 32);
+    params = params_of(&shot);
+    params.tolerance = 3e-4; // near its error, so it is open for long on which side it is
+    assert_true(audit_frame(&params, &result));
+    print_message("error %.2e, at most %.2e by %d rays\n", result.error, result.error95, result.ray_count);
+    assert_true(result.ray_count > AUDIT_RAYS_MIN);
+    params.budget_s = 0.0;
+    assert_true(audit_frame(&params, &result));
+    assert_int_equal(result.ray_count, AUDIT_RAYS_MIN);
+    finish_shot(&shot);
+}
+
+static bool stop_at_once(void *user)
+{
+    return false;
+}
+
+static void an_audit_can_be_stopped(void **state)
+{
+    struct audit_result result;
+    struct audit_params params;
+    struct shot shot;
+
+    take_shot(&shot, 32);
+    params = params_of(&shot);
+    params.on_progress = stop_at_once;
+    assert_false(audit_frame(&params, &result));
+    finish_shot(&shot);
+}
+
+static void few_pixels_are_enough_with_a_pool(void **state)
+{
+    struct audit_pool pool = {0};
+    struct audit_result result;
+    struct audit_params params;
+    struct shot shot;
+
+    take_shot(&shot, 32);
+    params = params_of(&shot);
+    params.gathered = &pool;
+    assert_true(audit_frame(&params, &result));
+    assert_int_equal(pool.samples.count, result.ray_count);
+    params = params_of(&shot);
+    params.frame = 1; // so that other pixels are drawn
+    params.pool = &pool;
+    assert_true(audit_frame(&params, &result));
+    assert_true(result.is_pooled);
+    assert_int_equal(result.ray_count, pool.samples.count + AUDIT_RAYS_POOLED);
+    // The frame is broken, its pool is not.
+    for (int i = 0; i < 64 * 36 * 4; i++)
+        shot.image.rgba[i] *= 1.2f;
+    assert_true(audit_frame(&params, &result));
+    assert_false(result.is_pooled);
+    assert_true(result.error95 > 0.1);
+    finish_shot(&shot);
+    audit_pool_finish(&pool);
+}
+
+static void a_spoilt_frame_has_no_finite_error(void **state)
+{
+    struct audit_result result;
+    struct audit_params params;
+    struct shot shot;
+
+    take_shot(&shot, 32);
+    shot.image.rgba[4 * 100] = NAN;
+    params = params_of(&shot);
+    assert_true(audit_frame(&params, &result));
+    assert_true(isinf(result.error95));
+    finish_shot(&shot);
+}
+
+// Two pictures of rough surfaces differ by lot however good they are.
+static void noise_of_rough_surfaces_is_no_error(void **state)
+{
+    struct audit_result result;
+    struct audit_params params;
+    struct error error = {{0}};
+    double rmse = 0.0, square = 0.0, lot = 0.0;
+    struct truth *truth;
+    struct image image;
+    struct job job;
+
+    example_job_load(&job, "mirror");
+    example_job_shrink(&job, 48, 27, 2.5);
+    job.quality.samples = 16;
+    memcpy(job.hash, "0123", sizeof "0123"); // else the pixels depend on where the job lies
+    render_frame_zero(&job, &image);
+    truth = truth_open(&(struct truth_params){.job = &job}, &error);
+    if (!truth) fail_msg("%s", error.message);
+    for (int i = 0; i < 48 * 27; i++) {
+        struct truth_pixel pixel = truth_measure(truth, i % 48, i / 48, NULL);
+
+        for (int c = 0; c < 3; c++) {
+            rmse += (image.rgba[4 * i + c] - pixel.rgb[c]) * (image.rgba[4 * i + c] - pixel.rgb[c]);
+            square += pixel.rgb[c] * pixel.rgb[c];
+            lot += (1.0 + pixel.share) * pixel.variance[c];
+        }
+    }
+    lot = sqrt(lot / square);
+    rmse = sqrt(rmse / square);
+    params = (struct audit_params){
+        .job = &job, .image = &image, .truth = truth, .tolerance = 1e-3, .ray_min = 512, .ray_max = 512};
+    assert_true(audit_frame(&params, &result));
+    print_message("apart by %.2e, by lot %.2e; audited: error %.2e, at most %.2e, by lot %.2e\n", rmse, lot,
+                  result.error, result.error95, result.sampling_error);
+    assert_near(rmse, lot, 0.2 * lot);
+    assert_near(result.sampling_error, lot / sqrt(1.25), 0.2 * lot);
+    assert_true(result.error95 < 0.5 * lot);
+    // Ten per cent too bright is beyond it.
+    for (int i = 0; i < 48 * 27 * 4; i++)
+        image.rgba[i] *= 1.1f;
+    assert_true(audit_frame(&params, &result));
+    assert_true(result.error95 >= 0.1);
+    truth_close(truth);
+    image_finish(&image);
+    job_finish(&job);
+}
+
+int main(int argc, char *argv[])
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(densities_are_probabilities),
+        cmocka_unit_test(draws_follow_densities),
+        cmocka_unit_test(draws_are_the_jobs_and_the_frames),
+        cmocka_unit_test(what_stands_out_is_looked_at),
+        cmocka_unit_test(the_mean_of_many_audits_is_the_error),
+        cmocka_unit_test(errors_are_relative_to_the_light),
+        cmocka_unit_test(what_halving_changes_is_below_the_bound),
+        cmocka_unit_test(a_frame_unlike_its_pool_is_judged_by_itself),
+        cmocka_unit_test(values_that_are_no_numbers_are_no_small_error),
+        cmocka_unit_test(a_good_frame_is_within_and_a_coarse_one_is_not),
+        cmocka_unit_test(a_budget_ends_an_audit),
+        cmocka_unit_test(an_audit_can_be_stopped),
+        cmocka_unit_test(few_pixels_are_enough_with_a_pool),
+        cmocka_unit_test(a_spoilt_frame_has_no_finite_error),
+        cmocka_unit_test(noise_of_rough_surfaces_is_no_error),
+    };
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

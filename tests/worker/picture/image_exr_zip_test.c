@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/picture/image_exr_zip.h"
+
+#include "tests/support/random.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <string.h>
+#include <zlib.h>
+
+#include <cmocka.h>
+
+enum { LARGEST = 5000 };
+
+static const size_t sizes[] = {2, 4, 14, 16, 18, 30, 32, 34, 62, 64, 66, 4098, LARGEST};
+enum { SIZE_COUNT = sizeof sizes / sizeof sizes[0] };
+
+// Bytes that rise, with jumps of every size, and pack well.
+static void fill(uint8_t *chunk, size_t count, uint32_t seed)
+{
+    struct random random = {seed};
+
+    for (size_t i = 0; i < count; i++)
+        chunk[i] = (uint8_t)(i % 8 ? chunk[i - 1] + (i % 2) : random_between(&random, 0, 256));
+}
+
+// What is in the zlib stream of a chunk, as "Technical Introduction to OpenEXR" and its library have it, byte by byte.
+static void filter(uint8_t *filtered, const uint8_t *chunk, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        filtered[i % 2 * (count / 2) + i / 2] = chunk[i];
+    for (size_t i = count - 1; i > 0; i--)
+        filtered[i] = (uint8_t)(filtered[i] - (filtered[i - 1] - 128));
+}
+
+static void a_chunk_is_packed_as_the_format_has_it(void **state)
+{
+    struct image_exr_zip *zip = image_exr_zip_create(LARGEST);
+    uint8_t chunk[LARGEST], filtered[LARGEST], found[LARGEST];
+
+    for (size_t i = 0; i < SIZE_COUNT; i++) {
+        const void *packed;
+        uLongf found_bytes = sizeof found;
+        size_t packed_bytes;
+
+        fill(chunk, sizes[i], (uint32_t)i);
+        packed_bytes = image_exr_zip_pack(zip, chunk, sizes[i], &packed);
+        if (packed_bytes == 0 && sizes[i] < 64) continue;
+        assert_in_range(packed_bytes, 1, sizes[i] - 1);
+        assert_int_equal(uncompress(found, &found_bytes, packed, packed_bytes), Z_OK);
+        filter(filtered, chunk, sizes[i]);
+        assert_int_equal(found_bytes, sizes[i]);
+        assert_memory_equal(found, filtered, sizes[i]);
+    }
+    image_exr_zip_destroy(zip);
+}
+
+static void what_others_packed_is_unpacked(void **state)
+{
+    struct image_exr_zip *zip = image_exr_zip_create(LARGEST);
+    uint8_t chunk[LARGEST], filtered[LARGEST], packed[2 * LARGEST], found[LARGEST];
+
+    for (size_t i = 0; i < SIZE_COUNT; i++)
+        for (int level = 0; level <= 9; level += 3) {
+            uLongf packed_bytes = sizeof packed;
+
+            fill(chunk, sizes[i], (uint32_t)i);
+            filter(filtered, chunk, sizes[i]);
+            assert_int_equal(compress2(packed, &packed_bytes, filtered, sizes[i], level), Z_OK);
+            assert_true(image_exr_zip_unpack(zip, packed, packed_bytes, found, sizes[i]));
+            assert_memory_equal(found, chunk, sizes[i]);
+        }
+    image_exr_zip_destroy(zip);
+}
+
+static void a_damaged_chunk_is_refused(void **state)
+{
+    struct image_exr_zip *zip = image_exr_zip_create(1000);
+    uint8_t chunk[1002], packed[1000], found[1002];
+    const void *borrowed;
+    size_t packed_bytes;
+
+    fill(chunk, sizeof chunk, 3);
+    packed_bytes = image_exr_zip_pack(zip, chunk, 1000, &borrowed);
+    assert_in_range(packed_bytes, 1, 999);
+    memcpy(packed, borrowed, packed_bytes);
+    assert_true(image_exr_zip_unpack(zip, packed, packed_bytes, found, 1000));
+    assert_false(image_exr_zip_unpack(zip, packed, packed_bytes, found, 998));
+    assert_false(image_exr_zip_unpack(zip, packed, packed_bytes, found, 999));
+    assert_false(image_exr_zip_unpack(zip, packed, packed_bytes, found, 1002));
+    assert_false(image_exr_zip_unpack(zip, packed, packed_bytes - 1, found, 1000));
+    packed[packed_bytes - 1] ^= 1; // of the checksum
+    assert_false(image_exr_zip_unpack(zip, packed, packed_bytes, found, 1000));
+    image_exr_zip_destroy(zip);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_chunk_is_packed_as_the_format_has_it),
+        cmocka_unit_test(what_others_packed_is_unpacked),
+        cmocka_unit_test(a_damaged_chunk_is_refused),
+    };
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,427 @@
+// Frames of jobs that state a tolerance: planned, audited, rendered again, given up.
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/tolerance.h"
+
+#include "core/base/error.h"
+#include "core/job/job_json.h"
+#include "tests/support/ball_job.h"
+#include "tests/support/example_job.h"
+#include "tests/support/shader_dir.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/tolerance_stage.h"
+#include "tests/support/true_error.h"
+#include "worker/gl/gl_context.h"
+#include "worker/glsl/shader_sources.h"
+#include "worker/picture/image.h"
+#include "worker/plan/plan_family.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+static struct job cloud_job(double tolerance)
+{
+    struct job job;
+
+    example_job_load(&job, "cloud");
+    job.width_px = 32;
+    job.height_px = 18;
+    job.quality = (struct job_quality){
+        .method = JOB_METHOD_AUTO, .tolerance = tolerance, .samples = 1, .max_depth = 8, .max_cut = 1.0};
+    return job;
+}
+
+static void frames_keep_their_tolerance(void **state)
+{
+    static const double tolerances[] = {0.1, 0.03, 0.01};
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+
+    for (size_t i = 0; i < sizeof tolerances / sizeof *tolerances; i++) {
+        struct job job = cloud_job(tolerances[i]);
+        struct tolerance_result result;
+        struct error error = {{0}};
+        struct image image;
+        double truly;
+
+        // Of another segment than the last.
+        if (!tolerance_stage_render(stage, &job, 48 * (int32_t)i + 5, &image, &result, &error))
+            fail_msg("%s", error.message);
+        truly = true_error_measure(&job, 48 * (int32_t)i + 5, &image);
+        print_message("tolerance %g: truly %.2e, audited %.2e (at most %.2e): %s\n", tolerances[i], truly,
+                      result.audit.error, result.audit.error95, result.reason);
+        assert_true(truly <= tolerances[i]);
+        assert_true(result.audit.kind == AUDIT_REFERENCE && result.audit.ray_count >= AUDIT_RAYS_MIN);
+        assert_true(result.audit.tolerance == tolerances[i] && result.reason[0] != 0);
+        // What is better by far took too long.
+        assert_true(truly >= 0.1 * tolerances[i]);
+        image_finish(&image);
+        job_finish(&job);
+    }
+    tolerance_stage_close(stage);
+}
+
+static void equal_renderers_make_equal_frames(void **state)
+{
+    struct job job = cloud_job(0.05);
+    size_t size_bytes = 16 * (size_t)job.width_px * (size_t)job.height_px;
+    struct tolerance_result results[2];
+    struct image images[2];
+
+    for (int i = 0; i < 2; i++) {
+        struct tolerance_stage stage = tolerance_stage_open(NULL);
+        struct image other;
+
+        // One has rendered another frame of the segment before.
+        if (i == 1) {
+            assert_true(tolerance_stage_render(stage, &job, 11, &other, &results[i], NULL));
+            image_finish(&other);
+        }
+        assert_true(tolerance_stage_render(stage, &job, 10, &images[i], &results[i], NULL));
+        tolerance_stage_close(stage);
+    }
+    assert_memory_equal(images[0].rgba, images[1].rgba, size_bytes);
+    assert_memory_equal(&results[0].quality, &results[1].quality, sizeof results[0].quality);
+    image_finish(&images[0]);
+    image_finish(&images[1]);
+    job_finish(&job);
+}
+
+static struct plan make_plan(struct tolerance_stage stage, const struct job *job, enum plan_choice choice)
+{
+    enum renderer_fault fault;
+    struct error error = {{0}};
+    struct plan plan;
+
+    if (!plan_make(&plan,
+                   &(struct plan_params){
+                       .renderer = stage.renderer, .job = job, .segment = plan_segment_of(job, 0), .choice = choice},
+                   &fault, &error))
+        fail_msg("%s", error.message);
+    return plan;
+}
+
+// Of rays that are three deep, all through the scene.
+static double work_of(const struct job *job, const struct job_quality *quality)
+{
+    static const float DEPTH = 3.0F;
+    struct plan_scene scene;
+
+    plan_scene_init(&scene, job);
+    scene.depths = &DEPTH;
+    scene.depth_count = 1;
+    scene.met = 1.0;
+    return plan_family_work(&scene, quality);
+}
+
+static const struct plan_family *find_family(enum job_method method)
+{
+    size_t i = 0;
+
+    while (plan_families[i].method != method)
+        ++i;
+    return &plan_families[i];
+}
+
+// What a user would take who halves all steps until the frames of the pilot keep the tolerance.
+static double work_by_halving(struct tolerance_stage stage, const struct job *job)
+{
+    static const int32_t frames[] = {0, 23, 47};
+    const struct plan_family *family = find_family(JOB_METHOD_MIDPOINT);
+    struct plan_scene scene;
+    bool is_within = false;
+    double work = 0.0;
+
+    plan_scene_init(&scene, job);
+    for (int level = 0; !is_within && level < 8; ++level) {
+        struct plan_point point = {{2 * level, 2 * level, 6}};
+        struct job planned = *job;
+
+        planned.quality = plan_family_quality(family, &scene, &point);
+        work = work_of(job, &planned.quality);
+        is_within = true;
+        for (size_t i = 0; is_within && i < sizeof frames / sizeof *frames; ++i) {
+            struct image image = tolerance_stage_make_image(job);
+            struct renderer_result result;
+
+            assert_true(renderer_render(stage.renderer, &planned, frames[i], &image, NULL, NULL, &result, NULL));
+            is_within = true_error_measure(&planned, frames[i], &image) <= job->quality.tolerance;
+            image_finish(&image);
+        }
+    }
+    assert_true(is_within);
+    return work;
+}
+
+static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = cloud_job(0.02);
+    double halving = work_by_halving(stage, &job);
+    struct plan plan = make_plan(stage, &job, PLAN_CHOICE_CHEAPEST);
+    struct plan finest = make_plan(stage, &job, PLAN_CHOICE_FINEST);
+
+    print_message("looks a pixel: %.0f by halving, %.0f by plan, %.0f at the finest\n", halving,
+                  work_of(&job, &plan.quality), work_of(&job, &finest.quality));
+    // A plan keeps to six tenths of the tolerance.
+    assert_true(work_of(&job, &plan.quality) <= 1.5 * halving);
+    assert_true(work_of(&job, &finest.quality) > 1.5 * halving);
+    assert_true(finest.predicted_error < plan.predicted_error);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+// Audited true in its first rendering, that is far over the tolerance, and made good by the second, which goes by how far.
+static void the_coarsest_setting_fails_the_audit(void **state)
+{
+    static const int32_t frames[] = {3, 45};
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = cloud_job(0.01), coarsest = job;
+    struct plan plan = make_plan(stage, &job, PLAN_CHOICE_COARSEST), second = plan;
+
+    coarsest.quality = plan.quality;
+    for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
+        struct image image = tolerance_stage_make_image(&job);
+        struct tolerance_params params = {
+            .job = &job, .serial = 1, .frame = frames[i], .image = &image, .choice = PLAN_CHOICE_COARSEST};
+        struct tolerance_result result;
+        struct renderer_result rendered;
+        struct error error = {{0}};
+        double truly;
+
+        if (!tolerance_render(stage.tolerance, &params, &result, &error)) fail_msg("%s", error.message);
+        assert_true(result.is_second && result.audit.error <= 0.01);
+        assert_true(true_error_measure(&job, frames[i], &image) <= 0.01);
+        assert_true(renderer_render(stage.renderer, &coarsest, frames[i], &image, NULL, NULL, &rendered, NULL));
+        truly = true_error_measure(&job, frames[i], &image);
+        print_message("frame %d: truly %.2e, audited %.2e\n", (int)frames[i], truly, result.first_error);
+        assert_true(truly > 2.0 * 0.01 && result.first_error > 2.0 * 0.01);
+        // A pool's pixels are those of other frames, too.
+        assert_true(result.first_error < 4.0 * truly && truly < 4.0 * result.first_error);
+        second = plan;
+        plan_refine(&second, &job, tolerance_find_retry_rungs(result.first_error, 0.01));
+        assert_memory_equal(&result.quality, &second.quality, sizeof result.quality);
+        image_finish(&image);
+    }
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+// Of an error that falls as the steps to the power of three halves half the tolerance is left, and no more steps are taken than
+// the next class has.
+static void what_is_further_off_is_rendered_finer(void **state)
+{
+    for (double over = 1.001; over <= 64.0; over *= 1.1) {
+        int rungs = tolerance_find_retry_rungs(0.01 * over, 0.01);
+        double left = over * exp2(-0.75 * rungs);
+
+        assert_true(left <= (over <= 32.0 ? 0.5 : 1.0));
+        assert_true(left >= 0.1); // 2.25 powers of 2 below the half: the widest class
+    }
+    assert_int_equal(tolerance_find_retry_rungs(INFINITY, 0.01), tolerance_find_retry_rungs(1.0, 0.01));
+    assert_int_equal(tolerance_find_retry_rungs(NAN, 0.01), tolerance_find_retry_rungs(1.0, 0.01));
+}
+
+static double processor_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+// In so small a picture the light's grid takes most of it, which each frame has anew.
+static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
+{
+    enum { FRAMES = 6 };
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = cloud_job(0.1);
+    struct image image = tolerance_stage_make_image(&job);
+    struct renderer_result result;
+    enum renderer_fault fault;
+    double seconds = 0.0;
+    struct plan plan;
+
+    assert_true(
+        plan_make(&plan,
+                  &(struct plan_params){
+                      .renderer = stage.renderer, .job = &job, .segment = plan_segment_of(&job, 0), .is_timed = true},
+                  &fault, NULL));
+    for (int i = 0; i < FRAMES; i++) {
+        struct plan of_frame = plan_of_frame(&plan, &job, 8 * i + 4);
+        struct job planned = plan_apply(&of_frame, &job);
+        double start_s = processor_s();
+
+        assert_true(renderer_render(stage.renderer, &planned, 8 * i + 4, &image, NULL, NULL, &result, NULL));
+        seconds += (processor_s() - start_s) / FRAMES;
+    }
+    print_message("%s: foretold %.3g s, took %.3g s\n", plan.reason, plan.predicted_processor_s, seconds);
+    // Timings scatter; without grids they come to a fifth.
+    assert_true(plan.predicted_processor_s > 0.45 * seconds && plan.predicted_processor_s < 3.0 * seconds);
+    assert_true(plan.predicted_audit_s > 0.0 && plan.predicted_encode_s > 0.0 && plan.plan_s > 0.0);
+    assert_true(plan.predicted_frame_s >= plan.predicted_s + plan.predicted_audit_s);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+// A shader whose phase function scatters backwards what goes forwards.
+static void break_phase(const char *folder)
+{
+    char path[4096], *text;
+
+    snprintf(path, sizeof path, "%s/phase", folder);
+    mkdir(folder, 0700);
+    mkdir(path, 0700);
+    text = shader_sources_load(NULL, "phase/henyey_greenstein.glsl", NULL);
+    assert_non_null(text);
+    snprintf(path, sizeof path, "%s/phase/henyey_greenstein.glsl", folder);
+    {
+        FILE *out = fopen(path, "w");
+        char *place = strstr(text, "incoming - sign");
+
+        assert_non_null(out);
+        assert_non_null(place);
+        place[strlen("incoming ")] = '+';
+        fputs(text, out);
+        fclose(out);
+    }
+    free(text);
+}
+
+static void a_broken_frame_is_rendered_again_and_given_up(void **state)
+{
+    const char *folder = temp_folder_path(state, "shaders");
+    struct job job = cloud_job(0.05);
+    struct tolerance_result result;
+    struct error error = {{0}};
+    struct tolerance_stage stage;
+    struct image image;
+
+    break_phase(folder);
+    stage = tolerance_stage_open(folder);
+    assert_false(tolerance_stage_render(stage, &job, 3, &image, &result, &error));
+    print_message("%s\n", error.message);
+    assert_int_equal(result.render.fault, RENDERER_FAULT_MISSED);
+    assert_true(result.is_second && result.audit.error > 0.05);
+    assert_non_null(strstr(error.message, "quality.tolerance: expected an error of at most 0.05, got "));
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+static void equal_frames_are_copied_with_their_audit(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct tolerance_result first, second;
+    struct image images[2];
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", \"quality\": {\"tolerance\": 0.02}");
+    assert_true(tolerance_stage_render(stage, &job, 0, &images[0], &first, NULL));
+    assert_true(tolerance_stage_render(stage, &job, 1, &images[1], &second, NULL));
+    assert_true(first.audit.seconds > 0.0);
+    assert_true(second.render.is_copy);
+    assert_true(second.audit.kind == AUDIT_REFERENCE && second.audit.error == first.audit.error);
+    assert_true(second.audit.ray_count == first.audit.ray_count && second.audit.seconds == 0.0);
+    image_finish(&images[0]);
+    image_finish(&images[1]);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+static bool stop_later(void *user, double done)
+{
+    return --*(int *)user > 0;
+}
+
+// No method's fault, and no step's: sqrt(p.x) is not a number on one side.
+static void light_that_is_no_number_is_told_of(void **state)
+{
+    static const char text[] =
+        "{\"version\":1,\"name\":\"nan\",\"frames\":\"0\",\"fps\":24,\"resolution\":[32,18],\"camera\":{\"position\":"
+        "[0,0.3,-3],\"target\":[0,0,0],\"fov\":45},\"lights\":[{\"kind\":\"point\",\"intensity\":60,\"position\":"
+        "[1,2,-1]}],\"scene\":{\"media\":[{\"sigma_s\":8,\"density\":{\"kind\":\"glsl\",\"source\":"
+        "\"float density(vec3 p, float t) { return sqrt(p.x); }\",\"bounds\":{\"kind\":\"sphere\",\"center\":"
+        "[0,0,0],\"radius\":1}}}]},\"output\":{\"path\":\"nan.####.exr\"},\"quality\":{\"tolerance\":0.02}}";
+    struct tolerance_stage stage = tolerance_stage_open(test_shader_dir());
+    struct tolerance_result result;
+    struct error error = {{0}};
+    struct image image;
+    struct job job;
+
+    (void)state;
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    assert_false(tolerance_stage_render(stage, &job, 0, &image, &result, &error));
+    assert_non_null(strstr(error.message, "finite"));
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+static void a_pilot_can_be_stopped(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = cloud_job(0.05);
+    struct image image = tolerance_stage_make_image(&job);
+
+    for (int after = 1; after < 60; after *= 3) {
+        struct tolerance_result result;
+        int left = after;
+
+        assert_false(tolerance_render(
+            stage.tolerance,
+            &(struct tolerance_params){
+                .job = &job, .serial = 1, .frame = 3, .image = &image, .on_progress = stop_later, .user = &left},
+            &result, NULL));
+        assert_int_equal(result.render.fault, RENDERER_FAULT_STOPPED);
+    }
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+static void a_job_that_says_how_is_not_audited(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct tolerance_result result;
+    struct image image;
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    assert_true(tolerance_stage_render(stage, &job, 0, &image, &result, NULL));
+    assert_true(result.audit.kind == AUDIT_NONE && result.reason[0] == 0);
+    assert_int_equal(result.quality.method, JOB_METHOD_MIDPOINT);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_keep_their_tolerance),
+        cmocka_unit_test(equal_renderers_make_equal_frames),
+        cmocka_unit_test(a_plan_is_as_cheap_as_halving_and_the_finest_is_not),
+        cmocka_unit_test(the_coarsest_setting_fails_the_audit),
+        cmocka_unit_test(what_is_further_off_is_rendered_finer),
+        cmocka_unit_test(a_timed_plan_counts_all_that_a_frame_takes),
+        cmocka_unit_test_setup_teardown(a_broken_frame_is_rendered_again_and_given_up, temp_folder_create,
+                                        temp_folder_destroy),
+        cmocka_unit_test(equal_frames_are_copied_with_their_audit),
+        cmocka_unit_test(light_that_is_no_number_is_told_of),
+        cmocka_unit_test(a_pilot_can_be_stopped),
+        cmocka_unit_test(a_job_that_says_how_is_not_audited),
+    };
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

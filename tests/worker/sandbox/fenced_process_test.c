@@ -1,0 +1,347 @@
+// Plays the daemon to the real worker that is fenced in for one job: what a job may show is shown, what leads out is not.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/file.h"
+#include "core/wire/worker_status.h"
+#include "tests/support/fence_places.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/volume_maker.h"
+#include "tests/support/worker_child.h"
+#include "worker/sandbox/sanitizer.h"
+
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define SEEDS PROJECT_ROOT "/tests/fuzz/seeds/"
+
+// The message's start; then a body follows.
+#define SAY(method) "{\"jsonrpc\":\"2.0\",\"method\":\"" method "\",\"params\":"
+
+enum { COPY_LIMIT = 64 << 20 };
+
+static const char *at(const struct worker_child *child, const char *name)
+{
+    void *const state[] = {(void *)child->root};
+
+    return temp_folder_path(state, name);
+}
+
+// A worker that waits for its fence; in/ann/ is where inputs lie; the secret beside in/ is nobody's to read.
+static void start(struct worker_child *child, const char *backend)
+{
+    const char *const options[] = {"--backend", backend, "--fenced", "--memory", "2000000000", NULL};
+
+    worker_child_start_with(child, options);
+    assert_int_equal(mkdir(at(child, "in"), 0700), 0);
+    assert_int_equal(mkdir(at(child, "in/ann"), 0700), 0);
+    assert_int_equal(mkdir(at(child, "out"), 0700), 0);
+    volume_maker_write_raw(at(child, "secret_5x4x3xuint8.raw"), (int[]){5, 4, 3}, VOLUME_STORED_UINT8, false);
+}
+
+static void copy(const struct worker_child *child, const char *from, const char *name)
+{
+    char *bytes;
+    size_t size_bytes;
+
+    if (!file_read_text(from, COPY_LIMIT, &bytes, &size_bytes, NULL)) fail_msg("cannot read %s", from);
+    volume_maker_write(at(child, name), bytes, size_bytes);
+    free(bytes);
+}
+
+static void say_fence(const struct worker_child *child, const char *name, bool has_converter)
+{
+    worker_child_say(
+        child,
+        SAY("worker.fence") "{\"inputs\":[{\"place\":\"the grid\",\"root\":\"%s/in\",\"folder\":\"ann\","
+                            "\"path\":\"%s/in/ann/%s\"}],\"output\":{\"root\":\"%s/out\",\"folder\":\"a\"},"
+                            "\"closed\":[],\"converter\":%s}}",
+        child->root, child->root, name, child->root, has_converter ? "true" : "false");
+}
+
+// Skips the test where there is no such context.
+static void expect_ready(struct worker_child *child, const char *sandbox)
+{
+    struct message message;
+
+    assert_true(worker_child_hear(child, &message));
+    if (!strcmp(message.method, "worker.failed") && strstr(worker_child_text_of(&message, "error"), "no GL context")) {
+        print_message("%s\n", worker_child_text_of(&message, "error"));
+        message_finish(&message);
+        worker_child_finish(child);
+        skip();
+    }
+    assert_string_equal(message.method, "worker.ready");
+    if (!strstr(worker_child_text_of(&message, "sandbox"), sandbox))
+        fail_msg("expected %s, got %s", sandbox, worker_child_text_of(&message, "sandbox"));
+    message_finish(&message);
+}
+
+// One frame of what `scene` shows.
+static void say_frame(const struct worker_child *child, const char *scene)
+{
+    worker_child_say(child,
+                     SAY("worker.job") "{\"job\":1,\"epoch\":1,\"root\":\"%s/out\",\"owner\":\"ada\",\"document\":"
+                                       "{\"version\":1,\"name\":\"test\",\"frames\":\"1-2\",\"fps\":24,"
+                                       "\"resolution\":[16,9],\"camera\":{\"position\":[0,0,9],\"target\":[0,0,0],"
+                                       "\"fov\":30},\"background\":[1,1,1],\"scene\":{%s},"
+                                       "\"quality\":{\"method\":\"midpoint\",\"step\":0.1},"
+                                       "\"output\":{\"path\":\"a/test.####.exr\"}}}}",
+                     child->root, scene);
+    worker_child_say(child, SAY("worker.assign") "{\"job\":1,\"frames\":[[1,1]]}}");
+}
+
+static void say_grid(const struct worker_child *child, const char *name)
+{
+    char *scene;
+
+    assert_true(asprintf(&scene, "\"media\":[{\"density\":{\"kind\":\"grid\",\"file\":\"%s/%s\"},\"emission\":1}]",
+                         child->root, name) > 0);
+    say_frame(child, scene);
+    free(scene);
+}
+
+static void expect_frame_and_end(struct worker_child *child)
+{
+    struct message message = worker_child_expect(child, "frame.finished");
+
+    message_finish(&message);
+    worker_child_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
+    assert_int_equal(worker_child_finish(child), 0);
+}
+
+static void expect_denial_and_end(struct worker_child *child)
+{
+    worker_child_expect_failure(child, 1, "frame", "Permission denied");
+    worker_child_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
+    assert_int_equal(worker_child_finish(child), 0);
+}
+
+static void assert_grid_is_shown(const char *backend, const char *from, const char *name)
+{
+    struct worker_child child;
+    char path[256];
+
+    start(&child, backend);
+    snprintf(path, sizeof path, "in/ann/%s", name);
+    copy(&child, from, path);
+    say_fence(&child, name, false);
+    expect_ready(&child, "seccomp");
+    say_grid(&child, path);
+    expect_frame_and_end(&child);
+}
+
+static void every_kind_of_grid_is_shown(void **state)
+{
+    assert_grid_is_shown("osmesa", SEEDS "volume_nifti/version_1", "a.nii");
+    assert_grid_is_shown("osmesa", SEEDS "volume_nifti/gzip", "a.nii.gz");
+    assert_grid_is_shown("osmesa", SEEDS "volume_nrrd/raw", "a.nrrd");
+    assert_grid_is_shown("osmesa", PROJECT_ROOT "/jobs/smoke/smoke.0001.nvdb", "a.nvdb");
+}
+
+static void egl_shows_it_too(void **state)
+{
+    assert_grid_is_shown("egl", SEEDS "volume_nifti/gzip", "a.nii.gz");
+}
+
+static void the_converter_is_run(void **state)
+{
+    struct worker_child child;
+    char *command;
+
+    if (system("command -v nanovdb_convert >/dev/null") != 0) {
+        print_message("nanovdb_convert is not installed\n");
+        skip();
+    }
+    start(&child, "osmesa");
+    assert_true(asprintf(&command, "nanovdb_convert -f %s/jobs/smoke/smoke.0001.nvdb %s/in/ann/a.vdb >/dev/null",
+                         PROJECT_ROOT, child.root) > 0);
+    assert_int_equal(system(command), 0);
+    free(command);
+    say_fence(&child, "a.vdb", true);
+    expect_ready(&child, "seccomp");
+    say_grid(&child, "in/ann/a.vdb");
+    expect_frame_and_end(&child);
+}
+
+static void textures_are_read(void **state)
+{
+    struct worker_child child;
+    char *scene;
+
+    start(&child, "osmesa");
+    copy(&child, PROJECT_ROOT "/jobs/textures/floor.png", "in/ann/floor.png");
+    say_fence(&child, "floor.png", false);
+    expect_ready(&child, "seccomp");
+    assert_true(asprintf(&scene,
+                         "\"objects\":[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":"
+                         "{\"kind\":\"diffuse\",\"texture\":{\"file\":\"%s/in/ann/floor.png\"}}}]",
+                         child.root) > 0);
+    say_frame(&child, scene);
+    free(scene);
+    expect_frame_and_end(&child);
+}
+
+// The file that a job names while its fence says another: what a daemon would never send, but a worker taken over would open.
+static void file_of_another_job_stays_closed(void **state)
+{
+    struct worker_child child;
+
+    fence_places_skip_without_landlock();
+    start(&child, "osmesa");
+    copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
+    say_fence(&child, "a.nii.gz", false);
+    expect_ready(&child, "landlock");
+    say_grid(&child, "secret_5x4x3xuint8.raw");
+    expect_denial_and_end(&child);
+}
+
+static void start_header(struct worker_child *child, const char *data_file)
+{
+    char *header;
+
+    start(child, "osmesa");
+    volume_maker_write_raw(at(child, "in/ann/beside.raw"), (int[]){5, 4, 3}, VOLUME_STORED_UINT8, false);
+    assert_true(asprintf(&header, "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 5 4 3\nencoding: raw\ndata file: %s%s\n",
+                         data_file[0] == '/' ? child->root : "", data_file) > 0);
+    volume_maker_write(at(child, "in/ann/a.nhdr"), header, strlen(header));
+    free(header);
+    say_fence(child, "a.nhdr", false);
+    expect_ready(child, "seccomp");
+    say_grid(child, "in/ann/a.nhdr");
+}
+
+static void header_reads_the_file_beside_it(void **state)
+{
+    struct worker_child child;
+
+    start_header(&child, "beside.raw");
+    expect_frame_and_end(&child);
+}
+
+static void assert_header_is_refused(const char *data_file)
+{
+    struct worker_child child;
+
+    start_header(&child, data_file);
+    expect_denial_and_end(&child);
+}
+
+static void headers_read_no_files_outside_their_folder(void **state)
+{
+    fence_places_skip_without_landlock();
+    assert_header_is_refused("/secret_5x4x3xuint8.raw");
+    assert_header_is_refused("../../secret_5x4x3xuint8.raw");
+}
+
+static void link_of_a_sequence_that_leads_out_fails_its_frame(void **state)
+{
+    struct worker_child child;
+
+    fence_places_skip_without_landlock();
+    start(&child, "osmesa");
+    assert_int_equal(symlink("../../secret_5x4x3xuint8.raw", at(&child, "in/ann/s01_5x4x3xuint8.raw")), 0);
+    say_fence(&child, "s##_5x4x3xuint8.raw", false);
+    expect_ready(&child, "landlock");
+    say_grid(&child, "in/ann/s##_5x4x3xuint8.raw");
+    expect_denial_and_end(&child);
+}
+
+static void expect_unable(struct worker_child *child, const char *fault, const char *words)
+{
+    struct message message = worker_child_expect(child, "worker.failed");
+
+    assert_string_equal(worker_child_text_of(&message, "fault"), fault);
+    if (!strstr(worker_child_text_of(&message, "error"), words))
+        fail_msg("expected \"%s\" in \"%s\"", words, worker_child_text_of(&message, "error"));
+    message_finish(&message);
+    assert_int_equal(worker_child_finish(child), 1);
+}
+
+static void links_that_lead_out_end_the_worker(void **state)
+{
+    struct worker_child child;
+
+    start(&child, "osmesa");
+    assert_int_equal(symlink("../../secret_5x4x3xuint8.raw", at(&child, "in/ann/a_5x4x3xuint8.raw")), 0);
+    say_fence(&child, "a_5x4x3xuint8.raw", false);
+    expect_unable(&child, "job", "leads out of");
+    start(&child, "osmesa");
+    assert_int_equal(symlink("../in", at(&child, "out/a")), 0);
+    copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
+    say_fence(&child, "a.nii.gz", false);
+    expect_unable(&child, "output", "symbolic link");
+}
+
+static void nothing_is_done_without_a_fence(void **state)
+{
+    struct worker_child child;
+
+    start(&child, "osmesa");
+    say_grid(&child, "secret_5x4x3xuint8.raw");
+    expect_unable(&child, "worker", "expected worker.fence");
+}
+
+// Thirty doublings of a line of GLSL: what reads it runs out of memory, and must not take the machine's.
+static void source_that_grows_without_end_ends_the_worker(void **state)
+{
+    static const char words[] = "\"media\":[{\"density\":{\"kind\":\"glsl\",\"bounds\":{\"kind\":\"sphere\",\"center\":"
+                                "[0,0,0],\"radius\":1},\"source\":\"#define A0 +p.x+p.y+p.z+p.x\\n%sfloat density(vec3 "
+                                "p,float t){return 0.0 A30;}\"},\"emission\":1}]";
+    char lines[2048] = "", *scene;
+    struct worker_child child;
+    struct message message;
+    time_t began = time(NULL);
+    int status;
+
+    if (IS_SANITIZED) {
+        print_message("the address sanitizer needs more memory than there would be\n");
+        skip();
+    }
+    for (int i = 1, length = 0; i <= 30; i++)
+        length += snprintf(lines + length, sizeof lines - (size_t)length, "#define A%d A%d A%d\\n", i, i - 1, i - 1);
+    start(&child, "osmesa");
+    copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
+    say_fence(&child, "a.nii.gz", false);
+    expect_ready(&child, "seccomp");
+    assert_true(asprintf(&scene, words, lines) > 0);
+    say_frame(&child, scene);
+    free(scene);
+    // It dies, and all that it says before is that it lives and has begun.
+    while (worker_child_hear(&child, &message)) {
+        if (strcmp(message.method, "worker.beat") != 0) assert_string_equal(message.method, "frame.started");
+        message_finish(&message);
+    }
+    status = worker_child_finish(&child);
+    assert_int_equal(status, WORKER_STATUS_MEMORY);
+    assert_true(time(NULL) - began < 60);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_kind_of_grid_is_shown),
+        cmocka_unit_test(egl_shows_it_too),
+        cmocka_unit_test(the_converter_is_run),
+        cmocka_unit_test(textures_are_read),
+        cmocka_unit_test(file_of_another_job_stays_closed),
+        cmocka_unit_test(header_reads_the_file_beside_it),
+        cmocka_unit_test(headers_read_no_files_outside_their_folder),
+        cmocka_unit_test(link_of_a_sequence_that_leads_out_fails_its_frame),
+        cmocka_unit_test(links_that_lead_out_end_the_worker),
+        cmocka_unit_test(nothing_is_done_without_a_fence),
+        cmocka_unit_test(source_that_grows_without_end_ends_the_worker),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/answer/chart_truth.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "worker/audit/audit_map.h"
+#include "worker/audit/truth.h"
+#include "worker/picture/image.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum {
+    BATCH = 512,         // draws between two looks at the clock, at most
+    PILOT = 64,          // the first of them, which tell what a pixel takes
+    DRAWS_LIMIT = 200000 // beyond, other pixels tell no more
+};
+
+// How dark a pixel is, beside the picture's RMS, whose relative error is no longer seen; what is black for certain.
+static const double DARK_SHARE = 0.1, BLACK = 1e-6;
+// As audits count it: the picture's own lot, and half of that for the reference, which is a mean of two.
+static const double LOTS = 1.5;
+
+struct search {
+    const struct chart_truth_params *params;
+    struct truth *truth; // NULL: `finest` is it
+    struct audit_map map;
+    struct integrate_accuracy accuracy;
+    double end_s;
+    struct chart_truth *found;
+    size_t capacity;
+    int *draws; // owned; how many draws each pixel has; by pixel
+};
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static bool go_on(void *user)
+{
+    const struct search *search = user;
+
+    return now_s() < search->end_s && (!search->params->is_wanted || search->params->is_wanted(search->params->user));
+}
+
+static struct truth_pixel look_up(const struct image *image, struct truth_place place)
+{
+    const float *value = &image->rgba[4 * ((size_t)place.y * (size_t)image->width_px + (size_t)place.x)];
+
+    return (struct truth_pixel){.rgb = {value[0], value[1], value[2]}, .is_converged = true};
+}
+
+static size_t measure(const struct search *search, const struct truth_place *places, struct truth_pixel *pixels,
+                      size_t count)
+{
+    if (search->truth)
+        return truth_measure_many(search->truth, &(struct truth_many){.places = places,
+                                                                      .pixels = pixels,
+                                                                      .count = count,
+                                                                      .accuracy = &search->accuracy,
+                                                                      .on_progress = go_on,
+                                                                      .user = (void *)search});
+    for (size_t i = 0; i < count; i++)
+        pixels[i] = look_up(search->params->finest, places[i]);
+    return count;
+}
+
+static void note(struct search *search, struct truth_place place, const struct truth_pixel *pixel)
+{
+    struct chart_truth *found = search->found;
+    double variance = pixel->variance[0] + pixel->variance[1] + pixel->variance[2];
+
+    found->pixels = xgrow(found->pixels, &search->capacity, found->count + 1, sizeof *found->pixels);
+    found->pixels[found->count++] =
+        (struct chart_truth_pixel){place.x, place.y, 0, {pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]}, LOTS * variance};
+}
+
+static size_t index_of(const struct search *search, struct truth_place place)
+{
+    return (size_t)place.y * (size_t)search->params->finer->width_px + (size_t)place.x;
+}
+
+// Measures the next draws, each pixel once. Returns how many draws are known now.
+static size_t measure_draws(struct search *search, size_t first, size_t count)
+{
+    struct truth_place drawn[BATCH], fresh[BATCH];
+    struct truth_pixel pixels[BATCH];
+    size_t fresh_count = 0, measured, known = 0, seen = 0;
+
+    audit_map_draw(&search->map, search->params->job, search->params->frame, first, count, drawn);
+    for (size_t i = 0; i < count; i++)
+        if (search->draws[index_of(search, drawn[i])]++ == 0) fresh[fresh_count++] = drawn[i];
+    measured = measure(search, fresh, pixels, fresh_count);
+    for (size_t i = 0; i < measured; i++)
+        note(search, fresh[i], &pixels[i]);
+    // Of a batch that was ended the draws count up to the first that is of a pixel not measured.
+    for (; known < count; known++) {
+        bool is_next = seen < fresh_count && drawn[known].x == fresh[seen].x && drawn[known].y == fresh[seen].y;
+
+        if (is_next && seen++ == measured) break;
+    }
+    for (size_t i = known; i < count; i++)
+        search->draws[index_of(search, drawn[i])]--;
+    return first + known;
+}
+
+static void weigh(struct search *search, size_t draw_count)
+{
+    struct chart_truth *found = search->found;
+    double pixel_count = (double)search->params->finer->width_px * search->params->finer->height_px;
+
+    for (size_t i = 0; i < found->count; i++) {
+        struct truth_place place = {found->pixels[i].x, found->pixels[i].y};
+
+        found->pixels[i].weight = search->draws[index_of(search, place)] * pixel_count /
+                                  ((double)draw_count * audit_map_density(&search->map, place));
+    }
+}
+
+// Every pixel by itself.
+static bool measure_all(struct search *search)
+{
+    int width = search->params->finer->width_px, height = search->params->finer->height_px;
+    struct truth_place *places = xcalloc((size_t)width, sizeof *places);
+    struct truth_pixel *pixels = xcalloc((size_t)width, sizeof *pixels);
+    bool ok = true;
+
+    search->found->count = 0;
+    for (int y = 0; y < height && ok; y++) {
+        for (int x = 0; x < width; x++)
+            places[x] = (struct truth_place){x, y};
+        ok = measure(search, places, pixels, (size_t)width) == (size_t)width;
+        for (int x = 0; x < width && ok; x++) {
+            note(search, places[x], &pixels[x]);
+            search->found->pixels[search->found->count - 1].weight = 1;
+        }
+    }
+    free(places);
+    free(pixels);
+    return ok;
+}
+
+static bool find(struct search *search, struct error *error)
+{
+    const struct chart_truth_params *params = search->params;
+    double start_s = now_s(), pixel_s, pixel_count = (double)params->finer->width_px * params->finer->height_px;
+    size_t count;
+
+    search->end_s = start_s + params->seconds;
+    count = measure_draws(search, 0, PILOT);
+    pixel_s = (now_s() - start_s) / (double)(search->found->count + 1);
+    if (count == PILOT && pixel_count <= DRAWS_LIMIT && pixel_s * pixel_count <= 0.9 * params->seconds) {
+        search->end_s = INFINITY; // the pilot tells the time by pixels that take most of it
+        if (measure_all(search)) return true;
+    } else {
+        while (count < DRAWS_LIMIT && go_on(search)) {
+            size_t known = measure_draws(search, count, BATCH);
+            bool is_whole = known == count + BATCH;
+
+            count = known;
+            if (!is_whole) break;
+        }
+        weigh(search, count);
+    }
+    search->end_s = INFINITY;
+    if (go_on(search) && count >= PILOT) return true;
+    error_set(error, "expected time for the truth of %d pixels, got %g s, in which there were %zu", PILOT,
+              params->seconds, count);
+    return false;
+}
+
+bool chart_truth_find(struct chart_truth *truth, const struct chart_truth_params *params, struct error *error)
+{
+    struct search search = {.params = params, .found = truth};
+    bool ok = true;
+
+    *truth = (struct chart_truth){0};
+    snprintf(truth->kind, sizeof truth->kind, "%s", params->finest ? "midpoint" : "reference");
+    if (!params->finest) {
+        search.truth = truth_open(&(struct truth_params){.job = params->job, .frame = params->frame}, error);
+        ok = search.truth != NULL;
+    }
+    if (ok) {
+        double rms;
+
+        audit_map_init(&search.map, &(struct audit_map_params){.image = params->finer,
+                                                               .pixel = params->job->output.pixel,
+                                                               .finer = params->finer,
+                                                               .coarser = params->coarser});
+        rms = sqrt(search.map.mean_square);
+        search.accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, BLACK) : BLACK;
+        search.draws =
+            xcalloc((size_t)params->finer->width_px * (size_t)params->finer->height_px, sizeof *search.draws);
+        ok = find(&search, error);
+        free(search.draws);
+        audit_map_finish(&search.map);
+    }
+    truth_close(search.truth);
+    if (!ok) chart_truth_finish(truth);
+    return ok;
+}

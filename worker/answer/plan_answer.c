@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/answer/plan_answer.h"
+
+#include "core/base/error.h"
+#include "core/json/json_write.h"
+#include "worker/answer/request.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_family.h"
+
+#include <stdlib.h>
+
+enum { SEGMENT_LIMIT = 3 };
+
+static bool is_wanted(void *user, double done)
+{
+    const struct request_tools *tools = user;
+
+    (void)done;
+    return !tools->is_wanted || tools->is_wanted(tools->user);
+}
+
+static void write_number(struct json_writer *writer, const char *key, double number)
+{
+    if (number > 0.0) json_write_number_member(writer, key, number);
+}
+
+static void write_count(struct json_writer *writer, const char *key, int count)
+{
+    if (count > 0) json_write_integer_member(writer, key, count);
+}
+
+// As a job would state it.
+static void write_quality(struct json_writer *writer, const struct job *job, const struct job_quality *quality)
+{
+    json_write_key(writer, "quality");
+    json_write_begin_object(writer);
+    json_write_string_member(writer, "method", job_method_name(quality->method));
+    write_number(writer, "step", quality->step);
+    write_number(writer, "step_voxels", quality->step_voxels);
+    write_number(writer, "light_step", quality->light_step);
+    write_number(writer, "light_step_voxels", quality->light_step_voxels);
+    write_number(writer, "depth_step", quality->depth_step);
+    write_count(writer, "order", quality->order);
+    write_count(writer, "points", quality->points);
+    write_count(writer, "light_grid", quality->light_grid);
+    write_count(writer, "density_grid", quality->density_grid);
+    write_number(writer, "min_transmittance", quality->min_transmittance);
+    json_write_integer_member(writer, "samples", quality->samples);
+    if (job->scene.object_count > 0) {
+        json_write_integer_member(writer, "max_depth", quality->max_depth);
+        json_write_number_member(writer, "min_throughput", quality->min_throughput);
+    }
+    json_write_end_object(writer);
+}
+
+static void write_plan(struct json_writer *writer, const struct job *job, const struct plan_segment *segment,
+                       const struct plan *plan)
+{
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "segment", segment->index);
+    json_write_integer_member(writer, "first_frame", frame_range_at(&job->frames, segment->first));
+    json_write_integer_member(writer, "last_frame", frame_range_at(&job->frames, segment->first + segment->count - 1));
+    write_quality(writer, job, &plan->quality);
+    json_write_string_member(writer, "why", plan->reason);
+    json_write_number_member(writer, "frame_s", plan->predicted_frame_s);
+    json_write_number_member(writer, "render_s", plan->predicted_s);
+    json_write_number_member(writer, "audit_s", plan->predicted_audit_s);
+    json_write_number_member(writer, "encode_s", plan->predicted_encode_s);
+    json_write_number_member(writer, "plan_s", plan->plan_s);
+    json_write_number_member(writer, "error", plan->predicted_error);
+    json_write_end_object(writer);
+}
+
+// Segments between those that were planned count as the ones around them.
+static void write_totals(struct json_writer *writer, const struct job *job, double seconds, double plan_s, double error)
+{
+    double plans_s = plan_s * (double)plan_segment_count(job);
+
+    json_write_integer_member(writer, "frames", frame_range_count(&job->frames));
+    json_write_integer_member(writer, "segments", plan_segment_count(job));
+    json_write_number_member(writer, "frame_s", seconds);
+    json_write_number_member(writer, "plans_s", plans_s);
+    json_write_number_member(writer, "total_s", seconds * (double)frame_range_count(&job->frames) + plans_s);
+    json_write_number_member(writer, "error", error);
+}
+
+bool plan_answer_write(const struct job *job, const struct request_tools *tools, struct json_writer *writer,
+                       struct plan *first, struct error *error)
+{
+    int64_t count = plan_segment_count(job), looked = count < SEGMENT_LIMIT ? count : SEGMENT_LIMIT;
+    double seconds = 0.0, plan_s = 0.0, largest = 0.0;
+
+    if (!tools->renderer) {
+        error_set(error, "quality.tolerance: planning for it needs a GL context, and this worker has none");
+        return false;
+    }
+    json_write_begin_object(writer);
+    json_write_number_member(writer, "tolerance", job->quality.tolerance);
+    json_write_key(writer, "plans");
+    json_write_begin_array(writer);
+    for (int64_t i = 0; i < looked; i++) {
+        struct plan_segment segment = plan_segment_at(job, looked > 1 ? i * (count - 1) / (looked - 1) : 0);
+        struct plan plan;
+        enum renderer_fault fault;
+
+        if (!plan_make(&plan,
+                       &(struct plan_params){.renderer = tools->renderer,
+                                             .job = job,
+                                             .segment = segment,
+                                             .is_timed = true,
+                                             .on_progress = is_wanted,
+                                             .user = (void *)tools},
+                       &fault, error))
+            return false;
+        if (first && i == 0) *first = plan;
+        write_plan(writer, job, &segment, &plan);
+        seconds += plan.predicted_frame_s / (double)looked;
+        plan_s += plan.plan_s / (double)looked;
+        if (plan.predicted_error > largest) largest = plan.predicted_error;
+    }
+    json_write_end_array(writer);
+    write_totals(writer, job, seconds, plan_s, largest);
+    json_write_end_object(writer);
+    return true;
+}

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/answer/request_verify.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/json/json_read.h"
+#include "core/json/json_write.h"
+#include "worker/audit/audit_names.h"
+#include "worker/audit/gate.h"
+#include "worker/picture/image.h"
+#include "worker/scene/scene_inputs.h"
+#include "worker/sparse/brick_store.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { FILE_LIMIT = 1000 };
+
+struct verification {
+    const struct job *job; // borrowed; NULL: a file is held to what its own header says
+    struct scene_files files;
+    double tolerance; // in place of the job's and the header's; 0: none is given
+};
+
+// A pipe would be waited for, a folder has no bytes.
+static int open_regular(const char *path, struct error *error)
+{
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    struct stat status;
+
+    if (fd < 0) {
+        error_set_errno(error, errno, "it cannot be opened");
+        return -1;
+    }
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode)) return fd;
+    error_set(error, "it is no regular file");
+    close(fd);
+    return -1;
+}
+
+static bool check_against_job(const struct verification *verification, int fd, int32_t frame,
+                              struct image_exr_facts *facts, struct error *error)
+{
+    struct gate_params params = {
+        .fd = fd, .job = verification->job, .frame = frame, .tolerance = verification->tolerance};
+    struct scene_inputs inputs = {0};
+    struct gate_result result = {0};
+    bool ok = scene_inputs_open(&inputs, verification->job, frame, &verification->files, NULL, error);
+
+    params.picture_hash = inputs.picture_hash;
+    if (ok) ok = gate_check(&params, &result, error);
+    *facts = result.facts;
+    scene_inputs_finish(&inputs);
+    return ok;
+}
+
+static bool check_alone(const struct verification *verification, int fd, struct image_exr_facts *facts,
+                        struct error *error)
+{
+    struct image image = {0};
+    bool ok;
+
+    if (!image_exr_read(fd, NULL, facts, 1, error)) return false;
+    if (!facts->job_hash[0]) {
+        error_set(error, "marchd:jobHash: expected the hash of a picture, got nothing");
+        return false;
+    }
+    ok = image_exr_read(fd, &image, NULL, 1, error) && image_is_finite(&image, false, error);
+    image_finish(&image);
+    if (!ok) return false;
+    if (facts->audit.kind != AUDIT_NONE || verification->tolerance > 0.0)
+        return gate_check_audit(&facts->audit, 0.0, verification->tolerance, error);
+    error_set(error, "marchd:error: expected the frame's measured error, got nothing");
+    return false;
+}
+
+static void write_facts(const struct image_exr_facts *facts, struct json_writer *writer)
+{
+    struct frame_accuracy accuracy = audit_accuracy(&facts->audit, facts->method);
+
+    accuracy.has_cut_share = facts->rays.is_known;
+    accuracy.cut_share = facts->rays.cut_share;
+    json_write_integer_member(writer, "width_px", facts->width_px);
+    json_write_integer_member(writer, "height_px", facts->height_px);
+    json_write_integer_member(writer, "frame", facts->frame);
+    json_write_string_member(writer, "picture_hash", facts->job_hash);
+    json_write_string_member(writer, "sequence_hash", facts->sequence_hash);
+    if (facts->audit.kind != AUDIT_NONE) json_write_number_member(writer, "tolerance", facts->audit.tolerance);
+    frame_accuracy_write(&accuracy, writer);
+}
+
+static void write_file(const struct verification *verification, const char *path, int32_t frame,
+                       struct json_writer *writer)
+{
+    struct image_exr_facts facts = {0};
+    struct error error = {0};
+    int fd = open_regular(path, &error);
+    bool ok = fd >= 0 && (verification->job ? check_against_job(verification, fd, frame, &facts, &error)
+                                            : check_alone(verification, fd, &facts, &error));
+
+    if (fd >= 0) close(fd);
+    json_write_begin_object(writer);
+    json_write_string_member(writer, "wrong", ok ? NULL : error.message);
+    if (facts.width_px > 0) write_facts(&facts, writer);
+    json_write_end_object(writer);
+}
+
+static bool write_files(const struct verification *verification, const struct json_node *params,
+                        const struct request_tools *tools, struct json_writer *writer, struct error *error)
+{
+    struct json_node files = json_node_child(params, "files"), file = {0};
+    struct json_node frames = json_node_child(params, "frames"), number = {0};
+
+    if (!json_check_array(&files, 1, FILE_LIMIT, error)) return false;
+    if (verification->job && !json_check_array(&frames, json_node_count(&files), json_node_count(&files), error))
+        return false;
+    json_write_begin_object(writer);
+    json_write_key(writer, "files");
+    json_write_begin_array(writer);
+    while (json_node_next(&files, &file)) {
+        const char *path;
+        int64_t frame = 0;
+
+        if (!json_read_string(&file, &path, error)) return false;
+        if (verification->job && (!json_node_next(&frames, &number) ||
+                                  !json_read_integer(&number, 0, FRAME_NUMBER_LIMIT - 1, &frame, error)))
+            return false;
+        if (tools->is_wanted && !tools->is_wanted(tools->user)) break;
+        write_file(verification, path, (int32_t)frame, writer);
+    }
+    json_write_end_array(writer);
+    json_write_end_object(writer);
+    return true;
+}
+
+bool request_answer_verify(const struct json_node *params, const struct request_tools *tools,
+                           struct json_writer *writer, enum message_code *code, struct error *error)
+{
+    struct json_node document = json_node_child(params, "document"), tolerance = json_node_child(params, "tolerance");
+    struct verification verification = {0};
+    struct job job = {0};
+    bool ok;
+
+    *code = MESSAGE_CODE_PARAMS;
+    if (!json_node_is_absent(&tolerance) && !json_read_number(&tolerance, 0, 1, &verification.tolerance, error))
+        return false;
+    if (!json_node_is_absent(&document)) {
+        if (!request_read_job(params, &job, error)) return false;
+        verification.job = &job;
+    }
+    verification.files = (struct scene_files){file_hashes_create(), brick_store_create()};
+    ok = write_files(&verification, params, tools, writer, error);
+    brick_store_destroy(verification.files.bricks);
+    file_hashes_destroy(verification.files.hashes);
+    job_finish(&job);
+    return ok;
+}

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/audit/audit.h"
+
+#include "core/base/alloc.h"
+#include "core/job/job.h"
+#include "worker/audit/audit_map.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <time.h>
+
+// Pixels that are measured at once, at most; how many times the least number are enough in any case.
+enum { BATCH = 64, RAY_MAX_FACTOR = 16 };
+
+// The accuracy asked of the reference beside the tolerance: it is off by a tenth of that at most, see docs/rendering.md. And how
+// dark a pixel is, beside the frame's RMS, whose error is no longer seen.
+static const double REFERENCE_SHARE = 0.5, DARK_SHARE = 0.1;
+// Beside the tolerance: what so accurate a reference is off.
+static const double RESOLUTION_SHARE = 0.05;
+static const double FINEST = 1e-4, COARSEST = 0.05, LEAST_FLOOR = 1e-6; // accuracies of the reference
+
+struct audit {
+    const struct audit_params *params;
+    struct audit_map map;
+    struct audit_samples samples;
+    struct integrate_accuracy accuracy;
+    double start_s;
+    bool is_stopped;
+};
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+void audit_pool_finish(struct audit_pool *pool)
+{
+    audit_samples_finish(&pool->samples);
+    *pool = (struct audit_pool){0};
+}
+
+// False when it was stopped.
+static bool measure(struct audit *audit, size_t count)
+{
+    const struct audit_params *params = audit->params;
+    struct truth_place places[BATCH];
+    struct truth_pixel pixels[BATCH];
+    size_t measured;
+
+    audit_map_draw(&audit->map, params->job, params->frame, audit->samples.count, count, places);
+    measured = truth_measure_many(params->truth, &(struct truth_many){.places = places,
+                                                                      .pixels = pixels,
+                                                                      .count = count,
+                                                                      .accuracy = &audit->accuracy,
+                                                                      .thread_count = params->thread_count,
+                                                                      .on_progress = params->on_progress,
+                                                                      .user = params->user});
+    for (size_t i = 0; i < measured; i++) {
+        struct audit_sample sample = audit_map_compare(&audit->map, places[i], &pixels[i]);
+
+        audit_samples_append(&audit->samples, &sample);
+    }
+    return measured == count;
+}
+
+static struct audit_verdict judge(const struct audit *audit)
+{
+    const struct audit_pool *pool = audit->params->pool;
+
+    return audit_estimate(&(struct audit_evidence){.own = &audit->samples,
+                                                   .pool = pool ? &pool->samples : NULL,
+                                                   .change = audit->params->is_own ? audit->map.change : -1.0,
+                                                   .pool_change = pool ? pool->change : -1.0,
+                                                   .resolution = RESOLUTION_SHARE * audit->params->tolerance,
+                                                   .is_black = audit_map_is_black(&audit->map)});
+}
+
+// More pixels are worth their time only while it is open on which side of the tolerance the frame is.
+static bool is_plain(const struct audit *audit, const struct audit_verdict *verdict)
+{
+    return verdict->error95 <= audit->params->tolerance || verdict->error > 2.0 * audit->params->tolerance;
+}
+
+// How many more pixels are to be measured; 0: enough. Each time as many as there are, so that there are few looks at the verdict,
+// each of which may be wrong.
+static size_t find_next_count(const struct audit *audit)
+{
+    const struct audit_params *params = audit->params;
+    size_t done = audit->samples.count, least = params->ray_min > 0 ? (size_t)params->ray_min : AUDIT_RAYS_MIN;
+    size_t most = params->ray_max > 0 ? (size_t)params->ray_max : RAY_MAX_FACTOR * least;
+    size_t pooled = least < AUDIT_RAYS_POOLED ? least : AUDIT_RAYS_POOLED;
+    struct audit_verdict verdict;
+    double spent_s, affordable;
+
+    if (params->pool && done < pooled) return pooled - done;
+    if (done == 0) return least;
+    verdict = judge(audit);
+    if (!verdict.is_pooled && done < least) return least - done;
+    spent_s = now_s() - audit->start_s;
+    affordable = (params->budget_s - spent_s) / (spent_s / (double)done);
+    if (is_plain(audit, &verdict) || done >= most || affordable < 1.0) return 0;
+    if (affordable < (double)done) return (size_t)affordable;
+    return done < most - done ? done : most - done;
+}
+
+static void measure_enough(struct audit *audit)
+{
+    size_t left;
+
+    while ((left = find_next_count(audit)) > 0) {
+        for (size_t count; left > 0 && !audit->is_stopped; left -= count) {
+            count = left < BATCH ? left : BATCH;
+            audit->is_stopped = !measure(audit, count);
+        }
+        if (audit->is_stopped) break;
+    }
+}
+
+static void gather(const struct audit *audit, struct audit_pool *pool)
+{
+    for (size_t i = 0; i < audit->samples.count; i++)
+        audit_samples_append(&pool->samples, &audit->samples.list[i]);
+    if (audit->params->is_own && audit->map.change > pool->change) pool->change = audit->map.change;
+}
+
+static void begin(struct audit *audit, const struct audit_params *params)
+{
+    double rms;
+
+    *audit = (struct audit){.params = params, .start_s = now_s()};
+    audit_map_init(&audit->map, &(struct audit_map_params){.image = params->image,
+                                                           .pixel = params->job->output.pixel,
+                                                           .finer = params->finer,
+                                                           .coarser = params->coarser,
+                                                           .is_own = params->is_own});
+    rms = sqrt(audit->map.mean_square);
+    audit->accuracy.relative = fmin(fmax(REFERENCE_SHARE * params->tolerance, FINEST), COARSEST);
+    audit->accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, LEAST_FLOOR) : LEAST_FLOOR;
+}
+
+bool audit_frame(const struct audit_params *params, struct audit_result *result)
+{
+    struct audit_verdict verdict = {.error = INFINITY, .error95 = INFINITY};
+    struct audit audit;
+
+    begin(&audit, params);
+    if (isfinite(audit.map.mean_square)) {
+        measure_enough(&audit);
+        verdict = judge(&audit);
+        if (params->gathered) gather(&audit, params->gathered);
+    }
+    *result = (struct audit_result){.kind = AUDIT_REFERENCE,
+                                    .is_pooled = verdict.is_pooled,
+                                    .error = verdict.error,
+                                    .error95 = verdict.error95,
+                                    .ray_count = (int)verdict.ray_count,
+                                    .tolerance = params->tolerance,
+                                    .seconds = now_s() - audit.start_s,
+                                    .sampling_error = verdict.sampling_error};
+    audit_samples_finish(&audit.samples);
+    audit_map_finish(&audit.map);
+    return !audit.is_stopped;
+}

@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/audit/audit_map.h"
+
+#include "core/base/alloc.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const float BLACK = 1e-6f;
+
+// Variances: of four standard errors.
+static const double LOT_LIMIT = 16.0;
+
+// Of a map that has them all.
+static const double SHARES[AUDIT_WAY_COUNT] = {0.25, 0.15, 0.1, 0.3, 0.2};
+
+static double square_of(const struct audit_map *map, size_t i)
+{
+    double sum = 0.0;
+
+    for (size_t c = 0; c < 3; c++) {
+        double value = image_exr_stored(map->image->rgba[4 * i + c], map->pixel);
+
+        sum += value * value / 3.0;
+    }
+    return sum;
+}
+
+// What stands out among pixels so near is an edge neither way: a thin line at most, or a mistake.
+static double spike_of(const struct audit_map *map, size_t i)
+{
+    const struct image *image = map->image;
+    size_t width = (size_t)image->width_px, x = i % width, y = i / width, near[4];
+    double sum = 0.0;
+    int count = 0;
+
+    if (x >= 2) near[count++] = i - 2;
+    if (x + 2 < width) near[count++] = i + 2;
+    if (y >= 2) near[count++] = i - 2 * width;
+    if (y + 2 < (size_t)image->height_px) near[count++] = i + 2 * width;
+    for (size_t c = 0; count > 0 && c < 3; c++) {
+        float own = image->rgba[4 * i + c], low = INFINITY, high = -INFINITY;
+        double off;
+
+        for (int k = 0; k < count; k++) {
+            low = fminf(low, image->rgba[4 * near[k] + c]);
+            high = fmaxf(high, image->rgba[4 * near[k] + c]);
+        }
+        off = fmaxf(fmaxf(low - own, own - high), 0.0f);
+        sum += off * off / 3.0;
+    }
+    return sum;
+}
+
+static double weight_of(const struct audit_map *map, enum audit_way way, size_t pixel)
+{
+    return way == AUDIT_WAY_SPIKE ? spike_of(map, pixel) : square_of(map, pixel);
+}
+
+static void sum_rows(struct audit_map *map)
+{
+    size_t width = (size_t)map->image->width_px, height = (size_t)map->image->height_px;
+    double squares = 0.0, spikes = 0.0;
+
+    map->sums[AUDIT_WAY_BRIGHT] = xcalloc(height, sizeof(double));
+    map->sums[AUDIT_WAY_SPIKE] = xcalloc(height, sizeof(double));
+    for (size_t y = 0; y < height; y++) {
+        for (size_t i = y * width; i < (y + 1) * width; i++) {
+            squares += square_of(map, i);
+            spikes += spike_of(map, i);
+            for (size_t c = 0; c < 3; c++)
+                map->brightest = fmaxf(map->brightest, map->image->rgba[4 * i + c]);
+        }
+        map->sums[AUDIT_WAY_BRIGHT][y] = squares;
+        map->sums[AUDIT_WAY_SPIKE][y] = spikes;
+    }
+    map->mean_square = squares / ((double)width * (double)height);
+}
+
+// Pixels with their centres in block i of `count` blocks begin here.
+static int block_begin(int i, int count, int size_px)
+{
+    int64_t twice = 2 * (int64_t)i * size_px - count;
+
+    return twice <= 0 ? 0 : (int)((twice + 2 * (int64_t)count - 1) / (2 * (int64_t)count));
+}
+
+static int block_of(int x, int count, int size_px)
+{
+    return (int)((2 * (int64_t)x + 1) * count / (2 * (int64_t)size_px));
+}
+
+static int block_pixels(const struct audit_map *map, int column, int row)
+{
+    int width = map->image->width_px, height = map->image->height_px;
+
+    return (block_begin(column + 1, map->columns_count, width) - block_begin(column, map->columns_count, width)) *
+           (block_begin(row + 1, map->rows_count, height) - block_begin(row, map->rows_count, height));
+}
+
+static double squared_difference(const float *a, const float *b)
+{
+    double sum = 0.0;
+
+    for (int c = 0; c < 3; c++)
+        sum += ((double)a[c] - b[c]) * ((double)a[c] - b[c]) / 3.0;
+    return sum;
+}
+
+// The mean of the frame's pixels in each block, 4 values each as in an image.
+static float *find_block_means(const struct audit_map *map)
+{
+    const struct image *image = map->image;
+    size_t count = (size_t)map->columns_count * (size_t)map->rows_count;
+    double *sums = xcalloc(3 * count, sizeof *sums);
+    float *means = xcalloc(4 * count, sizeof *means);
+
+    for (int y = 0; y < image->height_px; y++) {
+        size_t row = (size_t)block_of(y, map->rows_count, image->height_px) * (size_t)map->columns_count;
+
+        for (int x = 0; x < image->width_px; x++) {
+            double *sum = &sums[3 * (row + (size_t)block_of(x, map->columns_count, image->width_px))];
+            const float *value = &image->rgba[4 * ((size_t)y * (size_t)image->width_px + (size_t)x)];
+
+            for (int c = 0; c < 3; c++)
+                sum[c] += value[c];
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        int pixels = block_pixels(map, (int)(i % (size_t)map->columns_count), (int)(i / (size_t)map->columns_count));
+
+        for (int c = 0; c < 3 && pixels > 0; c++)
+            means[4 * i + c] = (float)(sums[3 * i + c] / pixels);
+    }
+    free(sums);
+    return means;
+}
+
+static bool find_neighbour(const struct audit_map *map, int column, int row, int k, size_t *at)
+{
+    int i = column + k % 3 - 1, j = row + k / 3 - 1;
+
+    if (i < 0 || i >= map->columns_count || j < 0 || j >= map->rows_count) return false;
+    *at = (size_t)j * (size_t)map->columns_count + (size_t)i;
+    return true;
+}
+
+// By the two renders' difference in a block and, as that is known at one point of it alone, around it.
+static double weigh_halving(const struct audit_map *map, int column, int row, const float *finer, const float *coarser)
+{
+    double weight = 0.0;
+    size_t at;
+
+    for (int k = 0; k < 9; k++)
+        if (find_neighbour(map, column, row, k, &at))
+            weight += squared_difference(&finer[4 * at], &coarser[4 * at]) * (k == 4 ? 0.5 : 0.0625);
+    return weight;
+}
+
+// Edges, which a mean and a point show differently, lie within the range of values around.
+static double weigh_odd(const struct audit_map *map, int column, int row, const float *finer, const float *means)
+{
+    const float *mean = &means[4 * ((size_t)row * (size_t)map->columns_count + (size_t)column)];
+    double weight = 0.0;
+    size_t at;
+
+    for (int c = 0; c < 3; c++) {
+        double low = INFINITY, high = -INFINITY, off;
+
+        for (int k = 0; k < 9; k++) {
+            if (!find_neighbour(map, column, row, k, &at)) continue;
+            low = fmin(low, finer[4 * at + (size_t)c]);
+            high = fmax(high, finer[4 * at + (size_t)c]);
+        }
+        off = fmax(fmax(low - mean[c], mean[c] - high), 0.0);
+        weight += off * off / 3.0;
+    }
+    return weight;
+}
+
+typedef double block_weight(const struct audit_map *map, int column, int row, const float *a, const float *b);
+
+static void sum_blocks(struct audit_map *map, enum audit_way way, block_weight *weigh, const float *a, const float *b)
+{
+    int columns = map->columns_count, rows = map->rows_count;
+    double sum = 0.0;
+
+    map->sums[way] = xcalloc((size_t)columns * (size_t)rows, sizeof(double));
+    for (int row = 0; row < rows; row++) {
+        for (int column = 0; column < columns; column++) {
+            sum += weigh(map, column, row, a, b) * block_pixels(map, column, row);
+            map->sums[way][(size_t)row * (size_t)columns + (size_t)column] = sum;
+        }
+    }
+}
+
+static double mean_square_of(const struct image *a, const struct image *b)
+{
+    static const float NONE[3];
+    size_t count = (size_t)a->width_px * (size_t)a->height_px;
+    double sum = 0.0;
+
+    for (size_t i = 0; i < count; i++)
+        sum += squared_difference(&a->rgba[4 * i], b ? &b->rgba[4 * i] : NONE) / (double)count;
+    return sum;
+}
+
+static void weigh_renders(struct audit_map *map, const struct audit_map_params *params)
+{
+    const struct image *finer = params->finer, *coarser = params->coarser;
+    double square = mean_square_of(finer, NULL);
+
+    map->columns_count = finer->width_px;
+    map->rows_count = finer->height_px;
+    sum_blocks(map, AUDIT_WAY_HALVING, weigh_halving, finer->rgba, coarser->rgba);
+    map->change = square > 0.0 ? sqrt(mean_square_of(finer, coarser) / square) : 0.0;
+    if (params->is_own) {
+        float *means = find_block_means(map);
+
+        sum_blocks(map, AUDIT_WAY_ODD, weigh_odd, finer->rgba, means);
+        free(means);
+    }
+}
+
+// Of a way's running sums.
+static double whole_of(const struct audit_map *map, enum audit_way way)
+{
+    bool is_of_rows = way == AUDIT_WAY_BRIGHT || way == AUDIT_WAY_SPIKE;
+    size_t count = is_of_rows ? (size_t)map->image->height_px : (size_t)map->columns_count * (size_t)map->rows_count;
+
+    return map->sums[way] ? map->sums[way][count - 1] : 0.0;
+}
+
+static void share_out(struct audit_map *map)
+{
+    double sum = 0.0;
+
+    for (int way = 0; way < AUDIT_WAY_COUNT; way++) {
+        double whole = way == AUDIT_WAY_UNIFORM ? 1.0 : whole_of(map, (enum audit_way)way);
+
+        // Nothing is drawn by sums that are 0 or, of a frame that is broken, not finite.
+        map->share[way] = whole > 0.0 && isfinite(whole) ? SHARES[way] : 0.0;
+        sum += map->share[way];
+    }
+    for (int way = 0; way < AUDIT_WAY_COUNT; way++)
+        map->share[way] /= sum;
+}
+
+void audit_map_init(struct audit_map *map, const struct audit_map_params *params)
+{
+    *map = (struct audit_map){.image = params->image, .pixel = params->pixel, .change = -1.0};
+    sum_rows(map);
+    if (params->finer && params->coarser) weigh_renders(map, params);
+    share_out(map);
+}
+
+void audit_map_finish(struct audit_map *map)
+{
+    for (int way = 0; way < AUDIT_WAY_COUNT; way++)
+        free(map->sums[way]);
+    *map = (struct audit_map){0};
+}
+
+static double step_at(const double *sums, size_t i)
+{
+    return sums[i] - (i > 0 ? sums[i - 1] : 0.0);
+}
+
+bool audit_map_is_black(const struct audit_map *map)
+{
+    return map->brightest < BLACK;
+}
+
+double audit_map_density(const struct audit_map *map, struct truth_place place)
+{
+    const struct image *image = map->image;
+    size_t pixel = (size_t)place.y * (size_t)image->width_px + (size_t)place.x, block = 0;
+    double density = map->share[AUDIT_WAY_UNIFORM], count = (double)image->width_px * image->height_px;
+    int pixels = 1;
+
+    if (map->columns_count > 0) {
+        int column = block_of(place.x, map->columns_count, image->width_px);
+        int row = block_of(place.y, map->rows_count, image->height_px);
+
+        block = (size_t)row * (size_t)map->columns_count + (size_t)column;
+        pixels = block_pixels(map, column, row);
+    }
+    for (int way = AUDIT_WAY_BRIGHT; way < AUDIT_WAY_COUNT; way++) {
+        double own;
+
+        if (map->share[way] == 0.0) continue;
+        if (way == AUDIT_WAY_BRIGHT || way == AUDIT_WAY_SPIKE)
+            own = weight_of(map, (enum audit_way)way, pixel);
+        else
+            own = step_at(map->sums[way], block) / pixels;
+        density += map->share[way] * count * own / whole_of(map, (enum audit_way)way);
+    }
+    return density;
+}
+
+// What is not to be told from what lots leave, in the frame and in the reference, is no error.
+static double square_beyond_lot(double apart, const struct truth_pixel *pixel, int c)
+{
+    double lot = pixel->variance[c] * (1.0 + pixel->share), square = apart * apart;
+
+    if (lot == 0.0) return square;
+    return square > LOT_LIMIT * lot ? square - lot : 0.0;
+}
+
+struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_place place,
+                                      const struct truth_pixel *pixel)
+{
+    const struct image *image = map->image;
+    const float *seen = &image->rgba[4 * ((size_t)place.y * (size_t)image->width_px + (size_t)place.x)];
+    double unit = audit_map_is_black(map) ? 1.0 : map->mean_square;
+    double weight = 1.0 / (3.0 * audit_map_density(map, place) * unit);
+    struct audit_sample sample = {0};
+
+    for (int c = 0; c < 3; c++) {
+        double value = image_exr_stored(seen[c], map->pixel), apart = value - pixel->rgb[c];
+
+        sample.square += weight * square_beyond_lot(apart, pixel, c);
+        sample.cross += weight * value * apart;
+        sample.noise += weight * pixel->variance[c];
+    }
+    return sample;
+}
+
+// Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
+static double draw(uint64_t *state)
+{
+    uint64_t z = *state += 0x9e3779b97f4a7c15u;
+
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    z ^= z >> 31;
+    return (double)(z >> 11) * 0x1p-53;
+}
+
+static uint64_t seed_of(const struct job *job, int32_t frame)
+{
+    uint64_t seed = 0xcbf29ce484222325u ^ (uint32_t)frame;
+
+    for (const char *at = job->hash; *at; at++)
+        seed = (seed ^ (unsigned char)*at) * 0x100000001b3u;
+    return seed;
+}
+
+// The first of `count` running sums that is above `share` of the last one.
+static int find_step(const double *sums, int count, double share)
+{
+    double wanted = share * sums[count - 1];
+    int low = 0, high = count - 1;
+
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+
+        if (sums[middle] > wanted)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+static int draw_between(int begin, int end, uint64_t *state)
+{
+    int at = begin + (int)(draw(state) * (end - begin));
+
+    return at < end ? at : end - 1;
+}
+
+static struct truth_place draw_bright(const struct audit_map *map, enum audit_way way, uint64_t *state)
+{
+    const double *rows = map->sums[way];
+    int width = map->image->width_px, row = find_step(rows, map->image->height_px, draw(state)), x = 0;
+    double wanted = draw(state) * step_at(rows, (size_t)row), sum = 0.0;
+
+    for (x = 0; x < width - 1; x++) {
+        sum += weight_of(map, way, (size_t)row * (size_t)width + (size_t)x);
+        if (sum > wanted) break;
+    }
+    return (struct truth_place){x, row};
+}
+
+static struct truth_place draw_in_block(const struct audit_map *map, enum audit_way way, uint64_t *state)
+{
+    int width = map->image->width_px, height = map->image->height_px, columns = map->columns_count;
+    int block = find_step(map->sums[way], columns * map->rows_count, draw(state));
+    int column = block % columns, row = block / columns;
+    int left = block_begin(column, columns, width), right = block_begin(column + 1, columns, width);
+    int top = block_begin(row, map->rows_count, height), bottom = block_begin(row + 1, map->rows_count, height);
+
+    return (struct truth_place){draw_between(left, right, state), draw_between(top, bottom, state)};
+}
+
+static struct truth_place draw_place(const struct audit_map *map, enum audit_way way, uint64_t *state)
+{
+    struct truth_place place = {0};
+
+    switch (way) {
+    case AUDIT_WAY_BRIGHT:
+    case AUDIT_WAY_SPIKE:
+        return draw_bright(map, way, state);
+    case AUDIT_WAY_HALVING:
+    case AUDIT_WAY_ODD:
+        return draw_in_block(map, way, state);
+    default:
+        break;
+    }
+    place.x = draw_between(0, map->image->width_px, state);
+    place.y = draw_between(0, map->image->height_px, state);
+    return place;
+}
+
+// The ways follow one another so that any run of draws has their shares nearly: multiples of the golden ratio fill the unit
+// interval evenly.
+static enum audit_way way_of(const struct audit_map *map, uint64_t seed, size_t i)
+{
+    double whole, at = modf((double)(i + 1) * 0.6180339887498949 + (double)(seed >> 11) * 0x1p-53, &whole);
+    int way = 0;
+
+    while (way < AUDIT_WAY_COUNT - 1 && at >= map->share[way])
+        at -= map->share[way++];
+    while (map->share[way] == 0.0)
+        way--;
+    return (enum audit_way)way;
+}
+
+void audit_map_draw(const struct audit_map *map, const struct job *job, int32_t frame, size_t first, size_t count,
+                    struct truth_place *places)
+{
+    uint64_t seed = seed_of(job, frame);
+
+    for (size_t i = 0; i < count; i++) {
+        uint64_t state = seed + (first + i) * 0xd1342543de82ef95u;
+
+        places[i] = draw_place(map, way_of(map, seed, first + i), &state);
+    }
+}

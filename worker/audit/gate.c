@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/audit/gate.h"
+
+#include "core/base/error.h"
+#include "core/base/hash.h"
+#include "core/job/job.h"
+#include "worker/model/scene_features.h"
+#include "worker/picture/image.h"
+
+#include <errno.h>
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char *pixel_name(enum job_pixel pixel)
+{
+    return pixel == JOB_PIXEL_HALF ? "half" : "float";
+}
+
+static bool check_channel(const char *name, bool found, bool expected, struct error *error)
+{
+    if (found == expected) return true;
+    error_set(error, "channels: expected %s%s", expected ? "" : "no ", name);
+    return false;
+}
+
+// NaN, of a damaged file, is not within the limit.
+static bool check_rays(const struct image_exr_facts *facts, const struct job *job, struct error *error)
+{
+    if (!scene_features_of(job, NULL).has_paths) return true;
+    if (facts->rays.is_known && facts->rays.cut_share >= 0.0 && facts->rays.cut_share <= job->quality.max_cut)
+        return true;
+    if (facts->rays.is_known)
+        error_set(error,
+                  "marchd:cutShare: expected at most %g (max_cut), got %g: a larger max_depth or a smaller "
+                  "min_throughput cuts fewer rays",
+                  job->quality.max_cut, facts->rays.cut_share);
+    else
+        error_set(error, "marchd:cutShare: expected what rays cut by max_depth and min_throughput may have cost, got "
+                         "nothing");
+    return false;
+}
+
+bool gate_check_audit(const struct audit_result *audit, double job_tolerance, double given_tolerance,
+                      struct error *error)
+{
+    double tolerance = given_tolerance > 0.0 ? given_tolerance : job_tolerance;
+
+    if (audit->kind == AUDIT_NONE) {
+        if (tolerance <= 0.0) return true;
+        error_set(error, "marchd:error: expected the frame's measured error, at most %g (tolerance), got nothing",
+                  tolerance);
+        return false;
+    }
+    if (given_tolerance <= 0.0 && (job_tolerance <= 0.0 || audit->tolerance < job_tolerance))
+        tolerance = audit->tolerance;
+    // NaN, of a damaged file, is not within a tolerance, nor is it one.
+    if (!(audit->error >= 0.0 && audit->error <= tolerance)) {
+        error_set(error, "marchd:error: expected at most %g (tolerance), got %g", tolerance, audit->error);
+        return false;
+    }
+    if (isfinite(audit->error95)) return true;
+    error_set(error, "marchd:error95: expected what the error is below with a confidence of 95 %%, got %g",
+              audit->error95);
+    return false;
+}
+
+static bool check_facts(const struct image_exr_facts *facts, const struct gate_params *params, struct error *error)
+{
+    const struct job *job = params->job;
+
+    if (strcmp(facts->job_hash, params->picture_hash) != 0) {
+        error_set(error, "marchd:jobHash: expected %s, got %s", params->picture_hash,
+                  facts->job_hash[0] ? facts->job_hash : "nothing");
+        return false;
+    }
+    if (facts->frame != params->frame) {
+        error_set(error, "marchd:frame: expected %d, got %d", params->frame, facts->frame);
+        return false;
+    }
+    if (facts->width_px != job->width_px || facts->height_px != job->height_px) {
+        error_set(error, "size: expected %d x %d, got %d x %d", job->width_px, job->height_px, facts->width_px,
+                  facts->height_px);
+        return false;
+    }
+    if (facts->pixel != job->output.pixel) {
+        error_set(error, "pixel: expected %s, got %s", pixel_name(job->output.pixel), pixel_name(facts->pixel));
+        return false;
+    }
+    return check_rays(facts, job, error) &&
+           gate_check_audit(&facts->audit, job->quality.tolerance, params->tolerance, error) &&
+           check_channel("A", facts->has_alpha, true, error) &&
+           check_channel("Z", facts->has_depth, job->output.has_depth, error) &&
+           check_channel("transmittance", facts->has_transmittance, job->output.has_transmittance, error);
+}
+
+static bool describe_file(int fd, struct published_file *file, struct error *error)
+{
+    struct stat status;
+
+    if (fstat(fd, &status) < 0) {
+        error_set_errno(error, errno, "file");
+        return false;
+    }
+    file->inode = (uint64_t)status.st_ino;
+    return hash_file(fd, file->hash, &file->size_bytes, error);
+}
+
+// A file is read without keeping its picture; only one that is refused is worth the memory to say of what.
+static bool check_values(int fd, int thread_count, struct error *error)
+{
+    struct image image = {0};
+    bool is_finite;
+    bool ok = image_exr_scan(fd, &is_finite, thread_count, error);
+
+    if (!ok || is_finite) return ok;
+    ok = image_exr_read(fd, &image, NULL, thread_count, error) && image_is_finite(&image, false, error);
+    image_finish(&image);
+    return ok;
+}
+
+bool gate_check(const struct gate_params *params, struct gate_result *result, struct error *error)
+{
+    struct gate_result unwanted;
+    int fd = params->fd;
+    bool ok;
+
+    if (!result) result = &unwanted;
+    // The header first: it is cheap, and a file of another job need not be read whole.
+    *result = (struct gate_result){0};
+    ok = image_exr_read(fd, NULL, &result->facts, 1, error) && check_facts(&result->facts, params, error) &&
+         check_values(fd, params->thread_count, error) && describe_file(fd, &result->file, error);
+    return ok;
+}

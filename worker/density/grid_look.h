@@ -1,0 +1,21 @@
+// What the values of a grid mean, be its voxels dense or sparse: a density, or what a transfer function makes of them.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/density/density_kind.h"
+
+// As density_kind has them.
+bool grid_look_is_zero(const struct scene_density *density);
+bool grid_look_has_color(const struct scene_density *density);
+// `source` is a scene_input. From the world to voxels, without the shift; column-major.
+void grid_look_evaluate_to_voxels(const void *source, double time, double value[static 9]);
+// True when the grid stays where its file puts it.
+bool grid_look_is_still(const struct scene_grid *grid);
+// medium_I_unit_distance or medium_I_scale.
+void grid_look_add_values(struct frame_uniforms *uniforms, const struct density_site *site);
+// For a transfer function: medium_I_opacity and _rgb of a value, and medium_I_density and _color of a field whose x is an
+// opacity and z the value.
+void grid_look_write_transfer(FILE *out, const struct scene_grid *grid, size_t i);
+// With a table of the transfer function at binding 4 I + 2: medium_I_end_at, medium_I_place of a value, and medium_I_density
+// and _color of a mean.
+void grid_look_write_table(FILE *out, const struct scene_grid *grid, size_t i);

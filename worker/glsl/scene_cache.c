@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/glsl/scene_cache.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const struct {
+    const char *name;
+    size_t size_bytes; // of a texel
+} formats[] = {
+    [SCENE_CACHE_R32F] = {"r32f", 4}, [SCENE_CACHE_RG32F] = {"rg32f", 8}, [SCENE_CACHE_RGBA32F] = {"rgba32f", 16}};
+
+void scene_cache_finish(struct scene_cache *cache)
+{
+    free(cache->text);
+    frame_uniforms_finish(&cache->uniforms);
+    *cache = (struct scene_cache){0};
+}
+
+void scene_cache_hash(const struct scene_cache *cache, char hash[static HASH_TEXT_SIZE])
+{
+    char text[HASH_TEXT_SIZE + 160];
+
+    snprintf(text, sizeof text, "%s format %s size %d %d %d invocations %d %d %d", cache->hash,
+             formats[cache->format].name, cache->size[0], cache->size[1], cache->size[2], cache->invocations[0],
+             cache->invocations[1], cache->invocations[2]);
+    hash_bytes(text, strlen(text), hash);
+}
+
+size_t scene_cache_size_bytes(const struct scene_cache *cache)
+{
+    return (size_t)cache->size[0] * (size_t)cache->size[1] * (size_t)cache->size[2] * formats[cache->format].size_bytes;
+}
+
+void scene_cache_begin(const struct scene_cache *cache, FILE *out)
+{
+    fprintf(out,
+            "#version 450 core\n"
+            "layout(local_size_x = %d, local_size_y = %d) in;\n"
+            "layout(%s, binding = 0) writeonly uniform image3D cache_image;\n"
+            "layout(location = 0) uniform ivec3 cache_first;\n"
+            "layout(location = 1) uniform ivec3 cache_invocations;\n"
+            "bool cache_find_invocation(out ivec3 at)\n{\n"
+            "    at = cache_first + ivec3(gl_GlobalInvocationID);\n"
+            "    return all(lessThan(at, cache_invocations));\n}\n",
+            SCENE_CACHE_GROUP_SIDE, SCENE_CACHE_GROUP_SIDE, formats[cache->format].name);
+}

@@ -1,0 +1,51 @@
+// A 3D texture that a small compute program of its own fills before the picture's passes, and that shaders then sample.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/base/hash.h"
+#include "core/scene/scene.h"
+#include "worker/glsl/frame_uniforms.h"
+#include "worker/glsl/shader_assembly.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    // Those before are the media's and the objects' images. Lights come first.
+    SCENE_CACHE_FIRST_UNIT = 48,
+    SCENE_CACHE_LIMIT = 2 * (SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT),
+    SCENE_CACHE_GROUP_SIDE = 8 // invocations of a group along x and y
+};
+
+enum scene_cache_format { SCENE_CACHE_R32F, SCENE_CACHE_RG32F, SCENE_CACHE_RGBA32F };
+
+// The zero value is empty.
+//
+// The program runs once for each (x, y, z) below `invocations` and writes all texels, each once: a ray with its texels along
+// z, or a single texel. Its text begins as scene_cache_begin writes it and declares `uniforms`. A
+// texture is filled anew when any of this changes: the text, the packed uniforms, format and size, the files that it reads,
+// a cache that it reads.
+struct scene_cache {
+    char name[32]; // of the sampler in shaders that read it
+    unsigned unit; // the texture unit where those find it, bound as GL_LINEAR and clamped to the edge
+    char *text;    // owned; `#line` numbers it as gl_program.h says
+    const char *module_names[SHADER_ASSEMBLY_MODULE_LIMIT]; // as shader_assembly.h has them
+    size_t module_count;
+    char hash[HASH_TEXT_SIZE];      // of the text
+    struct frame_uniforms uniforms; // its own, refers to the job and the inputs
+    enum scene_cache_format format;
+    int size[3];        // texels
+    int invocations[3]; // at most `size`
+    bool is_step;       // only other caches read it: it is there while they are filled, no longer
+    bool reads_files;   // its values depend on the frame's files
+    uint64_t reads;     // bit i: it samples cache i of the program, which comes before it
+};
+
+void scene_cache_finish(struct scene_cache *cache); // accepts an empty one
+// Of all that its values follow from but for its uniforms, files and the caches that it reads.
+void scene_cache_hash(const struct scene_cache *cache, char hash[static HASH_TEXT_SIZE]);
+size_t scene_cache_size_bytes(const struct scene_cache *cache); // of the texture
+// Opens a program's text: version, layout, the image `cache_image` to write to, and
+// bool cache_find_invocation(out ivec3 at), which is false where there is nothing to do.
+void scene_cache_begin(const struct scene_cache *cache, FILE *out);

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/model/scene_values.h"
+
+#include "core/job/job.h"
+#include "worker/density/density_kind.h"
+#include "worker/density/scene_bounds.h"
+#include "worker/glsl/scene_anchor.h"
+#include "worker/glsl/timeline_value.h"
+#include "worker/model/object_values.h"
+#include "worker/model/scene_features.h"
+#include "worker/scene/camera_view.h"
+#include "worker/scene/scene_inputs.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double largest_g = 0.99999;
+
+static void evaluate_sigma_t(const void *source, double time, double value[static 9])
+{
+    const struct scene_medium *medium = source;
+    double sigma_s[9] = {0}, sigma_a[9] = {0};
+
+    timeline_value_evaluate(&medium->sigma_s, time, sigma_s);
+    timeline_value_evaluate(&medium->sigma_a, time, sigma_a);
+    for (int i = 0; i < 3; ++i)
+        value[i] = sigma_s[i] + sigma_a[i];
+}
+
+static void evaluate_one(const void *source, double time, double value[static 9])
+{
+    (void)source;
+    (void)time;
+    value[0] = value[1] = value[2] = 1;
+}
+
+static void evaluate_time(const void *source, double time, double value[static 9])
+{
+    (void)source;
+    value[0] = time;
+}
+
+static void evaluate_number(const void *source, double time, double value[static 9])
+{
+    (void)time;
+    value[0] = *(const double *)source;
+}
+
+static void evaluate_toward_sun(const void *source, double time, double value[static 9])
+{
+    timeline_value_evaluate_unit(source, time, value);
+    for (int i = 0; i < 3; ++i)
+        value[i] = -value[i];
+}
+
+static void evaluate_camera_position(const void *source, double time, double value[static 9])
+{
+    const struct job *job = source;
+
+    timeline_evaluate(&job->scene.camera.position, time, value);
+}
+
+// scale_right and scale_up times the image's axes, plus `ahead` metres forward. A camera without a view gives NaN, which
+// packing refuses.
+static void combine_axes(const struct job *job, double time, double scale_right, double scale_up, double ahead,
+                         double value[static 9])
+{
+    struct camera_view view;
+
+    if (!camera_view_init(&view, &job->scene.camera, time, job->width_px, job->height_px, NULL)) {
+        value[0] = value[1] = value[2] = NAN;
+        return;
+    }
+    for (int i = 0; i < 3; ++i)
+        value[i] = scale_right * view.half_width * view.right[i] + scale_up * view.half_height * view.up[i] +
+                   ahead * view.forward[i];
+}
+
+static void evaluate_camera_corner(const void *source, double time, double value[static 9])
+{
+    combine_axes(source, time, -1, 1, 1, value);
+}
+
+static void evaluate_camera_across(const void *source, double time, double value[static 9])
+{
+    const struct job *job = source;
+
+    combine_axes(job, time, 2.0 / job->width_px, 0, 0, value);
+}
+
+static void evaluate_camera_down(const void *source, double time, double value[static 9])
+{
+    const struct job *job = source;
+
+    combine_axes(job, time, 0, -2.0 / job->height_px, 0, value);
+}
+
+static void add_camera(struct frame_uniforms *uniforms, const struct job *job)
+{
+    static const struct {
+        const char *name;
+        frame_value_evaluate *evaluate;
+    } values[] = {{"camera_position", evaluate_camera_position},
+                  {"camera_corner", evaluate_camera_corner},
+                  {"camera_across", evaluate_camera_across},
+                  {"camera_down", evaluate_camera_down}};
+    const struct scene_camera *camera = &job->scene.camera;
+    bool position_is_fixed = timeline_is_constant(&camera->position);
+    bool view_is_fixed = position_is_fixed && timeline_is_constant(&camera->target) &&
+                         timeline_is_constant(&camera->up) && timeline_is_constant(&camera->fov);
+
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
+        frame_uniforms_add(uniforms,
+                           (struct frame_value){.type = FRAME_VALUE_VEC3,
+                                                .is_constant = i == 0 ? position_is_fixed : view_is_fixed,
+                                                .evaluate = values[i].evaluate,
+                                                .is_place = i == 0,
+                                                .source = job,
+                                                .min = value_range_any.min,
+                                                .max = value_range_any.max,
+                                                .meaning = "camera"},
+                           "%s", values[i].name);
+}
+
+static void add_lobes(struct frame_uniforms *uniforms, const struct scene_medium *medium,
+                      const struct medium_features *features, size_t index)
+{
+    const struct value_range gs = {-largest_g, largest_g};
+    static const struct value_range weights = {0, 1};
+
+    for (size_t i = 0; i < medium->lobe_count; ++i) {
+        if (features->lobes[i] == LOBE_UNSEEN) continue;
+        if (features->lobes[i] == LOBE_HENYEY_GREENSTEIN)
+            frame_uniforms_add(uniforms, timeline_value(&medium->lobes[i].g, FRAME_VALUE_FLOAT, gs, "phase.g"),
+                               "medium_%zu_lobe_%zu_g", index, i);
+        frame_uniforms_add(uniforms,
+                           timeline_value(&medium->lobes[i].weight, FRAME_VALUE_FLOAT, weights, "phase.weight"),
+                           "medium_%zu_lobe_%zu_weight", index, i);
+    }
+}
+
+// A transfer function's density is the extinction itself.
+static struct frame_value sigma_t_of(const struct scene_medium *medium, const struct medium_features *features,
+                                     enum frame_value_type spectrum)
+{
+    return (struct frame_value){.type = spectrum,
+                                .is_constant = features->has_color || (timeline_is_constant(&medium->sigma_s) &&
+                                                                       timeline_is_constant(&medium->sigma_a)),
+                                .evaluate = features->has_color ? evaluate_one : evaluate_sigma_t,
+                                .source = medium,
+                                .min = value_range_not_negative.min,
+                                .max = value_range_not_negative.max,
+                                .meaning = "sigma_s + sigma_a"};
+}
+
+// Where a medium is and how dense.
+static void add_place(struct frame_uniforms *uniforms, const struct density_site *site)
+{
+    density_kind_of(&site->source->density)->add_values(uniforms, site);
+    scene_bounds_add_values(uniforms, &site->source->density.bounds, site->medium);
+}
+
+static void add_medium(struct frame_uniforms *uniforms, const struct density_site *site,
+                       const struct medium_features *features, enum frame_value_type spectrum, bool has_majorants)
+{
+    const struct scene_medium *medium = site->source;
+    size_t i = site->medium;
+
+    add_place(uniforms, site);
+    if (has_majorants && density_kind_of(&medium->density)->add_majorant)
+        density_kind_of(&medium->density)->add_majorant(uniforms, site);
+    if (medium_features_have_column(features))
+        frame_uniforms_add(uniforms, sigma_t_of(medium, features, spectrum), "medium_%zu_sigma_t", i);
+    if (features->emits)
+        frame_uniforms_add(uniforms, timeline_value(&medium->emission, spectrum, value_range_not_negative, "emission"),
+                           "medium_%zu_emission", i);
+}
+
+static void add_light(struct frame_uniforms *uniforms, const struct scene_light *light, enum frame_value_type spectrum,
+                      size_t index)
+{
+    frame_uniforms_add(uniforms,
+                       timeline_value(&light->intensity, spectrum, value_range_not_negative, "lights.intensity"),
+                       "light_%zu_intensity", index);
+    if (light->kind == SCENE_LIGHT_SUN) {
+        struct frame_value direction =
+            timeline_value(&light->direction, FRAME_VALUE_VEC3, value_range_any, "lights.direction");
+
+        direction.evaluate = evaluate_toward_sun;
+        frame_uniforms_add(uniforms, direction, "light_%zu_direction", index);
+    } else {
+        frame_uniforms_add(uniforms, timeline_value_place(&light->position, "lights.position"), "light_%zu_position",
+                           index);
+    }
+}
+
+// Whole numbers that a float holds exactly.
+static void add_sampling(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
+{
+    const struct frame_value seed = {.type = FRAME_VALUE_FLOAT,
+                                     .origin = FRAME_VALUE_FRAME_SEED,
+                                     .is_constant = scene_is_constant(&job->scene),
+                                     .max = FRAME_NUMBER_LIMIT,
+                                     .meaning = "the frame's number"};
+    const struct frame_value sample = {.type = FRAME_VALUE_FLOAT,
+                                       .origin = FRAME_VALUE_SAMPLE_INDEX,
+                                       .is_constant = !features->has_samples,
+                                       .max = value_range_any.max,
+                                       .meaning = "quality.samples"};
+
+    if (!features->is_random) return;
+    frame_uniforms_add(uniforms, seed, "frame_seed");
+    frame_uniforms_add(uniforms, sample, "sample_index");
+}
+
+// Numbers that a plan chose are uniforms, so that looking for them takes one program.
+static void add_number(struct frame_uniforms *uniforms, const struct job *job, const double *number,
+                       const char *meaning)
+{
+    frame_uniforms_add(uniforms,
+                       (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                            .origin = FRAME_VALUE_OF_PLAN,
+                                            .is_constant = job->quality.tolerance == 0.0,
+                                            .evaluate = evaluate_number,
+                                            .source = number,
+                                            .min = value_range_not_negative.min,
+                                            .max = value_range_not_negative.max,
+                                            .meaning = meaning},
+                       "%s", meaning);
+}
+
+static void add_steps(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                      const struct scene_features *features)
+{
+    const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
+
+    if (features->marches && !features->has_majorants) add_number(uniforms, job, &quality->step, "quality_step");
+    if (features->marches_to_lights && !features->has_light_grids && !features->has_majorants)
+        add_number(uniforms, job, &quality->light_step, "quality_light_step");
+    if (features->is_adaptive) add_number(uniforms, job, &quality->depth_step, "quality_depth_step");
+    if (features->has_media && (features->has_objects || quality->min_transmittance > 0.0))
+        add_number(uniforms, job, &quality->min_transmittance, "quality_min_transmittance");
+}
+
+static void evaluate_anchor(const void *source, double time, double value[static 9])
+{
+    scene_anchor_find(source, time, value);
+}
+
+// For densities that are told from the world's origin.
+static void add_anchor(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
+{
+    bool is_taken = false;
+
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        is_taken |= features->media[i].is_seen && density_kind_of(&job->scene.media[i].density)->takes_anchor;
+    if (!is_taken || !scene_anchor_is_used(job)) return;
+    frame_uniforms_add(uniforms,
+                       (struct frame_value){.type = FRAME_VALUE_VEC3,
+                                            .is_constant = !scene_anchor_moves(job),
+                                            .evaluate = evaluate_anchor,
+                                            .source = job,
+                                            .min = value_range_any.min,
+                                            .max = value_range_any.max,
+                                            .meaning = "camera.position"},
+                       "scene_anchor");
+}
+
+struct frame_value scene_values_time(void)
+{
+    return (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                .evaluate = evaluate_time,
+                                .min = value_range_any.min,
+                                .max = value_range_any.max,
+                                .meaning = "the frame's time"};
+}
+
+void scene_values_add_places(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                             const struct scene_features *features)
+{
+    uniforms->anchored = job;
+    if (features->takes_time) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
+    add_anchor(uniforms, job, features);
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        if (features->media[i].is_seen)
+            add_place(uniforms, &(struct density_site){
+                                    .job = job, .medium = i, .source = &job->scene.media[i], .inputs = inputs});
+}
+
+void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light)
+{
+    frame_uniforms_add(uniforms, timeline_value_place(&job->scene.lights[light].position, "lights.position"),
+                       "light_%zu_position", light);
+}
+
+void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                      const struct scene_features *features)
+{
+    enum frame_value_type spectrum = features->is_rgb ? FRAME_VALUE_VEC3 : FRAME_VALUE_FLOAT;
+    const struct scene *scene = &job->scene;
+
+    uniforms->anchored = job;
+    if (features->has_media || features->has_objects) add_camera(uniforms, job);
+    if (features->takes_time) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
+    add_anchor(uniforms, job, features);
+    for (size_t i = 0; i < scene->medium_count; ++i) {
+        const struct scene_medium *medium = &scene->media[i];
+
+        if (!features->media[i].is_seen) continue;
+        add_medium(uniforms, &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = inputs},
+                   &features->media[i], spectrum, features->has_majorants);
+        if (!features->has_lights || !features->media[i].scatters) continue;
+        frame_uniforms_add(uniforms, timeline_value(&medium->sigma_s, spectrum, value_range_not_negative, "sigma_s"),
+                           "medium_%zu_sigma_s", i);
+        add_lobes(uniforms, medium, &features->media[i], i);
+    }
+    object_values_add(uniforms, scene, features, spectrum);
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (features->light_is_seen[i]) add_light(uniforms, &scene->lights[i], spectrum, i);
+    if (features->has_background)
+        frame_uniforms_add(uniforms,
+                           timeline_value(&scene->background, spectrum, value_range_not_negative, "background"),
+                           "background");
+    add_sampling(uniforms, job, features);
+    add_steps(uniforms, job, inputs, features);
+}

@@ -1,0 +1,24 @@
+// Which numbers a scene's shader needs, and how each follows from the job.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/glsl/frame_uniforms.h"
+
+#include <stddef.h>
+
+struct job;
+struct scene_features;
+struct scene_inputs;
+
+// Adds, for what is seen: camera_position, _corner, _across, _down; background; time_s; what each density's kind and bounds
+// add; scene_anchor where some density takes it; what object_values_add adds; medium_I_sigma_s, _sigma_t, _emission, _lobe_J_g, _lobe_J_weight; light_I_intensity, _position, _direction (towards
+// the sun). `job` and `inputs` (as for scene_program_init) outlive `uniforms`.
+void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                      const struct scene_features *features);
+// The frame's time: "time_s" in shaders that ask for it.
+struct frame_value scene_values_time(void);
+// Of these, time_s where some seen medium takes it, and what the densities and bounds of seen media add.
+void scene_values_add_places(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
+                             const struct scene_features *features);
+// light_I_position of a point light.
+void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light);

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/picture/image.h"
+
+#include "core/base/error.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const float HALF_LARGEST = 65504.0f;
+
+bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
+                struct error *error)
+{
+    size_t count;
+
+    *image = (struct image){0};
+    if (width_px < 1 || width_px > IMAGE_SIDE_LIMIT || height_px < 1 || height_px > IMAGE_SIDE_LIMIT) {
+        error_set(error, "image: expected sides from 1 to %d pixels, got %d x %d", IMAGE_SIDE_LIMIT, width_px,
+                  height_px);
+        return false;
+    }
+    count = (size_t)width_px * (size_t)height_px;
+    image->width_px = width_px;
+    image->height_px = height_px;
+    image->rgba = malloc(count * 4 * sizeof *image->rgba);
+    if (has_transmittance) image->transmittance = malloc(count * 4 * sizeof *image->transmittance);
+    if (has_depth) image->depth = malloc(count * sizeof *image->depth);
+    if (!image->rgba || (has_transmittance && !image->transmittance) || (has_depth && !image->depth)) {
+        image_finish(image);
+        error_set(error, "image: no memory for %d x %d pixels", width_px, height_px);
+        return false;
+    }
+    return true;
+}
+
+void image_finish(struct image *image)
+{
+    free(image->rgba);
+    free(image->transmittance);
+    free(image->depth);
+    *image = (struct image){0};
+}
+
+bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance)
+{
+    return image->rgba && image->width_px == width_px && image->height_px == height_px &&
+           (image->depth != NULL) == has_depth && (image->transmittance != NULL) == has_transmittance;
+}
+
+static bool is_within(float value, float largest)
+{
+    return fabsf(value) <= largest; // false for NaN
+}
+
+// No early exit, and sizes compared as integers, so that it vectorizes: those of floats are in the order of their bits, with
+// infinity and NaN on top.
+static bool row_is_within(const float *row, size_t count, float largest)
+{
+    int32_t worst = 0, limit;
+
+    memcpy(&limit, &largest, sizeof limit);
+    for (size_t i = 0; i < count; i++) {
+        int32_t bits;
+
+        memcpy(&bits, row + i, sizeof bits);
+        bits &= INT32_MAX;
+        worst = bits > worst ? bits : worst;
+    }
+    return worst <= limit;
+}
+
+struct plane {
+    const float *values;
+    size_t components; // a pixel
+    size_t used;       // of them
+    const char *names[4];
+    bool half;
+};
+
+struct faults {
+    int64_t nan_count, infinite_count, large_count;
+    // The first of them:
+    const char *channel; // NULL: there is none
+    size_t x, y;
+    float value;
+};
+
+static void count_fault(struct faults *faults, const char *channel, size_t x, size_t y, float value)
+{
+    if (isnan(value))
+        faults->nan_count++;
+    else if (isinf(value))
+        faults->infinite_count++;
+    else
+        faults->large_count++;
+    if (faults->channel) return;
+    faults->channel = channel;
+    faults->x = x;
+    faults->y = y;
+    faults->value = value;
+}
+
+static void count_plane(struct faults *faults, const struct plane *plane, size_t width, size_t height)
+{
+    float largest = plane->half ? HALF_LARGEST : 3.40282347e38f;
+
+    for (size_t y = 0; y < height; y++) {
+        const float *row = plane->values + y * width * plane->components;
+
+        // A value that belongs to no channel only makes the row be looked at again.
+        if (row_is_within(row, width * plane->components, largest)) continue;
+        for (size_t i = 0; i < width * plane->components; i++) {
+            size_t component = i % plane->components;
+
+            if (component < plane->used && !is_within(row[i], largest))
+                count_fault(faults, plane->names[component], i / plane->components, y, row[i]);
+        }
+    }
+}
+
+static void report(const struct faults *faults, struct error *error)
+{
+    char counts[128];
+
+    snprintf(counts, sizeof counts,
+             "of the frame's values %" PRId64 " are NaN, %" PRId64 " infinite, %" PRId64 " too large for half",
+             faults->nan_count, faults->infinite_count, faults->large_count);
+    if (isfinite(faults->value))
+        error_set(error,
+                  "channel %s at pixel (%zu, %zu) is %g: half holds at most 65504, ask for \"pixel\": \"float\"; %s",
+                  faults->channel, faults->x, faults->y, (double)faults->value, counts);
+    else
+        error_set(error, "channel %s at pixel (%zu, %zu) is %s: expected a finite number; %s", faults->channel,
+                  faults->x, faults->y, isnan(faults->value) ? "NaN" : "infinite", counts);
+}
+
+bool image_is_finite(const struct image *image, bool half, struct error *error)
+{
+    struct plane planes[] = {
+        {image->rgba, 4, 4, {"R", "G", "B", "A"}, half},
+        {image->transmittance, 4, 3, {"transmittance.R", "transmittance.G", "transmittance.B"}, half},
+        {image->depth, 1, 1, {"Z"}, false},
+    };
+    struct faults faults = {0};
+
+    for (size_t i = 0; i < sizeof planes / sizeof planes[0]; i++)
+        if (planes[i].values) count_plane(&faults, &planes[i], (size_t)image->width_px, (size_t)image->height_px);
+    if (!faults.channel) return true;
+    report(&faults, error);
+    return false;
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/picture/image_exr_attributes.h"
+
+#include "worker/audit/audit_names.h"
+#include "worker/picture/image_exr.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// An absent one leaves `number` as it is.
+static bool read_double(exr_context_t context, const char *name, double *number)
+{
+    const exr_attribute_t *found;
+
+    if (exr_get_attribute_by_name(context, 0, name, &found) || found->type != EXR_ATTR_DOUBLE) return false;
+    *number = found->d;
+    return true;
+}
+
+// An absent one leaves `text` as it is.
+static bool read_text(exr_context_t context, const char *name, char *text, size_t size)
+{
+    const exr_attribute_t *found;
+
+    if (exr_get_attribute_by_name(context, 0, name, &found) || found->type != EXR_ATTR_STRING) return false;
+    snprintf(text, size, "%s", found->string->str);
+    return true;
+}
+
+static void read_accuracy(exr_context_t context, struct image_exr_facts *facts)
+{
+    struct audit_result *audit = &facts->audit;
+    char kind[16] = "", scope[16] = "";
+    const exr_attribute_t *rays;
+
+    read_text(context, "marchd:plan", facts->plan, sizeof facts->plan);
+    read_double(context, "marchd:samplingError", &facts->sampling_error);
+    *audit = (struct audit_result){.error = NAN, .error95 = NAN, .tolerance = NAN};
+    read_double(context, "marchd:error95", &audit->error95);
+    read_double(context, "marchd:tolerance", &audit->tolerance);
+    if (!exr_get_attribute_by_name(context, 0, "marchd:auditRays", &rays) && rays->type == EXR_ATTR_INT)
+        audit->ray_count = rays->i;
+    read_text(context, "marchd:auditScope", scope, sizeof scope);
+    audit->is_pooled = !strcmp(scope, "segment");
+    read_text(context, "marchd:audit", kind, sizeof kind);
+    if (read_double(context, "marchd:error", &audit->error)) audit->kind = audit_name_find(kind);
+}
+
+void image_exr_attributes_read(exr_context_t context, struct image_exr_facts *facts)
+{
+    const exr_attribute_t *found;
+    char job[32];
+
+    read_text(context, "marchd:jobHash", facts->job_hash, sizeof facts->job_hash);
+    read_text(context, "marchd:sequenceHash", facts->sequence_hash, sizeof facts->sequence_hash);
+    read_text(context, "marchd:method", facts->method, sizeof facts->method);
+    read_double(context, "marchd:step", &facts->step);
+    if (read_text(context, "marchd:job", job, sizeof job)) facts->job_id = strtoll(job, NULL, 10);
+    if (!exr_get_attribute_by_name(context, 0, "marchd:frame", &found) && found->type == EXR_ATTR_INT)
+        facts->frame = found->i;
+    read_double(context, "marchd:renderSeconds", &facts->render_seconds);
+    facts->rays.is_known = read_double(context, "marchd:cutShare", &facts->rays.cut_share);
+    read_double(context, "marchd:raysPerPixel", &facts->rays.rays_per_pixel);
+    read_double(context, "marchd:cutRays", &facts->rays.cut_rays);
+    read_double(context, "marchd:cutTolerance", &facts->rays.cut_tolerance);
+    read_accuracy(context, facts);
+}

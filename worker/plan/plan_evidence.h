@@ -1,0 +1,23 @@
+// What trying a plan on small frames leaves for audits of the segment's frames.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/audit/audit.h"
+#include "worker/picture/image.h"
+#include "worker/plan/plan_segment.h"
+
+#include <stdint.h>
+
+// The zero value is empty.
+struct plan_evidence {
+    struct audit_pool pool; // of the small frames' pixels; empty where reference/ has measured none
+    struct plan_view {
+        int32_t frame;
+        struct image finer, coarser; // as the plan has it, and in steps at most half as long
+    } views[PLAN_PILOT_LIMIT];
+    int view_count;
+};
+
+void plan_evidence_finish(struct plan_evidence *evidence); // leaves it empty
+// The view of the frame whose number is nearest; NULL when there are none.
+const struct plan_view *plan_evidence_find(const struct plan_evidence *evidence, int32_t frame);

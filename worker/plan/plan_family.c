@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_family.h"
+
+#include "core/job/step_check.h"
+#include "core/json/json_read.h"
+#include "worker/density/density_bake.h"
+#include "worker/model/scene_features.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    FIRST_STEPS = 16,
+    STEP_RUNGS = 25,
+    DEPTH_RUNGS = 20,
+    PATH_RUNGS = 8,
+    TRANSMITTANCE_RUNGS = 8,
+    BAKED_OCTAVES = 3,
+    UNBAKED_RUNG = 9 // beyond 128 cells, where filling takes longer than it saves
+};
+
+static const double VOXELS_FIRST = 8.0;      // rung 0
+static const double VOXELS_OF_A_WAY = 128.0; // about
+static const double DEPTH_FIRST = 4.0;       // optical depth
+static const double TRANSMITTANCE_FIRST = 0.02;
+
+static const int points[] = {1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 180, 256, 362, 512, 724, 1000};
+static const int grids[] = {8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256};
+
+#define COUNT(array) ((int)(sizeof(array) / sizeof *(array)))
+
+static bool serves_even(const struct plan_scene *scene)
+{
+    return scene->is_even || !scene->has_media;
+}
+
+static bool serves_marched(const struct plan_scene *scene)
+{
+    return !serves_even(scene);
+}
+
+static bool serves_lit(const struct plan_scene *scene)
+{
+    return serves_marched(scene) && scene->has_lights;
+}
+
+// Noise of several octaves that a grid takes.
+static bool serves_baked(const struct plan_scene *scene)
+{
+    struct job baked = *scene->job;
+    bool is_baked = false;
+
+    baked.quality.method = JOB_METHOD_CACHED;
+    baked.quality.density_grid = 128;
+    for (size_t i = 0; i < baked.scene.medium_count; i++) {
+        const struct scene_density *density = &baked.scene.media[i].density;
+        struct density_bake bake;
+
+        is_baked |= density->kind == SCENE_DENSITY_NOISE && density->noise.octaves >= BAKED_OCTAVES &&
+                    density_bake_find(&bake, &baked, i);
+    }
+    return serves_lit(scene) && is_baked;
+}
+
+static bool serves_transfer(const struct plan_scene *scene)
+{
+    bool has_transfer = false;
+
+    for (size_t i = 0; i < scene->job->scene.medium_count; i++)
+        has_transfer |= scene->job->scene.media[i].density.kind == SCENE_DENSITY_GRID &&
+                        scene->job->scene.media[i].density.grid.point_count > 0;
+    return serves_marched(scene) && has_transfer;
+}
+
+void plan_scene_init(struct plan_scene *scene, const struct job *job)
+{
+    struct job marched = *job;
+    struct scene_features features;
+
+    marched.quality.method = JOB_METHOD_MIDPOINT;
+    features = scene_features_of(&marched, NULL);
+    *scene = (struct plan_scene){.job = job,
+                                 .is_even = true,
+                                 .has_media = features.has_media,
+                                 .has_lights = features.has_lights && features.media_are_lit,
+                                 .has_extinction = features.has_extinction,
+                                 .has_paths = features.has_paths,
+                                 .has_roughness = features.has_roughness,
+                                 .pixels = (double)job->width_px * job->height_px};
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const struct scene_density *density = &job->scene.media[i].density;
+
+        scene->is_even &= scene_density_is_even(density);
+        scene->counts_voxels |= density->kind == SCENE_DENSITY_GRID;
+    }
+    scene->way = scene->counts_voxels ? VOXELS_OF_A_WAY : step_longest_way(job);
+}
+
+// The cheaper a family is as a rule, the earlier it stands: what is dearer than what was found is not measured.
+const struct plan_family plan_families[] = {
+    {"equiangular", JOB_METHOD_EQUIANGULAR, 0, serves_even, {PLAN_AXIS_POINTS, PLAN_AXIS_PATHS}, 2},
+    {"cached with baked densities",
+     JOB_METHOD_CACHED,
+     0,
+     serves_baked,
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_GRID, PLAN_AXIS_DENSITY_GRID, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
+     5},
+    {"cached",
+     JOB_METHOD_CACHED,
+     0,
+     serves_lit,
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_GRID, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
+     4},
+    {"preintegrated",
+     JOB_METHOD_PREINTEGRATED,
+     0,
+     serves_transfer,
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
+     4},
+    {"gauss of order 2",
+     JOB_METHOD_GAUSS,
+     2,
+     serves_marched,
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
+     4},
+    {"adaptive",
+     JOB_METHOD_ADAPTIVE,
+     0,
+     serves_marched,
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_DEPTH_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
+     5},
+    {"midpoint",
+     JOB_METHOD_MIDPOINT,
+     0,
+     serves_marched,
+     {PLAN_AXIS_STEP, PLAN_AXIS_LIGHT_STEP, PLAN_AXIS_MIN_TRANSMITTANCE, PLAN_AXIS_PATHS},
+     4},
+};
+const size_t plan_family_count = sizeof plan_families / sizeof *plan_families;
+
+static bool matters(enum plan_axis axis, const struct plan_scene *scene)
+{
+    switch (axis) {
+    case PLAN_AXIS_LIGHT_STEP:
+    case PLAN_AXIS_LIGHT_GRID:
+        return scene->has_lights && !scene->is_even;
+    case PLAN_AXIS_POINTS:
+        return scene->has_lights && scene->has_media;
+    case PLAN_AXIS_DEPTH_STEP:
+    case PLAN_AXIS_MIN_TRANSMITTANCE:
+        return scene->has_extinction;
+    case PLAN_AXIS_PATHS:
+        return scene->has_paths;
+    case PLAN_AXIS_STEP:
+    case PLAN_AXIS_DENSITY_GRID:
+        break;
+    }
+    return true;
+}
+
+int plan_family_axes(const struct plan_family *family, const struct plan_scene *scene,
+                     enum plan_axis axes[static PLAN_AXIS_LIMIT])
+{
+    int count = 0;
+
+    for (int i = 0; i < family->axis_count; i++)
+        if (matters(family->axes[i], scene)) axes[count++] = family->axes[i];
+    return count;
+}
+
+int plan_axis_last_rung(enum plan_axis axis, const struct plan_scene *scene)
+{
+    (void)scene;
+    switch (axis) {
+    case PLAN_AXIS_STEP:
+    case PLAN_AXIS_LIGHT_STEP:
+        return STEP_RUNGS - 1;
+    case PLAN_AXIS_DEPTH_STEP:
+        return DEPTH_RUNGS - 1;
+    case PLAN_AXIS_POINTS:
+        return COUNT(points) - 1;
+    case PLAN_AXIS_LIGHT_GRID:
+        return COUNT(grids) - 1;
+    case PLAN_AXIS_DENSITY_GRID:
+        return UNBAKED_RUNG;
+    case PLAN_AXIS_MIN_TRANSMITTANCE:
+        return TRANSMITTANCE_RUNGS - 1;
+    case PLAN_AXIS_PATHS:
+        return PATH_RUNGS - 1;
+    }
+    return 0;
+}
+
+static double halved(double first, int rung)
+{
+    return first * exp2(-0.5 * rung);
+}
+
+static void set_axis(struct job_quality *quality, enum plan_axis axis, const struct plan_scene *scene, int rung)
+{
+    double step = halved(scene->counts_voxels ? VOXELS_FIRST : scene->way / FIRST_STEPS, rung);
+
+    switch (axis) {
+    case PLAN_AXIS_STEP:
+        *(scene->counts_voxels ? &quality->step_voxels : &quality->step) = step;
+        break;
+    case PLAN_AXIS_LIGHT_STEP:
+        *(scene->counts_voxels ? &quality->light_step_voxels : &quality->light_step) = step;
+        break;
+    case PLAN_AXIS_DEPTH_STEP:
+        quality->depth_step = halved(DEPTH_FIRST, rung);
+        break;
+    case PLAN_AXIS_POINTS:
+        quality->points = points[rung];
+        break;
+    case PLAN_AXIS_LIGHT_GRID:
+        quality->light_grid = grids[rung];
+        break;
+    case PLAN_AXIS_DENSITY_GRID:
+        quality->density_grid = rung < UNBAKED_RUNG ? grids[rung] : 0;
+        break;
+    case PLAN_AXIS_MIN_TRANSMITTANCE:
+        quality->min_transmittance = TRANSMITTANCE_FIRST * pow(4.0, -rung);
+        break;
+    case PLAN_AXIS_PATHS:
+        quality->min_throughput = scene->job->quality.min_throughput * pow(4.0, -rung);
+        quality->max_depth = scene->job->quality.max_depth + 2 * rung;
+        if (quality->max_depth > JOB_DEPTH_LIMIT) quality->max_depth = JOB_DEPTH_LIMIT;
+        break;
+    }
+}
+
+struct job_quality plan_family_quality(const struct plan_family *family, const struct plan_scene *scene,
+                                       const struct plan_point *point)
+{
+    struct job_quality quality = scene->job->quality;
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_family_axes(family, scene, axes);
+
+    quality.method = family->method;
+    quality.order = family->order;
+    if (family->method == JOB_METHOD_EQUIANGULAR) quality.points = 1;
+    for (int i = 0; i < count; i++)
+        set_axis(&quality, axes[i], scene, point->rungs[i]);
+    // Lights that nothing scatters are marched to as little as none, but jobs that have lights say how.
+    if (scene->job->scene.light_count > 0 && !scene->has_lights) set_axis(&quality, PLAN_AXIS_LIGHT_STEP, scene, 0);
+    return quality;
+}
+
+bool plan_family_serves(const struct plan_family *family, const struct plan_scene *scene)
+{
+    struct json_node nowhere = json_node_root(NULL);
+    struct plan_point middle = {{8, 8, 8, 4, 0}};
+    struct job planned = *scene->job;
+
+    if (!family->serves(scene)) return false;
+    planned.quality = plan_family_quality(family, scene, &middle);
+    return step_check(&planned, &nowhere, NULL);
+}
+
+// Of one look at a medium, beside that of the fractal's eight folds: by hand from timings on software GL.
+static double look_work(const struct scene_density *density)
+{
+    switch (density->kind) {
+    case SCENE_DENSITY_HOMOGENEOUS:
+        return 0.1;
+    case SCENE_DENSITY_FOLD_FRACTAL:
+        return density->fold_fractal.iterations / 8.0;
+    case SCENE_DENSITY_NOISE:
+        return 1.0 * density->noise.octaves;
+    case SCENE_DENSITY_GRID:
+    case SCENE_DENSITY_GLSL:
+        break;
+    }
+    return 1.0;
+}
+
+static double looks_of_all(const struct job *job, const struct job_quality *quality)
+{
+    static const double BAKED = 1.5; // a texel of a grid that is not the file's
+    double work = 0.1;               // to step at all
+    struct job planned = *job;
+    struct density_bake bake;
+
+    planned.quality = *quality;
+    for (size_t i = 0; i < job->scene.medium_count; i++)
+        work += density_bake_find(&bake, &planned, i) ? BAKED : look_work(&job->scene.media[i].density);
+    return work;
+}
+
+// What a step of each depth sees of the lights.
+static double light_work(const struct plan_scene *scene, const struct job_quality *quality, double look, double depth)
+{
+    static const double PHASE = 0.5, LOOK_UP = 1.5, SHARE_OF_WAY = 0.5;
+    double light_step = scene->counts_voxels ? quality->light_step_voxels : quality->light_step, steps;
+
+    if (!scene->has_lights) return 0.0;
+    if (quality->method == JOB_METHOD_CACHED) return PHASE + LOOK_UP;
+    if (scene->is_even || light_step <= 0.0) return PHASE;
+    steps = SHARE_OF_WAY * scene->way / light_step;
+    if (quality->method == JOB_METHOD_ADAPTIVE) steps += SHARE_OF_WAY * depth / quality->depth_step;
+    if (quality->method == JOB_METHOD_GAUSS) steps *= quality->order;
+    return PHASE + steps * look;
+}
+
+// Of the camera ray that goes `depth` deep.
+static double ray_work(const struct plan_scene *scene, const struct job_quality *quality, double look, double depth)
+{
+    double step = scene->counts_voxels ? quality->step_voxels : quality->step, reach = 1.0, steps;
+    double lights = (double)scene->job->scene.light_count;
+
+    if (quality->min_transmittance > 0.0 && depth > 0.0) reach = fmin(1.0, -log(quality->min_transmittance) / depth);
+    steps = reach * scene->way / step;
+    if (quality->method == JOB_METHOD_ADAPTIVE || (quality->method == JOB_METHOD_CACHED && quality->depth_step > 0.0))
+        steps += reach * depth / quality->depth_step;
+    if (quality->method == JOB_METHOD_GAUSS) steps *= quality->order;
+    if (quality->method == JOB_METHOD_PREINTEGRATED) look *= 1.5; // both ends' looks in the table
+    return steps * (look + lights * light_work(scene, quality, look, depth));
+}
+
+static double points_work(const struct plan_scene *scene, const struct job_quality *quality)
+{
+    const struct scene *light_scene = &scene->job->scene;
+    double media = (double)light_scene->medium_count, lights = (double)light_scene->light_count;
+
+    return media > 0.0 && lights > 0.0 ? quality->points * lights * (2.0 * media - 1.0) * (1.0 + 0.3 * media) : 0.0;
+}
+
+// Of grids that are made for each frame, shared out among its pixels.
+static double grid_work(const struct plan_scene *scene, const struct job_quality *quality, double look)
+{
+    double lights = (double)scene->job->scene.light_count, samples = scene->pixels * quality->samples;
+
+    if (quality->method != JOB_METHOD_CACHED || !scene->has_lights) return 0.0;
+    return lights * pow(quality->light_grid, 3) * (look + 0.5) / samples;
+}
+
+double plan_family_work(const struct plan_scene *scene, const struct job_quality *quality)
+{
+    static const double PIXEL = 5.0;
+    double look = looks_of_all(scene->job, quality), sum = 0.0;
+
+    if (quality->method == JOB_METHOD_EQUIANGULAR) {
+        sum = points_work(scene, quality);
+    } else {
+        for (size_t i = 0; i < scene->depth_count; i++)
+            sum += ray_work(scene, quality, look, scene->depths[i]);
+        sum /= scene->depth_count > 0 ? (double)scene->depth_count : 1.0;
+    }
+    // Paths that go on cost a little more each time that fewer are cut.
+    if (scene->has_paths)
+        sum *= 1.0 + 0.02 * log2(scene->job->quality.min_throughput / fmax(quality->min_throughput, 1e-9));
+    return quality->samples * (PIXEL + scene->met * sum + grid_work(scene, quality, look));
+}

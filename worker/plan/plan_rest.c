@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_rest.h"
+
+#include "core/base/error.h"
+#include "worker/audit/audit.h"
+#include "worker/audit/audit_map.h"
+#include "worker/audit/truth.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
+#include "worker/plan/plan.h"
+
+#include <math.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    PIXELS = 480 * 270, // of the frame, at most
+    HALVED_RUNGS = 2    // that halve every step
+};
+
+static const double AUDIT_SHARE = 0.05; // of the rendering's time, as frames are audited
+
+struct rest {
+    struct plan *plan;
+    const struct plan_params *params;
+    const struct plan_evidence *evidence;
+    struct job job; // small, as planned; owns nothing
+    int32_t frame;
+    struct image image;
+    clockid_t clock; // processors' where these render, whose time is shared with rendering
+    double ratio;    // of pixels of the job's frames to those of the small one
+    struct renderer_result result;
+    struct error *error;
+};
+
+static double now_s(const struct rest *rest)
+{
+    struct timespec now;
+
+    clock_gettime(rest->clock, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static bool on_tile(void *user, double done)
+{
+    const struct plan_params *params = user;
+
+    (void)done;
+    return !params->on_progress || params->on_progress(params->user, 0.0);
+}
+
+static bool on_pixel(void *user)
+{
+    return on_tile(user, 0.0);
+}
+
+static bool render(struct rest *rest, const struct job *job, struct image *image)
+{
+    return image_init(image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
+                      rest->error) &&
+           renderer_render(rest->params->renderer, job, rest->frame, image, on_tile, (void *)rest->params,
+                           &rest->result, rest->error);
+}
+
+// Each frame is written and read back once, as the gate does it.
+static bool time_file(struct rest *rest, double *seconds)
+{
+    struct image_exr_header header = {.pixel = rest->job.output.pixel,
+                                      .compression = rest->job.output.compression,
+                                      .fps_numerator = 24,
+                                      .fps_denominator = 1,
+                                      .job_hash = rest->job.hash};
+    double start_s = now_s(rest);
+    int fd = memfd_create("frame", MFD_CLOEXEC);
+    bool is_finite;
+    bool ok = fd >= 0 && image_exr_write(fd, &rest->image, &header, 1, rest->error) &&
+              image_exr_scan(fd, &is_finite, 1, rest->error);
+
+    *seconds = (now_s(rest) - start_s) * rest->ratio;
+    if (fd >= 0) close(fd);
+    return ok;
+}
+
+// Where pixels are looked at is found over the whole frame; how many are is not for their number to say.
+static bool time_audit(struct rest *rest, double *seconds)
+{
+    const struct plan_view *view = plan_evidence_find(rest->evidence, rest->frame);
+    struct truth *truth = truth_open(&(struct truth_params){.job = &rest->job, .frame = rest->frame}, rest->error);
+    struct audit_params params = {.job = &rest->job,
+                                  .frame = rest->frame,
+                                  .image = &rest->image,
+                                  .truth = truth,
+                                  .pool = rest->evidence->pool.samples.count > 0 ? &rest->evidence->pool : NULL,
+                                  .tolerance = rest->params->job->quality.tolerance,
+                                  .budget_s = AUDIT_SHARE * rest->plan->predicted_s,
+                                  .on_progress = on_pixel,
+                                  .user = (void *)rest->params};
+    struct audit_map_params map_params = {.image = &rest->image, .pixel = rest->job.output.pixel};
+    struct audit_result result;
+    struct audit_map map;
+    double start_s = now_s(rest), map_s;
+    bool ok;
+
+    if (!truth) return false;
+    if (view && view->finer.width_px <= rest->job.width_px && view->finer.height_px <= rest->job.height_px) {
+        params.finer = map_params.finer = &view->finer;
+        params.coarser = map_params.coarser = &view->coarser;
+    }
+    audit_map_init(&map, &map_params);
+    audit_map_finish(&map);
+    map_s = now_s(rest) - start_s;
+    ok = audit_frame(&params, &result);
+    if (!ok) rest->result.fault = RENDERER_FAULT_STOPPED;
+    *seconds = now_s(rest) - start_s - 2.0 * map_s + map_s * rest->ratio;
+    truth_close(truth);
+    return ok;
+}
+
+// Of code of the user's: two small renders.
+static bool time_halving(struct rest *rest, double *seconds)
+{
+    const struct plan_view *view = plan_evidence_find(rest->evidence, rest->frame);
+    struct plan halved = *rest->plan;
+    double start_s = now_s(rest);
+    bool ok = true;
+
+    (void)plan_refine(&halved, rest->params->job, HALVED_RUNGS);
+    for (int i = 0; ok && view && i < 2; i++) {
+        struct job job = plan_apply(i == 0 ? rest->plan : &halved, rest->params->job);
+        struct image image = {0};
+
+        job.width_px = view->finer.width_px;
+        job.height_px = view->finer.height_px;
+        job.quality.samples = 1;
+        ok = render(rest, &job, &image);
+        image_finish(&image);
+    }
+    *seconds = now_s(rest) - start_s;
+    return ok;
+}
+
+static void init(struct rest *rest)
+{
+    const struct job *job = rest->params->job;
+    double all = (double)job->width_px * job->height_px, scale = fmin(1.0, sqrt(PIXELS / all));
+
+    rest->frame = rest->params->segment.pilot[rest->params->segment.pilot_count / 2];
+    rest->job = plan_apply(rest->plan, job);
+    rest->job.width_px = (int)fmax(1.0, round(scale * job->width_px));
+    rest->job.height_px = (int)fmax(1.0, round(scale * job->height_px));
+    rest->ratio = all / ((double)rest->job.width_px * rest->job.height_px);
+    rest->clock = renderer_is_software(rest->params->renderer) ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC;
+}
+
+bool plan_rest_predict(struct plan *plan, const struct plan_params *params, const struct plan_evidence *evidence,
+                       enum renderer_fault *fault, struct error *error)
+{
+    struct rest rest = {.plan = plan, .params = params, .evidence = evidence, .error = error};
+    bool is_software = renderer_is_software(params->renderer);
+    double parallel = is_software && plan->predicted_s > 0.0 ? plan->predicted_processor_s / plan->predicted_s : 1.0;
+    bool ok;
+
+    init(&rest);
+    ok = render(&rest, &rest.job, &rest.image) && time_file(&rest, &plan->predicted_encode_s) &&
+         (truth_has_twin(params->job) ? time_audit : time_halving)(&rest, &plan->predicted_audit_s);
+    if (ok) {
+        // A copy has its original's audit.
+        if (scene_is_constant(&params->job->scene)) plan->predicted_audit_s /= (double)params->segment.count;
+        plan->predicted_audit_s /= parallel;
+        plan->predicted_encode_s /= parallel;
+        plan->predicted_frame_s = plan->predicted_s + plan->predicted_audit_s;
+        // The file of the frame before is made meanwhile: by the same processors, or beside the GPU.
+        plan->predicted_frame_s = is_software ? plan->predicted_frame_s + plan->predicted_encode_s
+                                              : fmax(plan->predicted_frame_s, plan->predicted_encode_s);
+    } else {
+        *fault = rest.result.fault == RENDERER_FAULT_NONE ? RENDERER_FAULT_FRAME : rest.result.fault;
+    }
+    image_finish(&rest.image);
+    return ok;
+}

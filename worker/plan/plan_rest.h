@@ -1,0 +1,17 @@
+// What a frame of a plan takes beside its rendering: its audit and its file, measured on one small frame.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/render/renderer.h"
+
+#include <stdbool.h>
+
+struct error;
+struct plan;
+struct plan_evidence;
+struct plan_params;
+
+// Sets predicted_audit_s, predicted_encode_s and predicted_frame_s of a plan whose rendering is timed. On failure `fault` is as the
+// renderer's.
+bool plan_rest_predict(struct plan *plan, const struct plan_params *params, const struct plan_evidence *evidence,
+                       enum renderer_fault *fault, struct error *error);

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_scout.h"
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/job/job.h"
+#include "worker/audit/truth.h"
+#include "worker/picture/image.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_family.h"
+
+#include <math.h>
+
+enum {
+    PIXELS = 48 * 27, // of a tiny frame, at most
+    FINER_RUNGS = 1,  // a change of 2^0.5 is cheap, and changes about what is off: structure is met elsewhere
+    COUNT_MIN = 5,    // fewer would tell nothing
+    COUNT_ALONE = 3   // unless nothing else tells what a plan is off
+};
+
+// Of the tolerance: what a frame may be expected to be off before it is rendered finer, and what it is then to be off.
+static const double SHARE_ALLOWED = 0.9, SHARE_WANTED = 0.6;
+// By how much errors fall as steps are halved, as a power of 2: kinks leave three halves of two.
+static const double ORDER = 1.5;
+// What an error is of that change: within these, by what the pilot's frames say.
+static const double SCALE_LEAST = 0.75, SCALE_MOST = 1.25;
+// Of the looks that the segment's frames take; looks at the least.
+static const double WORK_SHARE = 0.1, LOOKS_MIN = 3e6;
+static const double BLACK = 1e-6;
+
+struct scout {
+    struct plan *plan;
+    const struct plan_params *params;
+    struct job coarser, finer; // tiny, of the plan and refined; own nothing
+    struct image coarse, fine;
+    struct renderer_result result;
+};
+
+static bool on_tile(void *user, double done)
+{
+    const struct plan_params *params = user;
+
+    (void)done;
+    return !params->on_progress || params->on_progress(params->user, 0.0);
+}
+
+static struct job make_tiny(const struct plan *plan, const struct job *job)
+{
+    double scale = fmin(1.0, sqrt(PIXELS / ((double)job->width_px * job->height_px)));
+    struct job tiny = plan_apply(plan, job);
+
+    tiny.width_px = (int)fmax(1.0, round(scale * job->width_px));
+    tiny.height_px = (int)fmax(1.0, round(scale * job->height_px));
+    tiny.quality.samples = 1;
+    return tiny;
+}
+
+static bool init_images(struct scout *scout, struct error *error)
+{
+    const struct job *job = &scout->coarser;
+    struct image *const images[] = {&scout->coarse, &scout->fine};
+
+    for (int i = 0; i < 2; i++)
+        if (!image_init(images[i], job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
+                        error))
+            return false;
+    return true;
+}
+
+static double find_change(const struct image *coarse, const struct image *fine)
+{
+    size_t count = (size_t)fine->width_px * (size_t)fine->height_px;
+    double apart = 0.0, light = 0.0;
+
+    for (size_t i = 0; i < 4 * count; i++) {
+        double difference = (double)coarse->rgba[i] - fine->rgba[i];
+
+        if (i % 4 == 3) continue; // alpha
+        apart += difference * difference / (3.0 * (double)count);
+        light += (double)fine->rgba[i] * fine->rgba[i] / (3.0 * (double)count);
+    }
+    return sqrt(light > BLACK * BLACK ? apart / light : apart);
+}
+
+// Of a frame that cannot be rendered nothing is known: its own rendering says why.
+static bool look(struct scout *scout, int32_t frame, double *change, struct error *error)
+{
+    const struct plan_params *params = scout->params;
+    bool ok = renderer_render(params->renderer, &scout->coarser, frame, &scout->coarse, on_tile, (void *)params,
+                              &scout->result, error) &&
+              renderer_render(params->renderer, &scout->finer, frame, &scout->fine, on_tile, (void *)params,
+                              &scout->result, error);
+
+    *change = ok ? find_change(&scout->coarse, &scout->fine) : 0.0;
+    if (!isfinite(*change)) *change = 0.0;
+    return ok || (scout->result.fault != RENDERER_FAULT_STOPPED && scout->result.fault != RENDERER_FAULT_CONTEXT);
+}
+
+static int64_t index_at(const struct plan_scouting *scouting, int i)
+{
+    if (scouting->count == 1) return scouting->first;
+    return scouting->first + i * (scouting->last - scouting->first) / (scouting->count - 1);
+}
+
+static double square_mean(const double *values, int first, int last, int by)
+{
+    double sum = 0.0;
+    int count = 0;
+
+    for (int i = first; i <= last; i += by, count++)
+        sum += values[i] * values[i];
+    return sqrt(sum / count);
+}
+
+// The pilot's frames are the first, the middle and the last here, too. Where reference/ has not measured them, what the plan is
+// off shows here alone: the pilot's finest render may share it.
+static void scale_errors(struct plan_scouting *scouting, double pilot_error, const struct job *job)
+{
+    double change = square_mean(scouting->error, 0, scouting->count - 1, (scouting->count - 1) / 2);
+    double scale = change > 0.0 ? fmin(fmax(pilot_error / change, SCALE_LEAST), SCALE_MOST) : 1.0;
+
+    for (int i = 0; truth_has_twin(job) && i < scouting->count; i++)
+        scouting->error[i] *= scale;
+}
+
+static double find_error(const struct plan_scouting *scouting, int64_t index)
+{
+    int i = 1;
+
+    while (i < scouting->count - 1 && index_at(scouting, i) < index)
+        i++;
+    {
+        int64_t before = index_at(scouting, i - 1), after = index_at(scouting, i);
+        double share = (double)(index - before) / (double)(after - before);
+
+        return scouting->error[i - 1] + share * (scouting->error[i] - scouting->error[i - 1]);
+    }
+}
+
+int plan_scout_find_rungs(const struct plan_scouting *scouting, int64_t index, double tolerance)
+{
+    double error;
+
+    if (scouting->count == 0 || index < scouting->first || index > scouting->last) return 0;
+    error = find_error(scouting, index);
+    if (error <= SHARE_ALLOWED * tolerance) return 0;
+    return (int)ceil(2.0 * log2(error / (SHARE_WANTED * tolerance)) / ORDER);
+}
+
+// Of all frames of the segment, those refined that are to be.
+static double predict_error(const struct plan_scouting *scouting, double tolerance)
+{
+    double sum = 0.0;
+
+    for (int64_t index = scouting->first; index <= scouting->last; index++) {
+        int rungs = plan_scout_find_rungs(scouting, index, tolerance);
+        double error = find_error(scouting, index) * exp2(-0.5 * ORDER * rungs);
+
+        sum += error * error;
+    }
+    return sqrt(sum / (double)(scouting->last - scouting->first + 1));
+}
+
+static bool is_of_use(const struct plan_params *params)
+{
+    const struct scene *scene = &params->job->scene;
+    bool reads_each = false;
+
+    for (size_t i = 0; i < scene->medium_count; i++)
+        reads_each |=
+            scene->media[i].density.kind == SCENE_DENSITY_GRID && scene_density_is_sequence(&scene->media[i].density);
+    return !reads_each && !scene_is_constant(scene) && params->segment.count > 2;
+}
+
+// As many as are worth it.
+static int count_scouts(const struct plan *plan, const struct plan *finer, const struct plan_params *params,
+                        const struct plan_scene *rays)
+{
+    struct plan_scene scene = *rays;
+    int64_t count = params->segment.count < PLAN_SCOUT_LIMIT ? params->segment.count : PLAN_SCOUT_LIMIT;
+    double affordable, each;
+
+    scene.pixels = (double)params->job->width_px * params->job->height_px;
+    affordable = WORK_SHARE * (double)params->segment.count * scene.pixels * plan_family_work(&scene, &plan->quality);
+    scene.pixels = fmin(scene.pixels, PIXELS);
+    each = scene.pixels * (plan_family_work(&scene, &plan->quality) + plan_family_work(&scene, &finer->quality));
+    count = (int64_t)fmin((double)count, fmax(affordable, LOOKS_MIN) / each);
+    if (count < COUNT_MIN) count = truth_has_twin(params->job) ? 0 : COUNT_ALONE;
+    return count > 0 ? (int)((count - 1) / 2 * 2 + 1) : 0;
+}
+
+bool plan_scout_look(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
+                     enum renderer_fault *fault, struct error *error)
+{
+    struct plan_scouting scouting = {.first = params->segment.first,
+                                     .last = params->segment.first + params->segment.count - 1};
+    struct scout scout = {.plan = plan, .params = params};
+    struct plan finer = *plan;
+    bool ok;
+
+    if (!is_of_use(params) || !plan_refine(&finer, params->job, FINER_RUNGS)) return true;
+    scouting.count = count_scouts(plan, &finer, params, rays);
+    if (scouting.count == 0) return true;
+    scout.coarser = make_tiny(plan, params->job);
+    scout.finer = make_tiny(&finer, params->job);
+    ok = init_images(&scout, error);
+    for (int i = 0; ok && i < scouting.count; i++)
+        ok = look(&scout, frame_range_at(&params->job->frames, index_at(&scouting, i)), &scouting.error[i], error);
+    if (ok) {
+        scale_errors(&scouting, plan->predicted_error, params->job);
+        plan->predicted_error = predict_error(&scouting, params->job->quality.tolerance);
+        plan->scouting = scouting;
+    } else {
+        *fault = scout.result.fault;
+    }
+    image_finish(&scout.fine);
+    image_finish(&scout.coarse);
+    return ok;
+}

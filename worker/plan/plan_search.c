@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_search.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STRIDE = 2 }; // rungs of a refinement
+
+// What is to be had of a refinement, at least, of what it costs: both as logarithms.
+static const double GAIN_MIN = 0.02;
+
+struct walk {
+    const struct plan_search *search;
+    struct {
+        struct plan_point point;
+        double error; // INFINITY: there is none
+    } seen[PLAN_MEASURE_LIMIT];
+    int seen_count;
+    bool is_stopped, is_too_dear;
+};
+
+static bool is_same(const struct walk *walk, const struct plan_point *a, const struct plan_point *b)
+{
+    return memcmp(a->rungs, b->rungs, (size_t)walk->search->axis_count * sizeof *a->rungs) == 0;
+}
+
+static double work_of(const struct walk *walk, const struct plan_point *point)
+{
+    return walk->search->work(walk->search->user, point);
+}
+
+// INFINITY for what cannot be, is too dear or is one measurement too many.
+static double error_at(struct walk *walk, const struct plan_point *point)
+{
+    const struct plan_search *search = walk->search;
+    double error = INFINITY;
+
+    if (work_of(walk, point) >= search->work_limit) {
+        walk->is_too_dear = true;
+        return INFINITY;
+    }
+    for (int i = 0; i < walk->seen_count; i++)
+        if (is_same(walk, &walk->seen[i].point, point)) return walk->seen[i].error;
+    if (walk->is_stopped || walk->seen_count == PLAN_MEASURE_LIMIT) return INFINITY;
+    switch (search->measure(search->user, point, &error)) {
+    case PLAN_MEASURED:
+        if (isnan(error)) error = INFINITY;
+        break;
+    case PLAN_CANNOT:
+        error = INFINITY;
+        break;
+    case PLAN_STOPPED:
+        walk->is_stopped = true;
+        return INFINITY;
+    }
+    walk->seen[walk->seen_count].point = *point;
+    walk->seen[walk->seen_count++].error = error;
+    return error;
+}
+
+// False when the axis has no such rung.
+static bool move(const struct walk *walk, struct plan_point *point, int axis, int by)
+{
+    int last = walk->search->last_rung[axis], rung = point->rungs[axis] + by;
+
+    if (rung > last && point->rungs[axis] < last) rung = last;
+    if (rung < 0 || rung > last) return false;
+    point->rungs[axis] = rung;
+    return true;
+}
+
+// Refines the axis that brings most for what it costs; if none brings anything, all of them.
+static bool refine(struct walk *walk, struct plan_point *point, double *error)
+{
+    struct plan_point best = *point, all = *point;
+    double best_gain = GAIN_MIN, work = work_of(walk, point);
+    bool moved = false;
+
+    for (int axis = 0; axis < walk->search->axis_count; axis++) {
+        struct plan_point next = *point;
+        double next_error, gain;
+
+        moved |= move(walk, &all, axis, STRIDE);
+        if (!move(walk, &next, axis, STRIDE)) continue;
+        next_error = error_at(walk, &next);
+        if (walk->is_stopped) return false;
+        if (isinf(next_error) || next_error >= *error) continue;
+        gain = log(*error / next_error) / fmax(log(work_of(walk, &next) / work), 1e-3);
+        if (gain <= best_gain) continue;
+        best_gain = gain;
+        best = next;
+    }
+    if (is_same(walk, &best, point)) best = all;
+    if (!moved) return false;
+    *point = best;
+    *error = error_at(walk, &best);
+    return isfinite(*error);
+}
+
+// Takes the cheapest neighbour that still keeps the target: one axis coarser, perhaps with another finer.
+static bool coarsen(struct walk *walk, struct plan_point *point, double *error)
+{
+    int count = walk->search->axis_count;
+    double cheapest = work_of(walk, point);
+    struct plan_point best = *point;
+
+    for (int by = STRIDE; by >= 1; by--) {
+        for (int axis = 0; axis < count; axis++) {
+            struct plan_point next = *point;
+
+            if (!move(walk, &next, axis, -by) || work_of(walk, &next) >= cheapest) continue;
+            if (error_at(walk, &next) > walk->search->target) continue;
+            best = next;
+            cheapest = work_of(walk, &next);
+        }
+        if (!is_same(walk, &best, point)) break;
+    }
+    for (int k = 0; k < count * count && is_same(walk, &best, point); k++) {
+        struct plan_point next = *point;
+
+        if (k / count == k % count || !move(walk, &next, k / count, -1) || !move(walk, &next, k % count, 1)) continue;
+        if (work_of(walk, &next) >= cheapest || error_at(walk, &next) > walk->search->target) continue;
+        best = next;
+    }
+    if (is_same(walk, &best, point)) return false;
+    *point = best;
+    *error = error_at(walk, &best);
+    return true;
+}
+
+struct plan_finding plan_search_run(const struct plan_search *search)
+{
+    struct walk walk = {.search = search};
+    struct plan_finding finding = {.found = PLAN_MISSED, .point = search->start};
+    struct plan_point point = search->start;
+    double error = error_at(&walk, &point);
+
+    // Where the start is out of reach, something coarser may do.
+    for (int axis = 0; isinf(error) && !walk.is_stopped && axis < 2 * search->axis_count; axis++)
+        if (move(&walk, &point, axis % search->axis_count, -STRIDE)) error = error_at(&walk, &point);
+    finding.error = error;
+    finding.point = point;
+    while (error > search->target && isfinite(error) && refine(&walk, &point, &error)) {
+        finding.point = point;
+        finding.error = error;
+    }
+    if (isfinite(error) && error <= search->target) {
+        while (!walk.is_stopped && coarsen(&walk, &point, &error))
+            ;
+        finding = (struct plan_finding){.found = PLAN_FOUND, .point = point, .error = error};
+    }
+    finding.work = work_of(&walk, &finding.point);
+    finding.measured = walk.seen_count;
+    if (finding.found != PLAN_FOUND && walk.is_too_dear) finding.found = PLAN_TOO_DEAR;
+    if (walk.is_stopped) finding.found = PLAN_GAVE_UP;
+    return finding;
+}

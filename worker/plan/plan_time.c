@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_time.h"
+
+#include "core/base/error.h"
+#include "worker/picture/image.h"
+#include "worker/plan/plan.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { PIXELS = 480 * 270, SMALLER = 2 }; // of the larger renders, at most; a side of the smaller ones is a part
+enum { FRAMES = 5 };                      // of the segment
+// Frames that take less are timed so often, and the median counts.
+enum { REPEATS = 3 };
+static const double LONG_S = 2.0;
+
+struct timing {
+    const struct plan_params *params;
+    const struct plan *plan;
+    enum renderer_fault *fault;
+    struct error *error;
+    double scale; // of the job's sides
+    bool by_processor;
+    bool keeps_grids; // from frame to frame
+    double shown;     // of the segment's frames, those that are not copies of the one before
+    double parallel;  // processor seconds a second, when least was between
+};
+
+static double clock_s(clockid_t clock)
+{
+    struct timespec now;
+
+    clock_gettime(clock, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int scaled(int size_px, double scale)
+{
+    return (int)fmax(1.0, round(scale * size_px));
+}
+
+static double pixels_at(const struct timing *timing, double scale)
+{
+    const struct job *job = timing->params->job;
+
+    return (double)scaled(job->width_px, scale) * scaled(job->height_px, scale);
+}
+
+static bool on_tile(void *user, double done)
+{
+    const struct plan_params *params = user;
+
+    (void)done;
+    return !params->on_progress || params->on_progress(params->user, 0.0);
+}
+
+static bool render(struct timing *timing, int32_t frame, double scale, struct renderer_result *result)
+{
+    struct job job = plan_apply(timing->plan, timing->params->job);
+    struct image image = {0};
+    bool ok;
+
+    *result = (struct renderer_result){.fault = RENDERER_FAULT_JOB};
+    job.width_px = scaled(job.width_px, scale);
+    job.height_px = scaled(job.height_px, scale);
+    ok = image_init(&image, job.width_px, job.height_px, job.output.has_depth, job.output.has_transmittance,
+                    timing->error) &&
+         renderer_render(timing->params->renderer, &job, frame, &image, on_tile, (void *)timing->params, result,
+                         timing->error);
+    if (!ok) *timing->fault = result->fault;
+    image_finish(&image);
+    return ok;
+}
+
+// In software what others do on the machine stretches the time, but hardly the processor's.
+static bool time_render(struct timing *timing, int32_t frame, double scale, double *seconds)
+{
+    double processor_s = clock_s(CLOCK_PROCESS_CPUTIME_ID), wall_s = clock_s(CLOCK_MONOTONIC);
+    struct renderer_result result;
+
+    if (!render(timing, frame, scale, &result)) return false;
+    processor_s = clock_s(CLOCK_PROCESS_CPUTIME_ID) - processor_s;
+    wall_s = clock_s(CLOCK_MONOTONIC) - wall_s;
+    if (wall_s > 0.0) timing->parallel = fmax(timing->parallel, processor_s / wall_s);
+    *seconds = timing->by_processor ? processor_s : result.seconds;
+    return true;
+}
+
+// What a frame takes whatever its size, pixels apart: of a frame that was just rendered its grids are there.
+struct fixed {
+    double frame_s; // each time
+    double grids_s; // once the frame is another
+};
+
+static bool find_fixed(struct timing *timing, int32_t frame, double first_s, struct fixed *fixed)
+{
+    double small = timing->scale / SMALLER, small_s, again_s, pixel_s;
+
+    if (!time_render(timing, frame, small, &small_s) || !time_render(timing, frame, timing->scale, &again_s))
+        return false;
+    pixel_s = fmax(again_s - small_s, 0.0) / (pixels_at(timing, timing->scale) - pixels_at(timing, small));
+    fixed->frame_s = fmax(again_s - pixel_s * pixels_at(timing, timing->scale), 0.0);
+    fixed->grids_s = fmax(first_s - again_s, 0.0);
+    return true;
+}
+
+// The mean over the segment by a few of its frames, what lies between them being in between, extrapolated to the job's size.
+static bool time_frames(struct timing *timing, double *seconds)
+{
+    const struct plan_segment *segment = &timing->params->segment;
+    const struct job *job = timing->params->job;
+    double ratio = (double)job->width_px * job->height_px / pixels_at(timing, timing->scale), sum = 0.0;
+    int count = segment->count < FRAMES ? (int)segment->count : FRAMES;
+    struct fixed fixed = {0};
+
+    for (int i = 0; i < count; i++) {
+        int64_t index = count > 1 ? segment->first + i * (segment->count - 1) / (count - 1) : segment->first;
+        int32_t frame = frame_range_at(&job->frames, index);
+        bool is_end = i == 0 || i == count - 1;
+        double frame_s;
+
+        if (!timing->keeps_grids) renderer_forget(timing->params->renderer);
+        if (!time_render(timing, frame, timing->scale, &frame_s)) return false;
+        if (i == 0 && ratio > 1.0 && !find_fixed(timing, frame, frame_s, &fixed)) return false;
+        sum += count > 1 ? frame_s * (is_end ? 0.5 : 1.0) / (count - 1) : frame_s;
+    }
+    *seconds = fmax(sum - fixed.frame_s - fixed.grids_s, 0.0) * ratio + fixed.frame_s + fixed.grids_s;
+    return true;
+}
+
+// Links programs, reads files, and looks what a frame has from the one before it.
+static bool begin(struct timing *timing)
+{
+    const struct plan_segment *segment = &timing->params->segment;
+    struct renderer_result result;
+
+    timing->shown = 1.0;
+    renderer_forget(timing->params->renderer);
+    if (!render(timing, frame_range_at(&timing->params->job->frames, segment->first), timing->scale, &result))
+        return false;
+    if (segment->count == 1) return true;
+    if (!render(timing, frame_range_at(&timing->params->job->frames, segment->first + 1), timing->scale, &result))
+        return false;
+    timing->keeps_grids = result.cache_fills == 0 && !result.is_copy;
+    if (result.is_copy) timing->shown = 1.0 / (double)segment->count;
+    return true;
+}
+
+static int compare(const void *a, const void *b)
+{
+    double left = *(const double *)a, right = *(const double *)b;
+
+    return left < right ? -1 : left > right;
+}
+
+bool plan_time_predict(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                       struct error *error)
+{
+    const struct job *job = params->job;
+    struct timing timing = {.params = params,
+                            .plan = plan,
+                            .fault = fault,
+                            .error = error,
+                            .scale = fmin(1.0, sqrt(PIXELS / ((double)job->width_px * job->height_px))),
+                            .by_processor = renderer_is_software(params->renderer)};
+    double seconds[REPEATS];
+    int count = 0;
+
+    if (!begin(&timing)) return false;
+    while (count < REPEATS) {
+        if (!time_frames(&timing, &seconds[count])) return false;
+        if (seconds[count++] > LONG_S) break;
+    }
+    qsort(seconds, (size_t)count, sizeof *seconds, compare);
+    plan->predicted_s = seconds[count / 2] * timing.shown * plan->dearer;
+    if (!timing.by_processor) return true;
+    plan->predicted_processor_s = plan->predicted_s;
+    if (timing.parallel > 0.0) plan->predicted_s /= timing.parallel;
+    return true;
+}

@@ -1,0 +1,15 @@
+// How long a frame of a plan takes: from frames that are rendered in two sizes.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/render/renderer.h"
+
+#include <stdbool.h>
+
+struct error;
+struct plan;
+struct plan_params;
+
+// Sets predicted_s. On failure `fault` is as the renderer's.
+bool plan_time_predict(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                       struct error *error);

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/process/encoder.h"
+
+#include "core/base/error.h"
+#include "worker/audit/audit_names.h"
+#include "worker/audit/gate.h"
+#include "worker/picture/image_exr.h"
+#include "worker/process/options.h"
+#include "worker/process/part_file.h"
+#include "worker/process/report.h"
+#include "worker/process/worker.h"
+
+#include <errno.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+static struct image_exr_header make_header(const struct worker *worker, const struct picture *picture)
+{
+    const struct assignment_frame *frame = picture->frame;
+    const struct job *job = &frame->job->job;
+    struct image_exr_header header = {
+        .pixel = job->output.pixel,
+        .compression = job->output.compression,
+        .fps_numerator = job->fps_numerator,
+        .fps_denominator = job->fps_denominator,
+        .owner = frame->job->owner,
+        .job_id = frame->job->id,
+        .job_hash = picture->hash,
+        .sequence_hash = job->hash,
+        .frame = frame->frame,
+        .attempt = frame->attempt,
+        .method = job_method_name(picture->method),
+        .step = picture->step,
+        .backend = worker->backend,
+        .renderer = worker->renderer,
+        .shader_hash = picture->shader_hash,
+        .render_seconds = picture->render_s,
+        .rays = {.is_known = picture->ray_counts.is_known,
+                 .rays_per_pixel = picture->ray_counts.rays,
+                 .cut_rays = picture->ray_counts.cut_rays,
+                 .cut_share = picture->ray_counts.cut_share,
+                 .cut_tolerance = job->quality.max_cut},
+        .audit = picture->audit,
+        .sampling_error = picture->sampling_error,
+        .plan = picture->plan,
+        .captured = (int64_t)time(NULL),
+    };
+
+    memcpy(header.world_to_camera, picture->world_to_camera, sizeof header.world_to_camera);
+    memcpy(header.world_to_ndc, picture->world_to_ndc, sizeof header.world_to_ndc);
+    return header;
+}
+
+// Leaves a whole, gated file or none.
+static bool write_part(struct worker *worker, const struct picture *picture, struct gate_result *result,
+                       enum report_fault *fault, struct error *error)
+{
+    struct image_exr_header header = make_header(worker, picture);
+    int fd = part_file_create(picture->frame, picture->folder_fd, error);
+    bool ok;
+
+    *fault = REPORT_FAULT_OUTPUT;
+    if (fd < 0) {
+        // The name is this attempt's own: a file under it is an accident that the next attempt does not meet.
+        if (errno == EEXIST) *fault = REPORT_FAULT_FRAME;
+        return false;
+    }
+    ok = image_exr_write(fd, &picture->image, &header, worker->options->encode_threads, error);
+    if (!ok && errno == 0) *fault = REPORT_FAULT_FRAME;
+    if (!ok) error_prefix(error, "cannot write the frame's file");
+    worker_advance(worker);
+    if (ok) {
+        *fault = REPORT_FAULT_FRAME;
+        ok = gate_check(&(struct gate_params){.fd = fd,
+                                              .job = &picture->frame->job->job,
+                                              .picture_hash = picture->hash,
+                                              .frame = picture->frame->frame,
+                                              .thread_count = worker->options->encode_threads},
+                        result, error);
+        if (!ok) error_prefix(error, "the file written does not verify");
+    }
+    close(fd);
+    if (!ok) part_file_remove(picture->frame, picture->folder_fd);
+    return ok;
+}
+
+// What is not worth encoding: a value that no file holds, or too much light that may be missing.
+static bool check_picture(const struct picture *picture, enum report_fault *fault, struct error *error)
+{
+    const struct job *job = &picture->frame->job->job;
+
+    *fault = REPORT_FAULT_FRAME;
+    if (!image_is_finite(&picture->image, job->output.pixel == JOB_PIXEL_HALF, error)) return false;
+    *fault = REPORT_FAULT_CUT;
+    return ray_counts_check(&picture->ray_counts, &job->quality, error);
+}
+
+static struct frame_accuracy find_accuracy(const struct picture *picture)
+{
+    struct frame_accuracy accuracy = audit_accuracy(&picture->audit, job_method_name(picture->method));
+
+    accuracy.has_cut_share = picture->ray_counts.is_known;
+    accuracy.cut_share = picture->ray_counts.cut_share;
+    return accuracy;
+}
+
+static void encode(struct worker *worker, struct picture *picture)
+{
+    struct assignment_frame *frame = picture->frame;
+    enum report_fault fault;
+    struct gate_result result;
+    struct frame_accuracy accuracy = find_accuracy(picture);
+    struct error error = {0};
+    double start_s = now_s();
+
+    if (worker_is_unwanted(worker, frame)) {
+        worker_drop_frame(worker, frame);
+        return;
+    }
+    if (!check_picture(picture, &fault, &error) || !write_part(worker, picture, &result, &fault, &error)) {
+        report_frame_failed(&worker->connection, frame, fault, error.message);
+        worker_end_frame(worker, frame);
+        return;
+    }
+    if (worker_is_unwanted(worker, frame)) {
+        part_file_remove(frame, picture->folder_fd);
+        worker_drop_frame(worker, frame);
+        return;
+    }
+    report_finished(&worker->connection, frame,
+                    &(struct report_result){.file = &result.file,
+                                            .accuracy = &accuracy,
+                                            .render_s = picture->render_s,
+                                            .encode_s = now_s() - start_s,
+                                            .audit_s = picture->audit.seconds});
+    worker_end_frame(worker, frame);
+}
+
+// NULL when none will come any more.
+static struct picture *take_picture(struct worker *worker)
+{
+    struct picture *picture;
+
+    pthread_mutex_lock(&worker->lock);
+    while (!worker->rendered && !worker->has_renderer_ended)
+        pthread_cond_wait(&worker->changed, &worker->lock);
+    picture = worker->rendered;
+    worker->rendered = NULL;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->lock);
+    return picture;
+}
+
+void *encoder_run(void *user)
+{
+    struct worker *worker = user;
+    struct picture *picture;
+
+    while ((picture = take_picture(worker))) {
+        encode(worker, picture);
+        worker_return_picture(worker, picture);
+    }
+    worker_end_thread(worker);
+    return NULL;
+}

@@ -1,0 +1,24 @@
+// The worker's command line.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/gl/gl_context.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+
+struct options {
+    int fd;           // the socket to whoever started us
+    bool has_context; // false with --backend none: explains and previews, renders nothing
+    enum gl_backend backend;
+    const char *device;     // borrowed from argv; NULL: the first that works
+    const char *shader_dir; // borrowed from argv; NULL: the shaders built in
+    int encode_threads;
+    bool has_sandbox;     // restricts itself
+    bool is_fenced;       // serves one job, which worker.fence tells of
+    int64_t memory_bytes; // that it may allocate; 0: any amount
+};
+
+bool options_parse(struct options *options, int argc, char *const argv[], struct error *error);

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/process/part_file.h"
+
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "core/job/output_path.h"
+#include "worker/audit/gate.h"
+#include "worker/process/assignment.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+int part_file_open_folder(const struct assignment_frame *frame, struct error *error)
+{
+    const struct held_job *job = frame->job;
+    int folder_fd = output_path_open_folder(&job->job.output.path, job->root, true, error);
+
+    if (folder_fd < 0) return -1;
+    // Found out now rather than after the frame is rendered.
+    if (faccessat(folder_fd, ".", W_OK | X_OK, AT_EACCESS) < 0) {
+        error_set_errno(error, errno, "cannot write to \"%s/%s\"", job->root, job->job.output.path.folder);
+        close(folder_fd);
+        return -1;
+    }
+    return folder_fd;
+}
+
+static bool is_regular(int fd)
+{
+    struct stat status;
+
+    return fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, const char *picture_hash,
+                                                int folder_fd, struct gate_result *found, struct error *error)
+{
+    const struct job *job = &frame->job->job;
+    enum part_file_existing existing = PART_FILE_RENDER;
+    char name[OUTPUT_NAME_SIZE];
+    struct error reason = {0};
+    struct stat status;
+    int fd;
+
+    output_path_format_name(&job->output.path, frame->frame, name);
+    if (job->output.existing == JOB_EXISTING_OVERWRITE || fstatat(folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) < 0)
+        return PART_FILE_RENDER;
+    if (job->output.existing == JOB_EXISTING_FAIL) {
+        error_set(error, "%s exists, and the job's output.existing is \"fail\"", name);
+        return PART_FILE_REFUSE;
+    }
+    fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0 || !is_regular(fd))
+        log_info("%s is no file of ours: rendered again", name);
+    else if (gate_check(
+                 &(struct gate_params){.fd = fd, .job = job, .picture_hash = picture_hash, .frame = frame->frame},
+                 found, &reason))
+        existing = PART_FILE_SKIP;
+    else
+        log_info("%s is rendered again: %s", name, reason.message);
+    if (fd >= 0) close(fd);
+    return existing;
+}
+
+static void format_name(const struct assignment_frame *frame, char name[static OUTPUT_NAME_SIZE])
+{
+    output_path_format_part(&frame->job->job.output.path, frame->frame, frame->job->id, frame->job->epoch,
+                            frame->attempt, name);
+}
+
+int part_file_create(const struct assignment_frame *frame, int folder_fd, struct error *error)
+{
+    char name[OUTPUT_NAME_SIZE];
+    int fd, errnum;
+
+    format_name(frame, name);
+    fd = openat(folder_fd, name, O_CREAT | O_EXCL | O_NOFOLLOW | O_RDWR | O_CLOEXEC, 0644);
+    if (fd >= 0) return fd;
+    errnum = errno;
+    error_set_errno(error, errnum, "%s", name);
+    errno = errnum;
+    return -1;
+}
+
+void part_file_remove(const struct assignment_frame *frame, int folder_fd)
+{
+    char name[OUTPUT_NAME_SIZE];
+
+    format_name(frame, name);
+    if (unlinkat(folder_fd, name, 0) < 0) log_warn("%s: %s", name, strerrordesc_np(errno));
+}

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/process/render_loop.h"
+
+#include "core/base/error.h"
+#include "worker/answer/request.h"
+#include "worker/audit/audit_names.h"
+#include "worker/audit/gate.h"
+#include "worker/gl/gl_context.h"
+#include "worker/plan/tolerance.h"
+#include "worker/process/options.h"
+#include "worker/process/part_file.h"
+#include "worker/process/report.h"
+#include "worker/process/worker.h"
+#include "worker/render/renderer.h"
+#include "worker/sandbox/sandbox.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct render_loop {
+    struct worker *worker;
+    struct gl_context *context;     // NULL with --backend none
+    struct renderer *renderer;      // likewise
+    struct tolerance *tolerance;    // likewise
+    struct assignment_frame *frame; // being rendered
+    // The frame whose files are being read ahead; its job -1: none.
+    int64_t expected_job;
+    int32_t expected_frame;
+};
+
+// Has the files of the frame that comes next read while this one is rendered. It may be dropped at any time: only under the
+// lock is it there.
+static void expect_next(struct render_loop *loop)
+{
+    struct worker *worker = loop->worker;
+    const struct assignment_frame *next;
+
+    pthread_mutex_lock(&worker->lock);
+    next = assignment_find_waiting(&worker->assignment);
+    if (next && !next->job->fault && loop->renderer &&
+        (next->job->id != loop->expected_job || next->frame != loop->expected_frame)) {
+        loop->expected_job = next->job->id;
+        loop->expected_frame = next->frame;
+        renderer_expect(loop->renderer, &next->job->job, next->frame);
+    }
+    pthread_mutex_unlock(&worker->lock);
+}
+
+static bool on_progress(void *user, double done)
+{
+    struct render_loop *loop = user;
+
+    worker_advance(loop->worker);
+    expect_next(loop);
+    return !worker_is_unwanted(loop->worker, loop->frame);
+}
+
+static void on_plan(void *user, bool is_made)
+{
+    struct render_loop *loop = user;
+
+    (is_made ? report_planned : report_planning)(&loop->worker->connection, loop->frame);
+}
+
+// A worker that is fenced is so since before it had threads.
+static bool close_sandbox(struct worker *worker)
+{
+    struct error error = {0};
+
+    if (!worker->options->has_sandbox || worker->options->is_fenced || sandbox_enter(worker->sandbox, &error))
+        return true;
+    report_unable(&worker->connection, "worker", error.message);
+    return false;
+}
+
+static bool make_renderer(struct render_loop *loop)
+{
+    struct worker *worker = loop->worker;
+    const struct options *options = worker->options;
+    const struct gl_context_facts *facts;
+    struct error error = {0};
+
+    if (!options->has_context) {
+        if (!close_sandbox(worker)) return false;
+        report_ready(&worker->connection, NULL, worker->sandbox);
+        worker_set_ready(worker);
+        return true;
+    }
+    loop->context = gl_context_create(options->backend, options->device, &error);
+    if (!loop->context) {
+        error_prefix(&error, "no GL context");
+        report_unable(&worker->connection, "worker", error.message);
+        return false;
+    }
+    if (!close_sandbox(worker)) return false;
+    loop->renderer = renderer_create(loop->context, options->shader_dir);
+    loop->tolerance = tolerance_create(loop->renderer);
+    facts = gl_context_facts(loop->context);
+    snprintf(worker->backend, sizeof worker->backend, "%s", facts->backend);
+    snprintf(worker->renderer, sizeof worker->renderer, "%s", facts->renderer);
+    report_ready(&worker->connection, facts, worker->sandbox);
+    worker_set_ready(worker);
+    return true;
+}
+
+static enum report_fault fault_of(enum renderer_fault fault)
+{
+    switch (fault) {
+    case RENDERER_FAULT_JOB:
+        return REPORT_FAULT_JOB;
+    case RENDERER_FAULT_ENDLESS:
+    case RENDERER_FAULT_MAJORANT:
+        return REPORT_FAULT_ENDLESS;
+    case RENDERER_FAULT_CONTEXT:
+        return REPORT_FAULT_WORKER;
+    case RENDERER_FAULT_MISSED:
+        return REPORT_FAULT_MISSED;
+    default:
+        return REPORT_FAULT_FRAME;
+    }
+}
+
+static void fail_frame(struct render_loop *loop, enum report_fault fault, const char *reason)
+{
+    report_frame_failed(&loop->worker->connection, loop->frame, fault, reason);
+    worker_end_frame(loop->worker, loop->frame);
+}
+
+// The encoder has taken the picture before: no frame is begun while one waits.
+static void hand_over(struct render_loop *loop, struct picture *picture)
+{
+    struct worker *worker = loop->worker;
+
+    report_rendered(&worker->connection, loop->frame);
+    pthread_mutex_lock(&worker->lock);
+    worker->rendered = picture;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->lock);
+}
+
+static void fill_picture(struct picture *picture, const struct tolerance_result *result)
+{
+    const struct renderer_result *render = &result->render;
+
+    picture->render_s = render->seconds;
+    memcpy(picture->world_to_camera, render->world_to_camera, sizeof picture->world_to_camera);
+    memcpy(picture->world_to_ndc, render->world_to_ndc, sizeof picture->world_to_ndc);
+    snprintf(picture->shader_hash, sizeof picture->shader_hash, "%s", render->shader_hash ? render->shader_hash : "");
+    memcpy(picture->hash, render->picture_hash, sizeof picture->hash);
+    picture->method = result->quality.method;
+    picture->step = render->step;
+    picture->ray_counts = render->ray_counts;
+    picture->audit = result->audit;
+    picture->sampling_error = result->audit.sampling_error;
+    memcpy(picture->plan, result->reason, sizeof picture->plan);
+}
+
+// Takes over `folder_fd`.
+static void render_picture(struct render_loop *loop, int folder_fd, struct picture *picture)
+{
+    const struct tolerance_params params = {.job = &loop->frame->job->job,
+                                            .serial = loop->frame->job->serial,
+                                            .frame = loop->frame->frame,
+                                            .image = &picture->image,
+                                            .on_progress = on_progress,
+                                            .on_plan = on_plan,
+                                            .user = loop};
+    struct tolerance_result result;
+    struct error error = {0};
+    enum renderer_fault fault;
+
+    picture->folder_fd = folder_fd;
+    if (tolerance_render(loop->tolerance, &params, &result, &error)) {
+        fill_picture(picture, &result);
+        hand_over(loop, picture);
+        return;
+    }
+    fault = result.render.fault;
+    picture_destroy(picture);
+    if (fault == RENDERER_FAULT_STOPPED) {
+        worker_drop_frame(loop->worker, loop->frame);
+        return;
+    }
+    fail_frame(loop, fault_of(fault), error.message);
+    if (fault == RENDERER_FAULT_CONTEXT) worker_exit(loop->worker, 1);
+}
+
+// The file's own header says how exact it is.
+static void tell_skipped(struct render_loop *loop, const struct gate_result *found)
+{
+    struct frame_accuracy accuracy = audit_accuracy(&found->facts.audit, found->facts.method);
+
+    accuracy.has_cut_share = found->facts.rays.is_known;
+    accuracy.cut_share = found->facts.rays.cut_share;
+    report_skipped(&loop->worker->connection, loop->frame,
+                   &(struct report_result){.file = &found->file, .accuracy = &accuracy});
+}
+
+static void render_frame(struct render_loop *loop)
+{
+    struct connection *connection = &loop->worker->connection;
+    const struct held_job *job = loop->frame->job;
+    char picture_hash[HASH_TEXT_SIZE];
+    enum renderer_fault fault;
+    struct gate_result found;
+    struct error error = {0};
+    struct picture *picture;
+    int folder_fd;
+
+    report_started(connection, loop->frame);
+    if (job->fault) {
+        fail_frame(loop, REPORT_FAULT_JOB, job->fault);
+        return;
+    }
+    if (!loop->renderer) {
+        fail_frame(loop, REPORT_FAULT_WORKER, "the worker has no GL context: it was started with --backend none");
+        return;
+    }
+    if (!renderer_hash_picture(loop->renderer, &job->job, loop->frame->frame, picture_hash, &fault, &error)) {
+        fail_frame(loop, fault_of(fault), error.message);
+        return;
+    }
+    folder_fd = part_file_open_folder(loop->frame, &error);
+    if (folder_fd < 0) {
+        fail_frame(loop, REPORT_FAULT_OUTPUT, error.message);
+        return;
+    }
+    switch (part_file_find_existing(loop->frame, picture_hash, folder_fd, &found, &error)) {
+    case PART_FILE_SKIP:
+        tell_skipped(loop, &found);
+        worker_end_frame(loop->worker, loop->frame);
+        break;
+    case PART_FILE_REFUSE:
+        fail_frame(loop, REPORT_FAULT_FRAME, error.message);
+        break;
+    case PART_FILE_RENDER:
+        picture = worker_make_picture(loop->worker, loop->frame, &error);
+        if (picture) {
+            render_picture(loop, folder_fd, picture);
+            return;
+        }
+        fail_frame(loop, REPORT_FAULT_FRAME, error.message);
+    }
+    close(folder_fd);
+}
+
+// True with something to do: a request, else a frame.
+static bool wait_for_work(struct render_loop *loop, struct request **request)
+{
+    struct worker *worker = loop->worker;
+
+    *request = NULL;
+    loop->frame = NULL;
+    pthread_mutex_lock(&worker->lock);
+    while (!worker->is_abandoned) {
+        if (worker->requests) {
+            *request = worker->requests;
+            worker->requests = (*request)->next;
+            break;
+        }
+        if (worker->is_exiting) break;
+        if (!worker->rendered) loop->frame = assignment_start_frame(&worker->assignment);
+        if (loop->frame) break;
+        pthread_cond_wait(&worker->changed, &worker->lock);
+    }
+    pthread_mutex_unlock(&worker->lock);
+    return *request || loop->frame;
+}
+
+static bool is_answer_wanted(void *user)
+{
+    struct worker *worker = user;
+    bool is_wanted;
+
+    worker_advance(worker);
+    pthread_mutex_lock(&worker->lock);
+    is_wanted = !worker->is_abandoned;
+    pthread_mutex_unlock(&worker->lock);
+    return is_wanted;
+}
+
+static void work(struct render_loop *loop)
+{
+    struct worker *worker = loop->worker;
+    const struct request_tools tools = {.shader_dir = worker->options->shader_dir,
+                                        .context = loop->context,
+                                        .renderer = loop->renderer,
+                                        .is_wanted = is_answer_wanted,
+                                        .user = worker};
+    struct request *request;
+
+    while (wait_for_work(loop, &request)) {
+        if (!request) {
+            render_frame(loop);
+            continue;
+        }
+        request_answer(request, &tools, &worker->connection);
+        request_destroy(request);
+        worker_advance(worker);
+    }
+}
+
+void *render_loop_run(void *user)
+{
+    struct render_loop loop = {.worker = user, .expected_job = -1};
+    struct worker *worker = user;
+
+    if (make_renderer(&loop))
+        work(&loop);
+    else
+        worker_exit(worker, 1);
+    tolerance_destroy(loop.tolerance);
+    if (loop.renderer) renderer_destroy(loop.renderer);
+    if (loop.context) gl_context_destroy(loop.context);
+    pthread_mutex_lock(&worker->lock);
+    worker->has_renderer_ended = true;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->lock);
+    worker_end_thread(worker);
+    return NULL;
+}

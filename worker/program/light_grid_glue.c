@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/program/light_grid_glue.h"
+
+#include "core/base/error.h"
+#include "core/base/hash.h"
+#include "core/job/job.h"
+#include "worker/density/density_kind.h"
+#include "worker/glsl/scene_cache.h"
+#include "worker/model/light_grid.h"
+#include "worker/model/scene_values.h"
+#include "worker/program/scene_glue_media.h"
+#include "worker/program/scene_program.h"
+
+#include <string.h>
+
+static const char channels[] = "xyzw";
+
+const char *light_grid_glue_module(const struct light_grid *grid)
+{
+    return grid->kind == LIGHT_GRID_BEAM ? "light_grid/beam.glsl" : "light_grid/round.glsl";
+}
+
+// The expression of the grid's struct.
+static void write_grid(FILE *out, const struct light_grid *grid)
+{
+    size_t i = grid->light;
+
+    if (grid->kind == LIGHT_GRID_BEAM)
+        fprintf(out,
+                "LightGridBeam(light_%zu_grid_center, light_%zu_grid_from_unit, light_%zu_grid_to_unit, "
+                "light_%zu_grid_origin, light_%zu_grid_taper)",
+                i, i, i, i, i);
+    else
+        fprintf(out, "LightGridRound(light_%zu_position, light_%zu_grid_near, light_%zu_grid_reach)", i, i, i);
+}
+
+void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid)
+{
+    size_t i = grid->light;
+
+    fprintf(out, "layout(binding = %u) uniform sampler3D light_%zu_columns;\n", light_grid_unit(grid), i);
+    fprintf(out, "MediaColumn light_%zu_column(vec3 point, LightSample light)\n{\n    vec3 at = light_grid_", i);
+    fputs(grid->kind == LIGHT_GRID_BEAM ? "beam_at(" : "round_at(", out);
+    write_grid(out, grid);
+    fputs(grid->kind == LIGHT_GRID_BEAM ? ", point);\n" : ", light.direction, light.distance);\n", out);
+    fprintf(out,
+            "    vec4 marched = transmittance_cached(light_%zu_columns, at);\n"
+            "    MediaColumn column = media_column_begin(media_spans(point, light.direction), light.distance);\n",
+            i);
+    for (size_t k = 0; k < grid->medium_count; ++k)
+        fprintf(out, "    column.medium_%zu = marched.%c;\n", grid->media[k], channels[k]);
+    fputs("    return column;\n}\n", out);
+}
+
+// Media that are marched alone: nothing else is in the grid.
+static struct scene_features features_of(const struct light_grid *grid, const struct job *job,
+                                         const struct scene_features *picture)
+{
+    struct scene_features features = {
+        .medium_count = picture->medium_count, .has_media = true, .has_extinction = true, .marches_to_lights = true};
+
+    for (size_t k = 0; k < grid->medium_count; ++k) {
+        size_t i = grid->media[k];
+
+        features.media[i] = picture->media[i];
+        features.takes_time |= density_kind_of(&job->scene.media[i].density)->takes_time;
+    }
+    return features;
+}
+
+static void write_store(FILE *out, const struct light_grid *grid)
+{
+    fputs("void light_grid_store(ivec3 at, MediaColumn column)\n{\n    imageStore(cache_image, at, vec4(", out);
+    for (size_t k = 0; k < JOB_CACHED_MEDIUM_LIMIT; ++k) {
+        fputs(k > 0 ? ", " : "", out);
+        if (k < grid->medium_count)
+            fprintf(out, "column.medium_%zu", grid->media[k]);
+        else
+            fputs("0.0", out);
+    }
+    fprintf(out, "));\n}\nvoid light_grid_cut(inout MediaColumn column)\n{\n    column.medium_%zu = -1e6;\n}\n",
+            grid->media[0]);
+}
+
+static void write_main(FILE *out, const struct light_grid *grid, const struct scene_cache *cache)
+{
+    fputs("void main()\n{\n", out);
+    if (cache->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
+    fputs("    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
+          "    int cells = imageSize(cache_image).z - 1;\n"
+          "    LightGridRay ray = light_grid_",
+          out);
+    fputs(grid->kind == LIGHT_GRID_BEAM ? "beam_ray(" : "round_ray(", out);
+    write_grid(out, grid);
+    fputs(", vec2(at.xy) / float(cells));\n    light_grid_march(ray, at.xy, cells);\n}\n", out);
+}
+
+static bool assemble(struct scene_cache *cache, const struct light_grid *grid, const struct scene_program *program,
+                     const char *shader_dir, struct error *error)
+{
+    struct scene_program marched = {.features = features_of(grid, grid->job, &program->features),
+                                    .inputs = program->inputs};
+    struct shader_assembly text;
+
+    if (!shader_assembly_begin(&text, shader_dir, error)) return false;
+    scene_cache_begin(cache, text.out);
+    shader_assembly_add(&text, "math/constants.glsl");
+    shader_assembly_generate(&text);
+    frame_uniforms_declare(&cache->uniforms, text.out);
+    shader_assembly_add(&text, "math/march.glsl");
+    shader_assembly_add(&text, "region/span.glsl");
+    for (size_t k = 0; k < grid->medium_count; ++k)
+        shader_assembly_add_density(&text, &(struct density_site){.job = grid->job,
+                                                                  .medium = grid->media[k],
+                                                                  .source = &grid->job->scene.media[grid->media[k]],
+                                                                  .inputs = program->inputs});
+    shader_assembly_generate(&text);
+    scene_glue_write_columns(text.out, grid->job, &marched);
+    write_store(text.out, grid);
+    shader_assembly_add(&text, "light_grid/ray.glsl");
+    shader_assembly_add(&text, light_grid_glue_module(grid));
+    shader_assembly_add(&text, "light_grid/march.glsl");
+    shader_assembly_generate(&text);
+    write_main(text.out, grid, cache);
+    memcpy(cache->module_names, text.module_names, sizeof cache->module_names);
+    cache->module_count = text.module_count;
+    cache->text = shader_assembly_end(&text);
+    return cache->text != NULL;
+}
+
+// Both textures are alike; the one that is kept takes the unit over when it is there.
+static struct scene_cache cache_of(const struct light_grid *grid)
+{
+    int nodes = grid->cells + 1;
+
+    return (struct scene_cache){.unit = light_grid_unit(grid),
+                                .format = grid->medium_count == 1   ? SCENE_CACHE_R32F
+                                          : grid->medium_count == 2 ? SCENE_CACHE_RG32F
+                                                                    : SCENE_CACHE_RGBA32F,
+                                .size = {nodes, nodes, nodes},
+                                .invocations = {nodes, nodes, 1}};
+}
+
+static bool make_columns(struct scene_cache *cache, const struct light_grid *grid, const struct scene_program *program,
+                         const char *shader_dir, struct error *error)
+{
+    struct scene_features features = features_of(grid, grid->job, &program->features);
+
+    *cache = cache_of(grid);
+    cache->is_step = true;
+    snprintf(cache->name, sizeof cache->name, "light_%zu_marched", grid->light);
+    for (size_t k = 0; k < grid->medium_count; ++k)
+        cache->reads_files |= grid->job->scene.media[grid->media[k]].density.kind == SCENE_DENSITY_GRID;
+    scene_values_add_places(&cache->uniforms, grid->job, program->inputs, &features);
+    if (grid->kind == LIGHT_GRID_ROUND) scene_values_add_position(&cache->uniforms, grid->job, grid->light);
+    light_grid_add_values(&cache->uniforms, grid);
+    if (!assemble(cache, grid, program, shader_dir, error)) {
+        scene_cache_finish(cache);
+        return false;
+    }
+    hash_bytes(cache->text, strlen(cache->text), cache->hash);
+    return true;
+}
+
+static bool make_kept(struct scene_cache *cache, const struct light_grid *grid, const char *shader_dir,
+                      struct error *error)
+{
+    struct shader_assembly text;
+
+    *cache = cache_of(grid);
+    cache->invocations[2] = cache->size[2];
+    snprintf(cache->name, sizeof cache->name, "light_%zu_columns", grid->light);
+    if (!shader_assembly_begin(&text, shader_dir, error)) return false;
+    scene_cache_begin(cache, text.out);
+    shader_assembly_add(&text, "light_grid/keep.glsl");
+    shader_assembly_generate(&text);
+    fprintf(text.out,
+            "layout(binding = %u) uniform sampler3D columns;\nvoid main()\n{\n"
+            "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
+            "    imageStore(cache_image, at, light_grid_keep(columns, at));\n}\n",
+            cache->unit);
+    memcpy(cache->module_names, text.module_names, sizeof cache->module_names);
+    cache->module_count = text.module_count;
+    cache->text = shader_assembly_end(&text);
+    if (!cache->text) return false;
+    hash_bytes(cache->text, strlen(cache->text), cache->hash);
+    return true;
+}
+
+bool light_grid_glue_add_caches(struct scene_cache *caches, size_t *count, const struct light_grid *grid,
+                                const struct scene_program *program, const char *shader_dir, struct error *error)
+{
+    if (!make_columns(&caches[*count], grid, program, shader_dir, error)) return false;
+    caches[*count].reads = grid->densities;
+    *count += 1;
+    if (!make_kept(&caches[*count], grid, shader_dir, error)) return false;
+    caches[*count].reads = (uint64_t)1 << (*count - 1);
+    *count += 1;
+    return true;
+}

@@ -1,0 +1,454 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/program/scene_glue_gather.h"
+
+#include "core/job/job.h"
+#include "worker/glsl/gauss_legendre.h"
+#include "worker/program/scene_glue_media.h"
+#include "worker/program/scene_glue_steps.h"
+#include "worker/program/scene_glue_tracking.h"
+#include "worker/program/scene_program.h"
+
+static void write_gathered(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    bool has_objects = features->has_objects;
+
+    fputs("// What a ray has met so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
+    if (features->has_throughput) fputs("    Spectrum transmittance;\n", out);
+    if (features->has_extinction && features->has_depth)
+        fputs("    float depth; // distance, 0 for none yet, below it none is looked for\n", out);
+    if (has_objects) fputs("    float least; // the ray is over when less is left of it\n", out);
+    if (has_objects && features->media_are_lit) fputs("    int region; // in which it is\n", out);
+    fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
+    if (!features->has_throughput)
+        fputs("    return false;\n}\n", out);
+    else if (features->is_tracked) // an estimate may be negative
+        fputs("    return spectrum_max(abs(gathered.transmittance)) <= 0.0;\n}\n", out);
+    else if (has_objects && job->quality.min_transmittance > 0)
+        fputs("    return spectrum_max(gathered.transmittance) < gathered.least;\n}\n", out);
+    else if (job->quality.min_transmittance > 0)
+        fputs("    return spectrum_max(gathered.transmittance) < quality_min_transmittance;\n}\n", out);
+    else
+        fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
+}
+
+static void write_column(FILE *out, const struct job *job, const struct scene_program *program, const char *spans,
+                         const char *distance)
+{
+    if (!program->features.marches_to_lights) {
+        fprintf(out, "transmittance_closed(%s, %s)", spans, distance);
+        return;
+    }
+    if (job->quality.method == JOB_METHOD_RIEMANN)
+        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d)", job->quality.light_steps);
+    else if (program->features.is_jittered)
+        fputs("transmittance_jittered(TransmittanceJittered(quality_light_step)", out);
+    else if (program->features.is_adaptive)
+        fputs("transmittance_adaptive(TransmittanceAdaptive(quality_light_step, quality_depth_step)", out);
+    else if (program->features.is_gauss)
+        fputs("transmittance_gauss(TransmittanceGauss(quality_light_step)", out);
+    else
+        fputs("transmittance_midpoint(TransmittanceMidpoint(quality_light_step)", out);
+    fprintf(out, ", %s, point, light.direction, %s)", spans, distance);
+}
+
+void scene_glue_write_transmittance(FILE *out, const struct job *job, const struct scene_program *program,
+                                    const char *spans, const char *distance)
+{
+    bool takes_steps = program->features.estimates_columns && !program->features.has_majorants;
+
+    if (program->features.is_tracked) {
+        fprintf(out, "media_left(%s, point, light.direction, vec2(0.0, %s), %s)", spans, distance,
+                takes_steps ? "quality_light_step" : "0.0");
+        return;
+    }
+    fputs("media_transmittance(", out);
+    write_column(out, job, program, spans, distance);
+    fputs(")", out);
+}
+
+// The expression of what is left of a light at `place`, in the segment's region.
+static void write_shadow(FILE *out, const struct scene_program *program, const char *place)
+{
+    fprintf(out, "shadow(%s, light, ", place);
+    if (program->features.has_dielectrics)
+        fputs("surface_set(gathered.region), 0u)", out);
+    else
+        fputs("0u, 0u)", out);
+}
+
+// The scattering coefficient times the phase function, summed over media.
+static void write_scattered(FILE *out, const char *indent, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const char *separator = "";
+
+    fprintf(out, "%s// Both directions of travel are reversed here, which leaves the angle between them as it is.\n",
+            indent);
+    fprintf(out, "%sSpectrum scattered = ", indent);
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!features->media[i].scatters) continue;
+        fprintf(out, "%smedium_%zu_sigma_s * (density_%zu * medium_%zu_phase(light.direction, direction))", separator,
+                i, i, i);
+        separator = " + ";
+    }
+    fputs(";\n", out);
+}
+
+// The sample of light `i`, of the whole segment where the light has a peak in it. Nodes of a Gauss rule follow 1 / r^2 by
+// themselves but where segments cannot be shortened further.
+static void write_sample(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    const struct scene_features *features = &program->features;
+
+    if (features->has_peaks && scene_light_is_inverse_square(&job->scene.lights[i]))
+        fprintf(out,
+                "light_point_segment(LightPoint(light_%zu_intensity, light_%zu_position), point, direction, length, "
+                "%s, %s);\n",
+                i, i, features->is_gauss || features->is_jittered ? "place" : "0.5 * length",
+                features->is_gauss ? "0.25" : "0.99 * LIGHT_POINT_REACH");
+    else
+        fprintf(out, "light_%zu(point);\n", i);
+}
+
+// Each light's columns are looked up in a grid of its own.
+static void write_cached_scattering(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    for (size_t i = 0; i < job->scene.light_count; ++i) {
+        if (!program->features.light_is_seen[i]) continue;
+        fputs("    {\n", out);
+        fputs("        LightSample light = ", out);
+        write_sample(out, job, program, i);
+        write_scattered(out, "        ", program);
+        fprintf(out,
+                "        source += scattered * light.irradiance * media_transmittance(light_%zu_column(point, "
+                "light));\n    }\n",
+                i);
+    }
+}
+
+// Several lights take turns, so that the march to them is compiled once: drivers copy functions to where they are called.
+static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    size_t count = scene_features_count_lights(features), turn = 0;
+
+    if (count > 1)
+        fprintf(out, "    for (int turn = 0; turn < %zu; ++turn) {\n        LightSample light;\n", count);
+    else
+        fputs("    {\n", out);
+    for (size_t i = 0; i < job->scene.light_count; ++i) {
+        if (!features->light_is_seen[i]) continue;
+        if (count > 1)
+            fprintf(out, "        if (turn == %zu) light = ", turn++);
+        else
+            fputs("        LightSample light = ", out);
+        write_sample(out, job, program, i);
+    }
+    write_scattered(out, "        ", program);
+    if (features->has_objects) {
+        fputs("        source += scattered * light.irradiance * ", out);
+        write_shadow(out, program, "point");
+        fputs(";\n    }\n", out);
+        return;
+    }
+    fputs("        source += scattered * light.irradiance * ", out);
+    scene_glue_write_transmittance(out, job, program, "media_spans(point, light.direction)", "light.distance");
+    fputs(";\n    }\n", out);
+}
+
+// Light along the whole segment from points placed for this light. Where little of it is left we look no further.
+static void write_placed_scattering(FILE *out, const struct scene_light *light, const struct scene_program *program,
+                                    size_t i)
+{
+    bool is_by_angle = scene_light_is_inverse_square(light);
+
+    fputs("    {\n", out);
+    if (is_by_angle)
+        fprintf(out,
+                "        PlacementAngle way = placement_angle(light_%zu_position - start, direction, seen, "
+                "spectrum_min(sigma_t));\n",
+                i);
+    else
+        fputs("        PlacementTransmittance way = PlacementTransmittance(spectrum_min(sigma_t) * seen, seen);\n",
+              out);
+    fputs("        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < count; ++i) {\n", out);
+    fprintf(out, "            Placed placed = placement_%s_at(way, placed_share(i));\n",
+            is_by_angle ? "angle" : "transmittance");
+    fprintf(out,
+            "            vec3 place = start + placed.at * direction;\n"
+            "            LightSample light = light_%zu(place);\n",
+            i);
+    write_scattered(out, "            ", program);
+    if (program->features.has_objects) {
+        fputs("            Spectrum left = ", out);
+        write_shadow(out, program, "place");
+    } else {
+        fputs("            MediaColumn column = transmittance_closed(media_spans(place, light.direction), "
+              "light.distance);\n            Spectrum left = media_transmittance(column)",
+              out);
+    }
+    fputs(" * exp(-sigma_t * placed.at);\n"
+          "            sum += scattered * left * (placed_weight(i) * placed.weight);\n        }\n",
+          out);
+    fprintf(out, "        gathered.radiance += passed * light_%zu_intensity * sum;\n    }\n", i);
+}
+
+// What the points of all lights are placed in: the whole stretch, or each piece of it.
+static void begin_placed(FILE *out, const struct scene_features *features)
+{
+    // Of what is farther than this optical depth, 2e-9 is left.
+    fputs("    float seen = min(length, 20.0 / max(spectrum_min(sigma_t), 1e-30));\n", out);
+    if (!features->extinction_is_rgb) {
+        fputs("    vec3 start = point;\n    Spectrum passed = gathered.transmittance;\n", out);
+        return;
+    }
+    fputs("    vec3 ends = placement_cut(sigma_t, seen);\n    float begin = 0.0;\n"
+          "    for (int piece = 0; piece < 3; begin = ends[piece], ++piece) {\n"
+          "        seen = ends[piece] - begin;\n        if (count == 0 || seen <= 0.0) continue;\n"
+          "        vec3 start = point + begin * direction;\n"
+          "        Spectrum passed = gathered.transmittance * exp(-sigma_t * begin);\n",
+          out);
+}
+
+static void write_all_placed(FILE *out, const struct scene *scene, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const char *separator = "";
+
+    // Between media, and in what only absorbs, there is nothing to look for.
+    fputs("    int count = ", out);
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!features->media[i].scatters) continue;
+        fprintf(out, "%sdensity_%zu", separator, i);
+        separator = " + ";
+    }
+    fputs(" > 0.0 ? PLACED_COUNT : 0;\n", out);
+    begin_placed(out, features);
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (features->light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], program, i);
+    if (features->extinction_is_rgb) fputs("    }\n", out);
+}
+
+static void write_sigma_t(FILE *out, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const char *separator = "";
+
+    fputs("    Spectrum sigma_t = ", out);
+    for (size_t i = 0; i < features->medium_count; ++i) {
+        if (!medium_features_have_column(&features->media[i])) continue;
+        fprintf(out, "%smedium_%zu_sigma_t * density_%zu", separator, i, i);
+        separator = " + ";
+    }
+    fputs(";\n", out);
+}
+
+static void write_left(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    if (features->has_roulette)
+        fprintf(out, "    gathered.transmittance = integrator_roulette(IntegratorRoulette(%.9e, %.9e), after);\n",
+                job->quality.roulette_below, job->quality.roulette_survive);
+    else
+        fputs("    gathered.transmittance = after;\n", out);
+}
+
+// A segment of `length` leaves `after` of what came to it.
+static void write_passed(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    if (features->has_depth)
+        fprintf(out,
+                "    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5%s)\n"
+                "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
+                features->has_roulette || features->has_paths ? " && gathered.depth == 0.0" : "");
+    write_left(out, job, features);
+}
+
+static void write_extinction(FILE *out, const struct job *job, const struct scene_features *features, bool has_source)
+{
+    bool is_riemann = job->quality.method == JOB_METHOD_RIEMANN;
+
+    if (!is_riemann) fputs("    Segment part = segment(sigma_t * length);\n", out);
+    if (has_source)
+        fprintf(out, "    gathered.radiance += gathered.transmittance * source * %slength;\n",
+                is_riemann ? "" : "part.escape * ");
+    fprintf(out, "    Spectrum after = gathered.transmittance * %s;\n",
+            is_riemann ? "exp(-sigma_t * length)" : "part.transmittance");
+    write_passed(out, job, features);
+}
+
+static void write_source(FILE *out, const struct medium_features *medium, size_t i)
+{
+    if (medium->emits) fprintf(out, "    source += medium_%zu_emission * density_%zu;\n", i, i);
+    if (medium->has_color) fprintf(out, "    source += medium_%zu_color(field.medium_%zu) * density_%zu;\n", i, i, i);
+    if (medium->glows) fprintf(out, "    source += medium_%zu_glow(point) * density_%zu;\n", i, i);
+}
+
+static void write_sources(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const struct scene *scene = &job->scene;
+
+    fputs("    Spectrum source = spectrum(0.0);\n", out);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        write_source(out, &features->media[i], i);
+    if (!features->media_are_lit || features->places_points) return;
+    if (features->has_light_grids)
+        write_cached_scattering(out, job, program);
+    else
+        write_scattering(out, job, program);
+}
+
+static void write_densities(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        if (program->features.media[i].is_seen) {
+            fprintf(out, "    float density_%zu = ", i);
+            scene_glue_write_density(out, job, program, i);
+            fputs(";\n", out);
+        }
+}
+
+// What a node of a segment has, per metre.
+static void write_gather_node(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+
+    fputs("void gather_node(Gathered gathered, MediaField field, vec3 point, vec3 direction, float length, float "
+          "place, out Spectrum extinction, out Spectrum light_source)\n{\n"
+          "    extinction = spectrum(0.0);\n    light_source = spectrum(0.0);\n"
+          "    if (field.distance >= 0.0) return;\n",
+          out);
+    write_densities(out, job, program);
+    if (features->has_emission || features->media_are_lit) {
+        write_sources(out, job, program);
+        fputs("    light_source = source;\n", out);
+    }
+    if (features->has_extinction) {
+        write_sigma_t(out, program);
+        fputs("    extinction = sigma_t;\n", out);
+    }
+    fputs("}\n", out);
+}
+
+// Adds a segment that sends `light` forward.
+static void write_gather_segment(FILE *out, const struct job *job, const struct scene_features *features)
+{
+    fprintf(out,
+            "void gather_segment(inout Gathered gathered, Spectrum light, Spectrum optical_depth, float at, float "
+            "length)\n{\n    gathered.radiance += %slight;\n",
+            features->has_throughput ? "gathered.transmittance * " : "");
+    if (features->has_extinction) {
+        fputs("    Spectrum after = gathered.transmittance * segment(optical_depth).transmittance;\n", out);
+        if (features->has_depth) fputs("    Spectrum sigma_t = optical_depth / length;\n", out);
+        write_passed(out, job, features);
+    }
+    fputs("}\n", out);
+}
+
+// Light of a place, times what is left of it and the length that it stands for; and what is left behind it.
+static void write_tracked(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    bool has_source = features->has_emission || features->media_are_lit;
+
+    fputs("void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, Spectrum weight)\n{\n",
+          out);
+    if (has_source) {
+        write_densities(out, job, program);
+        write_sources(out, job, program);
+        fputs("    gathered.radiance += weight * source;\n", out);
+    }
+    fprintf(out, "}\nSpectrum gathered_left(Gathered gathered)\n{\n    return %s;\n}\n",
+            features->has_throughput ? "gathered.transmittance" : "spectrum(1.0)");
+    fputs("void gathered_pass(inout Gathered gathered, Spectrum after, float at)\n{\n", out);
+    if (features->has_extinction && features->has_depth)
+        fputs("    if (gathered.depth == 0.0 && spectrum_mean(after) <= 0.5) gathered.depth = at;\n", out);
+    if (features->has_throughput) write_left(out, job, features);
+    fputs("}\n", out);
+}
+
+void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+    const struct scene *scene = &job->scene;
+    bool has_source = features->has_emission || (features->media_are_lit && !features->places_points);
+
+    write_gathered(out, job, features);
+    if (features->is_tracked) {
+        write_tracked(out, job, program);
+        return;
+    }
+    if (features->is_gauss) {
+        write_gather_node(out, job, program);
+        write_gather_segment(out, job, features);
+        return;
+    }
+    fprintf(out,
+            "// `at` is where the segment begins, `point` %s.\n"
+            "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
+            "length%s)\n{\n",
+            features->marches ? "where the field was taken" : "is there", features->is_jittered ? ", float place" : "");
+    write_densities(out, job, program);
+    if (has_source) write_sources(out, job, program);
+    if (features->has_extinction) write_sigma_t(out, program);
+    if (features->places_points) write_all_placed(out, scene, program);
+    if (features->has_extinction)
+        write_extinction(out, job, features, has_source);
+    else
+        fprintf(out, "    gathered.radiance += %ssource * length;\n",
+                features->has_throughput ? "gathered.transmittance * " : "");
+    fputs("}\n", out);
+}
+
+void scene_glue_write_integrator(FILE *out, const struct job *job, const struct scene_program *program,
+                                 const char *stretch)
+{
+    if (program->features.has_majorants)
+        fprintf(out, "    integrator_%s(Integrator%s(TRACKING_LOOKS)", scene_glue_estimator(job),
+                job->quality.estimator == JOB_ESTIMATOR_DELTA ? "Delta" : "Ratio");
+    else if (program->features.is_tracked)
+        fputs("    integrator_estimated(IntegratorEstimated(quality_step)", out);
+    else if (program->features.is_jittered)
+        fputs("    integrator_jittered(IntegratorJittered(quality_step)", out);
+    else if (program->features.is_tabled)
+        fputs("    integrator_preintegrated(IntegratorPreintegrated(quality_step)", out);
+    else if (program->features.is_adaptive)
+        fputs("    integrator_adaptive(IntegratorAdaptive(quality_step, quality_depth_step)", out);
+    else if (program->features.is_gauss)
+        fputs("    integrator_gauss(IntegratorGauss(quality_step)", out);
+    else if (program->features.marches)
+        fputs("    integrator_midpoint(IntegratorMidpoint(quality_step)", out);
+    else // n spans have 2 n ends
+        fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * job->scene.medium_count);
+    fprintf(out, ", %s, spans, gathered);\n", stretch);
+}
+
+// Up to this many points are one Gauss-Legendre rule; more are several rules of the same size, one behind the other.
+enum { RULE_LIMIT = 64 };
+
+static void write_numbers(FILE *out, const char *name, const double *numbers, int count)
+{
+    fprintf(out, "const float %s[%d] = float[](", name, count);
+    for (int i = 0; i < count; ++i)
+        fprintf(out, "%s%.9e", i > 0 ? ", " : "", numbers[i]);
+    fputs(");\n", out);
+}
+
+void scene_glue_write_placed(FILE *out, const struct job *job)
+{
+    int rules = (job->quality.points + RULE_LIMIT - 1) / RULE_LIMIT;
+    int size = (job->quality.points + rules - 1) / rules;
+    double points[GAUSS_LEGENDRE_LIMIT], weights[GAUSS_LEGENDRE_LIMIT];
+
+    gauss_legendre(size, points, weights);
+    for (int i = 0; i < size; ++i) {
+        points[i] /= rules;
+        weights[i] /= rules;
+    }
+    write_numbers(out, "PLACED_SHARES", points, size);
+    write_numbers(out, "PLACED_WEIGHTS", weights, size);
+    fprintf(out, "const int PLACED_COUNT = %d;\n", rules * size);
+    fprintf(out, "float placed_share(int i)\n{\n    return PLACED_SHARES[i %% %d] + float(i / %d) * %.9e;\n}\n", size,
+            size, 1.0 / rules);
+    fprintf(out, "float placed_weight(int i)\n{\n    return PLACED_WEIGHTS[i %% %d];\n}\n", size);
+}

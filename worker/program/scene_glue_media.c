@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/program/scene_glue_media.h"
+
+#include "core/job/job.h"
+#include "worker/density/density_kind.h"
+#include "worker/density/scene_bounds.h"
+#include "worker/program/scene_program.h"
+
+// Which media a function is about.
+typedef bool choose_medium(const struct medium_features *medium);
+
+static bool is_seen(const struct medium_features *medium)
+{
+    return medium->is_seen;
+}
+
+// Its field is of places, not of a segment's ends.
+static bool is_placed(const struct medium_features *medium)
+{
+    return medium->is_seen && !medium->is_tabled;
+}
+
+static bool is_tabled(const struct medium_features *medium)
+{
+    return medium->is_tabled;
+}
+
+// The first medium from `i` on that is chosen; medium_count when there is none left.
+static size_t next(const struct scene_program *program, choose_medium *choose, size_t i)
+{
+    const struct scene_features *features = &program->features;
+
+    while (i < features->medium_count && !choose(&features->media[i]))
+        ++i;
+    return i;
+}
+
+static bool is_single(const struct scene_program *program, choose_medium *choose)
+{
+    size_t first = next(program, choose, 0);
+
+    return next(program, choose, first + 1) >= program->features.medium_count;
+}
+
+// Runs with `i` as the index of each medium that is chosen.
+#define FOR_EACH_MEDIUM(program, choose)                                                                               \
+    for (size_t i = next((program), (choose), 0); i < (program)->features.medium_count;                                \
+         i = next((program), (choose), i + 1))
+
+// Whether places outside the medium's span are asked about. A single one is marched through from end to end of its span,
+// but for Riemann sums, whose samples lie where they lie.
+static bool needs_test(const struct job *job, const struct scene_program *program, choose_medium *choose, size_t i)
+{
+    const struct scene_density *density = &job->scene.media[i].density;
+    const struct density_kind *kind = density_kind_of(density);
+
+    if (!is_single(program, choose)) return true;
+    if (job->quality.method != JOB_METHOD_RIEMANN) return false;
+    return density->bounds.kind != SCENE_BOUNDS_NONE || (kind->has_support && !kind->is_zero_outside);
+}
+
+static void write_span(FILE *out, const struct scene_density *density, size_t i)
+{
+    bool has_support = density_kind_of(density)->has_support, has_bounds = density->bounds.kind != SCENE_BOUNDS_NONE;
+
+    fprintf(out, "vec2 medium_%zu_span(vec3 origin, vec3 direction)\n{\n", i);
+    if (has_support && has_bounds)
+        fprintf(out,
+                "    return span_meet(medium_%zu_support(origin, direction), "
+                "medium_%zu_bounds_span(origin, direction));\n",
+                i, i);
+    else if (has_support || has_bounds)
+        fprintf(out, "    return medium_%zu_%s(origin, direction);\n", i, has_support ? "support" : "bounds_span");
+    else
+        fputs("    return SPAN_EVERYWHERE;\n", out);
+    fputs("}\n", out);
+}
+
+static void write_medium(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    const struct scene_medium *medium = &job->scene.media[i];
+
+    density_kind_of(&medium->density)
+        ->write(out, &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = program->inputs});
+    if (medium->density.bounds.kind != SCENE_BOUNDS_NONE)
+        scene_bounds_write(out, &medium->density.bounds, program->features.media[i].has_falloff, i);
+    write_span(out, &medium->density, i);
+}
+
+// "BEFORE_0_AFTER, BEFORE_1_AFTER" over all seen media.
+static void write_list(FILE *out, const struct scene_program *program, const char *before, const char *after)
+{
+    const char *separator = "";
+
+    FOR_EACH_MEDIUM (program, is_seen) {
+        fprintf(out, "%s%s%zu%s", separator, before, i, after);
+        separator = ", ";
+    }
+}
+
+static void write_interval(FILE *out, const struct scene_program *program, choose_medium *choose, const char *name)
+{
+    size_t open = 0;
+
+    fprintf(out, "vec2 %s(MediaSpans spans)\n{\n    return ", name);
+    FOR_EACH_MEDIUM (program, choose) {
+        bool is_last = next(program, choose, i + 1) >= program->features.medium_count;
+
+        fprintf(out, is_last ? "spans.medium_%zu" : "span_join(spans.medium_%zu, ", i);
+        open += !is_last;
+    }
+    while (open-- > 0)
+        fputs(")", out);
+    fputs(";\n}\n", out);
+}
+
+static void write_next_edge(FILE *out, const struct scene_program *program, choose_medium *choose, const char *name)
+{
+    fprintf(out, "float %s(MediaSpans spans, float at, float end)\n{\n", name);
+    if (!is_single(program, choose)) {
+        FOR_EACH_MEDIUM (program, choose)
+            fprintf(out, "    end = span_next_edge(spans.medium_%zu, at, end);\n", i);
+    }
+    fputs("    return end;\n}\n", out);
+}
+
+static void write_spans(FILE *out, const struct scene_program *program)
+{
+    fputs("struct MediaSpans {", out);
+    FOR_EACH_MEDIUM (program, is_seen)
+        fprintf(out, " vec2 medium_%zu;", i);
+    fputs(" };\nMediaSpans media_spans(vec3 origin, vec3 direction)\n{\n    return MediaSpans(", out);
+    write_list(out, program, "medium_", "_span(origin, direction)");
+    fputs(");\n}\nMediaSpans media_spans_from(MediaSpans spans, float start)\n{\n    return MediaSpans(", out);
+    write_list(out, program, "spans.medium_", " - start");
+    fputs(");\n}\n", out);
+    write_interval(out, program, is_seen, "media_interval");
+    write_next_edge(out, program, is_seen, "media_next_edge");
+}
+
+static void write_spans_in(FILE *out, const struct scene *scene, const struct scene_program *program)
+{
+    const char *separator = "";
+
+    fputs("MediaSpans media_spans_in(MediaSpans spans, int region, vec2 piece)\n{\n    return MediaSpans(", out);
+    FOR_EACH_MEDIUM (program, is_seen) {
+        fprintf(out, "%sregion == %zu ? span_meet(spans.medium_%zu, piece) : SPAN_MISSED", separator,
+                scene->media[i].owner, i);
+        separator = ",\n        ";
+    }
+    fputs(");\n}\n", out);
+}
+
+static bool has_share(const struct job *job, const struct scene_program *program, size_t i)
+{
+    return program->features.media[i].has_falloff || needs_test(job, program, is_seen, i);
+}
+
+static void write_field_of(FILE *out, const struct density_kind *kind, size_t i)
+{
+    fprintf(out, "medium_%zu_field(p%s)", i, kind->takes_direction ? ", direction" : "");
+}
+
+// Opens what is done inside the medium's span, at once if that is everywhere we ask.
+static const char *begin_inside(FILE *out, bool is_tested, size_t i)
+{
+    if (is_tested) fprintf(out, "    if (span_has(spans.medium_%zu, at)) {\n", i);
+    return is_tested ? "        " : "    ";
+}
+
+// TARGET, the least of what media say, becomes at most the bound of the medium; of the first one it is that.
+static void write_least(FILE *out, const char *indent, const char *target, bool is_first, const char *bound)
+{
+    if (is_first)
+        fprintf(out, "%s%s = %s;\n", indent, target, bound);
+    else
+        fprintf(out, "%s%s = min(%s, %s);\n", indent, target, target, bound);
+}
+
+static void write_least_outside(FILE *out, const char *target, bool is_first, size_t i)
+{
+    char bound[96];
+
+    snprintf(bound, sizeof bound, "span_ahead(spans.medium_%zu, at)", i);
+    write_least(out, "        ", target, is_first, bound);
+    fputs("    }\n", out);
+}
+
+static void write_field_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    const struct density_kind *kind = density_kind_of(&job->scene.media[i].density);
+    bool is_first = next(program, is_placed, 0) == i, is_tested = needs_test(job, program, is_seen, i);
+    const char *indent = begin_inside(out, is_tested, i);
+    char bound[96];
+
+    fprintf(out, "%sfield.medium_%zu = ", indent, i);
+    write_field_of(out, kind, i);
+    fputs(";\n", out);
+    if (program->features.media[i].has_falloff)
+        fprintf(out, "%sfield.medium_%zu_share = medium_%zu_falloff(p);\n", indent, i, i);
+    else if (is_tested)
+        fprintf(out, "%sfield.medium_%zu_share = 1.0;\n", indent, i);
+    snprintf(bound, sizeof bound, "medium_%zu_distance(field.medium_%zu)", i, i);
+    write_least(out, indent, "field.distance", is_first, bound);
+    if (!is_tested) return;
+    fprintf(out, "    } else {\n        field.medium_%zu = %s(0.0);\n        field.medium_%zu_share = 0.0;\n", i,
+            kind->field_type, i);
+    write_least_outside(out, "field.distance", is_first, i);
+}
+
+static const char *field_type(const struct job *job, const struct scene_program *program, size_t i)
+{
+    return program->features.media[i].is_tabled ? "vec4" : density_kind_of(&job->scene.media[i].density)->field_type;
+}
+
+// What a table's medium has is set later, from a segment's ends: here only whether, and with which falloff.
+static void write_tabled_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    bool is_tested = needs_test(job, program, is_seen, i);
+
+    fprintf(out, "    field.medium_%zu = vec4(0.0);\n", i);
+    if (!has_share(job, program, i)) return;
+    fprintf(out, "    field.medium_%zu_share = ", i);
+    if (is_tested) fprintf(out, "!span_has(spans.medium_%zu, at) ? 0.0 : ", i);
+    if (program->features.media[i].has_falloff)
+        fprintf(out, "medium_%zu_falloff(p);\n", i);
+    else
+        fputs("1.0;\n", out);
+}
+
+static void write_clear(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    bool is_first = true;
+
+    fputs("// How far along the ray there is nothing of the media that have tables.\n"
+          "float media_clear(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n    float clear;\n",
+          out);
+    FOR_EACH_MEDIUM (program, is_tabled) {
+        bool is_tested = needs_test(job, program, is_seen, i);
+        const char *indent = begin_inside(out, is_tested, i);
+        char bound[96];
+
+        snprintf(bound, sizeof bound, "medium_%zu_clear(p, direction)", i);
+        write_least(out, indent, "clear", is_first, bound);
+        if (is_tested) {
+            fputs("    } else {\n", out);
+            write_least_outside(out, "clear", is_first, i);
+        }
+        is_first = false;
+    }
+    fputs("    return clear;\n}\n", out);
+}
+
+// All members of a MediaEnds, each as BEFORE I MIDDLE I AFTER.
+static void write_ends(FILE *out, const struct scene_program *program, const char *declaration, const char *format)
+{
+    const char *separator = "";
+
+    fprintf(out, "MediaEnds %s\n{\n    return MediaEnds(", declaration);
+    FOR_EACH_MEDIUM (program, is_tabled) {
+        fputs(separator, out);
+        for (const char *at = format; *at; ++at)
+            if (*at == '#')
+                fprintf(out, "%zu", i);
+            else
+                fputc(*at, out);
+        separator = ", ";
+    }
+    fputs(");\n}\n", out);
+}
+
+static void write_tables(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const char *separator = "";
+    bool is_alone = next(program, is_placed, 0) >= program->features.medium_count;
+
+    fprintf(out, "const float MEDIA_CLEAR_END = %s;\nconst bool MEDIA_ARE_LIT = %s;\n", is_alone ? "FAR_AWAY" : "0.0",
+            program->features.media_are_lit ? "true" : "false");
+    fputs("struct MediaEnds {", out);
+    FOR_EACH_MEDIUM (program, is_tabled)
+        fprintf(out, " TransferEnd medium_%zu;", i);
+    fputs(" };\n", out);
+    write_ends(out, program, "media_ends(vec3 p)", "medium_#_end(p)");
+    write_ends(out, program, "media_ends_between(MediaEnds from, MediaEnds to, float share)",
+               "medium_#_end_at(mix(from.medium_#.place, to.medium_#.place, share))");
+    fputs("void media_set_slopes(inout MediaEnds to, MediaEnds from, float length)\n{\n", out);
+    FOR_EACH_MEDIUM (program, is_tabled)
+        fprintf(out, "    to.medium_%zu.slope = (to.medium_%zu.place - from.medium_%zu.place) / length;\n", i, i, i);
+    fputs("}\nvoid media_set_means(inout MediaField field, MediaEnds from, MediaEnds to, float bend)\n{\n", out);
+    FOR_EACH_MEDIUM (program, is_tabled)
+        fprintf(out, "    field.medium_%zu = transfer_mean(from.medium_%zu, to.medium_%zu, bend);\n", i, i, i);
+    fputs("}\n// Of those with tables, per metre.\nfloat media_depth(MediaField field)\n{\n    return ", out);
+    FOR_EACH_MEDIUM (program, is_tabled) {
+        fputs(separator, out);
+        scene_glue_write_density(out, job, program, i);
+        separator = " + ";
+    }
+    fputs(";\n}\n", out);
+    write_clear(out, job, program);
+}
+
+static void write_field(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    fputs("struct MediaField {", out);
+    FOR_EACH_MEDIUM (program, is_seen) {
+        fprintf(out, " %s medium_%zu;", field_type(job, program, i), i);
+        if (has_share(job, program, i)) fprintf(out, " float medium_%zu_share;", i);
+    }
+    fputs(" float distance; };\nMediaField media_field(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n"
+          "    MediaField field;\n",
+          out);
+    if (next(program, is_placed, 0) >= program->features.medium_count) fputs("    field.distance = FAR_AWAY;\n", out);
+    FOR_EACH_MEDIUM (program, is_seen) {
+        if (program->features.media[i].is_tabled)
+            write_tabled_part(out, job, program, i);
+        else
+            write_field_part(out, job, program, i);
+    }
+    fputs("    return field;\n}\n", out);
+}
+
+void scene_glue_write_density(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    if (has_share(job, program, i)) fprintf(out, "field.medium_%zu_share * ", i);
+    fprintf(out, "medium_%zu_density(field.medium_%zu)", i, i);
+}
+
+static void write_column_sum(FILE *out, const struct scene_program *program, const char *before, const char *after)
+{
+    const char *separator = "";
+
+    FOR_EACH_MEDIUM (program, medium_features_have_column) {
+        fprintf(out, "%s%smedium_%zu_sigma_t%s * column.medium_%zu", separator, before, i, after, i);
+        separator = " + ";
+    }
+}
+
+static void write_column_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    const struct density_kind *kind = density_kind_of(&job->scene.media[i].density);
+    bool is_first = next(program, medium_features_march_to_lights, 0) == i;
+    bool is_tested = needs_test(job, program, medium_features_march_to_lights, i);
+    const char *indent = begin_inside(out, is_tested, i);
+    char bound[96];
+
+    fprintf(out, "%s%s field_%zu = ", indent, kind->field_type, i);
+    write_field_of(out, kind, i);
+    fprintf(out, ";\n%scolumn.medium_%zu += length * ", indent, i);
+    if (program->features.media[i].has_falloff) fprintf(out, "medium_%zu_falloff(p) * ", i);
+    fprintf(out, "medium_%zu_density(field_%zu);\n", i, i);
+    snprintf(bound, sizeof bound, "medium_%zu_distance(field_%zu)", i, i);
+    write_least(out, indent, "empty", is_first, bound);
+    if (!is_tested) return;
+    fputs("    } else {\n", out);
+    write_least_outside(out, "empty", is_first, i);
+}
+
+static void write_column_march(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    write_interval(out, program, medium_features_march_to_lights, "media_column_interval");
+    write_next_edge(out, program, medium_features_march_to_lights, "media_column_next_edge");
+    fputs("float media_column_add(inout MediaColumn column, MediaSpans spans, vec3 p, vec3 direction, float at, "
+          "float length)\n{\n    float empty;\n",
+          out);
+    FOR_EACH_MEDIUM (program, medium_features_march_to_lights)
+        write_column_part(out, job, program, i);
+    fputs("    return empty;\n}\n", out);
+}
+
+static void write_column_depth(FILE *out, const struct scene_program *program)
+{
+    fputs("float media_column_depth(MediaColumn column)\n{\n    return ", out);
+    write_column_sum(out, program, "spectrum_min(", ")");
+    fputs(";\n}\n", out);
+}
+
+static void write_column(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const char *separator = "";
+
+    fputs("// Density integrated along a way, a number a medium.\nstruct MediaColumn {", out);
+    FOR_EACH_MEDIUM (program, medium_features_have_column)
+        fprintf(out, " float medium_%zu;", i);
+    fputs(" };\nMediaColumn media_column_begin(MediaSpans spans, float distance)\n{\n    return MediaColumn(", out);
+    FOR_EACH_MEDIUM (program, medium_features_have_column) {
+        fputs(separator, out);
+        separator = ", ";
+        if (program->features.media[i].is_even)
+            fprintf(out, "span_length(spans.medium_%zu, distance) * medium_%zu_density(%s(0.0))", i, i,
+                    density_kind_of(&job->scene.media[i].density)->field_type);
+        else
+            fputs("0.0", out);
+    }
+    fputs(");\n}\n", out);
+}
+
+static void write_transmittance(FILE *out, const struct scene_program *program)
+{
+    fputs("Spectrum media_transmittance(MediaColumn column)\n{\n    return exp(-(", out);
+    write_column_sum(out, program, "", "");
+    fputs("));\n}\n", out);
+}
+
+void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+
+    FOR_EACH_MEDIUM (program, is_seen)
+        write_medium(out, job, program, i);
+    write_spans(out, program);
+    if (features->has_objects) write_spans_in(out, &job->scene, program);
+    write_field(out, job, program);
+    if (features->is_tabled) write_tables(out, job, program);
+    if ((!features->has_lights && !features->is_tracked) || !features->has_extinction) return;
+    write_column(out, job, program);
+    write_transmittance(out, program);
+    if (!features->marches_to_lights && !features->estimates_columns) return;
+    if (features->has_light_grids) return;
+    write_column_march(out, job, program);
+    if (!features->is_tracked) write_column_depth(out, program);
+}
+
+void scene_glue_write_columns(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    FOR_EACH_MEDIUM (program, is_seen)
+        write_medium(out, job, program, i);
+    write_spans(out, program);
+    write_column(out, job, program);
+    write_column_march(out, job, program);
+}

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/program/scene_glue_tracking.h"
+
+#include "core/job/job.h"
+#include "worker/density/density_kind.h"
+#include "worker/program/scene_glue_media.h"
+#include "worker/program/scene_program.h"
+
+#include <string.h>
+
+typedef bool choose_medium(const struct medium_features *medium);
+
+static bool is_seen(const struct medium_features *medium)
+{
+    return medium->is_seen;
+}
+
+const char *scene_glue_estimator(const struct job *job)
+{
+    return job_estimator_name(job->quality.estimator);
+}
+
+static void write_extinction(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    fputs("Spectrum media_extinction(MediaField field)\n{\n    Spectrum sum = spectrum(0.0);\n", out);
+    for (size_t i = 0; i < program->features.medium_count; ++i) {
+        if (!medium_features_have_column(&program->features.media[i])) continue;
+        fprintf(out, "    sum += medium_%zu_sigma_t * (", i);
+        scene_glue_write_density(out, job, program, i);
+        fputs(");\n", out);
+    }
+    fputs("    return sum;\n}\n", out);
+}
+
+// What the medium's density is nowhere above, for some way.
+static void write_most(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+{
+    const struct scene_medium *medium = &job->scene.media[i];
+    const struct density_kind *kind = density_kind_of(&medium->density);
+
+    if (kind->write_most)
+        kind->write_most(out,
+                         &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = program->inputs});
+    else
+        fprintf(out,
+                "float medium_%zu_most(vec3 p, vec3 direction, inout float reach)\n{\n"
+                "    return medium_%zu_majorant;\n}\n",
+                i, i);
+}
+
+// Sums over the media that are chosen: of those without extinction there is only whether they are there.
+static void write_rate(FILE *out, const struct scene_program *program, choose_medium *choose)
+{
+    fputs("    float reach = edge - at;\n    bool is_there = false;\n    Spectrum sum = spectrum(0.0);\n", out);
+    for (size_t i = 0; i < program->features.medium_count; ++i) {
+        const struct medium_features *medium = &program->features.media[i];
+
+        if (!choose(medium)) continue;
+        fprintf(out,
+                "    if (span_has(spans.medium_%zu, at)) {\n"
+                "        float most = medium_%zu_most(p, direction, reach);\n"
+                "        is_there = is_there || most > 0.0;\n",
+                i, i);
+        if (medium_features_have_column(medium)) fprintf(out, "        sum += medium_%zu_sigma_t * most;\n", i);
+        fputs("    }\n", out);
+    }
+    fputs("    edge = min(edge, at + reach);\n", out);
+}
+
+static void write_columns(FILE *out, const struct scene_program *program)
+{
+    const char *separator = "";
+
+    fputs("MediaColumn media_column_none()\n{\n    return MediaColumn(", out);
+    for (size_t i = 0; i < program->features.medium_count; ++i) {
+        if (!medium_features_have_column(&program->features.media[i])) continue;
+        fprintf(out, "%s0.0", separator);
+        separator = ", ";
+    }
+    fputs(");\n}\nSpectrum media_column_extinction(MediaColumn column)\n{\n    Spectrum sum = spectrum(0.0);\n", out);
+    for (size_t i = 0; i < program->features.medium_count; ++i)
+        if (medium_features_march_to_lights(&program->features.media[i]))
+            fprintf(out, "    sum += medium_%zu_sigma_t * column.medium_%zu;\n", i, i);
+    fputs("    return sum;\n}\n", out);
+    if (!program->features.has_majorants) return;
+    fputs("float media_column_rate(MediaSpans spans, vec3 p, vec3 direction, float at, inout float edge)\n{\n", out);
+    write_rate(out, program, medium_features_march_to_lights);
+    fputs("    return is_there ? spectrum_max(sum) : 0.0;\n}\n", out);
+}
+
+void scene_glue_write_tracking(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+
+    write_extinction(out, job, program);
+    if (features->has_majorants) {
+        for (size_t i = 0; i < features->medium_count; ++i)
+            if (features->media[i].is_seen) write_most(out, job, program, i);
+        fputs(
+            "float media_rate(MediaSpans spans, vec3 p, vec3 direction, float at, float least, inout float edge)\n{\n",
+            out);
+        write_rate(out, program, is_seen);
+        fputs("    return is_there ? max(spectrum_max(sum), least) : 0.0;\n}\n", out);
+    }
+    if (features->estimates_columns) write_columns(out, program);
+}
+
+// Media of even density take what their length of the way says.
+static void write_even(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const char *separator = "";
+    bool has_even = false;
+
+    for (size_t i = 0; i < program->features.medium_count; ++i)
+        has_even |= program->features.media[i].is_even && medium_features_have_column(&program->features.media[i]);
+    if (!has_even) {
+        fputs("    Spectrum left = spectrum(1.0);\n", out);
+        return;
+    }
+    fputs("    MediaColumn column = MediaColumn(", out);
+    for (size_t i = 0; i < program->features.medium_count; ++i) {
+        const struct medium_features *medium = &program->features.media[i];
+
+        if (!medium_features_have_column(medium)) continue;
+        fputs(separator, out);
+        separator = ", ";
+        if (medium->is_even)
+            fprintf(out,
+                    "max(min(spans.medium_%zu.y, way.y) - max(spans.medium_%zu.x, way.x), 0.0) * "
+                    "medium_%zu_density(%s(0.0))",
+                    i, i, i, density_kind_of(&job->scene.media[i].density)->field_type);
+        else
+            fputs("0.0", out);
+    }
+    fputs(");\n    Spectrum left = media_transmittance(column);\n", out);
+}
+
+void scene_glue_write_left(FILE *out, const struct job *job, const struct scene_program *program)
+{
+    const struct scene_features *features = &program->features;
+
+    fputs("Spectrum media_left(MediaSpans spans, vec3 origin, vec3 direction, vec2 way, float step)\n{\n", out);
+    if (!features->has_extinction) {
+        fputs("    return spectrum(1.0);\n}\n", out);
+        return;
+    }
+    write_even(out, job, program);
+    if (features->estimates_columns)
+        fprintf(out,
+                "    way = span_meet(way, media_column_interval(spans));\n"
+                "    if (way.x < way.y) left *= transmittance_%s(spans, origin, direction, way%s);\n",
+                scene_glue_estimator(job), features->has_majorants ? "" : ", step");
+    fputs("    return left;\n}\n", out);
+}

@@ -1,0 +1,411 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/program/scene_program.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "worker/density/density_bake.h"
+#include "worker/density/density_kind.h"
+#include "worker/glsl/shader_assembly.h"
+#include "worker/glsl/shader_sources.h"
+#include "worker/model/light_grid.h"
+#include "worker/model/scene_values.h"
+#include "worker/program/light_grid_glue.h"
+#include "worker/program/scene_glue.h"
+#include "worker/program/scene_glue_gather.h"
+#include "worker/program/scene_glue_media.h"
+#include "worker/program/scene_glue_path.h"
+#include "worker/program/scene_glue_slice.h"
+#include "worker/program/scene_glue_steps.h"
+#include "worker/program/scene_glue_surface.h"
+#include "worker/program/scene_glue_tracking.h"
+#include "worker/program/texture_glue.h"
+#include "worker/scene/camera_view.h"
+#include "worker/scene/scene_inputs.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct assembly {
+    struct scene_program *program;
+    const struct job *job;
+    struct shader_assembly text; // the fragment shader's
+};
+
+static void add_module(struct assembly *assembly, const char *name)
+{
+    shader_assembly_add(&assembly->text, name);
+}
+
+// Where generated text goes.
+static FILE *generate(struct assembly *assembly)
+{
+    shader_assembly_generate(&assembly->text);
+    return assembly->text.out;
+}
+
+static void add_camera(struct assembly *assembly)
+{
+    const struct scene_features *features = &assembly->program->features;
+
+    if (features->marches || features->marches_to_lights || features->has_objects)
+        add_module(assembly, "math/march.glsl");
+    add_module(assembly, "camera/pinhole.glsl");
+    if (features->is_random) add_module(assembly, "math/random.glsl");
+    if (features->has_samples) add_module(assembly, "camera/pixel_samples.glsl");
+    add_module(assembly, "region/span.glsl");
+}
+
+static void add_density(struct assembly *assembly, size_t i)
+{
+    const struct scene_medium *medium = &assembly->job->scene.media[i];
+    const struct density_site site = {
+        .job = assembly->job, .medium = i, .source = medium, .inputs = assembly->program->inputs};
+
+    shader_assembly_add_density(&assembly->text, &site);
+    if (assembly->program->features.has_majorants && density_kind_of(&medium->density)->majorant_module)
+        add_module(assembly, density_kind_of(&medium->density)->majorant_module);
+}
+
+static void add_tracking(struct assembly *assembly)
+{
+    static const char *const modules[] = {[JOB_ESTIMATOR_DELTA] = "transmittance/delta.glsl",
+                                          [JOB_ESTIMATOR_RATIO] = "transmittance/ratio.glsl",
+                                          [JOB_ESTIMATOR_DEBIASED] = "transmittance/debiased.glsl",
+                                          [JOB_ESTIMATOR_JACKKNIFE] = "transmittance/jackknife.glsl"};
+    const struct scene_features *features = &assembly->program->features;
+
+    if (features->has_majorants) add_module(assembly, "math/tracking.glsl");
+    scene_glue_write_tracking(generate(assembly), assembly->job, assembly->program);
+    if (features->estimates_columns) {
+        if (!features->has_majorants) add_module(assembly, "math/segment.glsl");
+        if (!features->has_majorants) add_module(assembly, "transmittance/comb.glsl");
+        add_module(assembly, modules[assembly->job->quality.estimator]);
+    }
+    if (features->has_lights || !features->has_majorants)
+        scene_glue_write_left(generate(assembly), assembly->job, assembly->program);
+}
+
+static void add_media(struct assembly *assembly)
+{
+    const struct scene_features *features = &assembly->program->features;
+
+    for (size_t i = 0; i < features->medium_count; ++i)
+        if (features->media[i].is_seen) add_density(assembly, i);
+    if (features->has_extinction && !features->is_tracked && assembly->job->quality.method != JOB_METHOD_RIEMANN)
+        add_module(assembly, "math/segment.glsl");
+    if (features->has_extinction && features->has_depth && !features->is_tracked)
+        add_module(assembly, features->extinction_is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
+    scene_glue_write_media(generate(assembly), assembly->job, assembly->program);
+    scene_glue_write_steps(assembly->text.out, assembly->job, assembly->program);
+    if (features->is_tracked) add_tracking(assembly);
+}
+
+static void add_phase(struct assembly *assembly, const struct scene_medium *medium,
+                      const struct medium_features *features)
+{
+    static const char *const modules[] = {[LOBE_ISOTROPIC] = "phase/isotropic.glsl",
+                                          [LOBE_HENYEY_GREENSTEIN] = "phase/henyey_greenstein.glsl",
+                                          [LOBE_RAYLEIGH] = "phase/rayleigh.glsl"};
+
+    if (medium->lobe_count == 0) add_module(assembly, "phase/isotropic.glsl");
+    for (size_t i = 0; i < medium->lobe_count; ++i)
+        if (features->lobes[i] != LOBE_UNSEEN) add_module(assembly, modules[features->lobes[i]]);
+}
+
+static void add_placement(struct assembly *assembly)
+{
+    const struct scene *scene = &assembly->job->scene;
+
+    add_module(assembly, "placement/share.glsl");
+    if (assembly->program->features.extinction_is_rgb) add_module(assembly, "placement/cut.glsl");
+    for (size_t i = 0; i < scene->light_count; ++i) {
+        bool is_by_angle = scene_light_is_inverse_square(&scene->lights[i]);
+
+        if (!assembly->program->features.light_is_seen[i]) continue;
+        if (is_by_angle) add_module(assembly, "math/arc.glsl");
+        add_module(assembly, is_by_angle ? "placement/angle.glsl" : "placement/transmittance.glsl");
+    }
+    scene_glue_write_placed(generate(assembly), assembly->job);
+}
+
+static void add_light_grids(struct assembly *assembly)
+{
+    const struct scene_program *program = assembly->program;
+
+    add_module(assembly, "light_grid/ray.glsl");
+    for (size_t i = 0; i < program->light_grid_count; ++i)
+        add_module(assembly, light_grid_glue_module(&program->light_grids[i]));
+    for (size_t i = 0; i < program->light_grid_count; ++i)
+        light_grid_glue_write_lookup(generate(assembly), &program->light_grids[i]);
+}
+
+static void add_lights(struct assembly *assembly)
+{
+    const struct scene *scene = &assembly->job->scene;
+    const struct scene_features *features = &assembly->program->features;
+
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (features->media[i].scatters) add_phase(assembly, &scene->media[i], &features->media[i]);
+    add_module(assembly, "light/sample.glsl");
+    for (size_t i = 0; i < scene->light_count; ++i)
+        if (features->light_is_seen[i])
+            add_module(assembly, scene->lights[i].kind == SCENE_LIGHT_SUN         ? "light/sun.glsl"
+                                 : scene->lights[i].falloff == SCENE_FALLOFF_NONE ? "light/point_even.glsl"
+                                                                                  : "light/point.glsl");
+    if (features->has_peaks) {
+        add_module(assembly, "math/arc.glsl");
+        add_module(assembly, "light/point_segment.glsl");
+    }
+    if (features->has_extinction && !features->is_tracked)
+        add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
+                             : features->has_light_grids                           ? "transmittance/cached.glsl"
+                             : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
+                             : features->is_jittered                               ? "transmittance/jittered.glsl"
+                             : features->is_adaptive                               ? "transmittance/adaptive.glsl"
+                             : features->is_gauss                                  ? "transmittance/gauss.glsl"
+                                                                                   : "transmittance/midpoint.glsl");
+    scene_glue_write_lights(generate(assembly), assembly->job, assembly->program);
+    if (features->has_light_grids) add_light_grids(assembly);
+    if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->job, assembly->program);
+}
+
+// How marches begin and stop.
+static void add_slices(struct assembly *assembly)
+{
+    if (!assembly->program->features.is_sliced) {
+        add_module(assembly, "integrator/whole.glsl");
+        return;
+    }
+    add_module(assembly, "path/turns.glsl");
+    scene_glue_write_slice_random(generate(assembly), assembly->program);
+    add_module(assembly, "integrator/sliced.glsl");
+    scene_glue_write_slice(generate(assembly), assembly->program);
+}
+
+static const char *tracked_module(const struct job *job)
+{
+    if (!job_quality_has_majorants(&job->quality)) return "integrator/estimated.glsl";
+    return job->quality.estimator == JOB_ESTIMATOR_DELTA ? "integrator/delta.glsl" : "integrator/ratio.glsl";
+}
+
+static void add_integrator(struct assembly *assembly)
+{
+    if (assembly->program->features.places_points) add_placement(assembly);
+    if (assembly->program->features.has_roulette) add_module(assembly, "integrator/roulette.glsl");
+    if (assembly->program->features.is_gauss) {
+        add_module(assembly, "math/segment.glsl");
+        add_module(assembly, "math/gauss.glsl");
+    }
+    scene_glue_write_gather(generate(assembly), assembly->job, assembly->program);
+    if (assembly->program->features.marches) add_slices(assembly);
+    if (assembly->program->features.marches && !assembly->program->features.is_tracked)
+        scene_glue_write_reach(generate(assembly), assembly->job, assembly->program);
+    add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
+                         : assembly->program->features.is_tracked            ? tracked_module(assembly->job)
+                         : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
+                         : assembly->program->features.is_tabled             ? "integrator/preintegrated.glsl"
+                         : assembly->program->features.is_adaptive           ? "integrator/adaptive.glsl"
+                         : assembly->program->features.is_gauss              ? "integrator/gauss.glsl"
+                         : assembly->program->features.marches               ? "integrator/midpoint.glsl"
+                                                                             : "integrator/stretches.glsl");
+}
+
+static void add_shape(struct assembly *assembly, enum scene_shape_kind kind)
+{
+    static const char *const regions[] = {[SCENE_SHAPE_SPHERE] = "region/sphere.glsl",
+                                          [SCENE_SHAPE_BOX] = "region/box.glsl",
+                                          [SCENE_SHAPE_PLANE] = "region/plane.glsl"};
+    static const char *const normals[] = {
+        [SCENE_SHAPE_SPHERE] = "surface/sphere.glsl", [SCENE_SHAPE_BOX] = "surface/box.glsl"};
+
+    add_module(assembly, regions[kind]);
+    if (kind != SCENE_SHAPE_PLANE) add_module(assembly, normals[kind]);
+}
+
+static void add_optics(struct assembly *assembly, const struct scene_material *material,
+                       const struct object_features *object)
+{
+    static const char *const fresnels[] = {[SCENE_FRESNEL_EXACT] = "surface/fresnel_exact.glsl",
+                                           [SCENE_FRESNEL_SCHLICK] = "surface/fresnel_schlick.glsl",
+                                           [SCENE_FRESNEL_NONE] = "surface/fresnel_none.glsl"};
+
+    if (object->has_fresnel) {
+        add_module(assembly, "surface/snell.glsl");
+        add_module(assembly, fresnels[material->fresnel]);
+    }
+    if (object->is_rough) add_module(assembly, "surface/rough.glsl");
+}
+
+static void add_texture(struct assembly *assembly, size_t i)
+{
+    for (const char *const *name = texture_glue_modules(assembly->job, i); *name; ++name)
+        add_module(assembly, *name);
+    texture_glue_write(generate(assembly), assembly->job, assembly->program->inputs, i);
+}
+
+static void add_surfaces(struct assembly *assembly)
+{
+    const struct scene *scene = &assembly->job->scene;
+    const struct scene_features *features = &assembly->program->features;
+
+    for (size_t i = 0; i < scene->shape_count; ++i)
+        add_shape(assembly, scene->shapes[i].kind);
+    for (size_t i = 0; i < scene->object_count; ++i)
+        add_optics(assembly, &scene->objects[i].material, &features->objects[i]);
+    add_module(assembly, "surface/crossing.glsl");
+    scene_glue_write_surfaces(generate(assembly), assembly->job, assembly->program);
+    add_module(assembly, "surface/visible.glsl");
+    for (size_t i = 0; i < scene->object_count; ++i)
+        if (features->surfaces_are_lit && scene->objects[i].material.texture.file) add_texture(assembly, i);
+}
+
+static void add_path(struct assembly *assembly)
+{
+    const struct scene_features *features = &assembly->program->features;
+
+    scene_glue_write_seen(generate(assembly), assembly->job, assembly->program);
+    add_module(assembly, "path/ray.glsl");
+    if (features->has_paths) {
+        add_module(assembly, features->has_two_paths ? "path/stack.glsl" : "path/single.glsl");
+        add_module(assembly, "path/send.glsl");
+    }
+    scene_glue_write_path(generate(assembly), assembly->job, assembly->program);
+    add_module(assembly, "path/follow.glsl");
+    if (features->has_paths) add_module(assembly, "path/trace.glsl");
+    add_module(assembly, "path/turns.glsl");
+}
+
+static bool assemble(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+{
+    struct assembly assembly = {.program = program, .job = job};
+    struct shader_assembly *text = &assembly.text;
+
+    if (!shader_assembly_begin(text, shader_dir, error)) return false;
+    fputs("#version 450 core\n", text->out);
+    add_module(&assembly, "math/constants.glsl");
+    add_module(&assembly, program->features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
+    frame_uniforms_declare(&program->uniforms, generate(&assembly));
+    if (program->features.has_media || program->features.has_objects) add_camera(&assembly);
+    if (program->features.has_media) add_media(&assembly);
+    if (program->features.has_objects) add_surfaces(&assembly);
+    if (program->features.has_lights) add_lights(&assembly);
+    if (program->features.has_media) add_integrator(&assembly);
+    if (program->features.has_objects) add_path(&assembly);
+    scene_glue_write_main(generate(&assembly), job, program);
+    memcpy(program->module_names, text->module_names, sizeof program->module_names);
+    program->module_count = text->module_count;
+    program->fragment = shader_assembly_end(text);
+    return program->fragment != NULL;
+}
+
+// Grids that the picture's own media are looked up in.
+static bool add_baked(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+{
+    struct density_bake bake;
+
+    for (size_t i = 0; i < job->scene.medium_count; ++i) {
+        const struct density_site site = {
+            .job = job, .medium = i, .source = &job->scene.media[i], .inputs = program->inputs};
+
+        if (!program->features.media[i].is_seen || !density_bake_find(&bake, job, i)) continue;
+        if (!density_bake_add_caches(program->caches, &program->cache_count, &site, shader_dir, error)) return false;
+    }
+    return true;
+}
+
+// Of each light that is seen: where its grid lies, and the program that fills it.
+static bool add_grids(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+{
+    const struct scene_features *features = &program->features;
+    uint64_t densities = 0;
+
+    if (!features->has_light_grids) return true;
+    for (size_t i = 0; i < program->cache_count; ++i)
+        if (!program->caches[i].is_step) densities |= (uint64_t)1 << i;
+    program->light_grids = xcalloc(scene_features_count_lights(features), sizeof *program->light_grids);
+    for (size_t i = 0; i < job->scene.light_count; ++i) {
+        struct light_grid *grid = &program->light_grids[program->light_grid_count];
+
+        if (!features->light_is_seen[i]) continue;
+        light_grid_init(grid, job, program->inputs, features, i);
+        grid->densities = densities;
+        light_grid_add_values(&program->uniforms, grid);
+        if (!light_grid_glue_add_caches(program->caches, &program->cache_count, grid, program, shader_dir, error))
+            return false;
+        program->light_grid_count++;
+    }
+    return true;
+}
+
+static void hash_texts(struct scene_program *program)
+{
+    char hashes[2 + SCENE_CACHE_LIMIT][HASH_TEXT_SIZE];
+
+    hash_bytes(program->vertex, strlen(program->vertex), hashes[0]);
+    hash_bytes(program->fragment, strlen(program->fragment), hashes[1]);
+    for (size_t i = 0; i < program->cache_count; ++i)
+        scene_cache_hash(&program->caches[i], hashes[2 + i]);
+    hash_bytes(hashes, (2 + program->cache_count) * sizeof *hashes, program->hash);
+}
+
+// Of `program` it is known whether it is sliced.
+static bool init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                 const char *shader_dir, struct error *error)
+{
+    const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
+    bool is_sliced = program->features.is_sliced;
+    struct camera_view view;
+
+    for (size_t i = 0; i < job->scene.medium_count; ++i)
+        if (!density_kind_of(&job->scene.media[i].density)) {
+            char place[64];
+
+            *program = (struct scene_program){0};
+            scene_format_medium_place(&job->scene, i, place, sizeof place);
+            error_set(error, "%s.density: its kind cannot be rendered yet", place);
+            return false;
+        }
+    *program = (struct scene_program){.features = scene_features_of(job, inputs ? inputs->is_unneeded : NULL),
+                                      .inputs = inputs,
+                                      .step = quality->step,
+                                      .light_step = quality->light_step};
+    program->features.is_sliced = is_sliced;
+    if (!camera_view_init(&view, &job->scene.camera, job_frame_time(job, frame_range_at(&job->frames, 0)),
+                          job->width_px, job->height_px, error))
+        return false;
+    scene_values_add(&program->uniforms, job, inputs, &program->features);
+    program->vertex = shader_sources_load(shader_dir, "fullscreen.vert", error);
+    if (!program->vertex || !add_baked(program, job, shader_dir, error) ||
+        !add_grids(program, job, shader_dir, error) || !assemble(program, job, shader_dir, error)) {
+        scene_program_finish(program);
+        return false;
+    }
+    hash_texts(program);
+    return true;
+}
+
+bool scene_program_init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                        const char *shader_dir, struct error *error)
+{
+    *program = (struct scene_program){0};
+    return init(program, job, inputs, shader_dir, error);
+}
+
+bool scene_program_init_sliced(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
+                               const char *shader_dir, struct error *error)
+{
+    *program = (struct scene_program){.features.is_sliced = true};
+    return init(program, job, inputs, shader_dir, error);
+}
+
+void scene_program_finish(struct scene_program *program)
+{
+    for (size_t i = 0; i < program->cache_count; ++i)
+        scene_cache_finish(&program->caches[i]);
+    free(program->light_grids);
+    frame_uniforms_finish(&program->uniforms);
+    free(program->vertex);
+    free(program->fragment);
+    *program = (struct scene_program){0};
+}

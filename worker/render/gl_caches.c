@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/render/gl_caches.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "worker/gl/gl_functions.h"
+#include "worker/gl/gl_program.h"
+#include "worker/gl/gl_programs.h"
+#include "worker/volume/volume_memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { KEPT_LIMIT = 2 * SCENE_CACHE_LIMIT, FIRST_STRIP_ROWS = 4, STRIP_GROWTH_LIMIT = 8 };
+
+static const double strip_seconds = 0.2;
+// Of textures that the pass does not need but a next one may.
+static const size_t idle_bytes_limit = (size_t)1 << 28;
+
+static const GLenum internal_formats[] = {
+    [SCENE_CACHE_R32F] = GL_R32F, [SCENE_CACHE_RG32F] = GL_RG32F, [SCENE_CACHE_RGBA32F] = GL_RGBA32F};
+
+struct kept_cache {
+    char key[HASH_TEXT_SIZE]; // of all that its values follow from; empty: none
+    unsigned texture;
+    size_t size_bytes;
+    uint64_t used; // the binding that last needed it
+};
+
+struct gl_caches {
+    const struct gl_functions *gl; // borrowed; outlives us
+    struct gl_programs *programs;  // borrowed; outlives us
+    unsigned uniform_buffer;
+    struct kept_cache kept[KEPT_LIMIT];
+    uint64_t bind_count;
+    int64_t fill_count;
+};
+
+struct gl_caches *gl_caches_create(const struct gl_functions *gl, struct gl_programs *programs)
+{
+    struct gl_caches *caches = xcalloc(1, sizeof *caches);
+
+    caches->gl = gl;
+    caches->programs = programs;
+    gl->CreateBuffers(1, &caches->uniform_buffer);
+    return caches;
+}
+
+static void drop(struct gl_caches *caches, struct kept_cache *kept)
+{
+    if (kept->texture) caches->gl->DeleteTextures(1, &kept->texture);
+    *kept = (struct kept_cache){0};
+}
+
+void gl_caches_clear(struct gl_caches *caches)
+{
+    for (size_t i = 0; i < KEPT_LIMIT; ++i)
+        drop(caches, &caches->kept[i]);
+}
+
+void gl_caches_destroy(struct gl_caches *caches)
+{
+    if (!caches) return;
+    gl_caches_clear(caches);
+    caches->gl->DeleteBuffers(1, &caches->uniform_buffer);
+    free(caches);
+}
+
+int64_t gl_caches_count_fills(const struct gl_caches *caches)
+{
+    return caches->fill_count;
+}
+
+// Of all that the cache's values follow from; `keys` has those of the caches before it.
+static void find_key(const struct gl_caches_request *request, size_t i, char (*keys)[HASH_TEXT_SIZE])
+{
+    const struct scene_cache *cache = &request->caches[i];
+    char own[HASH_TEXT_SIZE];
+    char *bytes = NULL;
+    size_t length = 0;
+    FILE *text = open_memstream(&bytes, &length);
+
+    if (!text) abort();
+    scene_cache_hash(cache, own);
+    fprintf(text, "%s files %s", own, cache->reads_files ? request->files_hash : "");
+    for (size_t k = 0; k < i; ++k)
+        if (cache->reads >> k & 1) fprintf(text, " %s", keys[k]);
+    if (cache->uniforms.size_bytes > 0) fwrite(request->blocks[i], 1, cache->uniforms.size_bytes, text);
+    if (fclose(text) != 0) abort();
+    hash_bytes(bytes, length, keys[i]);
+    free(bytes);
+}
+
+static struct kept_cache *find(struct gl_caches *caches, const char *key)
+{
+    for (size_t i = 0; i < KEPT_LIMIT; ++i)
+        if (caches->kept[i].key[0] && strcmp(caches->kept[i].key, key) == 0) return &caches->kept[i];
+    return NULL;
+}
+
+// An empty place, after the textures longest unused have gone that are in the way of `size_bytes` more.
+static struct kept_cache *make_room(struct gl_caches *caches, size_t size_bytes)
+{
+    for (;;) {
+        struct kept_cache *oldest = NULL, *empty = NULL;
+        size_t idle_bytes = size_bytes;
+
+        for (size_t i = 0; i < KEPT_LIMIT; ++i) {
+            struct kept_cache *kept = &caches->kept[i];
+
+            if (!kept->key[0]) {
+                empty = kept;
+                continue;
+            }
+            if (kept->used == caches->bind_count) continue;
+            idle_bytes += kept->size_bytes;
+            if (!oldest || kept->used < oldest->used) oldest = kept;
+        }
+        // Of twice as many places as a pass has caches one is empty or idle.
+        if (!oldest || (empty && idle_bytes <= idle_bytes_limit)) return empty;
+        drop(caches, oldest);
+    }
+}
+
+static void set_sampling(const struct gl_functions *gl, unsigned texture)
+{
+    gl->TextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl->TextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl->TextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl->TextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl->TextureParameteri(texture, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
+}
+
+static bool make_texture(const struct gl_functions *gl, const struct scene_cache *cache, unsigned *texture,
+                         struct error *error)
+{
+    const int *size = cache->size;
+    GLint side_limit = 0;
+
+    gl->GetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &side_limit);
+    if (size[0] > side_limit || size[1] > side_limit || size[2] > side_limit) {
+        error_set(error, "GL here takes grids of at most %d texels a side, got %d x %d x %d", side_limit, size[0],
+                  size[1], size[2]);
+        return false;
+    }
+    gl->CreateTextures(GL_TEXTURE_3D, 1, texture);
+    gl->TextureStorage3D(*texture, 1, internal_formats[cache->format], size[0], size[1], size[2]);
+    if (gl->GetError() == GL_OUT_OF_MEMORY) {
+        error_set(error, "GL here has no room for a grid of %d x %d x %d texels (%.2f GiB)", size[0], size[1], size[2],
+                  (double)scene_cache_size_bytes(cache) / (1 << 30));
+        gl->DeleteTextures(1, texture);
+        return false;
+    }
+    set_sampling(gl, *texture);
+    return true;
+}
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int next_rows(int rows, double seconds, int most)
+{
+    double factor = strip_seconds / (seconds > 1e-6 ? seconds : 1e-6);
+    int next = (int)(rows * (factor < STRIP_GROWTH_LIMIT ? factor : STRIP_GROWTH_LIMIT));
+
+    if (next < 1) next = 1;
+    return next < most ? next : most;
+}
+
+// Runs the program strip by strip, so that what takes long can be stopped: layers, or of a single layer rows of groups.
+static bool run_strips(const struct gl_functions *gl, struct kept_program *program, const struct scene_cache *cache,
+                       const struct gl_caches_request *request)
+{
+    const int *count = cache->invocations;
+    int columns = (count[0] + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
+    int rows = (count[1] + SCENE_CACHE_GROUP_SIDE - 1) / SCENE_CACHE_GROUP_SIDE;
+    bool has_layers = count[2] > 1;
+    int most = has_layers ? count[2] : rows;
+
+    if (program->rows == 0) program->rows = FIRST_STRIP_ROWS;
+    gl->ProgramUniform3i(program->name, 1, count[0], count[1], count[2]);
+    for (int first = 0; first < most;) {
+        int strip = program->rows < most - first ? program->rows : most - first;
+        double start = now_s();
+
+        gl->ProgramUniform3i(program->name, 0, 0, has_layers ? 0 : first * SCENE_CACHE_GROUP_SIDE,
+                             has_layers ? first : 0);
+        gl->DispatchCompute((GLuint)columns, (GLuint)(has_layers ? rows : strip), (GLuint)(has_layers ? strip : 1));
+        gl->Finish();
+        first += strip;
+        program->rows = next_rows(program->rows, now_s() - start, most);
+        if (request->on_strip && !request->on_strip(request->user)) return false;
+    }
+    return true;
+}
+
+static bool fill(struct gl_caches *caches, struct kept_program *program, const struct gl_caches_request *request,
+                 size_t i, unsigned texture)
+{
+    const struct gl_functions *gl = caches->gl;
+    const struct scene_cache *cache = &request->caches[i];
+
+    gl->UseProgram(program->name);
+    if (cache->uniforms.size_bytes > 0) {
+        gl->NamedBufferData(caches->uniform_buffer, (GLsizeiptr)cache->uniforms.size_bytes, request->blocks[i],
+                            GL_STREAM_DRAW);
+        gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, caches->uniform_buffer);
+    }
+    gl->BindImageTexture(0, texture, 0, GL_TRUE, 0, GL_WRITE_ONLY, internal_formats[cache->format]);
+    if (!run_strips(gl, program, cache, request)) return false;
+    gl->MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    caches->fill_count++;
+    return true;
+}
+
+static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_request *request, size_t i,
+                               const char *key, struct kept_cache **made, struct error *error)
+{
+    const struct scene_cache *cache = &request->caches[i];
+    double start = now_s();
+    struct kept_program *program = gl_programs_find(caches->programs, cache->hash,
+                                                    &(struct gl_program_params){.compute = cache->text,
+                                                                                .module_names = cache->module_names,
+                                                                                .module_count = cache->module_count},
+                                                    error);
+    struct kept_cache *kept;
+    unsigned texture;
+
+    if (!program) return GL_CACHES_REFUSED;
+    kept = make_room(caches, scene_cache_size_bytes(cache));
+    if (!make_texture(caches->gl, cache, &texture, error)) return GL_CACHES_REFUSED;
+    if (!fill(caches, program, request, i, texture)) {
+        caches->gl->DeleteTextures(1, &texture);
+        return GL_CACHES_STOPPED;
+    }
+    *kept = (struct kept_cache){
+        .texture = texture, .size_bytes = scene_cache_size_bytes(cache), .used = caches->bind_count};
+    memcpy(kept->key, key, sizeof kept->key);
+    log_debug("caches: %s, %d x %d x %d texels, filled in %.1f ms", cache->name, cache->size[0], cache->size[1],
+              cache->size[2], 1000 * (now_s() - start));
+    *made = kept;
+    return GL_CACHES_BOUND;
+}
+
+// Whether the cache has to be there: a step is wanted while one that reads it, and that is wanted, is not.
+static uint64_t find_wanted(struct gl_caches *caches, const struct gl_caches_request *request,
+                            char (*keys)[HASH_TEXT_SIZE])
+{
+    uint64_t wanted = 0, filled = 0;
+
+    for (size_t i = request->count; i-- > 0;) {
+        uint64_t bit = (uint64_t)1 << i;
+        bool is_there = find(caches, keys[i]) != NULL;
+
+        for (size_t k = i + 1; k < request->count; ++k)
+            if (filled >> k & 1 && request->caches[k].reads & bit) wanted |= bit;
+        if (!request->caches[i].is_step) wanted |= bit;
+        if (wanted & bit && !is_there) filled |= bit;
+    }
+    return wanted;
+}
+
+static void drop_steps(struct gl_caches *caches, const struct gl_caches_request *request, char (*keys)[HASH_TEXT_SIZE])
+{
+    for (size_t i = 0; i < request->count; ++i) {
+        struct kept_cache *kept = request->caches[i].is_step ? find(caches, keys[i]) : NULL;
+
+        if (kept) drop(caches, kept);
+    }
+}
+
+static enum gl_caches_end bind_wanted(struct gl_caches *caches, const struct gl_caches_request *request,
+                                      char (*keys)[HASH_TEXT_SIZE], struct error *error)
+{
+    uint64_t wanted = find_wanted(caches, request, keys);
+
+    for (size_t i = 0; i < request->count; ++i) {
+        struct kept_cache *kept = find(caches, keys[i]);
+        enum gl_caches_end end;
+
+        if (!(wanted >> i & 1)) continue;
+        end = kept ? GL_CACHES_BOUND : make(caches, request, i, keys[i], &kept, error);
+        if (end != GL_CACHES_BOUND) return end;
+        caches->gl->BindTextureUnit(request->caches[i].unit, kept->texture);
+    }
+    return GL_CACHES_BOUND;
+}
+
+// All textures of a pass are in GL at once, those of steps with what is made of them.
+static bool check_memory(const struct gl_caches_request *request, struct error *error)
+{
+    int64_t size_bytes = 0;
+
+    for (size_t i = 0; i < request->count; ++i)
+        size_bytes += (int64_t)scene_cache_size_bytes(&request->caches[i]);
+    if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
+    error_prefix(error, "quality: the grids of a frame");
+    return false;
+}
+
+enum gl_caches_end gl_caches_bind(struct gl_caches *caches, const struct gl_caches_request *request,
+                                  struct error *error)
+{
+    char keys[SCENE_CACHE_LIMIT][HASH_TEXT_SIZE];
+    enum gl_caches_end end;
+
+    if (!check_memory(request, error)) return GL_CACHES_REFUSED;
+    caches->bind_count++;
+    for (size_t i = 0; i < request->count; ++i) {
+        struct kept_cache *kept;
+
+        find_key(request, i, keys);
+        kept = find(caches, keys[i]);
+        if (kept) kept->used = caches->bind_count;
+    }
+    end = bind_wanted(caches, request, keys, error);
+    drop_steps(caches, request, keys);
+    return end;
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/render/gl_slices.h"
+
+#include "worker/gl/gl_functions.h"
+
+void gl_slices_finish(struct gl_slices *slices)
+{
+    if (slices->gl) {
+        slices->gl->DeleteTextures(GL_SLICES_IMAGE_COUNT, slices->images);
+        slices->gl->DeleteQueries(1, &slices->query);
+    }
+    *slices = (struct gl_slices){0};
+}
+
+static void make(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px)
+{
+    gl_slices_finish(slices);
+    *slices = (struct gl_slices){.gl = gl, .width_px = width_px, .height_px = height_px};
+    gl->CreateTextures(GL_TEXTURE_2D, GL_SLICES_IMAGE_COUNT, slices->images);
+    for (int i = 0; i < GL_SLICES_IMAGE_COUNT; ++i)
+        gl->TextureStorage2D(slices->images[i], 1, GL_RGBA32UI, width_px, height_px);
+    gl->CreateQueries(GL_SAMPLES_PASSED, 1, &slices->query);
+}
+
+void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px)
+{
+    static const GLuint nothing[4] = {0};
+
+    if (slices->width_px != width_px || slices->height_px != height_px) make(slices, gl, width_px, height_px);
+    for (int i = 0; i < GL_SLICES_IMAGE_COUNT; ++i) {
+        gl->ClearTexImage(slices->images[i], 0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, nothing);
+        gl->BindImageTexture((GLuint)i, slices->images[i], 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
+    }
+}
+
+uint64_t gl_slices_draw(const struct gl_slices *slices)
+{
+    const struct gl_functions *gl = slices->gl;
+    GLuint64 done = 0;
+
+    gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    gl->BeginQuery(GL_SAMPLES_PASSED, slices->query);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    gl->EndQuery(GL_SAMPLES_PASSED);
+    gl->Finish();
+    gl->GetQueryObjectui64v(slices->query, GL_QUERY_RESULT, &done);
+    return done;
+}

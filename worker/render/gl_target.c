@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/render/gl_target.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "worker/gl/gl_functions.h"
+#include "worker/picture/image.h"
+#include "worker/picture/ray_counts.h"
+
+#include <stdlib.h>
+
+enum { TEXTURE_COUNT = 4, STRIP_ROWS = 16 };
+
+static void attach(struct gl_target *target, int index, GLenum format)
+{
+    const struct gl_functions *gl = target->gl;
+
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &target->textures[index]);
+    gl->TextureStorage2D(target->textures[index], 1, format, target->width_px, target->height_px);
+    gl->NamedFramebufferTexture(target->framebuffer, GL_COLOR_ATTACHMENT0 + (GLenum)index, target->textures[index], 0);
+}
+
+static bool make_depth_sums(struct gl_target *target, struct error *error)
+{
+    size_t count = (size_t)target->width_px * (size_t)target->height_px;
+
+    if (!target->has_depth || target->pass_count == 1) return true;
+    target->depth_sums = malloc(count * 2 * sizeof *target->depth_sums);
+    if (!target->depth_sums)
+        error_set(error, "no memory for the depths of %d x %d pixels", target->width_px, target->height_px);
+    return target->depth_sums != NULL;
+}
+
+static void make_framebuffer(struct gl_target *target)
+{
+    const GLenum formats[TEXTURE_COUNT] = {GL_RGBA32F, target->has_transmittance ? GL_RGBA32F : GL_NONE,
+                                           !target->has_depth   ? GL_NONE
+                                           : target->depth_sums ? GL_RG32F
+                                                                : GL_R32F,
+                                           target->has_paths ? GL_RGBA32F : GL_NONE};
+    GLenum buffers[TEXTURE_COUNT];
+
+    target->gl->CreateFramebuffers(1, &target->framebuffer);
+    for (int i = 0; i < TEXTURE_COUNT; ++i) {
+        buffers[i] = formats[i] ? GL_COLOR_ATTACHMENT0 + (GLenum)i : GL_NONE;
+        if (formats[i]) attach(target, i, formats[i]);
+    }
+    target->gl->NamedFramebufferDrawBuffers(target->framebuffer, TEXTURE_COUNT, buffers);
+}
+
+bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct gl_target_params *params,
+                    struct error *error)
+{
+    const struct image *image = params->image;
+    GLint side_limit_px = 0;
+    GLenum status;
+
+    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side_limit_px);
+    if (image->width_px > side_limit_px || image->height_px > side_limit_px) {
+        error_set(error, "resolution: expected at most %d x %d here, got %d x %d", side_limit_px, side_limit_px,
+                  image->width_px, image->height_px);
+        return false;
+    }
+    *target = (struct gl_target){.gl = gl,
+                                 .width_px = image->width_px,
+                                 .height_px = image->height_px,
+                                 .pass_count = params->pass_count,
+                                 .has_transmittance = image->transmittance != NULL,
+                                 .has_depth = image->depth != NULL,
+                                 .has_paths = params->has_paths};
+    if (!make_depth_sums(target, error)) return false;
+    make_framebuffer(target);
+    status = gl->CheckNamedFramebufferStatus(target->framebuffer, GL_FRAMEBUFFER);
+    if (status == GL_FRAMEBUFFER_COMPLETE) return true;
+    error_set(error, "GL cannot render into %d x %d float textures (status 0x%04x)", target->width_px,
+              target->height_px, status);
+    gl_target_finish(target);
+    return false;
+}
+
+void gl_target_finish(struct gl_target *target)
+{
+    if (target->gl) {
+        target->gl->DeleteFramebuffers(1, &target->framebuffer);
+        target->gl->DeleteTextures(TEXTURE_COUNT, target->textures);
+    }
+    free(target->depth_sums);
+    *target = (struct gl_target){0};
+}
+
+bool gl_target_fits(const struct gl_target *target, const struct gl_target_params *params)
+{
+    const struct image *image = params->image;
+
+    return target->gl && target->pass_count == params->pass_count && target->has_paths == params->has_paths &&
+           target->width_px == image->width_px && target->height_px == image->height_px &&
+           target->has_transmittance == (image->transmittance != NULL) && target->has_depth == (image->depth != NULL);
+}
+
+void gl_target_clear(const struct gl_target *target)
+{
+    static const float black[4] = {0};
+
+    for (int i = 0; i < TEXTURE_COUNT; ++i)
+        if (target->textures[i]) target->gl->ClearNamedFramebufferfv(target->framebuffer, GL_COLOR, i, black);
+}
+
+void gl_target_begin(const struct gl_target *target)
+{
+    const struct gl_functions *gl = target->gl;
+
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, target->framebuffer);
+    gl->Viewport(0, 0, target->width_px, target->height_px);
+    gl->Disable(GL_SCISSOR_TEST);
+    if (target->pass_count == 1) {
+        gl->Disable(GL_BLEND);
+        return;
+    }
+    gl->Enable(GL_BLEND);
+    gl->BlendFunc(GL_ONE, GL_ONE);
+    gl_target_clear(target);
+}
+
+static void read_texture(const struct gl_target *target, int index, GLenum format, float *pixels)
+{
+    target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT0 + (GLenum)index);
+    target->gl->ReadPixels(0, 0, target->width_px, target->height_px, format, GL_FLOAT, pixels);
+}
+
+// A few rows at a time: nobody keeps them, and all would take as much again as the picture.
+static void count_rays(const struct gl_target *target, struct ray_counts *counts)
+{
+    size_t row_floats = 4 * (size_t)target->width_px;
+    float *strip = xmalloc(STRIP_ROWS * row_floats * sizeof *strip);
+
+    *counts = (struct ray_counts){.is_known = true};
+    target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT3);
+    for (int y = 0; y < target->height_px; y += STRIP_ROWS) {
+        int rows = target->height_px - y < STRIP_ROWS ? target->height_px - y : STRIP_ROWS;
+
+        target->gl->ReadPixels(0, y, target->width_px, rows, GL_RGBA, GL_FLOAT, strip);
+        for (int i = 0; i < rows; ++i)
+            ray_counts_add_row(counts, strip + (size_t)i * row_floats, target->width_px, y + i);
+    }
+    ray_counts_find_means(counts, (int64_t)target->width_px * target->height_px, target->pass_count);
+    free(strip);
+}
+
+static void divide(float *values, size_t count, int divisor)
+{
+    for (size_t i = 0; i < count; ++i)
+        values[i] /= (float)divisor;
+}
+
+static void find_means(const struct gl_target *target, struct image *image)
+{
+    size_t count = (size_t)image->width_px * (size_t)image->height_px;
+    const float *sums = target->depth_sums;
+
+    divide(image->rgba, 4 * count, target->pass_count);
+    if (image->transmittance) divide(image->transmittance, 4 * count, target->pass_count);
+    for (size_t i = 0; image->depth && sums && i < count; ++i)
+        image->depth[i] = sums[2 * i + 1] > 0 ? sums[2 * i] / sums[2 * i + 1] : 0;
+}
+
+void gl_target_read_rows(const struct gl_target *target, int first_row, int row_count, float *rgba)
+{
+    target->gl->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);
+    target->gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
+    target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT0);
+    target->gl->ReadPixels(0, first_row, target->width_px, row_count, GL_RGBA, GL_FLOAT, rgba);
+}
+
+void gl_target_read(const struct gl_target *target, struct image *image, struct ray_counts *counts)
+{
+    target->gl->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);
+    target->gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
+    read_texture(target, 0, GL_RGBA, image->rgba);
+    if (image->transmittance) read_texture(target, 1, GL_RGBA, image->transmittance);
+    if (target->depth_sums)
+        read_texture(target, 2, GL_RG, target->depth_sums);
+    else if (image->depth)
+        read_texture(target, 2, GL_RED, image->depth);
+    if (target->pass_count > 1) find_means(target, image);
+    if (target->has_paths) count_rays(target, counts);
+}

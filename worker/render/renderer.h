@@ -1,0 +1,61 @@
+// Turns a job's frames into images on one GL context. Call everything from the thread that made it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/job/job.h"
+#include "worker/picture/ray_counts.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct error;
+struct gl_context;
+struct image;
+struct renderer;
+
+enum renderer_fault {
+    RENDERER_FAULT_NONE,
+    RENDERER_FAULT_JOB,      // the shader does not compile, a value is out of range, the scene needs more than GL has
+    RENDERER_FAULT_FRAME,    // a file of this frame's cannot be read, or changed meanwhile
+    RENDERER_FAULT_ENDLESS,  // its loops take more turns than GL runs, this time and the next
+    RENDERER_FAULT_MAJORANT, // a density is above the majorant that the job states, this time and the next
+    RENDERER_FAULT_CONTEXT,  // the context is lost or not usable
+    RENDERER_FAULT_STOPPED,  // on_progress asked for it
+    RENDERER_FAULT_MISSED    // over its tolerance, in finer steps too: worker/tolerance says so, the renderer never
+};
+
+// Called between tiles with the share done in [0, 1]; false stops the frame.
+typedef bool renderer_progress(void *user, double done);
+
+// `shader_dir` (NULL: the embedded text) overrides shader modules while developing.
+struct renderer *renderer_create(struct gl_context *context, const char *shader_dir);
+void renderer_destroy(struct renderer *renderer);
+// True where processors render, whose time is then what a frame costs.
+bool renderer_is_software(const struct renderer *renderer);
+
+// The hash of all that the frame's picture depends on: the job's, and what its files hold now. Without GL.
+bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int32_t frame,
+                           char hash[static HASH_TEXT_SIZE], enum renderer_fault *fault, struct error *error);
+
+// Has what the frame will need from files read in the background, as far as that can be; nothing of it is kept of the job.
+void renderer_expect(struct renderer *renderer, const struct job *job, int32_t frame);
+
+// The next frame is rendered whole, with all that its own textures hold made anew; programs, grids and images stay.
+void renderer_forget(struct renderer *renderer);
+
+struct renderer_result {
+    enum renderer_fault fault;
+    double seconds;                               // GPU work and readback
+    int64_t cache_fills;                          // textures of caches that it made; others were as it needs them
+    bool is_copy;                                 // nothing was rendered: the frame before has the same inputs
+    const char *shader_hash;                      // borrowed from the renderer until the next call
+    char picture_hash[HASH_TEXT_SIZE];            // of what was rendered, as renderer_hash_picture makes it
+    double step;                                  // m, along camera rays
+    struct ray_counts ray_counts;                 // of a copy too
+    double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
+};
+
+// Renders `frame` into `image` (initialised by the caller with the job's size and channels). Programs and targets are
+// kept from call to call; a frame whose inputs equal the one before is copied, not rendered.
+bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,
+                     renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error);

@@ -1,0 +1,23 @@
+// Which media a frame can do without: no camera ray passes them, nor does light on its way to one that is passed.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/job/job.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct scene_inputs;
+
+struct scene_ball {
+    double center[3];
+    double radius; // m; INFINITY: nothing is known
+};
+
+// A ball that holds all of a medium's density at a time. `inputs` are the frame's.
+struct scene_ball scene_sight_ball(const struct job *job, const struct scene_inputs *inputs, size_t medium,
+                                   double time);
+// Looks at each moment that the frame's samples see. In doubt a medium is needed; where there are objects, which send rays
+// anywhere, all are.
+void scene_sight_find(const struct job *job, const struct scene_inputs *inputs, int32_t frame,
+                      bool is_needed[static SCENE_MEDIUM_LIMIT]);

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/scene/texture_image.h"
+
+#include "core/base/error.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
+#include "worker/picture/image_png_read.h"
+#include "worker/picture/srgb.h"
+#include "worker/volume/volume_memory.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum {
+    READER_THREADS = 4,
+    PIXEL_BYTES = 8 + 2 * 4 * sizeof(float) // at most in the file's own form, then in memory and in GL
+};
+
+enum kind { KIND_PNG, KIND_EXR };
+
+static bool find_kind(int fd, enum kind *kind, struct error *error)
+{
+    static const unsigned char png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}, exr[] = {0x76, 0x2f, 0x31, 0x01};
+    unsigned char bytes[sizeof png] = {0};
+
+    if (pread(fd, bytes, sizeof bytes, 0) < 0) {
+        error_set_errno(error, errno, "it cannot be read");
+        return false;
+    }
+    *kind = memcmp(bytes, exr, sizeof exr) == 0 ? KIND_EXR : KIND_PNG;
+    if (*kind == KIND_EXR || memcmp(bytes, png, sizeof png) == 0) return true;
+    error_set(error, "expected a PNG or EXR file");
+    return false;
+}
+
+static bool find_size(int fd, enum kind kind, int *width_px, int *height_px, struct error *error)
+{
+    struct image_exr_facts exr;
+    struct image_png_facts png;
+
+    if (kind == KIND_EXR) {
+        if (!image_exr_read(fd, NULL, &exr, 1, error)) return false;
+        *width_px = exr.width_px;
+        *height_px = exr.height_px;
+        return true;
+    }
+    if (!image_png_read(fd, true, NULL, &png, error)) return false;
+    *width_px = png.width_px;
+    *height_px = png.height_px;
+    return true;
+}
+
+static void tell_value(const struct image *image, size_t pixel, size_t channel, struct error *error)
+{
+    float value = image->rgba[4 * pixel + channel];
+    size_t width = (size_t)image->width_px;
+
+    error_set(error, "channel %c at pixel (%zu, %zu) is %g: expected a value in [0, 1]", "RGB"[channel], pixel % width,
+              pixel / width, (double)value);
+}
+
+// NaN is in no interval.
+static bool check_values(const struct image *image, struct error *error)
+{
+    size_t count = (size_t)image->width_px * (size_t)image->height_px;
+
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3; c++) {
+            float value = image->rgba[4 * i + c];
+
+            if (value >= 0.0f && value <= 1.0f) continue;
+            tell_value(image, i, c, error);
+            return false;
+        }
+    return true;
+}
+
+static void decode(struct image *image)
+{
+    size_t count = (size_t)image->width_px * (size_t)image->height_px;
+
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3; c++)
+            image->rgba[4 * i + c] = (float)srgb_decode((double)image->rgba[4 * i + c]);
+}
+
+static bool read_exr(int fd, bool is_linear, struct image *image, struct error *error)
+{
+    if (!image_exr_read(fd, image, NULL, READER_THREADS, error)) return false;
+    if (!check_values(image, error)) {
+        image_finish(image);
+        return false;
+    }
+    if (!is_linear) decode(image);
+    return true;
+}
+
+static bool read_image(int fd, struct image *image, bool is_linear, struct error *error)
+{
+    enum kind kind;
+    int width_px, height_px;
+
+    if (!find_kind(fd, &kind, error) || !find_size(fd, kind, &width_px, &height_px, error)) return false;
+    if (!volume_memory_check((int64_t)width_px * height_px * PIXEL_BYTES, volume_memory_limit(), error)) return false;
+    return kind == KIND_EXR ? read_exr(fd, is_linear, image, error) : image_png_read(fd, is_linear, image, NULL, error);
+}
+
+static int open_file(const char *path, struct error *error)
+{
+    struct stat status;
+    int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+
+    if (fd < 0) {
+        error_set_errno(error, errno, "%s", path);
+        return -1;
+    }
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode)) return fd;
+    error_set(error, "%s: expected a regular file", path);
+    close(fd);
+    return -1;
+}
+
+bool texture_image_find_size(const char *path, int *width_px, int *height_px, struct error *error)
+{
+    int fd = open_file(path, error);
+    enum kind kind;
+    bool ok;
+
+    if (fd < 0) return false;
+    ok = find_kind(fd, &kind, error) && find_size(fd, kind, width_px, height_px, error);
+    if (!ok) error_prefix(error, "%s", path);
+    close(fd);
+    return ok;
+}
+
+bool texture_image_load(struct image *image, const char *path, bool is_linear, struct error *error)
+{
+    int fd = open_file(path, error);
+    bool ok;
+
+    *image = (struct image){0};
+    if (fd < 0) return false;
+    ok = read_image(fd, image, is_linear, error);
+    if (!ok) error_prefix(error, "%s", path);
+    close(fd);
+    return ok;
+}

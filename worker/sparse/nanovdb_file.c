@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/sparse/nanovdb_file.h"
+
+#include "core/base/error.h"
+#include "worker/volume/volume_memory.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+enum {
+    HEADER_BYTES = 16,
+    METADATA_BYTES = 176, // of a grid, before its name
+    MAJOR_VERSION = 32,   // what lies in memory; minor versions differ in what they can do with it
+    NAME_LIMIT = 4096,
+    DEFLATE_RATIO_LIMIT = 1032 // nothing is deflated further
+};
+
+enum codec { CODEC_NONE, CODEC_ZIP, CODEC_BLOSC };
+
+enum { TYPE_FLOAT = 1, TYPE_COUNT = 20 };
+
+// "NanoVDB0", and what files begin with since 32.6.
+static const uint64_t magic_first = 0x304244566f6e614e, magic_file = 0x324244566f6e614e;
+
+static const char *const type_names[TYPE_COUNT] = {"unknown", "float", "double", "int16",  "int32",   "int64", "vec3f",
+                                                   "vec3d",   "mask",  "half",   "uint32", "boolean", "rgba8", "fp4",
+                                                   "fp8",     "fp16",  "fpn",    "vec4f",  "vec4d",   "index"};
+
+struct grid_place {
+    const char *name; // in the file; ends in NUL
+    uint32_t type;
+    uint64_t grid_bytes, file_bytes;
+    uint64_t offset; // of the packed grid in the file
+    enum codec codec;
+};
+
+// What is left of a file; taking too much marks it as too short.
+struct reader {
+    const unsigned char *bytes;
+    uint64_t size_bytes, at;
+};
+
+static uint16_t read_u16(const unsigned char *bytes)
+{
+    uint16_t value;
+
+    memcpy(&value, bytes, sizeof value);
+    return value;
+}
+
+static uint32_t read_u32(const unsigned char *bytes)
+{
+    uint32_t value;
+
+    memcpy(&value, bytes, sizeof value);
+    return value;
+}
+
+static uint64_t read_u64(const unsigned char *bytes)
+{
+    uint64_t value;
+
+    memcpy(&value, bytes, sizeof value);
+    return value;
+}
+
+static const unsigned char *take(struct reader *reader, uint64_t count, const char *what, struct error *error)
+{
+    const unsigned char *taken = reader->bytes + reader->at;
+
+    if (count > reader->size_bytes - reader->at) {
+        error_set(error, "%s: expected %" PRIu64 " bytes at byte %" PRIu64 ", got %" PRIu64 ": the file is cut short",
+                  what, count, reader->at, reader->size_bytes - reader->at);
+        return NULL;
+    }
+    reader->at += count;
+    return taken;
+}
+
+struct segment {
+    unsigned grid_count;
+    enum codec codec;
+};
+
+static bool read_segment(struct reader *reader, struct segment *segment, struct error *error)
+{
+    const unsigned char *header = take(reader, HEADER_BYTES, "segment", error);
+    unsigned major;
+
+    if (!header) return false;
+    if (read_u64(header) != magic_first && read_u64(header) != magic_file) {
+        error_set(error, "expected a NanoVDB file (\"NanoVDB0\" at byte %" PRIu64 ")", reader->at - HEADER_BYTES);
+        return false;
+    }
+    major = read_u32(header + 8) >> 21;
+    if (major != MAJOR_VERSION) {
+        error_set(error, "version: expected NanoVDB %d, got %u; convert the source again", MAJOR_VERSION, major);
+        return false;
+    }
+    segment->grid_count = read_u16(header + 12);
+    if (read_u16(header + 14) > CODEC_BLOSC) {
+        error_set(error, "codec: expected none or zip, got number %u", (unsigned)read_u16(header + 14));
+        return false;
+    }
+    segment->codec = read_u16(header + 14);
+    return true;
+}
+
+// Metadata lie one after another before the segment's grids.
+static bool read_place(struct reader *reader, const struct segment *segment, struct grid_place *place,
+                       struct error *error)
+{
+    const unsigned char *metadata = take(reader, METADATA_BYTES, "grid", error), *name;
+    uint32_t name_bytes;
+
+    if (!metadata) return false;
+    name_bytes = read_u32(metadata + 136);
+    if (name_bytes == 0 || name_bytes > NAME_LIMIT) {
+        error_set(error, "grid name: expected 1 to %d bytes, got %" PRIu32, NAME_LIMIT, name_bytes);
+        return false;
+    }
+    name = take(reader, name_bytes, "grid name", error);
+    if (!name) return false;
+    if (name[name_bytes - 1] != '\0') {
+        error_set(error, "grid name: expected to end in NUL");
+        return false;
+    }
+    *place = (struct grid_place){.name = (const char *)name,
+                                 .type = read_u32(metadata + 32),
+                                 .grid_bytes = read_u64(metadata),
+                                 .file_bytes = read_u64(metadata + 8),
+                                 .codec = segment->codec};
+    return true;
+}
+
+static bool is_wanted(const struct grid_place *place, const char *name)
+{
+    return name ? strcmp(place->name, name) == 0 : place->type == TYPE_FLOAT;
+}
+
+// Looks through a segment and, when the grid is not there, passes over it.
+static bool search_segment(struct reader *reader, const char *name, struct grid_place *found, struct error *error)
+{
+    struct segment segment;
+    struct reader metadata;
+    struct grid_place place;
+
+    if (!read_segment(reader, &segment, error)) return false;
+    metadata = *reader;
+    for (unsigned i = 0; i < segment.grid_count; ++i)
+        if (!read_place(reader, &segment, &place, error)) return false;
+    for (unsigned i = 0; i < segment.grid_count; ++i) {
+        if (!read_place(&metadata, &segment, &place, error)) return false;
+        place.offset = reader->at;
+        if (!take(reader, place.file_bytes, place.name, error)) return false;
+        if (!found->name && is_wanted(&place, name)) *found = place;
+    }
+    return true;
+}
+
+static void say_what_there_is(const struct nanovdb_bytes *file, const char *name, struct error *error)
+{
+    struct reader reader = {file->bytes, file->size_bytes, 0};
+    char names[512] = "";
+    size_t length = 0;
+
+    while (reader.at < reader.size_bytes) {
+        struct segment segment;
+        struct grid_place place;
+        uint64_t grids_bytes = 0;
+
+        if (!read_segment(&reader, &segment, NULL)) break;
+        for (unsigned i = 0; i < segment.grid_count && read_place(&reader, &segment, &place, NULL); ++i) {
+            const char *type = place.type < TYPE_COUNT ? type_names[place.type] : "unknown";
+
+            if (length < sizeof names)
+                length += (size_t)snprintf(names + length, sizeof names - length, "%s\"%s\" (%s)", length ? ", " : "",
+                                           place.name, type);
+            grids_bytes += place.file_bytes;
+        }
+        if (!take(&reader, grids_bytes, "grids", NULL)) break;
+    }
+    if (name)
+        error_set(error, "no grid is named \"%s\"; there are %s", name, length ? names : "none");
+    else
+        error_set(error, "expected a grid of floats; there are %s", length ? names : "none");
+}
+
+static void *inflate_grid(const struct nanovdb_bytes *file, const struct grid_place *place, struct error *error)
+{
+    const unsigned char *packed = (const unsigned char *)file->bytes + place->offset;
+    uint64_t packed_bytes;
+    uLongf grid_bytes = place->grid_bytes;
+    void *grid;
+
+    if (place->file_bytes < 8 || read_u64(packed) != place->file_bytes - 8) {
+        error_set(error, "zip: the packed size differs from the one in the grid's entry");
+        return NULL;
+    }
+    packed_bytes = place->file_bytes - 8;
+    if (place->grid_bytes / DEFLATE_RATIO_LIMIT > packed_bytes) {
+        error_set(error, "zip: %" PRIu64 " bytes cannot unpack to %" PRIu64, packed_bytes, place->grid_bytes);
+        return NULL;
+    }
+    if (!volume_memory_check((int64_t)place->grid_bytes, volume_memory_limit(), error)) return NULL;
+    grid = malloc(place->grid_bytes ? place->grid_bytes : 1);
+    if (!grid) {
+        error_set(error, "out of memory for %" PRIu64 " bytes", place->grid_bytes);
+        return NULL;
+    }
+    if (uncompress(grid, &grid_bytes, packed + 8, packed_bytes) != Z_OK || grid_bytes != place->grid_bytes) {
+        error_set(error, "zip: the packed grid is damaged");
+        free(grid);
+        return NULL;
+    }
+    return grid;
+}
+
+static void *copy_grid(const struct nanovdb_bytes *file, const struct grid_place *place, struct error *error)
+{
+    void *grid;
+
+    if (place->file_bytes != place->grid_bytes) {
+        error_set(error, "the grid's sizes in the file and in memory differ: %" PRIu64 " and %" PRIu64,
+                  place->file_bytes, place->grid_bytes);
+        return NULL;
+    }
+    grid = malloc(place->grid_bytes ? place->grid_bytes : 1);
+    if (grid)
+        memcpy(grid, (const char *)file->bytes + place->offset, place->grid_bytes);
+    else
+        error_set(error, "out of memory for %" PRIu64 " bytes", place->grid_bytes);
+    return grid;
+}
+
+static void *unpack(const struct nanovdb_bytes *file, const struct grid_place *place, struct error *error)
+{
+    if (place->type != TYPE_FLOAT) {
+        error_set(error, "expected float values, got %s",
+                  place->type < TYPE_COUNT ? type_names[place->type] : "unknown ones");
+        return NULL;
+    }
+    switch (place->codec) {
+    case CODEC_NONE:
+        return copy_grid(file, place, error);
+    case CODEC_ZIP:
+        return inflate_grid(file, place, error);
+    case CODEC_BLOSC:
+        break;
+    }
+    error_set(error, "packed with Blosc; expected none or zip, as `nanovdb_convert -z` makes");
+    return NULL;
+}
+
+void *nanovdb_file_unpack(const struct nanovdb_bytes *file, const char *name, size_t *size_bytes, struct error *error)
+{
+    struct reader reader = {file->bytes, file->size_bytes, 0};
+    struct grid_place place = {0};
+    void *grid;
+
+    do
+        if (!search_segment(&reader, name, &place, error)) return NULL;
+    while (!place.name && reader.at < reader.size_bytes);
+    if (!place.name) {
+        say_what_there_is(file, name, error);
+        return NULL;
+    }
+    grid = unpack(file, &place, error);
+    if (!grid) error_prefix(error, "grid \"%s\"", place.name);
+    *size_bytes = place.grid_bytes;
+    return grid;
+}

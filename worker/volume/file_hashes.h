@@ -1,0 +1,32 @@
+// Hashes of files' contents, kept for as long as the files stay as they are.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/base/hash.h"
+
+#include <stdbool.h>
+#include <sys/types.h>
+#include <time.h>
+
+struct error;
+struct file_hashes;
+
+// Differs when a file was written to or replaced.
+struct file_version {
+    dev_t device;
+    ino_t inode;
+    off_t size_bytes;
+    struct timespec modified, changed;
+};
+
+bool file_version_find(const char *path, struct file_version *version, struct error *error);
+// False for a file that was written to so recently that another write may leave it looking the same.
+bool file_version_is_settled(const struct file_version *version);
+bool file_version_is_same(const struct file_version *a, const struct file_version *b);
+
+struct file_hashes *file_hashes_create(void);
+void file_hashes_destroy(struct file_hashes *hashes); // accepts NULL
+
+// The hash of all bytes of the file at `path` and the version that has them. A file that changes meanwhile is an error.
+bool file_hashes_find(struct file_hashes *hashes, const char *path, struct file_version *version,
+                      char hash[static HASH_TEXT_SIZE], struct error *error);

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/volume/volume.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "worker/volume/volume_layout.h"
+#include "worker/volume/volume_memory.h"
+#include "worker/volume/volume_placement.h"
+#include "worker/volume/volume_stream.h"
+#include "worker/volume/volume_voxels.h"
+
+#include <assert.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Values converted at once: few enough to stay in the cache between reading, swapping and checking.
+enum { CHUNK_VALUES = 64 * 1024 };
+
+typedef bool open_format(struct volume_layout *layout, const struct volume_source *source, struct error *error);
+
+static const struct {
+    const char *ending;
+    open_format *open;
+} formats[] = {
+    {".raw", volume_raw_open},   {".nrrd", volume_nrrd_open},         {".nhdr", volume_nrrd_open},
+    {".nii", volume_nifti_open}, {".nii.gz", volume_nifti_gzip_open},
+};
+
+enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
+
+static bool has_ending(const char *path, const char *ending)
+{
+    size_t length = strlen(path), ending_length = strlen(ending);
+
+    return length > ending_length && strcasecmp(path + length - ending_length, ending) == 0;
+}
+
+static bool is_raw_given(const struct scene_raw *raw)
+{
+    return raw->size[0] || raw->size[1] || raw->size[2] || raw->has_type || raw->is_big_endian || raw->skip_bytes;
+}
+
+static bool open_by_name(struct volume_layout *layout, const struct volume_source *source, struct error *error)
+{
+    for (size_t i = 0; i < FORMAT_COUNT; i++) {
+        if (!has_ending(source->path, formats[i].ending)) continue;
+        if (formats[i].open != volume_raw_open && is_raw_given(&source->raw)) {
+            error_set(error, "size, type, byte_order and skip_bytes are for raw files; a %s file says them itself",
+                      formats[i].ending);
+            return false;
+        }
+        return formats[i].open(layout, source, error);
+    }
+    if (has_ending(source->path, ".hdr") || has_ending(source->path, ".img"))
+        error_set(error, "header and voxels are in two files (.hdr and .img): join them into one .nii first");
+    else
+        error_set(error, "expected a name that ends in .raw, .nrrd, .nhdr, .nii or .nii.gz");
+    return false;
+}
+
+static bool check_memory(const struct volume_layout *layout, struct error *error)
+{
+    size_t value_size = volume_type_size(volume_stored_type(layout->stored));
+
+    return volume_memory_check(volume_layout_voxels(layout) * (int64_t)value_size, volume_memory_limit(), error);
+}
+
+static bool place(struct volume_layout *layout, const struct volume_source *source, struct error *error)
+{
+    const double *spacing = source->spacing;
+
+    if (!volume_place_check(layout->index_to_world, error)) return false;
+    if (spacing[0] == 0.0 && spacing[1] == 0.0 && spacing[2] == 0.0) return true;
+    for (int axis = 0; axis < 3; axis++) {
+        if (spacing[axis] > 0.0 && isfinite(spacing[axis])) continue;
+        error_set(error, "spacing: expected sides of voxels above 0 m, got %g along %c", spacing[axis], "ijk"[axis]);
+        return false;
+    }
+    volume_place_respace(layout->index_to_world, layout->size, spacing);
+    return volume_place_check(layout->index_to_world, error);
+}
+
+bool volume_open(struct volume **volume, const struct volume_source *source, struct error *error)
+{
+    struct volume_layout *layout = xcalloc(1, sizeof *layout);
+
+    *volume = NULL;
+    if (!open_by_name(layout, source, error) || !place(layout, source, error) || !check_memory(layout, error)) {
+        error_prefix(error, "%s", source->path);
+        volume_layout_finish(layout);
+        free(layout);
+        return false;
+    }
+    *volume = xcalloc(1, sizeof **volume);
+    **volume = (struct volume){.type = volume_stored_type(layout->stored),
+                               .slope = layout->slope,
+                               .intercept = layout->intercept,
+                               .layout = layout};
+    memcpy((*volume)->size, layout->size, sizeof layout->size);
+    memcpy((*volume)->index_to_world, layout->index_to_world, sizeof layout->index_to_world);
+    return true;
+}
+
+void volume_close(struct volume *volume)
+{
+    if (!volume) return;
+    volume_layout_finish(volume->layout);
+    free(volume->layout);
+    free(volume);
+}
+
+static bool is_native_order(bool is_big_endian)
+{
+    return is_big_endian == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
+}
+
+static void set_voxel_error(const struct volume *volume, int64_t index, struct error *error)
+{
+    int64_t i = index % volume->size[0];
+    int64_t j = index / volume->size[0] % volume->size[1];
+    int64_t k = index / volume->size[0] / volume->size[1];
+
+    error_set(error,
+              "voxel (%" PRId64 ", %" PRId64 ", %" PRId64 ") is no finite number (or too large for one of 32 bits)", i,
+              j, k);
+}
+
+// The next `count` values, of which the first is the file's `index`th.
+static bool read_chunk(struct volume *volume, int64_t index, size_t count, void *values, struct error *error)
+{
+    struct volume_layout *layout = volume->layout;
+    size_t stored_size = volume_stored_size(layout->stored);
+    void *bytes = values;
+    size_t bad;
+
+    if (stored_size != volume_type_size(volume->type)) {
+        if (!layout->staging) layout->staging = xmalloc(CHUNK_VALUES * sizeof(double));
+        bytes = layout->staging;
+    }
+    if (!volume_stream_read(layout->stream, bytes, count * stored_size, error)) return false;
+    if (!is_native_order(layout->is_big_endian)) volume_voxels_swap(bytes, count, layout->stored);
+    bad = volume_voxels_convert(values, bytes, count, layout->stored);
+    if (bad == count) return true;
+    set_voxel_error(volume, index + (int64_t)bad, error);
+    return false;
+}
+
+bool volume_read(struct volume *volume, int slice_count, void *values, struct error *error)
+{
+    int64_t slice = (int64_t)volume->size[0] * volume->size[1];
+    int64_t count = slice * slice_count;
+    size_t value_size = volume_type_size(volume->type);
+    bool ok = true;
+
+    assert(slice_count >= 0 && slice_count <= volume->size[2] - volume->next_slice);
+    for (int64_t done = 0; ok && done < count; done += CHUNK_VALUES) {
+        int64_t chunk = count - done < CHUNK_VALUES ? count - done : CHUNK_VALUES;
+
+        ok = read_chunk(volume, slice * volume->next_slice + done, (size_t)chunk,
+                        (char *)values + (size_t)done * value_size, error);
+    }
+    volume->next_slice += slice_count;
+    if (ok && slice_count > 0 && volume->next_slice == volume->size[2])
+        ok = volume_stream_check_end(volume->layout->stream, error);
+    if (!ok) error_prefix(error, "%s", volume_stream_path(volume->layout->stream));
+    return ok;
+}

@@ -1,0 +1,28 @@
+// The number types that volume files store, and their way into the types a volume has.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/volume/volume.h"
+
+enum volume_stored {
+    VOLUME_STORED_UINT8,
+    VOLUME_STORED_INT8,
+    VOLUME_STORED_UINT16,
+    VOLUME_STORED_INT16,
+    VOLUME_STORED_UINT32,
+    VOLUME_STORED_INT32,
+    VOLUME_STORED_UINT64,
+    VOLUME_STORED_INT64,
+    VOLUME_STORED_FLOAT32,
+    VOLUME_STORED_FLOAT64
+};
+
+size_t volume_stored_size(enum volume_stored stored); // bytes
+const char *volume_stored_name(enum volume_stored stored);
+enum volume_type volume_stored_type(enum volume_stored stored); // what it becomes
+
+// Reverses the bytes of each of `count` values.
+void volume_voxels_swap(void *values, size_t count, enum volume_stored stored);
+// Converts `count` values in native byte order; `to` may be `from` if both types have the same size. Returns the first
+// index whose result is not finite, or `count`.
+size_t volume_voxels_convert(void *to, const void *from, size_t count, enum volume_stored stored);
