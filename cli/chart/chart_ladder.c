@@ -172,7 +172,7 @@ static void write_kept(struct json_writer *out, const struct json_node *quality,
         char *text;
 
         if (json_node_is_absent(&member)) continue;
-        text = json_format(&member);
+        text = json_node_format(&member);
         json_write_key(out, kept[i]);
         json_write_raw(out, text, strlen(text));
         free(text);

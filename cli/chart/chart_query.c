@@ -279,7 +279,7 @@ static bool read_plan(const struct message *reply, char **quality, struct error 
     struct json_node chosen = json_node_child(&plan, "quality");
 
     if (!json_check_object(&chosen, error)) return false;
-    *quality = json_format(&chosen);
+    *quality = json_node_format(&chosen);
     return true;
 }
 

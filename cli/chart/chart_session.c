@@ -359,7 +359,7 @@ static enum exit_status run(struct session *session, struct chart_svg_mark *mark
     const struct chart_session_params *params = session->params;
     struct chart_truth_facts facts;
     struct json_node job, quality = job_quality(session, &job);
-    char *text = json_node_is_absent(&quality) ? xstrdup("{}") : json_format(&quality);
+    char *text = json_node_is_absent(&quality) ? xstrdup("{}") : json_node_format(&quality);
     int samples = samples_of(text);
     enum exit_status status;
 

@@ -71,7 +71,7 @@ static void print_page(const struct options *options, const struct json_node *fr
 
     while (json_node_next(frames, &frame)) {
         if (options->json) {
-            char *text = json_format(&frame);
+            char *text = json_node_format(&frame);
 
             printf("%s%s", is_first ? "" : ",", text);
             free(text);

@@ -67,7 +67,7 @@ static void print_made(const struct options *options, const char *out, const str
         char *text;
 
         if (strcmp(member.key, "files") == 0) continue; // of a folder that is gone by now
-        text = json_format(&member);
+        text = json_node_format(&member);
         json_write_key(&writer, member.key);
         json_write_raw(&writer, text, strlen(text));
         free(text);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command/commands.h"
 #include "cli/job/job_document.h"
+#include "cli/job/json_set.h"
 #include "cli/program/interrupt.h"
 #include "cli/program/options.h"
 #include "cli/render/output_root.h"
@@ -181,7 +182,7 @@ enum exit_status command_render(const struct options *options, struct error *err
     char *root = NULL;
 
     if (!document) goto out;
-    if (options->range && !job_document_set_text(&document, "frames", options->range, error)) goto out;
+    if (options->range && !json_set_text(&document, "frames", options->range, error)) goto out;
     root = output_root_choose(options->out, true, &document, error);
     if (root && job_document_check(path, document, root, &job, error))
         status = render(options, &job, document, root, error);

@@ -47,7 +47,7 @@ static void print_plan(const struct options *options, const struct job *job, con
     json_write_bool_member(&writer, "dry_run", true);
     job_summary_write_members(job, &writer);
     if (foretold) {
-        char *text = json_format(foretold);
+        char *text = json_node_format(foretold);
 
         json_write_key(&writer, "plan");
         json_write_raw(&writer, text, strlen(text));

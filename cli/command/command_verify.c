@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command/commands.h"
 #include "cli/job/job_document.h"
+#include "cli/job/json_set.h"
 #include "cli/program/options.h"
 #include "cli/render/output_root.h"
 #include "cli/verify/verify_ask.h"
@@ -145,7 +146,7 @@ static enum exit_status verify_job(const struct options *options, const char *pa
     char *root = NULL;
 
     if (!document) goto out;
-    if (options->range && !job_document_set_text(&document, "frames", options->range, error)) goto out;
+    if (options->range && !json_set_text(&document, "frames", options->range, error)) goto out;
     root = output_root_choose(options->out, false, &document, error);
     // An absolute path may be a farm's, whose root is not known here.
     if (root && job_document_check(path, document, "/", &job, error))

@@ -33,7 +33,7 @@ static void add_cell(struct table *table, const struct json_node *worker, const 
         table_add(table, json_read_string(&node, &text, NULL) ? text : NULL);
         return;
     default:
-        json = json_format(&node);
+        json = json_node_format(&node);
         table_add(table, json);
         free(json);
     }

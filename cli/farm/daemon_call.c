@@ -70,7 +70,7 @@ static bool tell_job(const struct json_node *result, int64_t id, struct json_wri
 
     if (!job_report_read(&report, result, error)) return false;
     if (results) {
-        text = json_format(result);
+        text = json_node_format(result);
         json_write_raw(results, text, strlen(text));
         free(text);
     } else {

@@ -54,7 +54,7 @@ static char *format_job(const struct json_node *job)
         char *text;
 
         if (strcmp(member.key, "document") == 0) continue;
-        text = json_format(&member);
+        text = json_node_format(&member);
         json_write_key(&writer, member.key);
         json_write_raw(&writer, text, strlen(text));
         free(text);

@@ -8,7 +8,7 @@
 #include "core/base/file.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
-#include "core/json/json_write.h"
+#include "core/json/json_read.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -65,7 +65,7 @@ static char *load_compact(const char *path, struct error *error)
     if (!text) return NULL;
     if (json_parse(&root, text, strlen(text), error)) {
         node = json_node_root(root);
-        compact = json_format(&node);
+        compact = json_node_format(&node);
     } else {
         error_prefix(error, "%s", job_document_name(path));
     }
@@ -92,22 +92,6 @@ char *job_document_load(const char *path, const char *const sets[], size_t set_c
         return NULL;
     }
     return document;
-}
-
-bool job_document_set_text(char **document, const char *path_in_document, const char *text, struct error *error)
-{
-    struct json_writer assignment = {0};
-    char *whole, *edited;
-
-    json_write_string(&assignment, text);
-    whole = xasprintf("%s=%s", path_in_document, assignment.text);
-    edited = json_set(*document, whole, error);
-    json_writer_finish(&assignment);
-    free(whole);
-    if (!edited) return false;
-    free(*document);
-    *document = edited;
-    return true;
 }
 
 bool job_document_check(const char *path, const char *document, const char *output_root, struct job *job,

@@ -11,8 +11,6 @@ struct job;
 // Reads `path` ("-" is standard input), applies each PATH=VALUE of `sets` and resolves the files that it reads (job_inputs.h).
 // Compact JSON on one line, owned by the caller; NULL on failure, with the file named.
 char *job_document_load(const char *path, const char *const sets[], size_t set_count, struct error *error);
-// Replaces `*document` by one whose value at `path_in_document` is the string `text`.
-bool job_document_set_text(char **document, const char *path_in_document, const char *text, struct error *error);
 // Reads the document as a job; absolute output paths must lie below `output_root` ("/" for any). A file that it reads and
 // that is not there is an error. Names the file.
 bool job_document_check(const char *path, const char *document, const char *output_root, struct job *job,

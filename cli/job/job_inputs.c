@@ -2,6 +2,7 @@
 #include "cli/job/job_inputs.h"
 
 #include "cli/job/job_document.h"
+#include "cli/job/json_set.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -68,7 +69,7 @@ fail:
 static bool set_member(char **document, const char *place, const char *key, const char *text, struct error *error)
 {
     char *path = xasprintf("%s.%s", place, key);
-    bool ok = job_document_set_text(document, path, text, error);
+    bool ok = json_set_text(document, path, text, error);
 
     free(path);
     return ok;

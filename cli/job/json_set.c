@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/json/json_read.h"
+#include "core/json/json_scan.h"
 #include "core/json/json_write.h"
 
 #include <stdlib.h>
@@ -109,7 +110,7 @@ static bool write_missing(struct edit *edit, size_t step, struct error *error)
 
 static void write_unchanged(struct edit *edit, const struct json_node *node)
 {
-    char *text = json_format(node);
+    char *text = json_node_format(node);
 
     json_write_raw(&edit->writer, text, strlen(text));
     free(text);
@@ -211,4 +212,20 @@ out:
     json_delete(root);
     free(path);
     return edited;
+}
+
+bool json_set_text(char **document, const char *path, const char *text, struct error *error)
+{
+    struct json_writer assignment = {0};
+    char *whole, *edited;
+
+    json_write_string(&assignment, text);
+    whole = xasprintf("%s=%s", path, assignment.text);
+    edited = json_set(*document, whole, error);
+    json_writer_finish(&assignment);
+    free(whole);
+    if (!edited) return false;
+    free(*document);
+    *document = edited;
+    return true;
 }

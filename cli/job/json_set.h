@@ -10,3 +10,5 @@ struct error;
 // of a string is taken as a string too. A missing key is added, an index equal to the array's count appends. Returns the
 // whole edited document as compact JSON, owned by the caller; NULL on failure, with `error` naming the place.
 char *json_set(const char *document, const char *assignment, struct error *error);
+// Replaces `*document` by one whose value at `path` is the string `text`.
+bool json_set_text(char **document, const char *path, const char *text, struct error *error);

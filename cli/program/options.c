@@ -3,7 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
-#include "core/json/json_read.h"
+#include "core/base/nearest_name.h"
 
 #include <errno.h>
 #include <math.h>
@@ -88,7 +88,7 @@ static void fail_unknown(const char *argument, size_t length, uint64_t accepted,
 
     for (int i = 0; i < OPTION_COUNT; i++)
         if (accepted & OPTION_BIT(i)) names[count++] = rules[i].name;
-    nearest = json_nearest_name(name, names);
+    nearest = nearest_name_find(name, names);
     if (nearest)
         error_set(error, "unknown option --%s, did you mean --%s?", name, nearest);
     else

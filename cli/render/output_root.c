@@ -2,6 +2,7 @@
 #include "cli/render/output_root.h"
 
 #include "cli/job/job_document.h"
+#include "cli/job/json_set.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 
@@ -35,14 +36,13 @@ char *output_root_choose(const char *out, bool may_make, char **document, struct
     char *folder = NULL, *root = NULL;
 
     if (!out || *out != '/') {
-        if (out && !job_document_set_text(document, "output.path", out, error)) return NULL;
+        if (out && !json_set_text(document, "output.path", out, error)) return NULL;
         root = realpath(".", NULL);
         if (!root) error_set_errno(error, errno, "the current folder");
         return root;
     }
     folder = slash == out ? xstrdup("/") : xstrndup(out, (size_t)(slash - out));
-    if ((!may_make || make_folders(folder, error)) &&
-        job_document_set_text(document, "output.path", slash + 1, error)) {
+    if ((!may_make || make_folders(folder, error)) && json_set_text(document, "output.path", slash + 1, error)) {
         root = realpath(folder, NULL);
         if (!root) error_set_errno(error, errno, "--out: folder %s", folder);
     }

@@ -11,7 +11,7 @@
 
 void print_json(const struct json_node *node)
 {
-    char *text = json_format(node);
+    char *text = json_node_format(node);
 
     puts(text);
     fflush(stdout);

@@ -3,7 +3,6 @@
 
 #include "core/base/error.h"
 #include "core/base/utf8.h"
-#include "core/json/json_read.h"
 
 #include <math.h>
 #include <stdarg.h>

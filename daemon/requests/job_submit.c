@@ -245,7 +245,7 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     if (!check_folder(request, &job, root) || !find_inputs(request, &job, &inputs) || !check_limits(request, &job) ||
         !check_collisions(request, &job, root))
         goto out;
-    submit = create_submit(request, &job, json_format(document), root);
+    submit = create_submit(request, &job, json_node_format(document), root);
     submit->row.is_paused = paused;
     submit->inputs = inputs;
     inputs = (struct job_inputs){0};

@@ -2,6 +2,7 @@
 #include "daemon/requests/requests.h"
 
 #include "core/base/alloc.h"
+#include "core/base/nearest_name.h"
 #include "core/json/json_write.h"
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
@@ -51,7 +52,7 @@ static enum request_outcome fail_method(struct request *request, const char *nam
 
     for (size_t i = 0; i < METHOD_COUNT; i++)
         names[i] = methods[i].name;
-    nearest = json_nearest_name(name, names);
+    nearest = nearest_name_find(name, names);
     return request_fail(request, MESSAGE_CODE_NO_METHOD,
                         nearest ? "method: there is no \"%.60s\", did you mean \"%s\"?"
                                 : "method: there is no \"%.60s\"%s",

@@ -26,7 +26,7 @@ static void check_round_trip(const struct message *message)
     struct json_writer writer = {0};
     struct message again;
     enum message_code code;
-    char *body = json_format(&message->body);
+    char *body = json_node_format(&message->body);
 
     if (message->kind == MESSAGE_RESULT)
         message_begin_result(&writer, message->id);

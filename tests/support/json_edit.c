@@ -61,7 +61,7 @@ static void write_edited(struct json_writer *writer, const struct json_node *nod
         return;
     }
     if (type != JSON_OBJECT && type != JSON_ARRAY) {
-        char *text = json_format(node);
+        char *text = json_node_format(node);
 
         json_write_raw(writer, text, strlen(text));
         free(text);

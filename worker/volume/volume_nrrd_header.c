@@ -3,7 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
-#include "core/json/json_read.h"
+#include "core/base/nearest_name.h"
 #include "worker/volume/volume_stream.h"
 
 #include <ctype.h>
@@ -146,7 +146,7 @@ static void set_unknown_error(const struct reader *reader, size_t name_length, s
     snprintf(name, sizeof name, "%.*s", (int)(name_length < sizeof name ? name_length : sizeof name - 1), reader->line);
     for (char *at = name; *at; at++)
         if (!isprint((unsigned char)*at)) *at = '?';
-    nearest = json_nearest_name(name, names);
+    nearest = nearest_name_find(name, names);
     error_set(error, "line %d: unknown field \"%s\"%s%s%s", reader->line_number, name,
               nearest ? ", did you mean \"" : "", nearest ? nearest : "", nearest ? "\"?" : "");
 }

@@ -274,29 +274,12 @@ static void array_counts_are_checked(void **state)
     json_delete(root);
 }
 
-static void nearest_name_is_near_or_none(void **state)
-{
-    static const char *const names[] = {"position", "target", "up", "fov", NULL};
-
-    assert_string_equal(json_nearest_name("postion", names), "position");
-    assert_string_equal(json_nearest_name("psoition", names), "position");
-    assert_string_equal(json_nearest_name("taget", names), "target");
-    assert_string_equal(json_nearest_name("fow", names), "fov");
-    assert_string_equal(json_nearest_name("FOV", names), "fov");
-    assert_string_equal(json_nearest_name("Target", names), "target");
-    assert_null(json_nearest_name("fin", names));
-    assert_string_equal(json_nearest_name("fov", names), "fov");
-    assert_null(json_nearest_name("zebra", names));
-    assert_null(json_nearest_name("", names));
-    assert_null(json_nearest_name("positionpositionpositionpositionpositionpositionposition", names));
-}
-
 static void format_round_trips(void **state)
 {
     static const char text[] = "{\"a\":[1,2.5,-0.1,true,false,null,\"x\\n\xc3\xa9\",{}],\"b\":{\"c\":[]},\"\":1e-300}";
     struct cJSON *root = parse(text);
     struct json_node node = json_node_root(root);
-    char *formatted = json_format(&node);
+    char *formatted = json_node_format(&node);
 
     assert_string_equal(formatted, text);
     free(formatted);
@@ -358,7 +341,6 @@ int main(void)
         cmocka_unit_test(enum_suggests_the_nearest_name),
         cmocka_unit_test(unknown_keys_are_refused_with_a_suggestion),
         cmocka_unit_test(array_counts_are_checked),
-        cmocka_unit_test(nearest_name_is_near_or_none),
         cmocka_unit_test(format_round_trips),
         cmocka_unit_test(members_are_walked_in_order),
         cmocka_unit_test(large_arrays_are_walked_in_linear_time),
