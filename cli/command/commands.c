@@ -3,9 +3,10 @@
 
 #include "cli/program/options.h"
 #include "core/base/error.h"
-#include "core/json/json_read.h"
+#include "core/base/nearest_name.h"
 #include "core/json/json_write.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 #define BIT(name) OPTION_BIT(OPTION_##name)
@@ -14,8 +15,9 @@
 #define WORKER (EVERY | BIT(WORKER_PROGRAM))
 #define RENDERER (WORKER | BIT(BACKEND) | BIT(DEVICE) | BIT(SHADER_DIR))
 
-enum { ANY = 1 << 20, FIRST_LOCAL = 14 };
+enum { ANY = 1 << 20 };
 
+// The verbs that need a daemon come first.
 static const struct command commands[] = {
     {"submit", "JOB", 1, 1, DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(DRY_RUN) | BIT(SET) | BIT(PAUSED) | BIT(PRIORITY),
      "Hands a job file (- for standard input) to the daemon and prints the job's id.",
@@ -89,7 +91,7 @@ void command_fail_unknown(const char *name, struct error *error)
 
     for (size_t i = 0; i < COMMAND_COUNT; i++)
         names[i] = commands[i].name;
-    nearest = json_nearest_name(name, names);
+    nearest = nearest_name_find(name, names);
     if (nearest)
         error_set(error, "unknown verb \"%s\", did you mean \"%s\"?", name, nearest);
     else
@@ -106,9 +108,14 @@ void command_print_help(FILE *out, const struct command *command)
 
 void command_print_overview(FILE *out)
 {
+    bool is_local = false;
+
     fputs("usage: march VERB [OPTION...]\n\nWith a daemon:\n", out);
     for (size_t i = 0; i < COMMAND_COUNT; i++) {
-        if (i == FIRST_LOCAL) fputs("\nWithout:\n", out);
+        if (!is_local && !(commands[i].options & BIT(SOCKET))) {
+            is_local = true;
+            fputs("\nWithout:\n", out);
+        }
         fprintf(out, "  %-10s %-15s %s\n", commands[i].name, commands[i].operands, commands[i].summary);
     }
     fputs("\n`march VERB --help` tells the options of a verb.\n"
