@@ -1,8 +1,8 @@
-// How one way to reach GL makes a context; private to gl_context*.c.
+// What every backend gives a context, and what they share in making one; private to gl_context*.c.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/gl/gl_context.h"
+#include "worker/gl/gl_context_facts.h"
 
 struct gl_context {
     struct gl_context_facts facts;
@@ -18,16 +18,16 @@ struct gl_context_trials {
 void gl_context_trials_add(struct gl_context_trials *trials, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-enum gl_context_egl_devices {
-    GL_CONTEXT_EGL_HARDWARE,
-    GL_CONTEXT_EGL_SOFTWARE // software devices, then the surfaceless platform
-};
+// Returns a current context with `function`, `destroy` and all facts, or NULL with its tries added. `device` is as for
+// gl_context_create.
+typedef struct gl_context *gl_context_backend_create(const char *device, struct gl_context_trials *trials);
 
-// Each returns a current context with `function`, `destroy` and the facts only it knows, or NULL with its tries added.
-// `device` is as for gl_context_create and, if given, overrides `devices`.
-struct gl_context *gl_context_egl_create(enum gl_context_egl_devices devices, const char *device,
-                                         struct gl_context_trials *trials);
-struct gl_context *gl_context_osmesa_create(struct gl_context_trials *trials);
+// EGL on a GPU, or on `device` whatever it is.
+gl_context_backend_create gl_context_egl_create_hardware;
+// EGL on a software device, else on the surfaceless platform.
+gl_context_backend_create gl_context_egl_create_software;
+// OSMesa has no devices: naming one fails.
+gl_context_backend_create gl_context_osmesa_create;
 
 // Reads vendor, renderer, version and, where GL tells it, the device's UUID. False when GL is older than 4.5.
 bool gl_context_read_facts(struct gl_context *context, struct gl_context_trials *trials);

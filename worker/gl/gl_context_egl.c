@@ -226,10 +226,10 @@ static struct gl_context *create_on_device(const struct egl_library *egl, EGLDev
     return context;
 }
 
-static struct gl_context *create_on_devices(const struct egl_library *egl, enum gl_context_egl_devices devices,
-                                            const char *wanted, struct gl_context_trials *trials)
+// The first device that works of those that render in software or do not; `wanted`, if given, whatever it is.
+static struct gl_context *create_on_devices(const struct egl_library *egl, bool in_software, const char *wanted,
+                                            struct gl_context_trials *trials)
 {
-    bool software = devices == GL_CONTEXT_EGL_SOFTWARE;
     EGLDeviceEXT found[DEVICE_LIMIT];
     EGLint count = 0;
     int candidates = 0;
@@ -239,23 +239,29 @@ static struct gl_context *create_on_devices(const struct egl_library *egl, enum 
         bool is_software = has_word(egl->query_device_string(found[i], EGL_EXTENSIONS), "EGL_MESA_device_software");
         struct gl_context *context;
 
-        if (!wanted && is_software != software) continue;
+        if (!wanted && is_software != in_software) continue;
         ++candidates;
         context = create_on_device(egl, found[i], i, wanted, trials);
-        if (context && !wanted && context->facts.is_software != software) {
+        if (context && !wanted && context->facts.is_software != in_software) {
             gl_context_trials_add(trials, "egl device %d: renders in software", i);
             destroy(context);
             context = NULL;
         }
         if (context) return context;
     }
-    if (candidates == 0) gl_context_trials_add(trials, "egl: no %s device", software ? "software" : "GPU");
+    if (candidates == 0) gl_context_trials_add(trials, "egl: no %s device", in_software ? "software" : "GPU");
     if (wanted) gl_context_trials_add(trials, "egl: no usable device \"%s\" among %d", wanted, (int)count);
     return NULL;
 }
 
-struct gl_context *gl_context_egl_create(enum gl_context_egl_devices devices, const char *device,
-                                         struct gl_context_trials *trials)
+struct gl_context *gl_context_egl_create_hardware(const char *device, struct gl_context_trials *trials)
+{
+    struct egl_library egl = {0};
+
+    return load_library(&egl, trials) ? create_on_devices(&egl, false, device, trials) : NULL;
+}
+
+struct gl_context *gl_context_egl_create_software(const char *device, struct gl_context_trials *trials)
 {
     static const struct egl_place surfaceless = {
         .platform = EGL_PLATFORM_SURFACELESS_MESA, .native = EGL_DEFAULT_DISPLAY, .name = "egl surfaceless"};
@@ -263,8 +269,8 @@ struct gl_context *gl_context_egl_create(enum gl_context_egl_devices devices, co
     struct gl_context *context;
 
     if (!load_library(&egl, trials)) return NULL;
-    context = create_on_devices(&egl, devices, device, trials);
-    if (context || device || devices != GL_CONTEXT_EGL_SOFTWARE) return context;
+    context = create_on_devices(&egl, true, device, trials);
+    if (context || device) return context;
     if (!has_word(egl.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS), "EGL_MESA_platform_surfaceless")) return NULL;
     return create_at(&egl, &surfaceless, trials);
 }

@@ -48,7 +48,7 @@ static void *load_library(struct gl_context_trials *trials)
     return library;
 }
 
-struct gl_context *gl_context_osmesa_create(struct gl_context_trials *trials)
+struct gl_context *gl_context_osmesa_create(const char *device, struct gl_context_trials *trials)
 {
     static const int attributes[] = {OSMESA_FORMAT,
                                      OSMESA_RGBA,
@@ -62,8 +62,13 @@ struct gl_context *gl_context_osmesa_create(struct gl_context_trials *trials)
     OSMesaContext (*create)(const int *, OSMesaContext);
     GLboolean (*make_current)(OSMesaContext, void *, GLenum, GLsizei, GLsizei);
     struct osmesa_context *osmesa = NULL;
-    void *library = load_library(trials);
+    void *library;
 
+    if (device) {
+        gl_context_trials_add(trials, "osmesa: expected no device, got \"%s\"", device);
+        return NULL;
+    }
+    library = load_library(trials);
     if (!library) return NULL;
     osmesa = xcalloc(1, sizeof *osmesa);
     osmesa->base = (struct gl_context){.function = find_function, .destroy = destroy, .facts.backend = "osmesa"};
