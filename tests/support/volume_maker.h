@@ -4,6 +4,8 @@
 
 #include "worker/volume/volume_voxels.h"
 
+#include <stdbool.h>
+
 // i + 5 j + 20 k: different at every index of a volume of 5 x 4 x 3 voxels.
 double volume_maker_value(int i, int j, int k);
 

@@ -4,6 +4,8 @@
 
 #include "worker/volume/volume_voxels.h"
 
+#include <stdbool.h>
+
 struct volume_maker_nifti {
     int version; // 1 or 2
     bool is_big_endian;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/volume/volume.h"
+#include "worker/volume/volume_voxels.h"
 
 #include <stdbool.h>
 

@@ -7,7 +7,6 @@
 #include "worker/volume/volume_memory.h"
 #include "worker/volume/volume_placement.h"
 #include "worker/volume/volume_stream.h"
-#include "worker/volume/volume_voxels.h"
 
 #include <assert.h>
 #include <inttypes.h>

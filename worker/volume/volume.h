@@ -2,25 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/scene/scene.h"
+#include "worker/volume/volume_source.h"
+#include "worker/volume/volume_voxels.h"
 
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
 struct error;
 struct volume_layout;
-
-enum { VOLUME_VOXEL_LIMIT = INT32_MAX }; // voxels of a volume: fewer than 2^31
-
-// Types wider than 16 bits, and signed bytes, become VOLUME_FLOAT32 while they are read.
-enum volume_type { VOLUME_UINT8, VOLUME_UINT16, VOLUME_INT16, VOLUME_FLOAT32 };
-
-struct volume_source {
-    const char *path;     // borrowed while volume_open runs; .raw .nrrd .nhdr .nii .nii.gz
-    struct scene_raw raw; // of a raw file; must be all zero for the others
-    double spacing[3];    // m; overrides the file's: directions and the grid's middle stay. All 0: as the file says
-};
 
 // Public fields are the header's; nothing changes them after volume_open.
 struct volume {
@@ -40,5 +28,3 @@ bool volume_open(struct volume **volume, const struct volume_source *source, str
 // A voxel that is NaN or infinite is an error that names it. With the last slice the file's end is checked.
 bool volume_read(struct volume *volume, int slice_count, void *values, struct error *error);
 void volume_close(struct volume *volume); // accepts NULL
-
-size_t volume_type_size(enum volume_type type); // bytes a voxel

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "worker/volume/volume_source.h"
 #include "worker/volume/volume_voxels.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
 struct error;
-struct volume_source;
 struct volume_stream;
 
 struct volume_layout {

@@ -1,8 +1,17 @@
-// The number types that volume files store, and their way into the types a volume has.
+// The number types that volume files store, and their conversion into those that voxels have in memory.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/volume/volume.h"
+#include <stddef.h>
+#include <stdint.h>
+
+enum { VOLUME_VOXEL_LIMIT = INT32_MAX }; // voxels of a volume: fewer than 2^31
+
+// The types that voxels have in memory. Stored types wider than 16 bits, and signed bytes, become VOLUME_FLOAT32 while they
+// are read.
+enum volume_type { VOLUME_UINT8, VOLUME_UINT16, VOLUME_INT16, VOLUME_FLOAT32 };
+
+size_t volume_type_size(enum volume_type type); // bytes a voxel
 
 enum volume_stored {
     VOLUME_STORED_UINT8,
