@@ -3,7 +3,6 @@
 #include "worker/density/affine.h"
 #include "worker/density/grid_look.h"
 #include "worker/glsl/timeline_value.h"
-#include "worker/render/gl_grid.h"
 #include "worker/scene/scene_inputs.h"
 
 #include <assert.h>
@@ -107,7 +106,7 @@ static void write_grid(FILE *out, const struct scene_input *input, size_t i)
     fprintf(out,
             "layout(binding = %zu) uniform %ssampler2DArray medium_%zu_voxels;\n"
             "layout(binding = %zu) uniform sampler3D medium_%zu_bricks;\n",
-            4 * i, gl_grid_sampler_prefix(input->header.type), i, 4 * i + 1, i);
+            4 * i, grid_look_sampler_prefix(input->header.type), i, 4 * i + 1, i);
     fprintf(out,
             "DensityGrid medium_%zu_grid()\n{\n    return DensityGrid(medium_%zu_to_index, medium_%zu_shift, "
             "medium_%zu_size, medium_%zu_slope, medium_%zu_intercept);\n}\n",

@@ -22,6 +22,20 @@ bool grid_look_has_color(const struct scene_density *density)
     return density->grid.point_count > 0;
 }
 
+const char *grid_look_sampler_prefix(enum volume_type type)
+{
+    switch (type) {
+    case VOLUME_UINT8:
+    case VOLUME_UINT16:
+        return "u";
+    case VOLUME_INT16:
+        return "i";
+    case VOLUME_FLOAT32:
+        break;
+    }
+    return "";
+}
+
 void grid_look_evaluate_to_voxels(const void *source, double time, double value[static 9])
 {
     double matrix[12], shift[3];

@@ -3,10 +3,13 @@
 #pragma once
 
 #include "worker/density/density_kind.h"
+#include "worker/volume/volume_voxels.h"
 
 // As density_kind has them.
 bool grid_look_is_zero(const struct scene_density *density);
 bool grid_look_has_color(const struct scene_density *density);
+// What stands before GLSL's sampler2DArray for a grid of this type: "u", "i" or nothing.
+const char *grid_look_sampler_prefix(enum volume_type type);
 // `source` is a scene_input. From the world to voxels, without the shift; column-major.
 void grid_look_evaluate_to_voxels(const void *source, double time, double value[static 9]);
 // True when the grid stays where its file puts it.

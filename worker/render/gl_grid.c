@@ -12,27 +12,21 @@ enum { SLAB_BYTES = 1024 * 1024 };
 
 struct texel {
     GLenum internal, format, component;
-    const char *sampler_prefix;
 };
 
 static struct texel texel_of(enum volume_type type)
 {
     switch (type) {
     case VOLUME_UINT8:
-        return (struct texel){GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, "u"};
+        return (struct texel){GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE};
     case VOLUME_UINT16:
-        return (struct texel){GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, "u"};
+        return (struct texel){GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT};
     case VOLUME_INT16:
-        return (struct texel){GL_R16I, GL_RED_INTEGER, GL_SHORT, "i"};
+        return (struct texel){GL_R16I, GL_RED_INTEGER, GL_SHORT};
     case VOLUME_FLOAT32:
         break;
     }
-    return (struct texel){GL_R32F, GL_RED, GL_FLOAT, ""};
-}
-
-const char *gl_grid_sampler_prefix(enum volume_type type)
-{
-    return texel_of(type).sampler_prefix;
+    return (struct texel){GL_R32F, GL_RED, GL_FLOAT};
 }
 
 static bool check_size(const struct gl_grid_params *params, struct error *error)

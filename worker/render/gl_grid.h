@@ -43,6 +43,3 @@ typedef double gl_grid_find_most(double min, double max, const void *user);
 // The texture of that number of each brick, for density_grid_majorant; the caller deletes it.
 unsigned gl_grid_create_majorants(const struct gl_grid *grid, double slope, double intercept,
                                   gl_grid_find_most *find_most, const void *user);
-
-// What stands before GLSL's sampler2DArray: "u", "i" or nothing.
-const char *gl_grid_sampler_prefix(enum volume_type type);
