@@ -129,18 +129,18 @@ static int compare(const void *a, const void *b)
 // KiB of the first frame's fragment shader; 0 when there is none.
 static double text_kib(const struct job *job)
 {
-    struct scene_files files = {.hashes = file_hashes_create(), .bricks = brick_store_create()};
+    struct scene_files files;
     struct scene_inputs inputs = {0};
     struct scene_program program = {0};
     double kib = 0.0;
 
+    scene_files_init(&files);
     if (scene_inputs_open(&inputs, job, 0, &files, NULL, NULL) &&
         scene_program_init(&program, job, &inputs, NULL, NULL))
         kib = (double)strlen(program.fragment) / 1024.0;
     scene_program_finish(&program);
     scene_inputs_finish(&inputs);
-    file_hashes_destroy(files.hashes);
-    brick_store_destroy(files.bricks);
+    scene_files_finish(&files);
     return kib;
 }
 

@@ -10,7 +10,6 @@
 #include "worker/audit/gate.h"
 #include "worker/picture/image.h"
 #include "worker/scene/scene_inputs.h"
-#include "worker/sparse/brick_store.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -152,10 +151,9 @@ bool request_answer_verify(const struct json_node *params, const struct request_
         if (!request_read_job(params, &job, error)) return false;
         verification.job = &job;
     }
-    verification.files = (struct scene_files){file_hashes_create(), brick_store_create()};
+    scene_files_init(&verification.files);
     ok = write_files(&verification, params, tools, writer, error);
-    brick_store_destroy(verification.files.bricks);
-    file_hashes_destroy(verification.files.hashes);
+    scene_files_finish(&verification.files);
     job_finish(&job);
     return ok;
 }

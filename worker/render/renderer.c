@@ -65,7 +65,7 @@ struct renderer *renderer_create(struct gl_context *context, const char *shader_
 
     renderer->context = context;
     renderer->shader_dir = shader_dir ? xstrdup(shader_dir) : NULL;
-    renderer->files = (struct scene_files){.hashes = file_hashes_create(), .bricks = brick_store_create()};
+    scene_files_init(&renderer->files);
     if (!gl_functions_load(&renderer->gl, context, &renderer->unusable)) return renderer;
     gl_debug_init(&renderer->debug, &renderer->gl);
     renderer->grids = gl_grids_create(&renderer->gl);
@@ -84,8 +84,7 @@ void renderer_destroy(struct renderer *renderer)
     gl_slices_finish(&renderer->slices);
     gl_grids_destroy(renderer->grids);
     gl_textures_destroy(renderer->textures);
-    file_hashes_destroy(renderer->files.hashes);
-    brick_store_destroy(renderer->files.bricks);
+    scene_files_finish(&renderer->files);
     gl_caches_destroy(renderer->caches);
     gl_programs_finish(&renderer->programs);
     if (renderer->uniform_buffer) renderer->gl.DeleteBuffers(1, &renderer->uniform_buffer);

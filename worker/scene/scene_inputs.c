@@ -14,6 +14,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+void scene_files_init(struct scene_files *files)
+{
+    *files = (struct scene_files){.hashes = file_hashes_create(), .bricks = brick_store_create()};
+}
+
+void scene_files_finish(struct scene_files *files)
+{
+    file_hashes_destroy(files->hashes);
+    brick_store_destroy(files->bricks);
+    *files = (struct scene_files){0};
+}
+
 static struct volume_source source_of(const struct scene_input *input)
 {
     struct volume_source source = {.path = input->path, .raw = input->source->raw};

@@ -34,9 +34,12 @@ struct scene_input {
 
 // What is kept of files from frame to frame.
 struct scene_files {
-    struct file_hashes *hashes;
-    struct brick_store *bricks;
+    struct file_hashes *hashes; // owned
+    struct brick_store *bricks; // owned
 };
+
+void scene_files_init(struct scene_files *files);
+void scene_files_finish(struct scene_files *files); // accepts an empty one; no inputs are open
 
 // The zero value is that of a scene without files.
 struct scene_inputs {

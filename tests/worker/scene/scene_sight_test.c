@@ -40,20 +40,20 @@ static void parse(struct job *job, const char *lights, const char *camera, const
 
 static char *text_of_frame(const struct job *job, int32_t frame)
 {
-    struct scene_files files = {.hashes = file_hashes_create(), .bricks = brick_store_create()};
+    struct scene_files files;
     struct scene_inputs inputs;
     struct scene_program program;
     struct error error = {{0}};
     char *text;
 
+    scene_files_init(&files);
     if (!scene_inputs_open(&inputs, job, frame, &files, NULL, &error) ||
         !scene_program_init(&program, job, &inputs, NULL, &error))
         fail_msg("%s", error.message);
     text = strdup(program.fragment);
     scene_program_finish(&program);
     scene_inputs_finish(&inputs);
-    file_hashes_destroy(files.hashes);
-    brick_store_destroy(files.bricks);
+    scene_files_finish(&files);
     return text;
 }
 
