@@ -87,11 +87,7 @@ expect 2 march chart
 # Interrupted, it ends with 130 and keeps its points.
 march chart "$jobs/cloud.json" --backend osmesa --size 32x18 --frame 48 --out stopped >out 2>err &
 pid=$!
-tries=0
-until [ -s stopped/cloud.csv ] || [ $tries -ge 400 ]; do
-    sleep 0.1
-    tries=$((tries + 1))
-done
+until [ -s stopped/cloud.csv ] || ! kill -0 "$pid"; do sleep 0.05; done
 kill -TERM "$pid"
 wait "$pid"
 [ $? -eq 130 ] || fail "an interrupted chart ends with 130"

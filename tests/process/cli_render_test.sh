@@ -41,11 +41,7 @@ grep -q link err || fail "a link on the way is named"
 # A worker that is killed is replaced, and the frames it had are tried again.
 march render "$cloud" --frames 48-50 --set 'resolution=[480,270]' --out killed/k.####.exr >out 2>err &
 pid=$!
-tries=0
-until ls killed/*.part >/dev/null 2>&1 || [ $tries -ge 200 ]; do
-    sleep 0.05
-    tries=$((tries + 1))
-done
+until ls killed/*.part >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done
 worker=$(cat "/proc/$pid/task/$pid/children")
 # shellcheck disable=SC2086 # one child
 kill -KILL $worker
@@ -58,11 +54,7 @@ k.0050.exr" ] || fail "after a killed worker: $(ls killed)"
 # Interrupted: no worker, no part file stays.
 march render "$cloud" --frames 40-239 --set 'resolution=[480,270]' --out stopped/s.####.exr >out 2>err &
 pid=$!
-tries=0
-until ls stopped/*.part >/dev/null 2>&1 || [ $tries -ge 200 ]; do
-    sleep 0.05
-    tries=$((tries + 1))
-done
+until ls stopped/*.part >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done
 worker=$(cat "/proc/$pid/task/$pid/children")
 kill -TERM "$pid"
 wait "$pid"

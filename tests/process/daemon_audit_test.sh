@@ -53,7 +53,7 @@ start_daemon --backend osmesa --workers 1
 cd "$scratch" || exit 1
 listen "$scratch/real"
 id=$(submit "$(job 48-50 '.output.path = "real/r.####.exr" | .quality = {"tolerance": 0.05}')")
-wait_state "$id" succeeded 120
+wait_state "$id" succeeded
 "$bin/march" verify "$scratch/out/real" --json >verified || fail "$(cat verified)"
 expect "errors" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] | [.audit, .measured_error, .error95, .method]]')" \
     "$(jq -c '[.files[] | [.audit, .measured_error, .error95, .method]]' verified)"

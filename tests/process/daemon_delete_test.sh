@@ -15,7 +15,7 @@ expect "deleted" "$(delete "$id" | jq -c .result)" '{"files_removed":0,"files_ke
 expect_error "$(ask job.show "{\"id\":$id}")" 1 "there is no such job"
 expect_error "$(delete "$id")" 1 "there is no such job"
 expect_files stay 5
-wait_until 5 "it is told of" grep -q "\"type\":\"deleted\",\"id\":$id}" "$scratch/events"
+wait_until "it is told of" grep -q "\"type\":\"deleted\",\"id\":$id}" "$scratch/events"
 kill_daemon
 start_daemon --worker-program "$(stub write:5)"
 expect_error "$(ask job.show "{\"id\":$id}")" 1 "there is no such job"
@@ -59,7 +59,7 @@ expect "with a folder that is gone" "$(delete "$id" true | jq -c .result)" '{"fi
 
 # One that is still being wound up is deleted then; a second delete and a retry meanwhile are told so.
 id=$(submit "$(job 1-400 '.output.path = "e/g.####.exr"')")
-wait_until 10 "it runs" eval '[ "$(field "$id" .succeeded)" -gt 3 ]'
+wait_until "it runs" eval '[ "$(field "$id" .succeeded)" -gt 3 ]'
 answers=$(printf '{"jsonrpc":"2.0","id":%s,"method":"%s","params":%s}\n' 1 job.cancel "{\"id\":$id}" \
     2 job.delete "{\"id\":$id,\"files\":true}" 3 job.delete "{\"id\":$id}" 4 job.retry "{\"id\":$id,\"state\":\"canceled\"}" \
     5 job.frames "{\"id\":$id}" 6 job.log "{\"id\":$id}" | ask_raw)

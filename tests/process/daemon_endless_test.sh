@@ -43,11 +43,11 @@ jq -r '.result.frames[] | select(.state == "failed") | .error' <<<"$frames" |
 # Both slots have workers again, which render.
 again=$(submit "$(job 20-31)")
 wait_state "$again" succeeded
-wait_until 20 "two workers are ready" eval '[ "$(ask worker.list | jq "[.result.workers[] | select(.state == \"idle\")] | length")" = 2 ]'
+wait_until "two workers are ready" eval '[ "$(ask worker.list | jq "[.result.workers[] | select(.state == \"idle\")] | length")" = 2 ]'
 
 # No frame of another job waits behind one of which nobody knows how long it takes.
 alone=$(submit "$(endless alone 0 -1)")
-wait_until 10 "it is begun" eval '[ "$(field "$alone" .state)" = running ]'
+wait_until "it is begun" eval '[ "$(field "$alone" .state)" = running ]'
 other=$(submit "$(job 40-41)")
 wait_state "$other" succeeded
 expect "the endless one, after the other job" "$(field "$alone" .state)" running

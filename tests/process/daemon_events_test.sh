@@ -9,7 +9,8 @@ listen "$scratch/one" "{\"id\":$id,\"frames\":false}"
 other=$(submit "$(job 1-5 '.output.path = "other/o.####.exr"')")
 wait_state "$id" succeeded
 wait_state "$other" succeeded
-sleep 0.5
+last_word() { jq -r "select(.params.type == \"job\" and .params.job.id == $2) | .params.job.state" "$1" | tail -n 1; }
+wait_until "the ends are told" eval '[ "$(last_word "$scratch/all" "$id")$(last_word "$scratch/all" "$other")$(last_word "$scratch/one" "$id")" = succeededsucceededsucceeded ]'
 all="jq -c .params $scratch/all"
 
 expect "states told" "$($all | jq -r --argjson id "$id" 'select(.type == "job" and .job.id == $id) | .job.state' | uniq | xargs)" \
@@ -30,6 +31,6 @@ start_daemon --worker-program "$(stub skip)"
 listen "$scratch/stopped"
 kill -STOP $!
 id=$(submit "$(job 0-199999 '.output.path = "many/m.####.exr"')")
-wait_state "$id" succeeded 120
+wait_state "$id" succeeded
 expect "times it was cut off" "$(grep -c "does not read its events" "$scratch/daemon.log")" 1
 stop_daemon

@@ -7,7 +7,7 @@ for name in games man mail; do
     getent passwd "$name" >/dev/null || { echo "skip: no user $name here"; exit 77; }
 done
 ann=(5 60) bob=(6 12) chief=(7 37)
-chmod 711 "$scratch"
+run_for_others
 install -d -o 8 -g 8 "$scratch/state" "$scratch/out" "$scratch/run"
 socket=$scratch/run/sock
 as_daemon=(setpriv --reuid=8 --regid=8 --clear-groups)
@@ -66,7 +66,7 @@ expect_error "$(give "${ann[@]}" s 1)" 2 "jobs: games may have 4 that are not ov
 expect "who administers" "$(ask_as "${chief[@]}" job.priority "{\"id\":$fifth,\"priority\":7}" | jq .result.priority)" 7
 settings "user-jobs = 5" "admin-group = no-such-group"
 kill -HUP "$daemon_pid"
-wait_until 5 "settings are read again" grep -q "settings: changed: .*user-jobs" "$scratch/daemon.log"
+wait_until "settings are read again" grep -q "settings: changed: .*user-jobs" "$scratch/daemon.log"
 [ -n "$(id_of "$(give "${ann[@]}" s 1)")" ] || fail "a fifth job after a reload"
 expect_error "$(ask_as "${chief[@]}" job.priority "{\"id\":$fifth,\"priority\":8}")" 2 "belongs to games"
 stop_daemon
@@ -89,7 +89,7 @@ wait_state "$big" paused
 [[ $(field "$big" .reason) == "paused: output: games may have $limit bytes of published files, has "* ]] || fail "reason: $(field "$big" .reason)"
 expect "failed frames" "$(field "$big" .failed)" 0
 wait_state "$other" succeeded
-wait_until 5 "what was being rendered is kept" eval '[ "$(field "$big" .running)" = 0 ]'
+wait_until "what was being rendered is kept" eval '[ "$(field "$big" .running)" = 0 ]'
 made=$(field "$big" .succeeded)
 [ "$made" -ge 6 ] && [ "$made" -le 14 ] || fail "it made $made frames"
 expect "its files" "$(find "$scratch/out/b" -name '*.exr' | wc -l)" "$made"
@@ -106,7 +106,7 @@ ask_as "${ann[@]}" job.retry "{\"id\":$small,\"state\":\"succeeded\"}" >/dev/nul
 wait_state "$small" succeeded
 ask_as "${ann[@]}" job.resume "{\"id\":$big}" >/dev/null
 wait_state "$big" paused
-wait_until 5 "it is quiet" eval '[ "$(field "$big" .running)" = 0 ]'
+wait_until "it is quiet" eval '[ "$(field "$big" .running)" = 0 ]'
 expect_error "$(ask_as "${ann[@]}" job.resume "{\"id\":$big}")" 2 "has $(bytes "$scratch/out/a" "$scratch/out/b")"
 # Room is made: by deleting, with the files or without, or by a larger limit.
 expect "the small job, deleted" "$(ask_as "${ann[@]}" job.delete "{\"id\":$small,\"files\":true}" | jq .result.files_removed)" 2

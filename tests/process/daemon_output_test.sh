@@ -8,20 +8,20 @@ mount -t tmpfs -o size=64k tmpfs "$scratch/disk" 2>/dev/null || { echo "skip: no
 
 start_daemon --worker-program "$(stub write:10)" --output-root "$scratch/disk"
 id=$(submit "$(job 1-40)")
-wait_state "$id" paused 30
+wait_state "$id" paused
 [[ $(field "$id" .reason) == "paused: output: "*"No space left on device"* ]] || fail "reason: $(field "$id" .reason)"
 expect "frames that failed" "$(field "$id" .failed)" 0
 mount -o remount,size=4m "$scratch/disk"
 ask job.resume "{\"id\":$id}" >/dev/null
 wait_state "$id" succeeded
-wait_until 5 "leftovers are gone" eval '[ -z "$(find "$scratch/disk" -name "*.part")" ]'
+wait_until "leftovers are gone" eval '[ -z "$(find "$scratch/disk" -name "*.part")" ]'
 expect "files" "$(find "$scratch/disk" -name '*.exr' | wc -l)" 40
 
 # A folder that went read-only.
 id=$(submit "$(job 41-60)" true)
 mount -o remount,ro "$scratch/disk"
 ask job.resume "{\"id\":$id}" >/dev/null
-wait_state "$id" paused 30
+wait_state "$id" paused
 [[ $(field "$id" .reason) == "paused: output: "*"ead-only"* ]] || fail "reason: $(field "$id" .reason)"
 expect_error "$(ask job.submit "{\"document\":$(job 1 '.output.path = "new/n.####.exr"')}")" -32602 "output.path"
 mount -o remount,rw "$scratch/disk"
@@ -41,7 +41,7 @@ for _ in $(seq 60); do
 done
 expect_error "$answer" 4 ""
 rm "$scratch/disk/filler"
-wait_until 10 "it takes jobs again" eval 'ask job.submit "{\"paused\":true,\"document\":$big}" | grep -q result'
+wait_until "it takes jobs again" eval 'ask job.submit "{\"paused\":true,\"document\":$big}" | grep -q result'
 stop_daemon
 
 # Jobs canceled while their only frame is between its file and its name: what they are after, they are after a restart.
@@ -60,12 +60,12 @@ fill_store
 for id in "$named" "$lost"; do
     expect_error "$(ask job.resume "{\"id\":$id}")" 4 ""
 done
-wait_until 10 "both files are written" eval '[ "$(find "$scratch/out" -name "*.part" | wc -l)" = 2 ]'
+wait_until "both files are written" eval '[ "$(find "$scratch/out" -name "*.part" | wc -l)" = 2 ]'
 for id in "$named" "$lost"; do
     expect_error "$(ask job.cancel "{\"id\":$id}")" 4 ""
 done
 rm "$scratch/out/lost/"*.part "$scratch/disk/filler"
-wait_until 20 "both are done with" eval '[ "$(field "$named" .running)$(field "$lost" .running)" = 00 ]'
+wait_until "both are done with" eval '[ "$(field "$named" .running)$(field "$lost" .running)" = 00 ]'
 expect "a canceled job whose frame got its name" "$(field "$named" '[.state, .succeeded] | join(" ")')" "canceled 1"
 expect "a canceled job whose frame was lost" "$(field "$lost" '[.state, .canceled] | join(" ")')" "canceled 1"
 stop_daemon

@@ -13,7 +13,7 @@ reload()
     said=$(grep -c ' settings: ' "$scratch/daemon.log")
     printf '%s\n' "$@" >"$conf"
     kill -HUP "$daemon_pid"
-    wait_until 5 "the daemon speaks of its settings" eval '[ "$(grep -c " settings: " "$scratch/daemon.log")" -gt '"$said"' ]'
+    wait_until "the daemon speaks of its settings" eval '[ "$(grep -c " settings: " "$scratch/daemon.log")" -gt '"$said"' ]'
 }
 
 said()
@@ -23,18 +23,18 @@ said()
 
 # A manager that writes down what it is told.
 "$bin/notify-listener" "$scratch/notify" >"$notes" &
-wait_until 5 "the manager listens" test -S "$scratch/notify"
+wait_until "the manager listens" test -S "$scratch/notify"
 export NOTIFY_SOCKET=$scratch/notify
 
 printf '%s\n' "user-jobs = 5" >"$conf"
 start_daemon --config "$conf" --worker-program "$(stub write:700)" --max-attempts 2
-wait_until 5 "ready is told" grep -q '^READY=1 STATUS=jobs: 0; frames: 0 queued, 0 running' "$notes"
+wait_until "ready is told" grep -q '^READY=1 STATUS=jobs: 0; frames: 0 queued, 0 running' "$notes"
 
 # A limit and a level that hold from then on; the command line stays.
 reload "log-level = debug" "stop-timeout = 9" "progress-limit = 33" "max-attempts = 50"
 said "settings: changed: stop-timeout, progress-limit, user-jobs, log-level"
-wait_until 5 "reloading is told" grep -q '^RELOADING=1 MONOTONIC_USEC=[0-9]' "$notes"
-wait_until 5 "ready is told again" eval '[ "$(grep -c "^READY=1" "$notes")" = 2 ]'
+wait_until "reloading is told" grep -q '^RELOADING=1 MONOTONIC_USEC=[0-9]' "$notes"
+wait_until "ready is told again" eval '[ "$(grep -c "^READY=1" "$notes")" = 2 ]'
 id=$(submit "$(job 1-2)")
 wait_state "$id" succeeded
 grep -q 'debug: job [0-9]* frame [12] attempt 1: published' "$scratch/daemon.log" || fail "log-level = debug shows no such line"
@@ -51,14 +51,14 @@ reload "no-such = 1"
 said "$conf:1: no-such: there is no such setting"
 rm "$conf"
 kill -HUP "$daemon_pid"
-wait_until 5 "a file that is gone is told of" grep -q "settings: all as before: $conf" "$scratch/daemon.log"
+wait_until "a file that is gone is told of" grep -q "settings: all as before: $conf" "$scratch/daemon.log"
 expect "its state" "$(ask daemon.status | jq -r .result.pid)" "$daemon_pid"
 
 # The stop gets the time that was read last, and the manager is asked for it, and a little more to write down.
 reload "stop-timeout = 2"
 id=$(submit "$(job 1-40)")
-wait_until 10 "it runs" has_state "$id" running
-wait_until 10 "the line tells of it" grep -qE '^STATUS=jobs: 1; frames: [0-9]+ queued, [1-9] running$' "$notes"
+wait_until "it runs" has_state "$id" running
+wait_until "the line tells of it" grep -qE '^STATUS=jobs: 1; frames: [0-9]+ queued, [1-9] running$' "$notes"
 stop_daemon
-wait_until 5 "stopping is told" grep -qE '^STOPPING=1 STATUS=stopping; jobs: 1; .* EXTEND_TIMEOUT_USEC=22000000$' "$notes"
+wait_until "stopping is told" grep -qE '^STOPPING=1 STATUS=stopping; jobs: 1; .* EXTEND_TIMEOUT_USEC=22000000$' "$notes"
 expect "all that is told" "$(grep -cvE '^(READY=1 |RELOADING=1 |STOPPING=1 |STATUS=)' "$notes")" 0

@@ -3,11 +3,11 @@
 . "$(dirname "$0")/farm.sh"
 
 start_daemon
-wait_until 60 "a worker is ready" eval '[ "$(ask worker.list | jq "any(.result.workers[]; .state == \"idle\")")" = true ]'
+wait_until "a worker is ready" eval '[ "$(ask worker.list | jq "any(.result.workers[]; .state == \"idle\")")" = true ]'
 expect "idle workers that do not say what they render with" "$(ask worker.list |
     jq '[.result.workers[] | select(.state == "idle" and (.renderer | length) == 0)] | length')" 0
 id=$(submit "$(job 0-239x40)")
-wait_state "$id" succeeded 120
+wait_state "$id" succeeded
 expect_files cloud 6
 expect "frames" "$(ask job.frames "{\"id\":$id}" |
     jq -c '[.result.frames[] | select(.state == "succeeded" and .render_s > 0 and .size_bytes > 0) | .frame]')" '[0,40,80,120,160,200]'
@@ -16,17 +16,17 @@ expect "its first bytes" "$(head -c 4 "$file" | od -An -tx1 | xargs)" "76 2f 31 
 
 # The same again finds its own files and renders nothing.
 again=$(submit "$(job 0-239x40)")
-wait_state "$again" succeeded 120
+wait_state "$again" succeeded
 expect "frames found" "$(field "$again" .skipped)" 6
 
 # Killed workers and a killed daemon.
 id=$(submit "$(job 0-59 '.output.path = "killed/k.####.exr"')")
-wait_until 60 "frames are done" eval '[ "$(field "$id" .succeeded)" -ge 3 ]'
+wait_until "frames are done" eval '[ "$(field "$id" .succeeded)" -ge 3 ]'
 kill -KILL "$(ask worker.list | jq '[.result.workers[].pid | values][0]')"
-wait_until 60 "more frames are done" eval '[ "$(field "$id" .succeeded)" -ge 10 ]'
+wait_until "more frames are done" eval '[ "$(field "$id" .succeeded)" -ge 10 ]'
 kill_daemon
 start_daemon
-wait_state "$id" succeeded 120
-wait_until 5 "leftovers are gone" eval '[ -z "$(find "$scratch/out/killed" -name "*.part")" ]'
+wait_state "$id" succeeded
+wait_until "leftovers are gone" eval '[ -z "$(find "$scratch/out/killed" -name "*.part")" ]'
 expect_files killed 60
 stop_daemon

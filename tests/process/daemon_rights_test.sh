@@ -10,7 +10,7 @@ ann=(5 60)      # games
 bob=(6 12)      # man
 chief=(7 7,37)  # lp, of the admin group "operator"
 service=(8 8)   # mail: the daemon
-chmod 711 "$scratch"
+run_for_others
 install -d -o 8 -g 8 "$scratch/state" "$scratch/out" "$scratch/run"
 socket=$scratch/run/sock
 as_daemon=(setpriv --reuid=8 --regid=8 --clear-groups)
@@ -93,13 +93,13 @@ for _ in $(seq 70); do
     setpriv --reuid=6 --regid=12 --clear-groups "$bin/socket-client" --keep "$socket" </dev/null >>"$scratch/crowd" 2>/dev/null &
     holders+=($!)
 done
-wait_until 10 "six are refused" eval '[ "$(grep -c "man may have 64" "$scratch/crowd")" = 6 ]'
+wait_until "six are refused" eval '[ "$(grep -c "man may have 64" "$scratch/crowd")" = 6 ]'
 expect_error "$(ask_as "${bob[@]}" daemon.status)" 2 "connections: man may have 64 at a time"
 march_as "${bob[@]}" list
 expect "the exit code of one connection too many" $? 4
 expect "another's request" "$(ask_as "${ann[@]}" daemon.status | jq 'has("result")')" true
 kill "${holders[@]}" 2>/dev/null
-wait_until 10 "connections are free again" eval 'ask_as "${bob[@]}" daemon.status | grep -q result'
+wait_until "connections are free again" eval 'ask_as "${bob[@]}" daemon.status | grep -q result'
 
 # Names and messages forge no lines of the log, nor what a terminal shows.
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.name = "a\n<3>forged: line"')}")" -32602 "name: expected 1 to 128 printable"

@@ -19,6 +19,6 @@ expect "files" "$(find "$scratch/out" -type f | wc -l)" 0
 
 cp "$good" "$scan"
 ask job.retry "{\"id\":$id,\"range\":\"48-50\"}" >/dev/null
-wait_until 60 "three frames are done" eval '[ "$(field "$id" .succeeded)" = 3 ]'
+wait_until "three frames are done" eval '[ "$(field "$id" .succeeded)" = 3 ]'
 expect "workers that were lost" "$(ask worker.list | jq '[.result.workers[] | select(.reason != null)] | length')" 0
 stop_daemon

@@ -8,7 +8,7 @@ refuse()
     local text=$1 said status=0
 
     shift
-    said=$(timeout 20 "$bin/marchd" "$@" 2>&1) || status=$?
+    said=$(timeout "$patience_s" "$bin/marchd" "$@" 2>&1) || status=$?
     [ "$status" != 0 ] && [ "$status" != 124 ] || fail "marchd $*: status $status"
     [[ $said == *"$text"* ]] || fail "marchd $*: expected \"$text\", got \"$said\""
 }
@@ -28,14 +28,14 @@ kill_daemon
 [ -S "$socket" ] || fail "the socket of a killed daemon should be there"
 start_daemon --worker-program "$(stub nocontext)"
 id=$(submit "$(job 1-3)")
-wait_until 10 "the reason is known" eval '[[ $(field "$id" .reason) == "no worker is ready: there is no GL context"* ]]'
+wait_until "the reason is known" eval '[[ $(field "$id" .reason) == "no worker is ready: there is no GL context"* ]]'
 expect "its workers" "$(ask worker.list | jq -c '[.result.workers[] | .reason] | unique')" '["there is no GL context to be had here"]'
 expect "attempts spent" "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')" 0
 stop_daemon
 [ ! -e "$socket" ] || fail "an orderly stop leaves the socket"
 
 start_daemon --worker-program "$scratch/no-such-program"
-wait_until 10 "the reason is known" eval '[[ $(field "$id" .reason) == *"no such file"* ]]'
+wait_until "the reason is known" eval '[[ $(field "$id" .reason) == *"no such file"* ]]'
 stop_daemon
 
 # On a socket that systemd made, which is systemd's to remove.
@@ -44,7 +44,7 @@ systemd-socket-activate -l "$scratch/activated" "$bin/marchd" --state "$scratch/
 daemon_pid=$!
 own_socket=$socket
 socket=$scratch/activated
-wait_until 10 "the activated daemon answers" eval '[ -n "$(ask daemon.status 2>/dev/null)" ]'
+wait_until "the activated daemon answers" eval '[ -n "$(ask daemon.status 2>/dev/null)" ]'
 [ ! -e "$own_socket" ] || fail "it made a socket of its own"
 stop_daemon
 [ -S "$socket" ] || fail "it removed a socket that is not its own"
@@ -52,16 +52,16 @@ socket=$own_socket
 
 # Workers that break the protocol are killed, and the frame's attempts end.
 start_daemon --worker-program "$(stub garbage)"
-wait_state "$id" failed 60
+wait_state "$id" failed
 [[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"it said what is no message"* ]] || fail "log: $(ask job.log "{\"id\":$id}")"
 stop_daemon
 
 # Workers that lie about a file, or about frames that are not theirs: no name is given to what is not as they say.
 start_daemon --worker-program "$(stub lie:0)"
 id=$(submit "$(job 1-3 '.output.path = "lies/l.####.exr"')")
-wait_state "$id" failed 60
+wait_state "$id" failed
 [[ $(ask job.log "{\"id\":$id}" | jq -r '[.result.attempts[].log] | join(" ")') == *"expected inode"*"got inode"* ]] || fail "log: $(ask job.log "{\"id\":$id}")"
-wait_until 5 "leftovers are gone" eval '[ -z "$(find "$scratch/out/lies" -type f)" ]'
+wait_until "leftovers are gone" eval '[ -z "$(find "$scratch/out/lies" -type f)" ]'
 expect_files lies 0
 stop_daemon
 
@@ -94,10 +94,10 @@ touch "$scratch/outage"
 start_daemon --worker-program "$scratch/no-start"
 bad=$(submit "$(job 1-3 '.output.path = "bad/f.####.exr" | .priority = 99')")
 good=$(submit "$(job 1-3 '.output.path = "good/f.####.exr"')")
-wait_until 10 "workers do not start" eval '[ "$(grep -c "ended: exit status 1" "$scratch/daemon.log")" -ge 7 ]'
+wait_until "workers do not start" eval '[ "$(grep -c "ended: exit status 1" "$scratch/daemon.log")" -ge 7 ]'
 expect "a job when no worker starts" "$(field "$bad" .state)" queued
 rm "$scratch/outage"
-wait_state "$good" succeeded 40
+wait_state "$good" succeeded
 [[ $(field "$bad" '"\(.state): \(.reason)"') == "paused: paused: workers start, but not those for this job: exit status 1" ]] ||
     fail "a job whose workers do not start: $(field "$bad" '{state, reason}')"
 stop_daemon

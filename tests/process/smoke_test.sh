@@ -18,7 +18,7 @@ render() {
     folder=$2
     frames=$3
     shift 3
-    expect "$code" timeout 200 march render smoke.json --set 'resolution=[32,18]' --set output.pixel=float \
+    expect "$code" march render smoke.json --set 'resolution=[32,18]' --set output.pixel=float \
         --set 'quality.step_voxels=1' --set 'quality.light_step_voxels=2' --frames "$frames" \
         --out "$folder/####.exr" "$@"
 }

@@ -29,7 +29,7 @@ refuse() {
     words=$3
     shift 3
     job "$file" "$@"
-    expect "$wanted" timeout 100 march render job.json
+    expect "$wanted" march render job.json
     grep -F "$file" err | grep -F 'scene.media[0].density.file: ' | grep -qF "$words" || fail "$file: expected its place and \"$words\""
     [ -z "$(ls pictures 2>/dev/null)" ] || fail "$file: left behind: $(ls pictures)"
     rm -rf pictures
@@ -62,7 +62,7 @@ refuse 1 cut.nii.gz 'its gzip data end before they are complete'
 last=5
 for frame in 0 1 2 3 4 5; do cp cut.nii.gz "cut.$frame.nii.gz"; done
 job cut.#.nii.gz
-expect 1 timeout 100 march render job.json
+expect 1 march render job.json
 [ "$(grep -c 'frame [0-5] failed: .*/cut.[0-5].nii.gz: its gzip data end' err)" -eq 6 ] || fail "each frame's own file"
 rm -rf pictures
 # One file for all that nobody is writing any more stays cut: the other frames are not tried.

@@ -194,7 +194,7 @@ static void what_cannot_be_a_grid_is_not_waited_for(void **state)
 
     assert_int_equal(mkfifo(pipe, 0600), 0);
     brick_store_expect(store, &source);
-    alarm(60);
+    alarm(600);
     assert_null(brick_store_take(store, &source, &error));
     alarm(0);
     assert_non_null(strstr(error.message, "pipe.nvdb: expected a file, got a pipe or a device"));

@@ -22,7 +22,7 @@
 
 #include <cmocka.h>
 
-enum { LONG_MS = 60 * 1000, SHORT_MS = 200 };
+enum { LONG_MS = 600 * 1000, SHORT_MS = 200 };
 
 // Has "nanovdb_convert" be this script, and temporary files lie in "temporary", both in the test's folder.
 static void use_converter(void **state, const char *body)
@@ -82,7 +82,7 @@ static void one_that_hangs_is_ended(void **state)
 {
     struct error error = {{0}};
 
-    use_converter(state, "#!/bin/sh\nexec sleep 50\n");
+    use_converter(state, "#!/bin/sh\nexec sleep 5000\n");
     assert_int_equal(vdb_convert("a.vdb", SHORT_MS, &error), -1);
     assert_string_equal(error.message, "nanovdb_convert had not ended after 0.2 s");
     assert_nothing_left(state);
@@ -90,7 +90,7 @@ static void one_that_hangs_is_ended(void **state)
 
 static pid_t wait_for_pid(const char *path)
 {
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 24000; ++i) {
         char *text = NULL;
         int pid = 0;
 
@@ -123,13 +123,13 @@ static void a_killed_worker_takes_it_along_and_the_next_one_sweeps(void **state)
     bool gone = false;
     int fd;
 
-    use_converter(state, "#!/bin/sh\necho $$ >\"${TMPDIR%/*}/pid\"; exec sleep 50\n");
+    use_converter(state, "#!/bin/sh\necho $$ >\"${TMPDIR%/*}/pid\"; exec sleep 5000\n");
     worker = fork();
     if (worker == 0) _exit(vdb_convert("a.vdb", LONG_MS, NULL) >= 0);
     converter = wait_for_pid(temp_folder_path(state, "pid"));
     assert_int_equal(kill(worker, SIGKILL), 0);
     assert_int_equal(waitpid(worker, NULL, 0), worker);
-    for (int i = 0; i < 200 && !(gone = is_gone(converter)); ++i)
+    for (int i = 0; i < 24000 && !(gone = is_gone(converter)); ++i)
         nanosleep(&(struct timespec){0, 25000000}, NULL);
     assert_true(gone);
     assert_int_equal(rmdir(temp_folder_path(state, "temporary")), -1);
