@@ -4,7 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/job/job.h"
+#include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
@@ -19,39 +19,15 @@
 
 #include <cmocka.h>
 
-static struct job parse(const char *text)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (!job_parse(&job, text, strlen(text), "/srv/out", &error)) fail_msg("%s", error.message);
-    return job;
-}
-
-static void assert_refused(const char *text, const char *expected)
-{
-    struct job job = {.priority = 7};
-    struct error error = {0};
-
-    if (job_parse(&job, text, strlen(text), "/srv/out", &error)) fail_msg("taken, not \"%s\"", expected);
-    assert_string_equal(error.message, expected);
-    assert_null(job.name);
-    assert_int_equal(job.priority, 0);
-    assert_false(job_parse(&job, text, strlen(text), "/srv/out", NULL));
-}
-
 static void assert_edit_refused(const char *path, const char *value, const char *expected)
 {
-    char *text = json_edit_set(job_text_full, path, value);
-
-    assert_refused(text, expected);
-    free(text);
+    job_expect_edit_refused(job_text_full, path, value, expected);
 }
 
 static void cloud_is_read_in_full(void **state)
 {
     char *text = job_text_load("cloud.json");
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     assert_string_equal(job.name, "cloud");
     assert_int_equal(frame_range_count(&job.frames), 240);
@@ -77,7 +53,7 @@ static void cloud_is_read_in_full(void **state)
 static void cloud_seed_is_read_in_full(void **state)
 {
     char *text = job_text_load("cloud_seed.json");
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     assert_int_equal(job.quality.method, JOB_METHOD_RIEMANN);
     assert_int_equal(job.quality.light_steps, 16);
@@ -124,7 +100,7 @@ static void the_first_job_of_the_documentation_is_taken(void **state)
     end = strstr(start, closing);
     assert_non_null(end);
     *end = '\0';
-    job = parse(start);
+    job = job_expect(start);
     job_finish(&job);
     free(page);
 }
@@ -142,7 +118,7 @@ static void frame_times_are_offset_plus_frame_over_fps(void **state)
         char *text = json_edit_set(job_text_full, "fps", rates[i].fps);
         char *still = json_edit_set(text, "camera.fov", "40");
         char *plain = json_edit_set(still, "scene", NULL);
-        struct job job = parse(plain);
+        struct job job = job_expect(plain);
 
         assert_int_equal(job.fps_numerator, rates[i].numerator);
         assert_int_equal(job.fps_denominator, rates[i].denominator);
@@ -158,7 +134,7 @@ static void frame_times_are_offset_plus_frame_over_fps(void **state)
 static void time_span_holds_all_frames(void **state)
 {
     char *text = json_edit_set(job_text_full, "frames", "\"30-11x5,100,3\"");
-    struct job job = parse(text);
+    struct job job = job_expect(text);
     struct timeline_span span = job_time_span(&job);
 
     assert_true(span.first == job_frame_time(&job, 3));
@@ -169,10 +145,10 @@ static void time_span_holds_all_frames(void **state)
 
 static void absent_keys_have_their_defaults(void **state)
 {
-    struct job job = parse("{\"version\":1,\"name\":\"x\",\"frames\":\"3\",\"fps\":24,\"resolution\":[2,1],"
-                           "\"camera\":{\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":50},"
-                           "\"quality\":{\"method\":\"midpoint\",\"step\":1,\"light_step\":1},"
-                           "\"output\":{\"path\":\"#.exr\"}}");
+    struct job job = job_expect("{\"version\":1,\"name\":\"x\",\"frames\":\"3\",\"fps\":24,\"resolution\":[2,1],"
+                                "\"camera\":{\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":50},"
+                                "\"quality\":{\"method\":\"midpoint\",\"step\":1,\"light_step\":1},"
+                                "\"output\":{\"path\":\"#.exr\"}}");
 
     assert_true(job.time_offset == 0.0);
     assert_int_equal(job.priority, JOB_PRIORITY_DEFAULT);
@@ -243,7 +219,7 @@ static void names_take_128_printable_bytes(void **state)
     name[0] = name[129] = '"';
     name[130] = '\0';
     text = json_edit_set(job_text_full, "name", name);
-    job = parse(text);
+    job = job_expect(text);
     assert_int_equal(strlen(job.name), JOB_NAME_LIMIT);
     job_finish(&job);
     free(text);
@@ -259,7 +235,7 @@ static void absolute_paths_lie_below_the_root(void **state)
 {
     char *text = json_edit_set(job_text_full, "output.path", "\"/srv/out/a/b.#.exr\"");
     struct error error = {0};
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     assert_string_equal(job.output.path.folder, "a");
     job_finish(&job);
@@ -274,14 +250,15 @@ static void geometry_without_a_picture_is_refused(void **state)
     char *text = json_edit_set(still, "camera.target", "[0, 3, 0]");
     char *other;
 
-    assert_refused(text, "camera.target: expected a point other than camera.position, got the same at frame 1");
+    job_expect_refused(text, "camera.target: expected a point other than camera.position, got the same at frame 1");
     free(text);
     text = json_edit_set(still, "camera.target", "[0, 0, 0]");
     other = json_edit_set(text, "camera.up", "[0, -2, 0]");
-    assert_refused(other, "camera.up: expected a direction that is not along the view, got a parallel one at frame 1");
+    job_expect_refused(other,
+                       "camera.up: expected a direction that is not along the view, got a parallel one at frame 1");
     free(other);
     other = json_edit_set(text, "camera.up", "[0, 0, 0]");
-    assert_refused(other, "camera.up: expected a vector whose length is not 0, got one of 0");
+    job_expect_refused(other, "camera.up: expected a vector whose length is not 0, got one of 0");
     free(other);
     free(text);
     free(still);
@@ -294,12 +271,13 @@ static void a_direction_is_checked_at_the_frames(void **state)
     char *at_frame = json_edit_set(text, "fps", "2");
     struct job job;
 
-    assert_refused(at_frame, "lights[1].direction: expected a vector whose length is not 0, got one of 0 at frame 1");
+    job_expect_refused(at_frame,
+                       "lights[1].direction: expected a vector whose length is not 0, got one of 0 at frame 1");
     free(at_frame);
     at_frame = json_edit_set(text, "fps", "2.5");
     free(text);
     text = json_edit_set(at_frame, "scene", NULL);
-    job = parse(text);
+    job = job_expect(text);
     job_finish(&job);
     free(at_frame);
     free(text);
@@ -309,10 +287,10 @@ static void unknown_keys_are_refused_with_the_nearest(void **state)
 {
     char *text = json_edit_rename(job_text_full, "camera.target", "tagret");
 
-    assert_refused(text, "camera: unknown key \"tagret\", did you mean \"target\"?");
+    job_expect_refused(text, "camera: unknown key \"tagret\", did you mean \"target\"?");
     free(text);
     text = json_edit_rename(job_text_full, "camera.position.orbit", "obrit");
-    assert_refused(text, "camera.position: unknown key \"obrit\", did you mean \"orbit\"?");
+    job_expect_refused(text, "camera.position: unknown key \"obrit\", did you mean \"orbit\"?");
     free(text);
 }
 
@@ -323,8 +301,8 @@ static void what_is_no_job_is_refused(void **state)
     struct error error = {0};
     struct job job;
 
-    assert_refused("[]", "expected an object, got an array of 0");
-    assert_refused("{}", "version: expected 1, got nothing");
+    job_expect_refused("[]", "expected an object, got an array of 0");
+    job_expect_refused("{}", "version: expected 1, got nothing");
     assert_false(job_parse(&job, nan_job, strlen(nan_job), NULL, NULL));
     assert_false(job_parse(&job, "", 0, NULL, NULL));
     memset(large, ' ', JOB_DOCUMENT_LIMIT + 1);

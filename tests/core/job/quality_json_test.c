@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/quality_json.h"
 
-#include "core/base/error.h"
-#include "core/job/job.h"
-#include "core/job/job_json.h"
+#include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
@@ -17,27 +15,9 @@
 
 #include <cmocka.h>
 
-static struct job parse(const char *text)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    return job;
-}
-
-static void assert_refused(const char *text, const char *expected)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("taken, not \"%s\"", expected);
-    assert_string_equal(error.message, expected);
-}
-
 static void qualities_are_read(void **state)
 {
-    struct job noise = parse(job_text_noise), fog = parse(job_text_fog);
+    struct job noise = job_expect(job_text_noise), fog = job_expect(job_text_fog);
 
     assert_int_equal(noise.quality.method, JOB_METHOD_MIDPOINT);
     assert_true(noise.quality.step == 0.05 && noise.quality.light_step == 0.1 && noise.quality.step_voxels == 0.0);
@@ -60,7 +40,7 @@ static void jittered_and_preintegrated_are_read(void **state)
 
     for (int i = 0; i < 2; i++) {
         char *text = json_edit_set(job_text_noise, "quality.method", names[i]);
-        struct job job = parse(text);
+        struct job job = job_expect(text);
 
         assert_int_equal(job.quality.method, methods[i]);
         assert_true(job.quality.step == 0.05 && job.quality.light_step == 0.1 && job.quality.roulette_below == 0.125);
@@ -74,19 +54,19 @@ static void steps_by_depth_and_by_rule_are_read(void **state)
 {
     char *text = json_edit_set(job_text_noise, "quality",
                                "{\"method\":\"adaptive\",\"step\":0.5,\"light_step\":1,\"depth_step\":0.125}");
-    struct job adaptive = parse(text), gauss;
+    struct job adaptive = job_expect(text), gauss;
 
     assert_int_equal(adaptive.quality.method, JOB_METHOD_ADAPTIVE);
     assert_true(adaptive.quality.step == 0.5 && adaptive.quality.depth_step == 0.125);
     free(text);
     text = json_edit_set(job_text_noise, "quality", "{\"method\":\"gauss\",\"step\":0.5,\"light_step\":1,\"order\":3}");
-    gauss = parse(text);
+    gauss = job_expect(text);
     assert_int_equal(gauss.quality.method, JOB_METHOD_GAUSS);
     assert_int_equal(gauss.quality.order, 3);
     job_finish(&gauss);
     free(text);
     text = json_edit_set(job_text_noise, "quality", "{\"method\":\"gauss\",\"step\":0.5,\"light_step\":1}");
-    gauss = parse(text);
+    gauss = job_expect(text);
     assert_int_equal(gauss.quality.order, 2);
     job_finish(&gauss);
     free(text);
@@ -97,7 +77,7 @@ static void tracking_is_read(void **state)
 {
     char *text =
         json_edit_set(job_text_noise, "quality", "{\"method\":\"tracking\",\"estimator\":\"ratio\",\"samples\":3}");
-    struct job ratio = parse(text), jackknife;
+    struct job ratio = job_expect(text), jackknife;
 
     assert_int_equal(ratio.quality.method, JOB_METHOD_TRACKING);
     assert_int_equal(ratio.quality.estimator, JOB_ESTIMATOR_RATIO);
@@ -105,7 +85,7 @@ static void tracking_is_read(void **state)
     free(text);
     text = json_edit_set(job_text_noise, "quality",
                          "{\"method\":\"tracking\",\"estimator\":\"jackknife\",\"step\":0.5,\"light_step\":0.25}");
-    jackknife = parse(text);
+    jackknife = job_expect(text);
     assert_int_equal(jackknife.quality.estimator, JOB_ESTIMATOR_JACKKNIFE);
     assert_false(job_quality_has_majorants(&jackknife.quality));
     assert_true(jackknife.quality.step == 0.5 && jackknife.quality.light_step == 0.25);
@@ -119,7 +99,7 @@ static void cached_is_read(void **state)
     char *text =
         json_edit_set(job_text_noise, "quality",
                       "{\"method\":\"cached\",\"step\":0.05,\"light_grid\":64,\"density_grid\":32,\"samples\":3}");
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     (void)state;
     assert_int_equal(job.quality.method, JOB_METHOD_CACHED);
@@ -134,7 +114,7 @@ static void cached_is_read(void **state)
 static void assert_tolerance(const char *quality, double tolerance, int samples)
 {
     char *text = json_edit_set(job_text_noise, "quality", quality);
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     assert_int_equal(job.quality.method, JOB_METHOD_AUTO);
     assert_true(job.quality.tolerance == tolerance && job.quality.step == 0.0 && job.quality.light_step == 0.0);
@@ -196,12 +176,8 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality: unknown key \"roulette\" beside method \"riemann\""},
     };
 
-    for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
-        char *text = json_edit_set(job_text_noise, edits[i].path, edits[i].value);
-
-        assert_refused(text, edits[i].expected);
-        free(text);
-    }
+    for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++)
+        job_expect_edit_refused(job_text_noise, edits[i].path, edits[i].value, edits[i].expected);
 }
 
 int main(void)

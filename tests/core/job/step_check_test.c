@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/step_check.h"
 
-#include "core/base/error.h"
-#include "core/job/job.h"
-#include "core/job/job_json.h"
+#include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
@@ -17,37 +15,20 @@
 
 #include <cmocka.h>
 
-static struct job parse(const char *text)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    return job;
-}
-
-static void assert_refused(const char *text, const char *expected)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("taken, not \"%s\"", expected);
-    assert_string_equal(error.message, expected);
-}
-
 static void riemann_needs_an_end(void **state)
 {
     char *open = json_edit_set(job_text_full, "camera.clip", NULL);
     char *text = json_edit_set(open, "quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4}");
     char *job;
 
-    assert_refused(text, "quality.method: riemann needs camera.clip: it steps from the near to the far distance");
+    job_expect_refused(text, "quality.method: riemann needs camera.clip: it steps from the near to the far distance");
     job = json_edit_set(text, "camera.clip", "[0, 20001]");
-    assert_refused(job, "quality.step: expected at most 200000 steps along a ray, got 200010: 20001 m between the clip "
-                        "distances in steps of 0.1 m");
+    job_expect_refused(job,
+                       "quality.step: expected at most 200000 steps along a ray, got 200010: 20001 m between the clip "
+                       "distances in steps of 0.1 m");
     free(job);
     job = json_edit_set(text, "camera.clip", "[0, 0.04]");
-    assert_refused(job, "quality.step: expected at most the 0.04 m between the clip distances, got 0.1");
+    job_expect_refused(job, "quality.step: expected at most the 0.04 m between the clip distances, got 0.1");
     free(job);
     free(text);
     free(open);
@@ -57,8 +38,9 @@ static void shadow_rays_are_limited_too(void **state)
 {
     char *text = json_edit_set(job_text_full, "quality.light_step", "1e-9");
 
-    assert_refused(text, "quality.light_step: expected at most 60000 steps along a ray, got 1119615243: 1.119615242 m "
-                         "through scene.media[0] in steps of 1e-09 m");
+    job_expect_refused(text,
+                       "quality.light_step: expected at most 60000 steps along a ray, got 1119615243: 1.119615242 m "
+                       "through scene.media[0] in steps of 1e-09 m");
     free(text);
 }
 
@@ -81,28 +63,31 @@ static void a_march_has_an_end(void **state)
     char *text = open_noise(NULL, point), *slab;
     struct job job;
 
-    assert_refused(text, "scene.media[0].density: expected bounds (a sphere or a box) or a camera.clip that ends: a "
-                         "march through it has no end");
+    job_expect_refused(text,
+                       "scene.media[0].density: expected bounds (a sphere or a box) or a camera.clip that ends: a "
+                       "march through it has no end");
     free(text);
     text = open_noise("[0, 9]", point);
-    job = parse(text); // the light is 5 m from the camera: 14 m at most in steps of 0.1
+    job = job_expect(text); // the light is 5 m from the camera: 14 m at most in steps of 0.1
     job_finish(&job);
     free(text);
     text = open_noise("[0, 2500]", "[{\"kind\":\"point\",\"intensity\":1,\"position\":[0,4000,4]}]");
-    assert_refused(text, "quality.light_step: expected at most 60000 steps along a ray, got 65000: 6500 m through "
-                         "scene.media[0] in steps of 0.1 m");
+    job_expect_refused(text, "quality.light_step: expected at most 60000 steps along a ray, got 65000: 6500 m through "
+                             "scene.media[0] in steps of 0.1 m");
     free(text);
     text = open_noise("[0, 9]", sun);
-    assert_refused(text, "scene.media[0].density: expected bounds (a sphere or a box): the light of lights[0] comes "
-                         "all the way through it");
+    job_expect_refused(text,
+                       "scene.media[0].density: expected bounds (a sphere or a box): the light of lights[0] comes "
+                       "all the way through it");
     slab = json_edit_set(text, "scene.media[0].density.bounds", "{\"kind\":\"slab\",\"thickness\":60}");
-    job = parse(slab);
+    job = job_expect(slab);
     job_finish(&job);
     free(slab);
     slab = json_edit_set(text, "scene.media[0].density.bounds",
                          "{\"kind\":\"slab\",\"thickness\":6,\"normal\":[1,0.001,0]}");
-    assert_refused(slab, "quality.light_step: expected at most 60000 steps along a ray, got 60001: 6000.003 m through "
-                         "scene.media[0] in steps of 0.1 m");
+    job_expect_refused(slab,
+                       "quality.light_step: expected at most 60000 steps along a ray, got 60001: 6000.003 m through "
+                       "scene.media[0] in steps of 0.1 m");
     free(slab);
     free(text);
 }
@@ -112,26 +97,26 @@ static void light_grids_need_bounds(void **state)
     static const char quality[] = "{\"method\":\"cached\",\"step\":0.1,\"light_grid\":32}";
     static const char objects[] = "[{\"kind\":\"plane\",\"point\":[0,-9,0],\"material\":{\"kind\":\"mirror\"}}]";
     char *text = json_edit_set(job_text_noise, "quality", quality), *open, *slab;
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     (void)state;
     job_finish(&job);
     open = json_edit_set(text, "scene.media[1].density.bounds", NULL);
-    assert_refused(open,
-                   "scene.media[1].density: expected bounds (a sphere or a box): with cached each light has a grid "
-                   "around it");
+    job_expect_refused(open,
+                       "scene.media[1].density: expected bounds (a sphere or a box): with cached each light has a grid "
+                       "around it");
     free(open);
     slab = json_edit_set(text, "scene.media[1].density.bounds", "{\"kind\":\"slab\",\"thickness\":1}");
-    assert_refused(slab,
-                   "scene.media[1].density: expected bounds (a sphere or a box): with cached each light has a grid "
-                   "around it");
+    job_expect_refused(slab,
+                       "scene.media[1].density: expected bounds (a sphere or a box): with cached each light has a grid "
+                       "around it");
     open = json_edit_set(slab, "lights", "[]"); // then there is no grid
-    job = parse(open);
+    job = job_expect(open);
     job_finish(&job);
     free(open);
     free(slab);
     slab = json_edit_set(text, "scene.objects", objects);
-    assert_refused(slab, "quality.method: cached is not for scenes with objects yet");
+    job_expect_refused(slab, "quality.method: cached is not for scenes with objects yet");
     free(slab);
     free(text);
 }
@@ -153,11 +138,11 @@ static void light_grids_have_four_channels(void **state)
         strcat(media, "]");
         many = json_edit_set(text, "scene.media", media);
         if (count == 4) {
-            struct job job = parse(many);
+            struct job job = job_expect(many);
 
             job_finish(&job);
         } else {
-            assert_refused(many, "quality.method: expected at most 4 media whose density varies with cached");
+            job_expect_refused(many, "quality.method: expected at most 4 media whose density varies with cached");
         }
         free(many);
     }
@@ -170,15 +155,15 @@ static void even_media_need_no_end(void **state)
     static const char quality[] = "{\"method\":\"midpoint\",\"step\":1e-6}";
     char *text = json_edit_set(job_text_fog, "camera.clip", NULL);
     char *dark = json_edit_set(text, "lights", NULL), *marched = json_edit_set(dark, "quality", quality), *lit;
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     job_finish(&job);
-    job = parse(marched);
+    job = job_expect(marched);
     assert_true(job.quality.light_step == 0.0);
     job_finish(&job);
     lit = json_edit_set(text, "quality", quality);
-    assert_refused(lit, "scene.media[0].density: expected bounds (a sphere or a box) or a camera.clip that ends: a "
-                        "march through it has no end");
+    job_expect_refused(lit, "scene.media[0].density: expected bounds (a sphere or a box) or a camera.clip that ends: a "
+                            "march through it has no end");
     free(lit);
     free(marched);
     free(dark);
@@ -190,9 +175,10 @@ static void equiangular_is_for_even_media(void **state)
     char *text = json_edit_set(job_text_fog, "scene.media[0].density.bounds.falloff", "0.5");
     char *noise = json_edit_set(job_text_noise, "quality", "{\"method\":\"equiangular\",\"points\":8}");
 
-    assert_refused(text, "scene.media[0].density.bounds.falloff: expected 0, which equiangular needs, got 0.5");
-    assert_refused(noise, "scene.media[0].density.kind: expected \"homogeneous\", which equiangular needs everywhere, "
-                          "got \"noise\"");
+    job_expect_refused(text, "scene.media[0].density.bounds.falloff: expected 0, which equiangular needs, got 0.5");
+    job_expect_refused(noise,
+                       "scene.media[0].density.kind: expected \"homogeneous\", which equiangular needs everywhere, "
+                       "got \"noise\"");
     free(text);
     free(noise);
 }
@@ -215,11 +201,11 @@ static void equiangular_points_are_limited_along_a_ray(void **state)
     text = json_edit_set(lit, "quality", "{\"method\":\"equiangular\",\"points\":751}");
     snprintf(expected, sizeof expected, "quality.points: expected at most %d with 16 lights and 3 media, got 751",
              60000 / (16 * 5));
-    assert_refused(text, expected);
+    job_expect_refused(text, expected);
     free(text);
     text = json_edit_set(lit, "quality", "{\"method\":\"equiangular\",\"points\":750}");
     {
-        struct job job = parse(text);
+        struct job job = job_expect(text);
 
         job_finish(&job);
     }
@@ -244,14 +230,14 @@ static char *last_object(const char *object)
 static void assert_steps_through_interior(const char *object, const char *length)
 {
     char *text = last_object(object), *fine = json_edit_set(text, "quality.light_step", "1e-6"), expected[256];
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     job_finish(&job);
     snprintf(expected, sizeof expected,
              "quality.light_step: expected at most 60000 steps along a ray, got %s000000: %s m through "
              "scene.objects[5].material.interior in steps of 1e-06 m",
              length, length);
-    assert_refused(fine, expected);
+    job_expect_refused(fine, expected);
     free(fine);
     free(text);
 }
@@ -265,8 +251,8 @@ static void an_interior_ends_with_its_object(void **state)
     assert_steps_through_interior("{\"kind\":\"union\",\"of\":[{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1},"
                                   "{\"kind\":\"box\",\"center\":[9,0,0],\"size\":[2,3,6]}]," GLASS "}",
                                   "9");
-    assert_refused(text, "scene.objects[5].material.interior.density: expected bounds (a sphere or a box) or a "
-                         "camera.clip that ends: a march through it has no end");
+    job_expect_refused(text, "scene.objects[5].material.interior.density: expected bounds (a sphere or a box) or a "
+                             "camera.clip that ends: a march through it has no end");
     free(text);
 }
 
@@ -278,8 +264,8 @@ static void an_interior_ends_with_its_bounds(void **state)
                                   "{\"kind\":\"sphere\",\"radius\":0.5}");
     char *fine = json_edit_set(bounded, "quality.light_step", "1e-6");
 
-    assert_refused(fine, "quality.light_step: expected at most 60000 steps along a ray, got 1000000: 1 m through "
-                         "scene.objects[5].material.interior in steps of 1e-06 m");
+    job_expect_refused(fine, "quality.light_step: expected at most 60000 steps along a ray, got 1000000: 1 m through "
+                             "scene.objects[5].material.interior in steps of 1e-06 m");
     free(fine);
     free(bounded);
     free(text);
@@ -299,14 +285,14 @@ static void light_marches_to_all_that_it_lights(void **state)
         json_edit_set(floor, "scene.objects[0]",
                       "{\"kind\":\"sphere\",\"center\":[0,-6002,0],\"radius\":1,\"material\":{\"kind\":\"diffuse\","
                       "\"albedo\":1}}");
-    struct job job = parse(mirror);
+    struct job job = job_expect(mirror);
 
     job_finish(&job);
-    assert_refused(floor,
-                   "scene.media[0].density: expected bounds (a sphere or a box): the light of lights[0] comes all "
-                   "the way through it");
-    assert_refused(far, "quality.light_step: expected at most 60000 steps along a ray, got 60060: 6006 m through "
-                        "scene.media[0] in steps of 0.1 m");
+    job_expect_refused(floor,
+                       "scene.media[0].density: expected bounds (a sphere or a box): the light of lights[0] comes all "
+                       "the way through it");
+    job_expect_refused(far, "quality.light_step: expected at most 60000 steps along a ray, got 60060: 6006 m through "
+                            "scene.media[0] in steps of 0.1 m");
     free(far);
     free(mirror);
     free(floor);
@@ -317,7 +303,7 @@ static void riemann_knows_no_objects(void **state)
 {
     char *text = json_edit_set(job_text_objects, "quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4}");
 
-    assert_refused(text, "quality.method: riemann is not for scenes with objects");
+    job_expect_refused(text, "quality.method: riemann is not for scenes with objects");
     free(text);
 }
 
@@ -325,12 +311,12 @@ static void equiangular_takes_even_interiors(void **state)
 {
     char *noise = json_edit_set(job_text_objects, "quality", "{\"method\":\"equiangular\",\"points\":8}");
     char *text = json_edit_set(noise, "scene.objects[5].material.interior.density", NULL);
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     job_finish(&job);
-    assert_refused(noise,
-                   "scene.objects[5].material.interior.density.kind: expected \"homogeneous\", which equiangular "
-                   "needs everywhere, got \"noise\"");
+    job_expect_refused(noise,
+                       "scene.objects[5].material.interior.density.kind: expected \"homogeneous\", which equiangular "
+                       "needs everywhere, got \"noise\"");
     free(text);
     free(noise);
 }

@@ -3,9 +3,9 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
-#include "core/job/job.h"
 #include "core/job/job_check.h"
-#include "core/job/job_json.h"
+#include "core/json/json_read.h"
+#include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
@@ -20,29 +20,14 @@
 
 #define PLACE "scene.media[0].density"
 
-static struct job parse(const char *text)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    return job;
-}
-
 static void assert_edit_refused(const char *path, const char *value, const char *expected)
 {
-    char *text = json_edit_set(job_text_glsl, path, value);
-    struct job job;
-    struct error error = {0};
-
-    if (job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("taken, not \"%s\"", expected);
-    assert_string_equal(error.message, expected);
-    free(text);
+    job_expect_edit_refused(job_text_glsl, path, value, expected);
 }
 
 static void glsl_is_read(void **state)
 {
-    struct job job = parse(job_text_glsl);
+    struct job job = job_expect(job_text_glsl);
     const struct scene_glsl *glsl = &job.scene.media[0].density.glsl, *unread = &job.scene.media[1].density.glsl;
 
     assert_string_equal(glsl->file, "/data/custom.glsl");
@@ -83,7 +68,7 @@ static void directives_that_reach_out_are_refused_by_line(void **state)
 static void other_directives_are_the_users_own(void **state)
 {
     char *text = json_edit_set(job_text_glsl, PLACE ".source", "\"#define R 1\\n// #version\\n#if R\\n#endif\"");
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     job_finish(&job);
     free(text);
@@ -97,7 +82,7 @@ static void a_text_has_a_limit(void **state)
     memset(source + 1, ' ', SCENE_GLSL_SIZE_LIMIT);
     source[0] = source[1 + SCENE_GLSL_SIZE_LIMIT] = '"';
     text = json_edit_set(job_text_glsl, PLACE ".source", source);
-    job = parse(text);
+    job = job_expect(text);
     job_finish(&job);
     free(text);
     source[1 + SCENE_GLSL_SIZE_LIMIT] = ' ';
@@ -113,7 +98,7 @@ static void a_text_has_a_limit(void **state)
 static void assert_no_inputs(const char *text, const char *expected)
 {
     struct cJSON *root = NULL;
-    struct job job = parse(text);
+    struct job job = job_expect(text);
     struct json_node document;
     struct error error = {0};
 

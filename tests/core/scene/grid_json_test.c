@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/grid_json.h"
 
-#include "core/base/error.h"
-#include "core/job/job.h"
-#include "core/job/job_json.h"
+#include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
-#include "tests/support/json_edit.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,29 +14,14 @@
 
 #include <cmocka.h>
 
-static struct job parse(const char *text)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    return job;
-}
-
 static void assert_edit_refused(const char *path, const char *value, const char *expected)
 {
-    char *text = json_edit_set(job_text_grid, path, value);
-    struct job job;
-    struct error error = {0};
-
-    if (job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("taken, not \"%s\"", expected);
-    assert_string_equal(error.message, expected);
-    free(text);
+    job_expect_edit_refused(job_text_grid, path, value, expected);
 }
 
 static void every_key_of_a_grid_is_read(void **state)
 {
-    struct job job = parse(job_text_grid);
+    struct job job = job_expect(job_text_grid);
     const struct scene_grid *grid = &job.scene.media[0].density.grid;
     const struct scene_transfer_point *point = &grid->points[1];
 
@@ -61,7 +43,7 @@ static void every_key_of_a_grid_is_read(void **state)
 
 static void a_grid_has_defaults(void **state)
 {
-    struct job job = parse(job_text_grid);
+    struct job job = job_expect(job_text_grid);
     const struct scene_grid *grid = &job.scene.media[2].density.grid;
 
     assert_true(grid->raw.size[0] == 0 && !grid->raw.has_type && !grid->raw.is_big_endian && grid->spacing[0] == 0.0);
@@ -73,7 +55,7 @@ static void a_grid_has_defaults(void **state)
 
 static void blackbody_is_read(void **state)
 {
-    struct job job = parse(job_text_grid);
+    struct job job = job_expect(job_text_grid);
     const struct scene_medium *smoke = &job.scene.media[1];
 
     assert_string_equal(smoke->density.grid.grid_name, "density");
@@ -86,7 +68,7 @@ static void blackbody_is_read(void **state)
 
 static void a_file_a_frame_is_a_sequence(void **state)
 {
-    struct job job = parse(job_text_grid);
+    struct job job = job_expect(job_text_grid);
 
     assert_false(scene_density_is_sequence(&job.scene.media[0].density));
     assert_true(scene_density_is_sequence(&job.scene.media[1].density));

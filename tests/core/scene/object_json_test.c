@@ -3,9 +3,9 @@
 
 #include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/job/job.h"
 #include "core/job/job_check.h"
 #include "core/job/job_json.h"
+#include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 
@@ -19,30 +19,9 @@
 
 #include <cmocka.h>
 
-static struct job parse(const char *text)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    return job;
-}
-
-static void assert_refused(const char *text, const char *expected)
-{
-    struct job job;
-    struct error error = {0};
-
-    if (job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("taken, not \"%s\"", expected);
-    assert_string_equal(error.message, expected);
-}
-
 static void assert_edit_refused(const char *path, const char *value, const char *expected)
 {
-    char *text = json_edit_set(job_text_objects, path, value);
-
-    assert_refused(text, expected);
-    free(text);
+    job_expect_edit_refused(job_text_objects, path, value, expected);
 }
 
 static void assert_value(const struct timeline *timeline, double value)
@@ -61,7 +40,7 @@ static void assert_vector(const struct timeline *timeline, double x, double y, d
 
 static void shapes_are_read(void **state)
 {
-    struct job job = parse(job_text_objects);
+    struct job job = job_expect(job_text_objects);
     const struct scene *scene = &job.scene;
 
     assert_int_equal(scene->object_count, 6);
@@ -94,7 +73,7 @@ static void shapes_are_read(void **state)
 
 static void materials_are_read(void **state)
 {
-    struct job job = parse(job_text_objects);
+    struct job job = job_expect(job_text_objects);
     const struct scene_material *floor = &job.scene.objects[0].material, *glass = &job.scene.objects[1].material;
     const struct scene_material *mirror = &job.scene.objects[2].material, *chalk = &job.scene.objects[3].material;
 
@@ -128,7 +107,7 @@ static void absent_keys_of_materials_have_defaults(void **state)
     char *shiny =
         json_edit_set(bare, "scene.objects[3].material", "{\"kind\":\"diffuse\",\"albedo\":0,\"specular\":1}");
     char *text = json_edit_set(shiny, "scene.objects[1].material", "{\"kind\":\"dielectric\",\"ior\":1.25}");
-    struct job job = parse(text);
+    struct job job = job_expect(text);
     const struct scene_object *objects = job.scene.objects;
 
     assert_value(&objects[0].material.specular, 0.0);
@@ -151,7 +130,7 @@ static void absent_keys_of_materials_have_defaults(void **state)
 
 static void textures_are_read(void **state)
 {
-    struct job job = parse(job_text_objects);
+    struct job job = job_expect(job_text_objects);
     const struct scene_texture *tiles = &job.scene.objects[0].material.texture;
     const struct scene_texture *globe = &job.scene.objects[3].material.texture;
     const struct scene_texture *union_image = &job.scene.objects[4].material.texture;
@@ -170,7 +149,7 @@ static void textures_are_read(void **state)
 
 static void interiors_come_behind_the_media(void **state)
 {
-    struct job job = parse(job_text_objects);
+    struct job job = job_expect(job_text_objects);
     const struct scene *scene = &job.scene;
     char place[64];
 
@@ -193,7 +172,7 @@ static void interiors_come_behind_the_media(void **state)
 static void objects_may_be_all_that_there_is(void **state)
 {
     char *text = json_edit_set(job_text_objects, "scene.media", NULL);
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     assert_int_equal(job.scene.media[0].owner, 2);
     assert_int_equal(job.scene.medium_count, 2);
@@ -205,7 +184,7 @@ static void paths_are_read(void **state)
 {
     char *plain =
         json_edit_set(job_text_objects, "quality", "{\"method\":\"midpoint\",\"step\":0.5,\"light_step\":0.5}");
-    struct job job = parse(job_text_objects), defaults = parse(plain);
+    struct job job = job_expect(job_text_objects), defaults = job_expect(plain);
 
     assert_int_equal(job.quality.max_depth, 3);
     assert_true(job.quality.min_throughput == 0.0625 && job.quality.max_cut == 0.25);
@@ -327,10 +306,10 @@ static void shapes_of_all_objects_are_counted_together(void **state)
     char *most = repeat("{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}", SCENE_SHAPE_LIMIT - 5);
     char *sized = json_edit_set(job_text_objects, MATERIAL(4) ".texture.size", NULL);
     char *text = json_edit_set(sized, OBJECT(4) ".of", most), *longer = json_edit_set(sized, OBJECT(4) ".of", shapes);
-    struct job job = parse(text);
+    struct job job = job_expect(text);
 
     assert_int_equal(job.scene.shape_count, SCENE_SHAPE_LIMIT);
-    assert_refused(longer, OBJECT(5) ": expected at most 32 shapes in all");
+    job_expect_refused(longer, OBJECT(5) ": expected at most 32 shapes in all");
     job_finish(&job);
     free(longer);
     free(text);
@@ -349,7 +328,7 @@ static void path_keys_are_for_scenes_with_objects(void **state)
         snprintf(path, sizeof path, "quality.%s", keys[i]);
         snprintf(expected, sizeof expected, "%s: only for scenes with objects", path);
         text = json_edit_set(job_text_full, path, i == 0 ? "1" : "0.5");
-        assert_refused(text, expected);
+        job_expect_refused(text, expected);
         free(text);
     }
 }
@@ -365,7 +344,7 @@ static void wrong_path_keys_are_refused(void **state)
 static void assert_no_inputs(const char *text, const char *expected)
 {
     struct cJSON *root = NULL;
-    struct job job = parse(text);
+    struct job job = job_expect(text);
     struct json_node document;
     struct error error = {0};
 
@@ -407,7 +386,7 @@ static void the_objects_of_the_documentation_are_taken(void **state)
     assert_non_null(end);
     *end = 0;
     text = json_edit_set(job_text_objects, "scene.objects", start);
-    job = parse(text);
+    job = job_expect(text);
     assert_int_equal(job.scene.object_count, 3);
     job_finish(&job);
     free(text);

@@ -40,9 +40,9 @@ static struct scene scene_of(const char *text)
     return scene;
 }
 
-static void assert_edit_refused(const char *path, const char *value, const char *expected)
+static void assert_refused(const char *document, const char *path, const char *value, const char *expected)
 {
-    char *text = json_edit_set(job_text_full, path, value);
+    char *text = json_edit_set(document, path, value);
     struct scene scene;
     struct error error = {0};
 
@@ -50,6 +50,16 @@ static void assert_edit_refused(const char *path, const char *value, const char 
     assert_string_equal(error.message, expected);
     scene_finish(&scene);
     free(text);
+}
+
+static void assert_edit_refused(const char *path, const char *value, const char *expected)
+{
+    assert_refused(job_text_full, path, value, expected);
+}
+
+static void assert_noise_refused(const char *path, const char *value, const char *expected)
+{
+    assert_refused(job_text_noise, path, value, expected);
 }
 
 static void assert_vector(const double value[3], double x, double y, double z)
@@ -313,43 +323,31 @@ static void homogeneous_without_falloff_is_even(void **state)
     free(text);
 }
 
-static void assert_noise_edit_refused(const char *path, const char *value, const char *expected)
-{
-    char *text = json_edit_set(job_text_noise, path, value);
-    struct scene scene;
-    struct error error = {0};
-
-    if (read_scene(&scene, text, &error)) fail_msg("%s = %s is taken", path, value);
-    assert_string_equal(error.message, expected);
-    scene_finish(&scene);
-    free(text);
-}
-
 static void wrong_noise_and_bounds_are_refused_by_place(void **state)
 {
-    assert_noise_edit_refused("scene.media[0].density.frequency", "0",
-                              "scene.media[0].density.frequency: expected a number in (0, 1000000000], got 0");
-    assert_noise_edit_refused("scene.media[0].density.bias", "1",
-                              "scene.media[0].density.bias: expected a number in [-0.999, 0.999], got 1");
-    assert_noise_edit_refused("scene.media[0].density.octaves", "17",
-                              "scene.media[0].density.octaves: expected an integer from 1 to 16, got 17");
-    assert_noise_edit_refused("scene.media[0].density.rotate", "{\"axis\":[0,1,0]}",
-                              "scene.media[0].density.rotate.angle: expected a number in [-1000000000, 1000000000], "
-                              "got nothing");
-    assert_noise_edit_refused("scene.media[0].density.bounds.radius", "0",
-                              "scene.media[0].density.bounds.radius: expected a number in (0, 1000000000], got 0");
-    assert_noise_edit_refused("scene.media[1].density.bounds.size", "[1,-1,1]",
-                              "scene.media[1].density.bounds.size[1]: expected a number in (0, 1000000000], got -1");
-    assert_noise_edit_refused("scene.media[1].density.bounds.radius", "1",
-                              "scene.media[1].density.bounds: unknown key \"radius\" beside kind \"box\"");
-    assert_noise_edit_refused("scene.media[0].density.bounds.kind", "\"cone\"",
-                              "scene.media[0].density.bounds.kind: expected one of \"sphere\",\"box\",\"slab\", got "
-                              "\"cone\"");
-    assert_noise_edit_refused("scene.media[0].phase[0].g", "0",
-                              "scene.media[0].phase[0]: unknown key \"g\" beside kind \"rayleigh\"");
-    assert_noise_edit_refused("scene.media[0].density.iterations", "3",
-                              "scene.media[0].density: unknown key \"iterations\" beside kind \"noise\"");
-    assert_noise_edit_refused("camera.shutter", "-1", "camera.shutter: expected a number from 0 to 1000, got -1");
+    assert_noise_refused("scene.media[0].density.frequency", "0",
+                         "scene.media[0].density.frequency: expected a number in (0, 1000000000], got 0");
+    assert_noise_refused("scene.media[0].density.bias", "1",
+                         "scene.media[0].density.bias: expected a number in [-0.999, 0.999], got 1");
+    assert_noise_refused("scene.media[0].density.octaves", "17",
+                         "scene.media[0].density.octaves: expected an integer from 1 to 16, got 17");
+    assert_noise_refused("scene.media[0].density.rotate", "{\"axis\":[0,1,0]}",
+                         "scene.media[0].density.rotate.angle: expected a number in [-1000000000, 1000000000], "
+                         "got nothing");
+    assert_noise_refused("scene.media[0].density.bounds.radius", "0",
+                         "scene.media[0].density.bounds.radius: expected a number in (0, 1000000000], got 0");
+    assert_noise_refused("scene.media[1].density.bounds.size", "[1,-1,1]",
+                         "scene.media[1].density.bounds.size[1]: expected a number in (0, 1000000000], got -1");
+    assert_noise_refused("scene.media[1].density.bounds.radius", "1",
+                         "scene.media[1].density.bounds: unknown key \"radius\" beside kind \"box\"");
+    assert_noise_refused("scene.media[0].density.bounds.kind", "\"cone\"",
+                         "scene.media[0].density.bounds.kind: expected one of \"sphere\",\"box\",\"slab\", got "
+                         "\"cone\"");
+    assert_noise_refused("scene.media[0].phase[0].g", "0",
+                         "scene.media[0].phase[0]: unknown key \"g\" beside kind \"rayleigh\"");
+    assert_noise_refused("scene.media[0].density.iterations", "3",
+                         "scene.media[0].density: unknown key \"iterations\" beside kind \"noise\"");
+    assert_noise_refused("camera.shutter", "-1", "camera.shutter: expected a number from 0 to 1000, got -1");
 }
 
 static void a_still_scene_is_constant(void **state)
