@@ -5,12 +5,11 @@
 #include "core/job/job.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
 #include "worker/audit/audit_estimate.h"
 #include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -30,8 +29,7 @@ enum { RAYS = 64, POOLED_RAYS = 8, AUDITS = 25, FRAME_LIMIT = 600 };
 static const double RESOLUTION = 5e-4;
 
 struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
+    struct gl_stage gl;
 };
 
 // A scene at a moment.
@@ -79,10 +77,7 @@ static int set_stage(void **state)
 {
     struct stage *stage = xcalloc(1, sizeof *stage);
 
-    stage->context = gl_context_create(GL_BACKEND_OSMESA, NULL, NULL);
-    if (!stage->context) return -1;
-    keep_libraries();
-    stage->renderer = renderer_create(stage->context, test_shader_dir());
+    stage->gl = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     *state = stage;
     return 0;
 }
@@ -91,8 +86,7 @@ static int clear_stage(void **state)
 {
     struct stage *stage = *state;
 
-    renderer_destroy(stage->renderer);
-    gl_context_destroy(stage->context);
+    gl_stage_close(stage->gl);
     free(stage);
     return 0;
 }
@@ -107,7 +101,7 @@ static void render(const struct stage *stage, const struct job *job, int32_t fra
     sized.width_px = width_px;
     sized.height_px = height_px;
     if (!image_init(image, width_px, height_px, job->output.has_depth, job->output.has_transmittance, &error) ||
-        !renderer_render(stage->renderer, &sized, frame, image, NULL, NULL, &result, &error))
+        !renderer_render(stage->gl.renderer, &sized, frame, image, NULL, NULL, &result, &error))
         fail_msg("%s", error.message);
 }
 

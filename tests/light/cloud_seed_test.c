@@ -6,10 +6,9 @@
 #include "core/base/error.h"
 #include "reference/reference.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/seed_cloud.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -48,22 +47,18 @@ static void render(struct renderer *renderer, double time, struct image *image)
 static void compare(enum gl_backend backend)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(backend, NULL, &error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(backend, test_shader_dir());
     struct image image;
     size_t count = 3 * (size_t)size_px * (size_t)size_px;
     double *seed = malloc(sizeof *seed * count);
     float *rgb = malloc(sizeof *rgb * count);
     int failures = 0;
 
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
-    renderer = renderer_create(context, test_shader_dir());
     assert_true(image_init(&image, size_px, size_px, false, false, &error));
     for (int i = 0; i < TIME_COUNT; i++) {
         struct reference_error difference;
 
-        render(renderer, TIMES[i], &image);
+        render(stage.renderer, TIMES[i], &image);
         seed_cloud_render(TIMES[i], size_px, seed);
         for (size_t k = 0; k < count; k++)
             rgb[k] = image.rgba[k / 3 * 4 + k % 3];
@@ -76,8 +71,7 @@ static void compare(enum gl_backend backend)
     free(seed);
     free(rgb);
     image_finish(&image);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
 }
 
 static void osmesa_renders_the_seed_cloud(void **state)

@@ -5,10 +5,9 @@
 #include "core/job/job_json.h"
 #include "reference/reference.h"
 #include "tests/support/assert_near.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/render_frame.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -59,17 +58,14 @@ struct sums {
 static void add_frames(struct sums *sums, const struct job *job, int count)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct renderer_result result;
     struct image image;
 
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
-    renderer = renderer_create(context, test_shader_dir());
     assert_true(image_init(&image, WIDTH_PX, HEIGHT_PX, true, true, NULL));
     for (int32_t frame = 0; frame < count; ++frame) {
-        if (!renderer_render(renderer, job, frame, &image, NULL, NULL, &result, &error)) fail_msg("%s", error.message);
+        if (!renderer_render(stage.renderer, job, frame, &image, NULL, NULL, &result, &error))
+            fail_msg("%s", error.message);
         for (int i = 0; i < PIXELS; ++i) {
             sums->light[i] += (double)image.rgba[4 * i];
             sums->squares[i] += pow((double)image.rgba[4 * i], 2);
@@ -78,8 +74,7 @@ static void add_frames(struct sums *sums, const struct job *job, int count)
     }
     sums->count += count;
     image_finish(&image);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
 }
 
 static struct sums measure(const char *media, const char *lights)
@@ -293,19 +288,15 @@ static void what_is_empty_is_jumped(void **state)
 static struct image render_up_to(const struct job *job, int32_t first, int32_t last)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct renderer_result result;
     struct image image;
 
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
-    renderer = renderer_create(context, test_shader_dir());
     assert_true(image_init(&image, job->width_px, job->height_px, true, true, NULL));
     for (int32_t frame = first; frame <= last; ++frame)
-        if (!renderer_render(renderer, job, frame, &image, NULL, NULL, &result, &error)) fail_msg("%s", error.message);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+        if (!renderer_render(stage.renderer, job, frame, &image, NULL, NULL, &result, &error))
+            fail_msg("%s", error.message);
+    gl_stage_close(stage);
     return image;
 }
 

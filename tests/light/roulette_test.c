@@ -3,10 +3,9 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "tests/support/ball_job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/render_frame.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
@@ -157,27 +156,23 @@ static bool count_call(void *user, double done)
 // many there is still 1e-13 left.
 static int count_slices(const char *roulette, struct error *error)
 {
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct renderer_result result;
     struct image image;
     struct job job;
     char rest[512];
     int calls = 0;
 
-    if (!context) fail_msg("%s", error->message);
-    keep_libraries();
     snprintf(rest, sizeof rest,
              "\"lights\": [], \"quality\": {\"method\": \"midpoint\", \"step\": 0.05, \"light_step\": 0.1%s}",
              roulette);
     ball_job_parse(&job, "\"sigma_s\": 0, \"sigma_a\": 50, \"emission\": 1", rest);
     job.width_px = job.height_px = 1;
     job.quality.step = 1e-5; // a job says so only where the check cannot know
-    renderer = renderer_create(context, test_shader_dir());
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, error));
-    if (!renderer_render(renderer, &job, 0, &image, count_call, &calls, &result, error)) fail_msg("%s", error->message);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    if (!renderer_render(stage.renderer, &job, 0, &image, count_call, &calls, &result, error))
+        fail_msg("%s", error->message);
+    gl_stage_close(stage);
     image_finish(&image);
     job_finish(&job);
     return calls;

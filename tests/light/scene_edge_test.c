@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "tests/support/ball_job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -25,33 +24,25 @@ struct seen {
 static struct seen see_middle(const char *medium, const char *rest, double near, double far)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_AUTO, NULL, &error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, test_shader_dir());
     struct renderer_result result;
     struct image image;
     struct seen seen;
     struct job job;
 
-    if (!context) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    keep_libraries();
-    renderer = renderer_create(context, test_shader_dir());
     ball_job_parse(&job, medium, rest);
     job.width_px = job.height_px = 1;
     job.scene.camera.clip_near = near;
     job.scene.camera.clip_far = far;
     if (job.quality.method == JOB_METHOD_RIEMANN) job.quality.step = 0.5;
     assert_true(image_init(&image, 1, 1, true, true, NULL));
-    if (!renderer_render(renderer, &job, 0, &image, NULL, NULL, &result, &error)) fail_msg("%s", error.message);
+    if (!renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error)) fail_msg("%s", error.message);
     memcpy(seen.rgba, image.rgba, sizeof seen.rgba);
     seen.depth = image.depth[0];
     assert_true(image_is_finite(&image, false, NULL));
     image_finish(&image);
     job_finish(&job);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
     return seen;
 }
 

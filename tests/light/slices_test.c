@@ -5,10 +5,9 @@
 #include "core/job/job.h"
 #include "reference/reference.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
 #include "tests/support/temp_folder.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -40,20 +39,15 @@ static bool count_call(void *user, double done)
 static struct image render(const struct job *job, const char *shader_dir, int *calls)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, shader_dir);
     struct renderer_result result;
     struct counted counted = {0};
     struct image image;
 
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
-    renderer = renderer_create(context, shader_dir);
     assert_true(image_init(&image, job->width_px, job->height_px, true, true, &error));
-    if (!renderer_render(renderer, job, 0, &image, count_call, &counted, &result, &error))
+    if (!renderer_render(stage.renderer, job, 0, &image, count_call, &counted, &result, &error))
         fail_msg("%s", error.message);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
     *calls = counted.calls;
     return image;
 }

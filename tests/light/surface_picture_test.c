@@ -1,10 +1,9 @@
 // What pictures of objects show that has a closed form: depth, alpha, furnaces, counts of rays.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/object_job.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -32,23 +31,14 @@ struct picture {
 static bool try_to_render_on(enum gl_backend backend, struct picture *picture, const char *scene, const char *rest,
                              struct error *error)
 {
-    struct gl_context *context = gl_context_create(backend, NULL, error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(backend, test_shader_dir());
     struct job job;
     bool ok;
 
-    if (!context && backend != GL_BACKEND_OSMESA) {
-        print_message("skipped: %s\n", error->message);
-        skip();
-    }
-    if (!context) fail_msg("%s", error->message);
-    keep_libraries();
     object_job_parse(&job, scene, rest);
-    renderer = renderer_create(context, test_shader_dir());
     ok = image_init(&picture->image, job.width_px, job.height_px, true, true, error) &&
-         renderer_render(renderer, &job, 0, &picture->image, NULL, NULL, &picture->result, error);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+         renderer_render(stage.renderer, &job, 0, &picture->image, NULL, NULL, &picture->result, error);
+    gl_stage_close(stage);
     job_finish(&job);
     return ok;
 }

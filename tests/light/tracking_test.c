@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/lot.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -31,8 +30,7 @@
 #define DEBIASED "\"method\": \"tracking\", \"estimator\": \"debiased\", \"step\": 0.2, \"light_step\": 0.2"
 
 struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
+    struct gl_stage gl;
     struct image image;
     struct job job;
     struct renderer_result result;
@@ -45,10 +43,7 @@ static struct stage open_stage(const struct lot_scene *scene, int height_px)
 
     lot_parse(&stage.job, scene);
     stage.job.height_px = height_px;
-    stage.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &stage.error);
-    if (!stage.context) fail_msg("%s", stage.error.message);
-    keep_libraries();
-    stage.renderer = renderer_create(stage.context, test_shader_dir());
+    stage.gl = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     assert_true(image_init(&stage.image, LOT_WIDTH_PX, height_px, true, true, NULL));
     return stage;
 }
@@ -56,14 +51,13 @@ static struct stage open_stage(const struct lot_scene *scene, int height_px)
 static void close_stage(struct stage *stage)
 {
     image_finish(&stage->image);
-    renderer_destroy(stage->renderer);
-    gl_context_destroy(stage->context);
+    gl_stage_close(stage->gl);
     job_finish(&stage->job);
 }
 
 static bool render(struct stage *stage, int32_t frame)
 {
-    return renderer_render(stage->renderer, &stage->job, frame, &stage->image, NULL, NULL, &stage->result,
+    return renderer_render(stage->gl.renderer, &stage->job, frame, &stage->image, NULL, NULL, &stage->result,
                            &stage->error);
 }
 

@@ -4,10 +4,9 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
 #include "worker/audit/truth.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -79,25 +78,21 @@ static void add(struct sums *sums, const struct image *image, const double *trut
 static void render(struct sums *sums, const struct lot_scene *scene, const double *truth, int frames)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct image image;
     struct job job;
 
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
     lot_parse(&job, scene);
-    renderer = renderer_create(context, test_shader_dir());
     assert_true(image_init(&image, LOT_WIDTH_PX, LOT_HEIGHT_PX, true, true, NULL));
     for (int32_t frame = 0; frame < frames; ++frame) {
         struct renderer_result result;
 
-        if (!renderer_render(renderer, &job, frame, &image, NULL, NULL, &result, &error)) fail_msg("%s", error.message);
+        if (!renderer_render(stage.renderer, &job, frame, &image, NULL, NULL, &result, &error))
+            fail_msg("%s", error.message);
         add(sums, &image, truth);
     }
     image_finish(&image);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
     job_finish(&job);
 }
 

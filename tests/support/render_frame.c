@@ -3,7 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/job/job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
 #include "worker/picture/image.h"
 #include "worker/picture/ray_counts.h"
@@ -19,24 +19,15 @@ void render_frame_counting_rays(enum gl_backend backend, const struct job *job, 
                                 struct ray_counts *counts)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(backend, NULL, &error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(backend, test_shader_dir());
     struct renderer_result result;
 
-    if (!context && backend != GL_BACKEND_OSMESA) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
-    renderer = renderer_create(context, test_shader_dir());
     if (!image_init(image, job->width_px, job->height_px, true, true, &error) ||
-        !renderer_render(renderer, job, 0, image, NULL, NULL, &result, &error)) {
+        !renderer_render(stage.renderer, job, 0, image, NULL, NULL, &result, &error)) {
         fail_msg("%s", error.message);
     }
     *counts = result.ray_counts;
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
 }
 
 void render_frame_on(enum gl_backend backend, const struct job *job, struct image *image)

@@ -4,7 +4,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
 
 #include <math.h>
@@ -20,35 +20,22 @@
 enum { VALUES = 8 }; // of a pixel: two colours, alpha and depth
 
 static enum gl_backend wanted = GL_BACKEND_OSMESA;
-static struct gl_context *context;
-static struct renderer *renderer;
+static struct gl_stage stage;
 
 int studio_close(void **state)
 {
     (void)state;
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
-    renderer = NULL;
-    context = NULL;
+    gl_stage_close(stage);
+    stage = (struct gl_stage){0};
     return 0;
 }
 
 void studio_use(enum gl_backend backend)
 {
-    struct error error = {{0}};
-
-    if (!context || backend != wanted) {
-        studio_close(NULL);
-        wanted = backend;
-        context = gl_context_create(backend, NULL, &error);
-    }
-    if (!context && backend != GL_BACKEND_OSMESA) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
-    if (!renderer) renderer = renderer_create(context, test_shader_dir());
+    if (stage.context && backend == wanted) return;
+    studio_close(NULL);
+    wanted = backend;
+    stage = gl_stage_open(backend, test_shader_dir());
 }
 
 static struct vec3 up_of(const struct studio_camera *camera)
@@ -110,7 +97,7 @@ void studio_render(const struct job *job, int32_t frame, struct studio_picture *
     studio_use(wanted);
     *picture = (struct studio_picture){0};
     if (!image_init(&picture->image, job->width_px, job->height_px, true, true, &error) ||
-        !renderer_render(renderer, job, frame, &picture->image, NULL, NULL, &picture->result, &error) ||
+        !renderer_render(stage.renderer, job, frame, &picture->image, NULL, NULL, &picture->result, &error) ||
         !image_is_finite(&picture->image, false, &error)) {
         fail_msg("frame %d: %s", (int)frame, error.message);
     }

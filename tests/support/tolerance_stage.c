@@ -3,8 +3,6 @@
 
 #include "core/base/error.h"
 #include "core/job/job.h"
-#include "tests/support/keep_libraries.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -16,21 +14,16 @@
 
 struct tolerance_stage tolerance_stage_open(const char *shader_dir)
 {
-    struct error error = {{0}};
-    struct tolerance_stage stage = {.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error)};
+    struct tolerance_stage stage = {.gl = gl_stage_open(GL_BACKEND_OSMESA, shader_dir)};
 
-    if (!stage.context) fail_msg("%s", error.message);
-    keep_libraries();
-    stage.renderer = renderer_create(stage.context, shader_dir);
-    stage.tolerance = tolerance_create(stage.renderer);
+    stage.tolerance = tolerance_create(stage.gl.renderer);
     return stage;
 }
 
 void tolerance_stage_close(struct tolerance_stage stage)
 {
     tolerance_destroy(stage.tolerance);
-    renderer_destroy(stage.renderer);
-    gl_context_destroy(stage.context);
+    gl_stage_close(stage.gl);
 }
 
 struct image tolerance_stage_make_image(const struct job *job)

@@ -2,20 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "tests/support/gl_stage.h"
 #include "worker/plan/tolerance.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
 struct error;
-struct gl_context;
 struct image;
 struct job;
-struct renderer;
 
 struct tolerance_stage {
-    struct gl_context *context;
-    struct renderer *renderer;
+    struct gl_stage gl;
     struct tolerance *tolerance;
 };
 

@@ -9,7 +9,7 @@
 #include "reference/reference.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/render_frame.h"
 #include "tests/support/shader_dir.h"
 #include "tests/support/true_light.h"
@@ -167,31 +167,7 @@ static void the_example_is_the_converged_light(void **state)
     }
 }
 
-struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
-};
-
-static void open_stage(struct stage *stage, enum gl_backend backend)
-{
-    struct error error = {{0}};
-
-    stage->context = gl_context_create(backend, NULL, &error);
-    if (!stage->context) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    keep_libraries();
-    stage->renderer = renderer_create(stage->context, test_shader_dir());
-}
-
-static void close_stage(struct stage *stage)
-{
-    renderer_destroy(stage->renderer);
-    gl_context_destroy(stage->context);
-}
-
-static int64_t render(struct stage *stage, const struct job *job, int32_t frame, struct image *image)
+static int64_t render(struct gl_stage *stage, const struct job *job, int32_t frame, struct image *image)
 {
     struct error error = {{0}};
     struct renderer_result result;
@@ -206,21 +182,21 @@ static int64_t render(struct stage *stage, const struct job *job, int32_t frame,
 static int64_t count_fills(const struct job *job)
 {
     int64_t count = 0;
-    struct stage stage, fresh;
+    struct gl_stage stage, fresh;
     struct image image, alone;
 
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     for (int32_t frame = 0; frame < 4; frame++) {
         count += render(&stage, job, frame, &image);
         if (frame < 3) image_finish(&image);
     }
-    open_stage(&fresh, GL_BACKEND_OSMESA);
+    fresh = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     assert_int_equal(render(&fresh, job, 3, &alone), DENSITY_BAKE_CACHES);
     assert_memory_equal(image.rgba, alone.rgba, sizeof(float[4]) * PIXELS);
     image_finish(&image);
     image_finish(&alone);
-    close_stage(&fresh);
-    close_stage(&stage);
+    gl_stage_close(fresh);
+    gl_stage_close(stage);
     return count / DENSITY_BAKE_CACHES;
 }
 
@@ -305,19 +281,19 @@ static void a_mistake_in_own_code_is_told(void **state)
 {
     struct error error = {{0}};
     struct renderer_result result;
-    struct stage stage;
+    struct gl_stage stage;
     struct image image;
     struct job job;
 
     parse(&job, OWN BALL, 24);
     set_text(&job, "float density(vec3 p, float t)\n{\n    return nothing;\n}\n");
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, NULL));
     assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_JOB);
     assert_non_null(strstr(error.message, "clouds.glsl:3"));
     image_finish(&image);
-    close_stage(&stage);
+    gl_stage_close(stage);
     job_finish(&job);
 }
 
@@ -347,21 +323,21 @@ static void what_gains_nothing_is_not_baked(void **state)
 
 static void both_backends_show_the_same(void **state)
 {
-    struct stage osmesa, egl;
+    struct gl_stage osmesa, egl;
     struct image a, b;
     struct job job;
 
     parse(&job, NOISE ", \"octaves\": 4, \"mode\": \"clip\", \"scale\": 4" TURNING BALL, 100);
-    open_stage(&egl, GL_BACKEND_EGL);
-    open_stage(&osmesa, GL_BACKEND_OSMESA);
+    egl = gl_stage_open(GL_BACKEND_EGL, test_shader_dir());
+    osmesa = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     render(&osmesa, &job, 1, &a);
     render(&egl, &job, 1, &b);
     for (int i = 0; i < 4 * PIXELS; i++)
         assert_near(a.rgba[i], b.rgba[i], 1e-3); // a GPU's filter has weights of 8 bits
     image_finish(&a);
     image_finish(&b);
-    close_stage(&egl);
-    close_stage(&osmesa);
+    gl_stage_close(egl);
+    gl_stage_close(osmesa);
     job_finish(&job);
 }
 

@@ -6,9 +6,9 @@
 #include "reference/reference.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/example_job.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
-#include "tests/support/keep_libraries.h"
 #include "tests/support/render_frame.h"
 #include "worker/picture/image.h"
 #include "worker/program/scene_program.h"
@@ -191,25 +191,20 @@ static void a_nan_is_told_with_its_pixel(void **state)
 // What a renderer says of a text.
 static void render_and_fail(const char *text, enum renderer_fault fault, struct error *error)
 {
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, error);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, NULL);
     struct renderer_result result;
     struct image image;
     struct job job;
 
-    if (!context) fail_msg("%s", error->message);
-    keep_libraries();
-    renderer = renderer_create(context, NULL);
     parse(&job, OWN("0, 0, 0", "\"sigma_s\": 2, \"sigma_a\": 1"));
     job.width_px = job.height_px = 4;
     set_text(&job, 0, text);
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, NULL));
-    assert_false(renderer_render(renderer, &job, 0, &image, NULL, NULL, &result, error));
+    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, error));
     assert_int_equal(result.fault, fault);
     image_finish(&image);
     job_finish(&job);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
 }
 
 static void assert_told(const char *text, const char *place, const char *words)

@@ -6,9 +6,8 @@
 #include "core/job/job_json.h"
 #include "reference/still.h"
 #include "reference/transmittance.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_programs.h"
 #include "worker/program/light_grid_glue.h"
@@ -46,7 +45,7 @@ struct grid_check {
 static void fill(struct grid_check *check)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_stage_open_context(GL_BACKEND_OSMESA);
     struct gl_functions gl;
     struct gl_programs programs = {.gl = &gl};
     struct scene_cache *cache = &check->program.caches[0];
@@ -56,8 +55,6 @@ static void fill(struct grid_check *check)
     PFNGLACTIVETEXTUREPROC activate;
     struct gl_caches *caches;
 
-    if (!context) fail_msg("%s", error.message);
-    keep_libraries();
     assert_true(gl_functions_load(&gl, context, NULL));
     get_image = (PFNGLGETTEXIMAGEPROC)gl_context_function(context, "glGetTexImage");
     activate = (PFNGLACTIVETEXTUREPROC)gl_context_function(context, "glActiveTexture");

@@ -4,8 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/job/job_json.h"
-#include "tests/support/keep_libraries.h"
-#include "worker/gl/gl_context.h"
+#include "tests/support/gl_stage.h"
 #include "worker/plan/plan.h"
 
 #include <math.h>
@@ -58,18 +57,15 @@ static void what_the_pilot_does_not_see_is_found(void **state)
         " return t > 0.5 && t < 0.9 ? 8.0 * max(f, 0.0) : 1.0 + 0.1 * f; }\","
         "\"bounds\":{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}}}]},"
         "\"output\":{\"path\":\"glow.####.exr\"},\"quality\":{\"tolerance\":0.01}}";
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, NULL);
     struct plan plan, within, beyond;
-    struct renderer *renderer;
     struct error error = {{0}};
     enum renderer_fault fault;
     struct job job;
 
-    assert_non_null(context);
-    keep_libraries();
-    renderer = renderer_create(context, NULL);
     if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    if (!plan_make(&plan, &(struct plan_params){.renderer = renderer, .job = &job, .segment = plan_segment_of(&job, 0)},
+    if (!plan_make(&plan,
+                   &(struct plan_params){.renderer = stage.renderer, .job = &job, .segment = plan_segment_of(&job, 0)},
                    &fault, &error))
         fail_msg("%s", error.message);
     within = plan_of_frame(&plan, &job, 17);
@@ -82,8 +78,7 @@ static void what_the_pilot_does_not_see_is_found(void **state)
     assert_true(plan.dearer > 1.05 && plan.dearer < 4.0);
     assert_true(plan.predicted_error <= TOLERANCE);
     job_finish(&job);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
 }
 
 int main(int argc, char *argv[])

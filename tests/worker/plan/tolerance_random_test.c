@@ -3,11 +3,10 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/random_job.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/true_error.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/plan/tolerance.h"
 
@@ -68,16 +67,12 @@ struct range {
 static struct outcome try_range(const struct range *range, const char *volume)
 {
     static const double tolerances[] = {0.1, 0.03, 0.01};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, NULL);
-    struct renderer *renderer;
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, NULL);
     struct tolerance *tolerance;
     struct outcome outcome = {0};
     int64_t serial = 0;
 
-    assert_non_null(context);
-    keep_libraries();
-    renderer = renderer_create(context, NULL);
-    tolerance = tolerance_create(renderer);
+    tolerance = tolerance_create(stage.renderer);
     random_job_write_volume(volume);
     for (uint64_t seed = range->first; seed <= range->last; seed++)
         for (uint64_t i = 0; i < 3; i++) {
@@ -91,8 +86,7 @@ static struct outcome try_range(const struct range *range, const char *volume)
             free(text);
         }
     tolerance_destroy(tolerance);
-    renderer_destroy(renderer);
-    gl_context_destroy(context);
+    gl_stage_close(stage);
     print_message("of %d frames %d are within, %d are beyond by a quarter, %d were rendered twice, %d given up\n",
                   outcome.frames, outcome.within, outcome.beyond, outcome.seconds, outcome.refused);
     return outcome;

@@ -4,9 +4,8 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "tests/support/assert_near.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_program.h"
 #include "worker/gl/gl_programs.h"
@@ -35,14 +34,7 @@ struct stage {
 
 static void open_stage(struct stage *stage, enum gl_backend backend)
 {
-    struct error error = {{0}};
-
-    *stage = (struct stage){.context = gl_context_create(backend, NULL, &error)};
-    if (!stage->context) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    keep_libraries();
+    *stage = (struct stage){.context = gl_stage_open_context(backend)};
     assert_true(gl_functions_load(&stage->gl, stage->context, NULL));
     stage->programs.gl = &stage->gl;
     stage->caches = gl_caches_create(&stage->gl, &stage->programs);

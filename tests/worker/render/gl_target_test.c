@@ -3,9 +3,8 @@
 
 #include "core/base/error.h"
 #include "tests/support/assert_near.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_program.h"
 #include "worker/glsl/shader_sources.h"
@@ -47,14 +46,9 @@ static struct stage open_stage(enum gl_backend backend)
 {
     static const char *const names[] = {"test"};
     struct error error = {{0}};
-    struct stage stage = {.context = gl_context_create(backend, NULL, &error)};
+    struct stage stage = {.context = gl_stage_open_context(backend)};
     char *vertex;
 
-    if (!stage.context) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    keep_libraries();
     assert_true(gl_functions_load(&stage.gl, stage.context, NULL));
     vertex = shader_sources_load(test_shader_dir(), "fullscreen.vert", &error);
     stage.program = gl_program_create(

@@ -4,9 +4,8 @@
 #include "core/job/job.h"
 #include "core/job/job_json.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/program/light_grid_glue.h"
 #include "worker/render/renderer.h"
@@ -22,31 +21,6 @@
 
 #define STILL "[0.8, 1, -0.9]"
 #define MOVING "{ \"start\": [0.8, 1, -0.9], \"rate\": [-12, 0, 6] }"
-
-struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
-};
-
-static struct stage open_stage(enum gl_backend backend)
-{
-    struct error error = {{0}};
-    struct stage stage = {.context = gl_context_create(backend, NULL, &error)};
-
-    if (!stage.context) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    keep_libraries();
-    stage.renderer = renderer_create(stage.context, test_shader_dir());
-    return stage;
-}
-
-static void close_stage(struct stage stage)
-{
-    renderer_destroy(stage.renderer);
-    gl_context_destroy(stage.context);
-}
 
 static void parse(struct job *job, const char *camera, const char *light, const char *sigma_s, const char *more)
 {
@@ -66,7 +40,7 @@ static void parse(struct job *job, const char *camera, const char *light, const 
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 
-static struct image render(struct stage stage, const struct job *job, int32_t frame, int64_t *fills)
+static struct image render(struct gl_stage stage, const struct job *job, int32_t frame, int64_t *fills)
 {
     struct error error = {{0}};
     struct renderer_result result;
@@ -80,7 +54,7 @@ static struct image render(struct stage stage, const struct job *job, int32_t fr
     return image;
 }
 
-static int64_t count_fills(struct stage stage, const struct job *job, int32_t frame)
+static int64_t count_fills(struct gl_stage stage, const struct job *job, int32_t frame)
 {
     int64_t fills;
     struct image image = render(stage, job, frame, &fills);
@@ -91,7 +65,7 @@ static int64_t count_fills(struct stage stage, const struct job *job, int32_t fr
 
 static void grids_stay_while_the_camera_moves(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct job job;
 
     (void)state;
@@ -100,12 +74,12 @@ static void grids_stay_while_the_camera_moves(void **state)
     for (int32_t frame = 1; frame < 4; frame++)
         assert_int_equal(count_fills(stage, &job, frame), 0);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static void only_the_light_that_moves_has_a_new_grid(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct job job;
 
     (void)state;
@@ -116,13 +90,13 @@ static void only_the_light_that_moves_has_a_new_grid(void **state)
     job.quality.light_grid = 30;
     assert_int_equal(count_fills(stage, &job, 0), 2 * LIGHT_GRID_CACHES);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 // The picture's own uniforms may be those of the frame before: what its grids hold still counts.
 static void another_density_is_another_picture(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct image first, second;
     struct job job;
 
@@ -135,19 +109,19 @@ static void another_density_is_another_picture(void **state)
     image_finish(&first);
     image_finish(&second);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static void each_moment_of_the_shutter_has_grids_of_its_own(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct job job;
 
     (void)state;
     parse(&job, "[0, 0, -2]", MOVING, "6", ", \"samples\": 4");
     assert_int_equal(count_fills(stage, &job, 0), 5 * LIGHT_GRID_CACHES);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static double difference(const struct image *a, const struct image *b)
@@ -165,7 +139,8 @@ static double difference(const struct image *a, const struct image *b)
 // A frame is the same whatever was rendered before it, on whatever grids were kept.
 static void frames_do_not_depend_on_what_is_kept(void **state)
 {
-    struct stage used = open_stage(GL_BACKEND_OSMESA), fresh = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage used = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir()),
+                    fresh = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct image first, second;
     struct job job;
 
@@ -179,27 +154,27 @@ static void frames_do_not_depend_on_what_is_kept(void **state)
     image_finish(&first);
     image_finish(&second);
     job_finish(&job);
-    close_stage(used);
-    close_stage(fresh);
+    gl_stage_close(used);
+    gl_stage_close(fresh);
 }
 
 static void backends_agree(void **state)
 {
-    struct stage osmesa = open_stage(GL_BACKEND_OSMESA), egl;
+    struct gl_stage osmesa = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir()), egl;
     struct image first, second;
     struct job job;
 
     (void)state;
     parse(&job, "[0, 0, -2]", "[0.15, -0.05, 0.1]", "6", "");
     first = render(osmesa, &job, 0, NULL);
-    close_stage(osmesa);
-    egl = open_stage(GL_BACKEND_EGL);
+    gl_stage_close(osmesa);
+    egl = gl_stage_open(GL_BACKEND_EGL, test_shader_dir());
     second = render(egl, &job, 0, NULL);
     assert_true(difference(&first, &second) <= 1e-4);
     image_finish(&first);
     image_finish(&second);
     job_finish(&job);
-    close_stage(egl);
+    gl_stage_close(egl);
 }
 
 static bool stop_at_once(void *user, double done)
@@ -211,7 +186,7 @@ static bool stop_at_once(void *user, double done)
 
 static void a_grid_that_is_made_can_be_stopped(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct renderer_result result;
     struct image image;
     struct job job;
@@ -227,7 +202,7 @@ static void a_grid_that_is_made_can_be_stopped(void **state)
     image_finish(&image);
     assert_int_equal(count_fills(stage, &job, 0), 2 * LIGHT_GRID_CACHES);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 int main(void)

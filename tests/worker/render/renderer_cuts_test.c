@@ -4,9 +4,8 @@
 #include "core/base/error.h"
 #include "core/job/job_json.h"
 #include "tests/support/assert_near.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 
@@ -57,32 +56,7 @@ static struct job make_hall(const char *media, const char *reflectance, const ch
     return job;
 }
 
-struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
-};
-
-static struct stage open_stage(enum gl_backend backend)
-{
-    struct error error = {{0}};
-    struct stage stage = {.context = gl_context_create(backend, NULL, &error)};
-
-    if (!stage.context) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    keep_libraries();
-    stage.renderer = renderer_create(stage.context, test_shader_dir());
-    return stage;
-}
-
-static void close_stage(struct stage *stage)
-{
-    renderer_destroy(stage->renderer);
-    gl_context_destroy(stage->context);
-}
-
-static struct renderer_result render(struct stage *stage, const struct job *job, int32_t frame, float color[4])
+static struct renderer_result render(struct gl_stage *stage, const struct job *job, int32_t frame, float color[4])
 {
     struct error error = {{0}};
     struct renderer_result result;
@@ -102,7 +76,7 @@ struct expectation {
 
 static void assert_counts(enum gl_backend backend, struct job job, const struct expectation *expected)
 {
-    struct stage stage = open_stage(backend);
+    struct gl_stage stage = gl_stage_open(backend, test_shader_dir());
     float color[4];
     struct renderer_result result = render(&stage, &job, 0, color);
     const struct ray_counts *counts = &result.ray_counts;
@@ -117,7 +91,7 @@ static void assert_counts(enum gl_backend backend, struct job job, const struct 
     assert_near(counts->most_rays.value, expected->rays, 0);
     assert_near(color[0], expected->color, 1e-6);
     job_finish(&job);
-    close_stage(&stage);
+    gl_stage_close(stage);
 }
 
 static void a_hall_of_mirrors_is_cut_at_its_depth(void **state)
@@ -154,7 +128,7 @@ static void media_on_the_way_count(void **state)
     static const char *const fog = "{\"sigma_a\": 0.5, \"sigma_s\": 0, \"density\": {\"kind\": \"homogeneous\"}}";
     struct job job = make_hall(fog, "0.5", "\"max_depth\": 2");
     double left = 0.125 * exp(-0.5 * 5); // 1 m to the first mirror, then 2 m each
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     float color[4];
     struct renderer_result result = render(&stage, &job, 0, color);
 
@@ -162,7 +136,7 @@ static void media_on_the_way_count(void **state)
     assert_near(result.ray_counts.cut_throughput, left, 2e-4 * left);
     assert_near(result.ray_counts.rays, 3, 0);
     job_finish(&job);
-    close_stage(&stage);
+    gl_stage_close(stage);
 }
 
 // Inside the pane a ray of depth k has (1 - F) F^(k-1) and sends two on; what the last one would send is cut.
@@ -195,7 +169,7 @@ static void counts_are_means_of_samples(void **state)
 
 static void a_copied_frame_keeps_its_counts(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct job job = make_job("", PANE, "\"max_depth\": 3");
     float color[4];
     struct renderer_result first = render(&stage, &job, 0, color), second = render(&stage, &job, 1, color);
@@ -204,7 +178,7 @@ static void a_copied_frame_keeps_its_counts(void **state)
     assert_near(second.ray_counts.rays, 7, 0);
     assert_memory_equal(&first.ray_counts, &second.ray_counts, sizeof first.ray_counts);
     job_finish(&job);
-    close_stage(&stage);
+    gl_stage_close(stage);
 }
 
 static bool count_tiles(void *user, double done)
@@ -219,7 +193,7 @@ static void more_rays_than_the_driver_follows_are_an_error(void **state)
     enum { WIDTH = 16, HEIGHT = 96 };
     static const char pane[] = "{\"kind\": \"box\", \"center\": [0, 0, %d], \"size\": [99, 99, 0.5], \"material\": "
                                "{\"kind\": \"dielectric\", \"ior\": 3}}";
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct renderer_result result;
     struct error error = {{0}};
     struct image image;
@@ -241,12 +215,12 @@ static void more_rays_than_the_driver_follows_are_an_error(void **state)
     free(objects);
     image_finish(&image);
     job_finish(&job);
-    close_stage(&stage);
+    gl_stage_close(stage);
 }
 
 static void scenes_follow_one_another_with_and_without_paths(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct job glass = make_job("", PANE, "\"max_depth\": 3");
     struct job floor = make_job("",
                                 "{\"kind\": \"plane\", \"point\": [0, 0, 1], \"normal\": [0, 0, -1], \"material\": "
@@ -264,7 +238,7 @@ static void scenes_follow_one_another_with_and_without_paths(void **state)
     }
     job_finish(&glass);
     job_finish(&floor);
-    close_stage(&stage);
+    gl_stage_close(stage);
 }
 
 int main(int argc, char *argv[])

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job_json.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/volume_maker.h"
-#include "worker/gl/gl_context.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/picture/image.h"
 #include "worker/render/gl_grid.h"
@@ -23,8 +22,7 @@
 enum { SIDE = 8, VOXELS = SIDE * SIDE * SIDE };
 
 struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
+    struct gl_stage gl;
     struct job job;
     struct image image;
     struct renderer_result result;
@@ -63,10 +61,7 @@ static struct stage open_stage(const char *path)
     struct stage stage = {.path = path};
 
     take_job(&stage, "\"scale\": 0.1", ", \"sigma_a\": 0.1");
-    stage.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &stage.error);
-    if (!stage.context) fail_msg("%s", stage.error.message);
-    keep_libraries();
-    stage.renderer = renderer_create(stage.context, NULL);
+    stage.gl = gl_stage_open(GL_BACKEND_OSMESA, NULL);
     assert_true(image_init(&stage.image, 8, 8, false, false, NULL));
     return stage;
 }
@@ -74,8 +69,7 @@ static struct stage open_stage(const char *path)
 static void close_stage(struct stage *stage)
 {
     image_finish(&stage->image);
-    renderer_destroy(stage->renderer);
-    gl_context_destroy(stage->context);
+    gl_stage_close(stage->gl);
     job_finish(&stage->job);
 }
 
@@ -93,7 +87,7 @@ static bool on_progress(void *user, double done)
 static bool render(struct stage *stage, int32_t frame)
 {
     stage->slabs = 0;
-    return renderer_render(stage->renderer, &stage->job, frame, &stage->image, on_progress, stage, &stage->result,
+    return renderer_render(stage->gl.renderer, &stage->job, frame, &stage->image, on_progress, stage, &stage->result,
                            &stage->error);
 }
 
@@ -131,10 +125,10 @@ static void changed_file_is_read_again(void **state)
     stage = open_stage(path);
     thin = alpha(&stage, 0);
     memcpy(first, stage.result.picture_hash, sizeof first);
-    assert_true(renderer_hash_picture(stage.renderer, &stage.job, 0, hash, &fault, NULL));
+    assert_true(renderer_hash_picture(stage.gl.renderer, &stage.job, 0, hash, &fault, NULL));
     assert_string_equal(hash, first);
     write_even(path, 100);
-    assert_true(renderer_hash_picture(stage.renderer, &stage.job, 0, hash, &fault, NULL));
+    assert_true(renderer_hash_picture(stage.gl.renderer, &stage.job, 0, hash, &fault, NULL));
     assert_string_not_equal(hash, first);
     thick = alpha(&stage, 0);
     assert_string_equal(hash, stage.result.picture_hash);
@@ -232,7 +226,7 @@ static void volume_is_never_held_twice(void **state)
 
     if (!reset || fputs("5\n", reset) < 0 || fclose(reset) != 0) skip(); // the peak cannot be told
     volume_maker_write_raw(path, (int[]){BIG, BIG, BIG}, VOLUME_STORED_FLOAT32, false);
-    assert_true(gl_functions_load(&gl, stage.context, NULL));
+    assert_true(gl_functions_load(&gl, stage.gl.context, NULL));
     reset = fopen("/proc/self/clear_refs", "w");
     assert_true(reset && fputs("5\n", reset) >= 0 && fclose(reset) == 0);
     before = read_status_kilobytes("VmRSS");

@@ -6,9 +6,8 @@
 #include "tests/support/assert_near.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/pixel_samples.h"
@@ -26,28 +25,6 @@
     "0]}}]"
 #define STILL_BALL "\"sigma_s\": 1, \"sigma_a\": 0.5"
 
-struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
-};
-
-static struct stage open_stage(void)
-{
-    struct error error = {{0}};
-    struct stage stage = {.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error)};
-
-    if (!stage.context) fail_msg("%s", error.message);
-    keep_libraries();
-    stage.renderer = renderer_create(stage.context, test_shader_dir());
-    return stage;
-}
-
-static void close_stage(struct stage stage)
-{
-    renderer_destroy(stage.renderer);
-    gl_context_destroy(stage.context);
-}
-
 static struct image make_image(const struct job *job)
 {
     struct image image;
@@ -56,7 +33,7 @@ static struct image make_image(const struct job *job)
     return image;
 }
 
-static struct image render(struct stage stage, const struct job *job, int32_t frame, bool *is_copy)
+static struct image render(struct gl_stage stage, const struct job *job, int32_t frame, bool *is_copy)
 {
     struct image image = make_image(job);
     struct renderer_result result;
@@ -71,10 +48,10 @@ static struct image render(struct stage stage, const struct job *job, int32_t fr
 // On a context and a renderer of its own: what a worker that has just started makes.
 static struct image render_afresh(const struct job *job, int32_t frame)
 {
-    struct stage stage = open_stage();
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct image image = render(stage, job, frame, NULL);
 
-    close_stage(stage);
+    gl_stage_close(stage);
     return image;
 }
 
@@ -101,26 +78,26 @@ static void a_frame_is_the_same_in_any_order_and_after_a_restart(void **state)
 {
     struct job job = ball(STILL_BALL, MOVING_LIGHT ", " BALL_JOB_MIDPOINT, 3, 0.5);
     struct image alone[3], in_order[3];
-    struct stage stage;
+    struct gl_stage stage;
 
     example_job_shrink(&job, 40, 150, 0);
     for (int frame = 0; frame < 3; ++frame)
         alone[frame] = render_afresh(&job, frame);
-    stage = open_stage();
+    stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     for (int frame = 0; frame < 3; ++frame) { // tiles grow from frame to frame
         in_order[frame] = render(stage, &job, frame, NULL);
         assert_images_equal(&in_order[frame], &alone[frame]);
         image_finish(&in_order[frame]);
         image_finish(&alone[frame]);
     }
-    close_stage(stage);
+    gl_stage_close(stage);
     job_finish(&job);
 }
 
 static void a_constant_job_renders_its_samples_once(void **state)
 {
     struct job job = ball(STILL_BALL, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT, 4, 1);
-    struct stage stage = open_stage();
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct image first, second;
     bool is_copy;
 
@@ -134,7 +111,7 @@ static void a_constant_job_renders_its_samples_once(void **state)
     assert_images_equal(&first, &second);
     image_finish(&first);
     image_finish(&second);
-    close_stage(stage);
+    gl_stage_close(stage);
     job_finish(&job);
 }
 
@@ -155,7 +132,7 @@ static bool watch_progress(void *user, double done)
 static void progress_counts_all_passes(void **state)
 {
     struct job job = ball(STILL_BALL, MOVING_LIGHT ", " BALL_JOB_MIDPOINT, 4, 1);
-    struct stage stage = open_stage();
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct image image = make_image(&job);
     struct renderer_result result;
     struct watch all = {0}, some = {.stop_at = 2};
@@ -168,7 +145,7 @@ static void progress_counts_all_passes(void **state)
     assert_true(all.calls >= 4);
     assert_near(all.last, 1, 0);
     image_finish(&image);
-    close_stage(stage);
+    gl_stage_close(stage);
     job_finish(&job);
 }
 
@@ -177,7 +154,7 @@ static void passes_that_show_the_same_are_drawn_once(void **state)
     // Without a seen medium all points of a pixel are alike.
     struct job job =
         ball("\"sigma_s\": 0, \"sigma_a\": 0", "\"background\": [0.1, 0.2, 0.3], " BALL_JOB_MIDPOINT, 64, 1);
-    struct stage stage = open_stage();
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct image image = make_image(&job);
     struct renderer_result result;
     struct watch watch = {0};
@@ -186,7 +163,7 @@ static void passes_that_show_the_same_are_drawn_once(void **state)
     assert_int_equal(watch.calls, 1);
     assert_true(image.rgba[0] == 0.1f && image.rgba[1] == 0.2f && image.rgba[2] == 0.3f && image.rgba[3] == 1.0f);
     image_finish(&image);
-    close_stage(stage);
+    gl_stage_close(stage);
     job_finish(&job);
 }
 
@@ -371,7 +348,7 @@ static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
 {
     // The ball shrinks away: only the first pass has anything to march through.
     struct job job = ball(BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT, 4, 1);
-    struct stage stage = open_stage();
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct renderer_result result;
     struct error error = {{0}};
     struct image image;
@@ -385,7 +362,7 @@ static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
     assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);
     assert_non_null(strstr(error.message, "quality: pixel"));
     image_finish(&image);
-    close_stage(stage);
+    gl_stage_close(stage);
     job_finish(&job);
 }
 

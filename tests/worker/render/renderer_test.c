@@ -5,8 +5,8 @@
 #include "core/base/file.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/temp_folder.h"
-#include "worker/gl/gl_context.h"
 #include "worker/gl/gl_program.h"
 #include "worker/picture/image.h"
 
@@ -18,30 +18,6 @@
 
 #include <cmocka.h>
 
-struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
-};
-
-static struct stage open_stage(enum gl_backend backend, const char *shader_dir)
-{
-    struct error error = {{0}};
-    struct stage stage = {.context = gl_context_create(backend, NULL, &error)};
-
-    if (!stage.context) {
-        print_message("skipped: %s\n", error.message);
-        skip();
-    }
-    stage.renderer = renderer_create(stage.context, shader_dir);
-    return stage;
-}
-
-static void close_stage(struct stage stage)
-{
-    renderer_destroy(stage.renderer);
-    gl_context_destroy(stage.context);
-}
-
 static struct image make_image(const struct job *job)
 {
     struct image image;
@@ -51,7 +27,7 @@ static struct image make_image(const struct job *job)
     return image;
 }
 
-static struct image render(struct stage stage, const struct job *job, int32_t frame, struct renderer_result *result)
+static struct image render(struct gl_stage stage, const struct job *job, int32_t frame, struct renderer_result *result)
 {
     struct image image = make_image(job);
     struct error error = {{0}};
@@ -64,14 +40,14 @@ static struct image render(struct stage stage, const struct job *job, int32_t fr
 // Renders one frame of a ball with a renderer of its own.
 static struct image render_ball(const char *medium, const char *rest, struct renderer_result *result)
 {
-    struct stage stage = open_stage(GL_BACKEND_AUTO, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
     struct job job;
     struct image image;
 
     ball_job_parse(&job, medium, rest);
     image = render(stage, &job, 0, result);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
     return image;
 }
 
@@ -96,7 +72,7 @@ static double largest_difference(const struct image *a, const struct image *b)
 
 static void a_constant_job_renders_once_and_copies(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_AUTO, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
     struct renderer_result result;
     struct image first, second, other;
     struct job job, moving;
@@ -123,7 +99,7 @@ static void a_constant_job_renders_once_and_copies(void **state)
     image_finish(&other);
     job_finish(&job);
     job_finish(&moving);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static bool count_tile(void *user, double done)
@@ -135,7 +111,7 @@ static bool count_tile(void *user, double done)
 
 static void tiles_do_not_change_pixels(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_AUTO, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
     struct renderer_result result;
     struct image images[2];
     int tiles[2] = {0, 0};
@@ -159,7 +135,7 @@ static void tiles_do_not_change_pixels(void **state)
     image_finish(&images[0]);
     image_finish(&images[1]);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static bool refuse(void *user, double done)
@@ -169,7 +145,7 @@ static bool refuse(void *user, double done)
 
 static void a_stopped_frame_is_rendered_anew(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_AUTO, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
     struct renderer_result result;
     struct image image;
     struct job job;
@@ -182,7 +158,7 @@ static void a_stopped_frame_is_rendered_anew(void **state)
     assert_false(result.is_copy);
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static void grey_and_rgb_give_equal_pictures_of_a_grey_scene(void **state)
@@ -243,7 +219,7 @@ static void find_centre(const struct image *image, double at[2])
 static void the_camera_looks_where_its_matrices_say(void **state)
 {
     static const double origin[3] = {0};
-    struct stage stage = open_stage(GL_BACKEND_AUTO, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
 
     for (int mirrored = 0; mirrored < 2; ++mirrored) {
         struct renderer_result result;
@@ -279,7 +255,7 @@ static void the_camera_looks_where_its_matrices_say(void **state)
         image_finish(&image);
         job_finish(&job);
     }
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static void an_absorbing_ball_follows_beer_and_lambert(void **state)
@@ -342,14 +318,14 @@ static void backends_agree(void **state)
     struct image images[2];
 
     for (int i = 0; i < 2; ++i) {
-        struct stage stage = open_stage(i == 0 ? GL_BACKEND_EGL : GL_BACKEND_OSMESA, NULL);
+        struct gl_stage stage = gl_stage_open(i == 0 ? GL_BACKEND_EGL : GL_BACKEND_OSMESA, NULL);
         struct job job;
 
         example_job_load(&job, "cloud");
         example_job_shrink(&job, 48, 27, 2);
         images[i] = render(stage, &job, 0, &result);
         job_finish(&job);
-        close_stage(stage);
+        gl_stage_close(stage);
     }
     assert_true(largest_difference(&images[0], &images[1]) < 1e-4);
     image_finish(&images[0]);
@@ -358,7 +334,7 @@ static void backends_agree(void **state)
 
 static void a_march_that_the_driver_cuts_is_an_error(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_AUTO, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
     struct error error = {{0}};
     struct renderer_result result;
     struct image image;
@@ -374,7 +350,7 @@ static void a_march_that_the_driver_cuts_is_an_error(void **state)
     assert_non_null(strstr(error.message, "quality: pixel"));
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static void a_broken_module_is_named_with_its_line(void **state)
@@ -383,13 +359,13 @@ static void a_broken_module_is_named_with_its_line(void **state)
         "struct RegionSphere { vec3 center; float radius; };\n\nfloat broken = no_such_name;\n";
     struct error error = {{0}};
     struct renderer_result result;
-    struct stage stage;
+    struct gl_stage stage;
     struct image image;
     struct job job;
 
     assert_int_equal(mkdir(temp_folder_path(state, "region"), 0700), 0);
     assert_true(file_write_atomic(temp_folder_path(state, "region/sphere.glsl"), broken, sizeof broken - 1, NULL));
-    stage = open_stage(GL_BACKEND_AUTO, *state);
+    stage = gl_stage_open(GL_BACKEND_AUTO, *state);
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     image = make_image(&job);
     assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
@@ -398,12 +374,12 @@ static void a_broken_module_is_named_with_its_line(void **state)
         fail_msg("%s", error.message);
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static void a_camera_that_cannot_look_is_an_error(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_AUTO, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
     struct error error = {{0}};
     struct renderer_result result;
     struct image image;
@@ -422,7 +398,7 @@ static void a_camera_that_cannot_look_is_an_error(void **state)
     assert_true(pixel(&image, 24, 16)[3] > 0.8f);
     image_finish(&image);
     job_finish(&job);
-    close_stage(stage);
+    gl_stage_close(stage);
 }
 
 static void places_in_every_drivers_log_become_module_names(void **state)

@@ -4,14 +4,13 @@
 #include "core/job/job_json.h"
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
-#include "tests/support/keep_libraries.h"
+#include "tests/support/gl_stage.h"
 #include "tests/support/png_maker.h"
 #include "tests/support/random.h"
 #include "tests/support/shader_dir.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/true_light.h"
 #include "tests/support/volume_maker.h"
-#include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
 #include "worker/volume/volume_memory.h"
@@ -36,8 +35,7 @@ static const double FOV_DEG = 40;
 static unsigned char bytes[3 * WIDTH * HEIGHT];
 
 struct stage {
-    struct gl_context *context;
-    struct renderer *renderer;
+    struct gl_stage gl;
     struct job job;
     struct image image;
     struct renderer_result result;
@@ -80,10 +78,7 @@ static struct stage open_stage(const char *path)
     struct stage stage = {.path = path};
 
     take_job(&stage, FLOOR, ", \"size\": 1.3");
-    stage.context = gl_context_create(GL_BACKEND_OSMESA, NULL, &stage.error);
-    if (!stage.context) fail_msg("%s", stage.error.message);
-    keep_libraries();
-    stage.renderer = renderer_create(stage.context, test_shader_dir());
+    stage.gl = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     assert_true(image_init(&stage.image, SIDE, SIDE, false, false, NULL));
     return stage;
 }
@@ -91,14 +86,13 @@ static struct stage open_stage(const char *path)
 static void close_stage(struct stage *stage)
 {
     image_finish(&stage->image);
-    renderer_destroy(stage->renderer);
-    gl_context_destroy(stage->context);
+    gl_stage_close(stage->gl);
     job_finish(&stage->job);
 }
 
 static bool render(struct stage *stage, int32_t frame)
 {
-    return renderer_render(stage->renderer, &stage->job, frame, &stage->image, NULL, NULL, &stage->result,
+    return renderer_render(stage->gl.renderer, &stage->job, frame, &stage->image, NULL, NULL, &stage->result,
                            &stage->error);
 }
 
@@ -319,7 +313,7 @@ static void reading_can_be_stopped(void **state)
     write_image(path, 9);
     stage = open_stage(path);
     assert_false(
-        renderer_render(stage.renderer, &stage.job, 0, &stage.image, refuse, &done, &stage.result, &stage.error));
+        renderer_render(stage.gl.renderer, &stage.job, 0, &stage.image, refuse, &done, &stage.result, &stage.error));
     assert_int_equal(stage.result.fault, RENDERER_FAULT_STOPPED);
     assert_true(done == 0); // before the first tile
     render_well(&stage, 0);
