@@ -5,14 +5,23 @@
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_program.h"
 
-#include <string.h>
 #include <time.h>
+
+void gl_programs_init(struct gl_programs *programs, const struct gl_functions *gl)
+{
+    *programs = (struct gl_programs){.gl = gl, .lru.capacity = GL_PROGRAMS_LIMIT};
+}
+
+static void drop(void *user, int index)
+{
+    struct gl_programs *programs = user;
+
+    programs->gl->DeleteProgram(programs->kept[index].name);
+}
 
 void gl_programs_finish(struct gl_programs *programs)
 {
-    for (size_t i = 0; i < GL_PROGRAMS_LIMIT; ++i)
-        if (programs->kept[i].name) programs->gl->DeleteProgram(programs->kept[i].name);
-    memset(programs->kept, 0, sizeof programs->kept);
+    lru_clear(&programs->lru, drop, programs);
 }
 
 static double now_s(void)
@@ -26,24 +35,18 @@ static double now_s(void)
 struct kept_program *gl_programs_find(struct gl_programs *programs, const char *hash,
                                       const struct gl_program_params *params, struct error *error)
 {
-    struct kept_program *oldest = &programs->kept[0];
     double start = now_s();
     unsigned name;
+    int index;
 
-    for (size_t i = 0; i < GL_PROGRAMS_LIMIT; ++i) {
-        struct kept_program *kept = &programs->kept[i];
-
-        if (kept->name && strcmp(kept->hash, hash) == 0) {
-            kept->used = ++programs->use_count;
-            return kept;
-        }
-        if (kept->used < oldest->used) oldest = kept;
-    }
+    lru_begin(&programs->lru);
+    index = lru_find(&programs->lru, hash);
+    if (index >= 0) return &programs->kept[index];
     name = gl_program_create(programs->gl, params, error);
     if (!name) return NULL;
     log_debug("renderer: program %s linked in %.1f ms", hash, 1000 * (now_s() - start));
-    if (oldest->name) programs->gl->DeleteProgram(oldest->name);
-    *oldest = (struct kept_program){.name = name, .used = ++programs->use_count};
-    memcpy(oldest->hash, hash, sizeof oldest->hash);
-    return oldest;
+    index = lru_make_room(&programs->lru, 0, drop, programs);
+    lru_put(&programs->lru, index, hash, 0);
+    programs->kept[index] = (struct kept_program){.name = name};
+    return &programs->kept[index];
 }

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/base/hash.h"
-
-#include <stdint.h>
+#include "worker/gl/lru.h"
 
 struct error;
 struct gl_functions;
@@ -13,20 +11,18 @@ struct gl_program_params;
 enum { GL_PROGRAMS_LIMIT = 32 };
 
 struct kept_program {
-    char hash[HASH_TEXT_SIZE]; // empty: none
-    unsigned name;             // GL's
-    int rows;                  // of its work that are done at once; whoever runs it says, and begins with 0
-    uint64_t used;             // the greater, the more recently
+    unsigned name; // GL's
+    int rows;      // of its work that are done at once; whoever runs it sets it, and begins with 0
 };
 
-// The zero value, with `gl` set, is empty.
 struct gl_programs {
     const struct gl_functions *gl; // borrowed; outlives us
+    struct lru lru;
     struct kept_program kept[GL_PROGRAMS_LIMIT];
-    uint64_t use_count;
 };
 
-void gl_programs_finish(struct gl_programs *programs); // accepts an empty one
+void gl_programs_init(struct gl_programs *programs, const struct gl_functions *gl);
+void gl_programs_finish(struct gl_programs *programs); // accepts the zero value
 // The program of that hash, linked from `params` unless it is here; NULL with the reason where that fails. Valid until
 // GL_PROGRAMS_LIMIT - 1 others have been asked for.
 struct kept_program *gl_programs_find(struct gl_programs *programs, const char *hash,

@@ -7,34 +7,33 @@
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_program.h"
 #include "worker/gl/gl_programs.h"
+#include "worker/gl/lru.h"
 #include "worker/volume/volume_memory.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-enum { KEPT_LIMIT = 2 * SCENE_CACHE_LIMIT, FIRST_STRIP_ROWS = 4, STRIP_GROWTH_LIMIT = 8 };
+enum {
+    KEPT_LIMIT = 2 * SCENE_CACHE_LIMIT, // twice as many as a pass has: one is empty or idle
+    FIRST_STRIP_ROWS = 4,
+    STRIP_GROWTH_LIMIT = 8
+};
+_Static_assert(KEPT_LIMIT <= LRU_LIMIT, "all textures of two passes are kept");
 
 static const double strip_seconds = 0.2;
-// Of textures that the pass does not need but a next one may.
+// Limits textures that the pass does not need but a next one may.
 static const size_t idle_bytes_limit = (size_t)1 << 28;
 
 static const GLenum internal_formats[] = {
     [SCENE_CACHE_R32F] = GL_R32F, [SCENE_CACHE_RG32F] = GL_RG32F, [SCENE_CACHE_RGBA32F] = GL_RGBA32F};
 
-struct kept_cache {
-    char key[HASH_TEXT_SIZE]; // of all that its values follow from; empty: none
-    unsigned texture;
-    size_t size_bytes;
-    uint64_t used; // the binding that last needed it
-};
-
 struct gl_caches {
     const struct gl_functions *gl; // borrowed; outlives us
     struct gl_programs *programs;  // borrowed; outlives us
     unsigned uniform_buffer;
-    struct kept_cache kept[KEPT_LIMIT];
-    uint64_t bind_count;
+    struct lru lru; // by the hash of all that the values follow from; a binding is a moment
+    unsigned textures[KEPT_LIMIT];
     int64_t fill_count;
 };
 
@@ -44,20 +43,21 @@ struct gl_caches *gl_caches_create(const struct gl_functions *gl, struct gl_prog
 
     caches->gl = gl;
     caches->programs = programs;
+    caches->lru = (struct lru){.capacity = KEPT_LIMIT, .idle_bytes_limit = idle_bytes_limit};
     gl->CreateBuffers(1, &caches->uniform_buffer);
     return caches;
 }
 
-static void drop(struct gl_caches *caches, struct kept_cache *kept)
+static void drop(void *user, int index)
 {
-    if (kept->texture) caches->gl->DeleteTextures(1, &kept->texture);
-    *kept = (struct kept_cache){0};
+    struct gl_caches *caches = user;
+
+    caches->gl->DeleteTextures(1, &caches->textures[index]);
 }
 
 void gl_caches_clear(struct gl_caches *caches)
 {
-    for (size_t i = 0; i < KEPT_LIMIT; ++i)
-        drop(caches, &caches->kept[i]);
+    lru_clear(&caches->lru, drop, caches);
 }
 
 void gl_caches_destroy(struct gl_caches *caches)
@@ -91,37 +91,6 @@ static void find_key(const struct gl_caches_request *request, size_t i, char (*k
     if (fclose(text) != 0) abort();
     hash_bytes(bytes, length, keys[i]);
     free(bytes);
-}
-
-static struct kept_cache *find(struct gl_caches *caches, const char *key)
-{
-    for (size_t i = 0; i < KEPT_LIMIT; ++i)
-        if (caches->kept[i].key[0] && strcmp(caches->kept[i].key, key) == 0) return &caches->kept[i];
-    return NULL;
-}
-
-// An empty place, after the textures longest unused have gone that are in the way of `size_bytes` more.
-static struct kept_cache *make_room(struct gl_caches *caches, size_t size_bytes)
-{
-    for (;;) {
-        struct kept_cache *oldest = NULL, *empty = NULL;
-        size_t idle_bytes = size_bytes;
-
-        for (size_t i = 0; i < KEPT_LIMIT; ++i) {
-            struct kept_cache *kept = &caches->kept[i];
-
-            if (!kept->key[0]) {
-                empty = kept;
-                continue;
-            }
-            if (kept->used == caches->bind_count) continue;
-            idle_bytes += kept->size_bytes;
-            if (!oldest || kept->used < oldest->used) oldest = kept;
-        }
-        // Of twice as many places as a pass has caches one is empty or idle.
-        if (!oldest || (empty && idle_bytes <= idle_bytes_limit)) return empty;
-        drop(caches, oldest);
-    }
 }
 
 static void set_sampling(const struct gl_functions *gl, unsigned texture)
@@ -221,31 +190,29 @@ static bool fill(struct gl_caches *caches, struct kept_program *program, const s
 }
 
 static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_request *request, size_t i,
-                               const char *key, struct kept_cache **made, struct error *error)
+                               const char *key, int *index, struct error *error)
 {
     const struct scene_cache *cache = &request->caches[i];
+    size_t size_bytes = scene_cache_size_bytes(cache);
     double start = now_s();
     struct kept_program *program = gl_programs_find(caches->programs, cache->hash,
                                                     &(struct gl_program_params){.compute = cache->text,
                                                                                 .module_names = cache->module_names,
                                                                                 .module_count = cache->module_count},
                                                     error);
-    struct kept_cache *kept;
     unsigned texture;
 
     if (!program) return GL_CACHES_REFUSED;
-    kept = make_room(caches, scene_cache_size_bytes(cache));
+    *index = lru_make_room(&caches->lru, size_bytes, drop, caches);
     if (!make_texture(caches->gl, cache, &texture, error)) return GL_CACHES_REFUSED;
     if (!fill(caches, program, request, i, texture)) {
         caches->gl->DeleteTextures(1, &texture);
         return GL_CACHES_STOPPED;
     }
-    *kept = (struct kept_cache){
-        .texture = texture, .size_bytes = scene_cache_size_bytes(cache), .used = caches->bind_count};
-    memcpy(kept->key, key, sizeof kept->key);
+    caches->textures[*index] = texture;
+    lru_put(&caches->lru, *index, key, size_bytes);
     log_debug("caches: %s, %d x %d x %d texels, filled in %.1f ms", cache->name, cache->size[0], cache->size[1],
               cache->size[2], 1000 * (now_s() - start));
-    *made = kept;
     return GL_CACHES_BOUND;
 }
 
@@ -257,7 +224,7 @@ static uint64_t find_wanted(struct gl_caches *caches, const struct gl_caches_req
 
     for (size_t i = request->count; i-- > 0;) {
         uint64_t bit = (uint64_t)1 << i;
-        bool is_there = find(caches, keys[i]) != NULL;
+        bool is_there = lru_find(&caches->lru, keys[i]) >= 0;
 
         for (size_t k = i + 1; k < request->count; ++k)
             if (filled >> k & 1 && request->caches[k].reads & bit) wanted |= bit;
@@ -270,9 +237,9 @@ static uint64_t find_wanted(struct gl_caches *caches, const struct gl_caches_req
 static void drop_steps(struct gl_caches *caches, const struct gl_caches_request *request, char (*keys)[HASH_TEXT_SIZE])
 {
     for (size_t i = 0; i < request->count; ++i) {
-        struct kept_cache *kept = request->caches[i].is_step ? find(caches, keys[i]) : NULL;
+        int index = request->caches[i].is_step ? lru_find(&caches->lru, keys[i]) : -1;
 
-        if (kept) drop(caches, kept);
+        if (index >= 0) lru_remove(&caches->lru, index, drop, caches);
     }
 }
 
@@ -282,13 +249,13 @@ static enum gl_caches_end bind_wanted(struct gl_caches *caches, const struct gl_
     uint64_t wanted = find_wanted(caches, request, keys);
 
     for (size_t i = 0; i < request->count; ++i) {
-        struct kept_cache *kept = find(caches, keys[i]);
+        int index = lru_find(&caches->lru, keys[i]);
         enum gl_caches_end end;
 
         if (!(wanted >> i & 1)) continue;
-        end = kept ? GL_CACHES_BOUND : make(caches, request, i, keys[i], &kept, error);
+        end = index >= 0 ? GL_CACHES_BOUND : make(caches, request, i, keys[i], &index, error);
         if (end != GL_CACHES_BOUND) return end;
-        caches->gl->BindTextureUnit(request->caches[i].unit, kept->texture);
+        caches->gl->BindTextureUnit(request->caches[i].unit, caches->textures[index]);
     }
     return GL_CACHES_BOUND;
 }
@@ -312,13 +279,10 @@ enum gl_caches_end gl_caches_bind(struct gl_caches *caches, const struct gl_cach
     enum gl_caches_end end;
 
     if (!check_memory(request, error)) return GL_CACHES_REFUSED;
-    caches->bind_count++;
+    lru_begin(&caches->lru);
     for (size_t i = 0; i < request->count; ++i) {
-        struct kept_cache *kept;
-
         find_key(request, i, keys);
-        kept = find(caches, keys[i]);
-        if (kept) kept->used = caches->bind_count;
+        (void)lru_find(&caches->lru, keys[i]);
     }
     end = bind_wanted(caches, request, keys, error);
     drop_steps(caches, request, keys);

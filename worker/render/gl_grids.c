@@ -7,33 +7,26 @@
 #include "worker/density/blackbody.h"
 #include "worker/density/transfer_table.h"
 #include "worker/gl/gl_functions.h"
+#include "worker/gl/lru.h"
 #include "worker/render/gl_bricks.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/sparse/brick_store.h"
 #include "worker/sparse/transfer_function.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { GRID_LIMIT = 2 * SCENE_MEDIUM_LIMIT, UNITS_PER_MEDIUM = 4 };
+enum {
+    GRID_LIMIT = 2 * SCENE_MEDIUM_LIMIT, // twice as many as a frame has: one is empty or idle
+    UNITS_PER_MEDIUM = 4
+};
 
-// Of grids that the frame does not need but a next one may: another job's, say.
+// Limits grids that the frame does not need but a next one may: another job's, say.
 static const size_t idle_bytes_limit = (size_t)1 << 30;
 
-struct kept_grid {
-    char hash[HASH_TEXT_SIZE]; // of the input; empty: none
-    struct gl_grid grid;
-    uint64_t used; // the frame that last needed it
-};
-
-struct kept_numbers {
-    char hash[HASH_TEXT_SIZE]; // of the input and of what its values mean
-    unsigned texture;
-};
-
-struct kept_table {
-    char hash[HASH_TEXT_SIZE]; // of the transfer function's points; empty: none
+// A texture that is made anew when what it follows from changes.
+struct kept_texture {
+    char hash[HASH_TEXT_SIZE]; // of what it follows from; empty: none
     unsigned texture;
 };
 
@@ -42,13 +35,18 @@ struct kept_bricks {
     struct gl_bricks bricks;
 };
 
+// What belongs to one medium besides its voxels.
+struct medium_textures {
+    struct kept_texture distances, majorants; // a number of each brick, by the input and what its values mean
+    struct kept_texture table;                // by the points of the transfer function
+    struct kept_bricks bricks;
+};
+
 struct gl_grids {
     const struct gl_functions *gl; // borrowed; outlives us
-    uint64_t frame_count;
-    struct kept_grid grids[GRID_LIMIT];
-    struct kept_numbers distances[SCENE_MEDIUM_LIMIT], majorants[SCENE_MEDIUM_LIMIT];
-    struct kept_table tables[SCENE_MEDIUM_LIMIT];
-    struct kept_bricks bricks[SCENE_MEDIUM_LIMIT];
+    struct lru lru;                // by the input's hash; a frame is a moment
+    struct gl_grid grids[GRID_LIMIT];
+    struct medium_textures media[SCENE_MEDIUM_LIMIT];
     unsigned blackbody; // its table; 0: nothing has glowed yet
 };
 
@@ -57,32 +55,30 @@ struct gl_grids *gl_grids_create(const struct gl_functions *gl)
     struct gl_grids *grids = xcalloc(1, sizeof *grids);
 
     grids->gl = gl;
+    grids->lru = (struct lru){.capacity = GRID_LIMIT, .idle_bytes_limit = idle_bytes_limit};
     return grids;
 }
 
-static void drop(struct kept_grid *kept)
+static void drop(void *user, int index)
 {
-    gl_grid_finish(&kept->grid);
-    *kept = (struct kept_grid){0};
+    struct gl_grids *grids = user;
+
+    gl_grid_finish(&grids->grids[index]);
 }
 
 void gl_grids_clear(struct gl_grids *grids)
 {
-    for (size_t i = 0; i < GRID_LIMIT; ++i)
-        drop(&grids->grids[i]);
-    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
-        if (grids->distances[i].texture) grids->gl->DeleteTextures(1, &grids->distances[i].texture);
-    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
-        if (grids->majorants[i].texture) grids->gl->DeleteTextures(1, &grids->majorants[i].texture);
-    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
-        if (grids->tables[i].texture) grids->gl->DeleteTextures(1, &grids->tables[i].texture);
-    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
-        gl_bricks_finish(&grids->bricks[i].bricks);
-    if (grids->blackbody) grids->gl->DeleteTextures(1, &grids->blackbody);
-    memset(grids->distances, 0, sizeof grids->distances);
-    memset(grids->majorants, 0, sizeof grids->majorants);
-    memset(grids->tables, 0, sizeof grids->tables);
-    memset(grids->bricks, 0, sizeof grids->bricks);
+    lru_clear(&grids->lru, drop, grids);
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
+        struct medium_textures *medium = &grids->media[i];
+
+        grids->gl->DeleteTextures(1, &medium->distances.texture);
+        grids->gl->DeleteTextures(1, &medium->majorants.texture);
+        grids->gl->DeleteTextures(1, &medium->table.texture);
+        gl_bricks_finish(&medium->bricks.bricks);
+    }
+    grids->gl->DeleteTextures(1, &grids->blackbody);
+    memset(grids->media, 0, sizeof grids->media);
     grids->blackbody = 0;
 }
 
@@ -93,64 +89,44 @@ void gl_grids_destroy(struct gl_grids *grids)
     free(grids);
 }
 
-static struct kept_grid *find(struct gl_grids *grids, const char *hash)
-{
-    for (size_t i = 0; i < GRID_LIMIT; ++i)
-        if (grids->grids[i].hash[0] && strcmp(grids->grids[i].hash, hash) == 0) return &grids->grids[i];
-    return NULL;
-}
-
-// An empty place, after the grids longest unused have gone that are in the way of `size_bytes` more.
-static struct kept_grid *make_room(struct gl_grids *grids, size_t size_bytes)
-{
-    for (;;) {
-        struct kept_grid *oldest = NULL, *empty = NULL;
-        size_t idle_bytes = size_bytes;
-
-        for (size_t i = 0; i < GRID_LIMIT; ++i) {
-            struct kept_grid *kept = &grids->grids[i];
-
-            if (!kept->hash[0]) {
-                empty = kept;
-                continue;
-            }
-            if (kept->used == grids->frame_count) continue;
-            idle_bytes += kept->grid.size_bytes;
-            if (!oldest || kept->used < oldest->used) oldest = kept;
-        }
-        // Of twice as many places as a frame has media one is empty or idle.
-        if (!oldest || (empty && idle_bytes <= idle_bytes_limit)) return empty;
-        drop(oldest);
-    }
-}
-
 static size_t size_of(const struct volume *header)
 {
     return (size_t)header->size[0] * (size_t)header->size[1] * (size_t)header->size[2] * volume_type_size(header->type);
 }
 
-static struct kept_grid *read_grid(struct gl_grids *grids, const struct scene_input *input,
-                                   gl_grid_progress *on_progress, void *user, struct error *error)
+// The index of the grid; -1 on failure.
+static int read_grid(struct gl_grids *grids, const struct scene_input *input, gl_grid_progress *on_progress, void *user,
+                     struct error *error)
 {
-    struct kept_grid *kept = make_room(grids, size_of(&input->header));
+    int index = lru_make_room(&grids->lru, size_of(&input->header), drop, grids);
+    struct gl_grid *grid = &grids->grids[index];
     struct volume *volume;
     bool ok;
 
-    if (!scene_input_open_volume(input, &volume, error)) return NULL;
+    if (!scene_input_open_volume(input, &volume, error)) return -1;
     ok = gl_grid_init(
-        &kept->grid,
+        grid,
         &(struct gl_grid_params){
             .gl = grids->gl, .volume = volume, .path = input->path, .on_progress = on_progress, .user = user},
         error);
     volume_close(volume);
     if (ok && !scene_input_check(input, error)) {
-        gl_grid_finish(&kept->grid);
+        gl_grid_finish(grid);
         ok = false;
     }
-    if (!ok) return NULL;
-    memcpy(kept->hash, input->hash, sizeof kept->hash);
-    log_debug("grids: %s read, %zu bytes", input->path, kept->grid.size_bytes);
-    return kept;
+    if (!ok) return -1;
+    lru_put(&grids->lru, index, input->hash, grid->size_bytes);
+    log_debug("grids: %s read, %zu bytes", input->path, grid->size_bytes);
+    return index;
+}
+
+// False when the texture has to be made anew; what there was is deleted.
+static bool is_kept(const struct gl_grids *grids, struct kept_texture *kept, const char *hash)
+{
+    if (strcmp(hash, kept->hash) == 0) return true;
+    grids->gl->DeleteTextures(1, &kept->texture);
+    *kept = (struct kept_texture){0};
+    return false;
 }
 
 static bool is_empty(double min, double max, const void *user)
@@ -180,16 +156,14 @@ static double find_most(double min, double max, const void *user)
 static bool bind_brick_numbers(struct gl_grids *grids, const struct scene_input *input, const struct gl_grid *grid,
                                bool are_majorants, size_t medium, struct error *error)
 {
-    struct kept_numbers *kept = are_majorants ? &grids->majorants[medium] : &grids->distances[medium];
+    struct kept_texture *kept = are_majorants ? &grids->media[medium].majorants : &grids->media[medium].distances;
     double slope = input->header.slope, intercept = input->header.intercept;
     char hash[HASH_TEXT_SIZE];
 
     hash_numbers(input, hash);
-    if (strcmp(hash, kept->hash) != 0) {
-        if (kept->texture) grids->gl->DeleteTextures(1, &kept->texture);
-        *kept = (struct kept_numbers){
-            .texture = are_majorants ? gl_grid_create_majorants(grid, slope, intercept, find_most, input->source)
-                                     : gl_grid_create_distances(grid, slope, intercept, is_empty, input->source)};
+    if (!is_kept(grids, kept, hash)) {
+        kept->texture = are_majorants ? gl_grid_create_majorants(grid, slope, intercept, find_most, input->source)
+                                      : gl_grid_create_distances(grid, slope, intercept, is_empty, input->source);
         if (!kept->texture) {
             error_set(error, "%s: out of memory", input->path);
             return false;
@@ -223,13 +197,12 @@ static unsigned make_blackbody(const struct gl_functions *gl)
 
 static void bind_table(struct gl_grids *grids, const struct scene_grid *source, size_t medium)
 {
-    struct kept_table *kept = &grids->tables[medium];
+    struct kept_texture *kept = &grids->media[medium].table;
     static float table[TRANSFER_TABLE_SIZE][4];
     char hash[HASH_TEXT_SIZE];
 
     hash_bytes(source->points, source->point_count * sizeof *source->points, hash);
-    if (strcmp(hash, kept->hash) != 0) {
-        if (kept->texture) grids->gl->DeleteTextures(1, &kept->texture);
+    if (!is_kept(grids, kept, hash)) {
         transfer_table_fill(source->points, source->point_count, table);
         kept->texture = make_row(grids->gl, TRANSFER_TABLE_SIZE, table);
         memcpy(kept->hash, hash, sizeof kept->hash);
@@ -239,7 +212,7 @@ static void bind_table(struct gl_grids *grids, const struct scene_grid *source, 
 
 static bool bind_bricks(struct gl_grids *grids, const struct scene_input *input, size_t medium, struct error *error)
 {
-    struct kept_bricks *kept = &grids->bricks[medium];
+    struct kept_bricks *kept = &grids->media[medium].bricks;
     GLuint unit = (GLuint)(UNITS_PER_MEDIUM * medium);
 
     if (strcmp(kept->hash, input->hash) != 0) {
@@ -264,30 +237,27 @@ static bool bind_medium(struct gl_grids *grids, const struct scene_input *input,
                         const struct job_quality *quality, gl_grid_progress *on_progress, void *user,
                         struct error *error)
 {
-    struct kept_grid *kept;
+    int index;
 
     if (input->bricks) return bind_bricks(grids, input, medium, error);
-    kept = find(grids, input->hash);
-    if (!kept) kept = read_grid(grids, input, on_progress, user, error);
-    if (!kept) return false;
-    kept->used = grids->frame_count;
-    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium), kept->grid.voxels);
+    index = lru_find(&grids->lru, input->hash);
+    if (index < 0) index = read_grid(grids, input, on_progress, user, error);
+    if (index < 0) return false;
+    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium), grids->grids[index].voxels);
     if (quality->method == JOB_METHOD_PREINTEGRATED && input->source->point_count > 0)
         bind_table(grids, input->source, medium);
-    if (job_quality_has_majorants(quality) && !bind_brick_numbers(grids, input, &kept->grid, true, medium, error))
+    if (job_quality_has_majorants(quality) &&
+        !bind_brick_numbers(grids, input, &grids->grids[index], true, medium, error))
         return false;
-    return bind_brick_numbers(grids, input, &kept->grid, false, medium, error);
+    return bind_brick_numbers(grids, input, &grids->grids[index], false, medium, error);
 }
 
 bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
                    struct error *error)
 {
-    grids->frame_count++;
-    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
-        struct kept_grid *kept = inputs->media[i].source ? find(grids, inputs->media[i].hash) : NULL;
-
-        if (kept) kept->used = grids->frame_count;
-    }
+    lru_begin(&grids->lru);
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+        if (inputs->media[i].source) (void)lru_find(&grids->lru, inputs->media[i].hash);
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i) {
         char place[64];
 

@@ -5,31 +5,25 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/gl/gl_functions.h"
+#include "worker/gl/lru.h"
 #include "worker/picture/image.h"
 #include "worker/render/gl_texture.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/volume/volume_memory.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
+// Twice as many as a frame has objects: one is empty or idle.
 enum { KEPT_LIMIT = 2 * SCENE_OBJECT_LIMIT };
 
-// Of images that the frame does not need but a next one may: another job's, say.
+// Limits images that the frame does not need but a next one may: another job's, say.
 static const size_t idle_bytes_limit = (size_t)1 << 28;
-
-struct kept_texture {
-    char hash[HASH_TEXT_SIZE]; // of the input; empty: none
-    unsigned name;             // GL's
-    size_t size_bytes;
-    uint64_t used; // the frame that last needed it
-};
 
 struct gl_textures {
     const struct gl_functions *gl; // borrowed; outlives us
-    uint64_t frame_count;
-    struct kept_texture kept[KEPT_LIMIT];
+    struct lru lru;                // by the input's hash; a frame is a moment
+    unsigned names[KEPT_LIMIT];    // GL's
 };
 
 struct gl_textures *gl_textures_create(const struct gl_functions *gl)
@@ -37,19 +31,20 @@ struct gl_textures *gl_textures_create(const struct gl_functions *gl)
     struct gl_textures *textures = xcalloc(1, sizeof *textures);
 
     textures->gl = gl;
+    textures->lru = (struct lru){.capacity = KEPT_LIMIT, .idle_bytes_limit = idle_bytes_limit};
     return textures;
 }
 
-static void drop(struct gl_textures *textures, struct kept_texture *kept)
+static void drop(void *user, int index)
 {
-    if (kept->name) textures->gl->DeleteTextures(1, &kept->name);
-    *kept = (struct kept_texture){0};
+    struct gl_textures *textures = user;
+
+    textures->gl->DeleteTextures(1, &textures->names[index]);
 }
 
 void gl_textures_clear(struct gl_textures *textures)
 {
-    for (size_t i = 0; i < KEPT_LIMIT; ++i)
-        drop(textures, &textures->kept[i]);
+    lru_clear(&textures->lru, drop, textures);
 }
 
 void gl_textures_destroy(struct gl_textures *textures)
@@ -57,37 +52,6 @@ void gl_textures_destroy(struct gl_textures *textures)
     if (!textures) return;
     gl_textures_clear(textures);
     free(textures);
-}
-
-static struct kept_texture *find(struct gl_textures *textures, const char *hash)
-{
-    for (size_t i = 0; i < KEPT_LIMIT; ++i)
-        if (textures->kept[i].hash[0] && strcmp(textures->kept[i].hash, hash) == 0) return &textures->kept[i];
-    return NULL;
-}
-
-// An empty place, after the images longest unused have gone that are in the way of `size_bytes` more.
-static struct kept_texture *make_room(struct gl_textures *textures, size_t size_bytes)
-{
-    for (;;) {
-        struct kept_texture *oldest = NULL, *empty = NULL;
-        size_t idle_bytes = size_bytes;
-
-        for (size_t i = 0; i < KEPT_LIMIT; ++i) {
-            struct kept_texture *kept = &textures->kept[i];
-
-            if (!kept->hash[0]) {
-                empty = kept;
-                continue;
-            }
-            if (kept->used == textures->frame_count) continue;
-            idle_bytes += kept->size_bytes;
-            if (!oldest || kept->used < oldest->used) oldest = kept;
-        }
-        // Of twice as many places as a frame has objects one is empty or idle.
-        if (!oldest || (empty && idle_bytes <= idle_bytes_limit)) return empty;
-        drop(textures, oldest);
-    }
 }
 
 static size_t size_of(const struct texture_input *input)
@@ -113,17 +77,15 @@ static bool load(const struct gl_functions *gl, const struct texture_input *inpu
     return true;
 }
 
-static struct kept_texture *read_texture(struct gl_textures *textures, const struct texture_input *input,
-                                         struct error *error)
+// The index of the texture; -1 on failure.
+static int read_texture(struct gl_textures *textures, const struct texture_input *input, struct error *error)
 {
-    struct kept_texture *kept = make_room(textures, size_of(input));
-    unsigned name;
+    int index = lru_make_room(&textures->lru, size_of(input), drop, textures);
 
-    if (!load(textures->gl, input, &name, error)) return NULL;
-    *kept = (struct kept_texture){.name = name, .size_bytes = size_of(input), .used = textures->frame_count};
-    memcpy(kept->hash, input->hash, sizeof kept->hash);
+    if (!load(textures->gl, input, &textures->names[index], error)) return -1;
+    lru_put(&textures->lru, index, input->hash, size_of(input));
     log_debug("textures: %s read, %d x %d pixels", input->source->file, input->width_px, input->height_px);
-    return kept;
+    return index;
 }
 
 struct reading {
@@ -135,11 +97,11 @@ static bool bind_object(struct gl_textures *textures, const struct scene_inputs 
                         const struct reading *reading, struct error *error)
 {
     const struct texture_input *input = &inputs->textures[object];
-    struct kept_texture *kept = find(textures, input->hash);
+    int index = lru_find(&textures->lru, input->hash);
 
-    if (!kept) {
-        kept = read_texture(textures, input, error);
-        if (!kept) {
+    if (index < 0) {
+        index = read_texture(textures, input, error);
+        if (index < 0) {
             error_prefix(error, "scene.objects[%zu].material.texture.file", object);
             return false;
         }
@@ -148,8 +110,7 @@ static bool bind_object(struct gl_textures *textures, const struct scene_inputs 
             return false;
         }
     }
-    kept->used = textures->frame_count;
-    textures->gl->BindTextureUnit((GLuint)(GL_TEXTURES_FIRST_UNIT + object), kept->name);
+    textures->gl->BindTextureUnit((GLuint)(GL_TEXTURES_FIRST_UNIT + object), textures->names[index]);
     return true;
 }
 
@@ -180,12 +141,9 @@ bool gl_textures_bind(struct gl_textures *textures, const struct scene_inputs *i
     const struct reading reading = {on_progress, user};
 
     if (!check_memory(inputs, error)) return false;
-    textures->frame_count++;
-    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i) {
-        struct kept_texture *kept = inputs->textures[i].source ? find(textures, inputs->textures[i].hash) : NULL;
-
-        if (kept) kept->used = textures->frame_count;
-    }
+    lru_begin(&textures->lru);
+    for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
+        if (inputs->textures[i].source) (void)lru_find(&textures->lru, inputs->textures[i].hash);
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
         if (inputs->textures[i].source && !bind_object(textures, inputs, i, &reading, error)) return false;
     return true;

@@ -70,7 +70,7 @@ struct renderer *renderer_create(struct gl_context *context, const char *shader_
     gl_debug_init(&renderer->debug, &renderer->gl);
     renderer->grids = gl_grids_create(&renderer->gl);
     renderer->textures = gl_textures_create(&renderer->gl);
-    renderer->programs.gl = &renderer->gl;
+    gl_programs_init(&renderer->programs, &renderer->gl);
     renderer->caches = gl_caches_create(&renderer->gl, &renderer->programs);
     renderer->gl.CreateVertexArrays(1, &renderer->vertex_array);
     renderer->gl.CreateBuffers(1, &renderer->uniform_buffer);

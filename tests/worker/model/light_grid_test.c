@@ -47,7 +47,7 @@ static void fill(struct grid_check *check)
     struct error error = {{0}};
     struct gl_context *context = gl_stage_open_context(GL_BACKEND_OSMESA);
     struct gl_functions gl;
-    struct gl_programs programs = {.gl = &gl};
+    struct gl_programs programs;
     struct scene_cache *cache = &check->program.caches[0];
     unsigned char block[512];
     const unsigned char *blocks[] = {block};
@@ -56,6 +56,7 @@ static void fill(struct grid_check *check)
     struct gl_caches *caches;
 
     assert_true(gl_functions_load(&gl, context, NULL));
+    gl_programs_init(&programs, &gl);
     get_image = (PFNGLGETTEXIMAGEPROC)gl_context_function(context, "glGetTexImage");
     activate = (PFNGLACTIVETEXTUREPROC)gl_context_function(context, "glActiveTexture");
     cache->is_step = false; // so that it stays when it is filled

@@ -36,7 +36,7 @@ static void open_stage(struct stage *stage, enum gl_backend backend)
 {
     *stage = (struct stage){.context = gl_stage_open_context(backend)};
     assert_true(gl_functions_load(&stage->gl, stage->context, NULL));
-    stage->programs.gl = &stage->gl;
+    gl_programs_init(&stage->programs, &stage->gl);
     stage->caches = gl_caches_create(&stage->gl, &stage->programs);
 }
 
