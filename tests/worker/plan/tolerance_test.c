@@ -249,11 +249,11 @@ static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
     double seconds = 0.0;
     struct plan plan;
 
-    assert_true(
-        plan_make(&plan,
-                  &(struct plan_params){
-                      .renderer = stage.gl.renderer, .job = &job, .segment = plan_segment_of(&job, 0), .is_timed = true},
-                  &fault, NULL));
+    assert_true(plan_make(
+        &plan,
+        &(struct plan_params){
+            .renderer = stage.gl.renderer, .job = &job, .segment = plan_segment_of(&job, 0), .is_timed = true},
+        &fault, NULL));
     for (int i = 0; i < FRAMES; i++) {
         struct plan of_frame = plan_of_frame(&plan, &job, 8 * i + 4);
         struct job planned = plan_apply(&of_frame, &job);
