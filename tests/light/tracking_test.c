@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
+#include "tests/support/bias_check.h"
 #include "tests/support/gl_stage.h"
-#include "tests/support/lot.h"
 #include "tests/support/shader_dir.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
@@ -37,14 +37,14 @@ struct stage {
     struct error error;
 };
 
-static struct stage open_stage(const struct lot_scene *scene, int height_px)
+static struct stage open_stage(const struct bias_check_scene *scene, int height_px)
 {
     struct stage stage = {0};
 
-    lot_parse(&stage.job, scene);
+    bias_check_parse(&stage.job, scene);
     stage.job.height_px = height_px;
     stage.gl = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
-    assert_true(image_init(&stage.image, LOT_WIDTH_PX, height_px, true, true, NULL));
+    assert_true(image_init(&stage.image, BIAS_CHECK_WIDTH_PX, height_px, true, true, NULL));
     return stage;
 }
 
@@ -61,12 +61,12 @@ static bool render(struct stage *stage, int32_t frame)
                            &stage->error);
 }
 
-static void assert_even(const struct lot_scene *scene, float wanted, float tolerance)
+static void assert_even(const struct bias_check_scene *scene, float wanted, float tolerance)
 {
-    struct stage stage = open_stage(scene, LOT_HEIGHT_PX);
+    struct stage stage = open_stage(scene, BIAS_CHECK_HEIGHT_PX);
 
     if (!render(&stage, 7)) fail_msg("%s", stage.error.message);
-    for (int i = 0; i < LOT_VALUES; ++i)
+    for (int i = 0; i < BIAS_CHECK_VALUES; ++i)
         if (fabsf(stage.image.rgba[i / 3 * 4 + i % 3] - wanted) > tolerance)
             fail_msg("%s: %.9g", scene->quality, (double)stage.image.rgba[i / 3 * 4 + i % 3]);
     close_stage(&stage);
@@ -78,10 +78,10 @@ static void a_furnace_is_one(void **state)
     static const char media[] = NOISE("\"sigma_s\": 0, \"sigma_a\": [1, 3, 0.2], \"emission\": [1, 3, 0.2]", "9");
 
     (void)state;
-    assert_even(&(struct lot_scene){.media = media, .background = "1", .quality = RATIO}, 1.0f, 2e-5f);
-    assert_even(&(struct lot_scene){.media = NOISE("\"sigma_s\": 0, \"sigma_a\": 2, \"emission\": 2", "9"),
-                                    .background = "1",
-                                    .quality = DELTA},
+    assert_even(&(struct bias_check_scene){.media = media, .background = "1", .quality = RATIO}, 1.0f, 2e-5f);
+    assert_even(&(struct bias_check_scene){.media = NOISE("\"sigma_s\": 0, \"sigma_a\": 2, \"emission\": 2", "9"),
+                                           .background = "1",
+                                           .quality = DELTA},
                 1.0f, 1e-6f);
 }
 
@@ -92,14 +92,15 @@ static void nothing_takes_nothing(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof qualities / sizeof *qualities; ++i)
-        assert_even(&(struct lot_scene){.media = media, .lights = SUN, .background = "0.5", .quality = qualities[i]},
-                    0.5f, 0.0f);
+        assert_even(
+            &(struct bias_check_scene){.media = media, .lights = SUN, .background = "0.5", .quality = qualities[i]},
+            0.5f, 0.0f);
 }
 
 static void assert_too_low(const char *media, const char *quality, const char *place)
 {
-    const struct lot_scene scene = {.media = media, .lights = SUN, .quality = quality};
-    struct stage stage = open_stage(&scene, LOT_HEIGHT_PX);
+    const struct bias_check_scene scene = {.media = media, .lights = SUN, .quality = quality};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
 
     assert_false(render(&stage, 3));
     assert_int_equal(stage.result.fault, RENDERER_FAULT_MAJORANT);
@@ -125,8 +126,8 @@ static void majorants_too_low_fail_the_frame(void **state)
 
 static void majorants_that_hold_fail_nothing(void **state)
 {
-    const struct lot_scene scene = {.media = CODE("1.0 - length(p)", "1"), .lights = SUN, .quality = RATIO};
-    struct stage stage = open_stage(&scene, LOT_HEIGHT_PX);
+    const struct bias_check_scene scene = {.media = CODE("1.0 - length(p)", "1"), .lights = SUN, .quality = RATIO};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
 
     (void)state;
     for (int32_t frame = 0; frame < 20; ++frame)
@@ -141,11 +142,11 @@ static void a_frame_is_the_same_picture_for_all(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof qualities / sizeof *qualities; ++i) {
-        const struct lot_scene scene = {
+        const struct bias_check_scene scene = {
             .media = NOISE("\"sigma_s\": 2, \"sigma_a\": 1", "2"), .lights = SUN, .quality = qualities[i]};
         // More rows than a renderer's first tile has.
         struct stage alone = open_stage(&scene, 96), busy = open_stage(&scene, 96);
-        size_t bytes = 4 * LOT_WIDTH_PX * 96 * sizeof *alone.image.rgba;
+        size_t bytes = 4 * BIAS_CHECK_WIDTH_PX * 96 * sizeof *alone.image.rgba;
 
         assert_true(render(&alone, 5));
         assert_true(render(&busy, 3) && render(&busy, 4));
@@ -160,13 +161,13 @@ static void a_frame_is_the_same_picture_for_all(void **state)
 // A ray's depth is where its own estimate falls to one half; what is left is that estimate.
 static void depth_and_transmittance_go_with_the_estimate(void **state)
 {
-    const struct lot_scene scene = {.media = NOISE("\"sigma_s\": 0, \"sigma_a\": 3", "9"), .quality = DELTA};
-    struct stage stage = open_stage(&scene, LOT_HEIGHT_PX);
+    const struct bias_check_scene scene = {.media = NOISE("\"sigma_s\": 0, \"sigma_a\": 3", "9"), .quality = DELTA};
+    struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
     int ended = 0;
 
     (void)state;
     assert_true(render(&stage, 1));
-    for (int i = 0; i < LOT_VALUES / 3; ++i) {
+    for (int i = 0; i < BIAS_CHECK_VALUES / 3; ++i) {
         float left = stage.image.transmittance[4 * i], depth = stage.image.depth[i];
 
         assert_true(left == 0.0f || left == 1.0f);
@@ -175,7 +176,7 @@ static void depth_and_transmittance_go_with_the_estimate(void **state)
         if (left == 0.0f) assert_true(depth > 3.0f && depth < 5.0f);
         ended += left == 0.0f;
     }
-    assert_true(ended > LOT_VALUES / 30);
+    assert_true(ended > BIAS_CHECK_VALUES / 30);
     close_stage(&stage);
 }
 
@@ -187,11 +188,12 @@ static void thick_media_come_to_an_end(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof qualities / sizeof *qualities; ++i) {
-        const struct lot_scene scene = {
+        const struct bias_check_scene scene = {
             .media = NOISE("\"sigma_s\": 1, \"sigma_a\": 1", "2e3"), .lights = SUN, .quality = qualities[i]};
-        const struct lot_scene endless = {
+        const struct bias_check_scene endless = {
             .media = NOISE("\"sigma_s\": 1, \"sigma_a\": 1", "1e6"), .lights = SUN, .quality = qualities[i]};
-        struct stage stage = open_stage(&scene, LOT_HEIGHT_PX), stuck = open_stage(&endless, LOT_HEIGHT_PX);
+        struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX),
+                     stuck = open_stage(&endless, BIAS_CHECK_HEIGHT_PX);
 
         if (!render(&stage, 0)) fail_msg("%s", stage.error.message);
         assert_true(image_is_finite(&stage.image, true, NULL));

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
-#include "tests/support/lot.h"
+#include "tests/support/bias_check.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/volume_maker.h"
 
@@ -38,9 +38,9 @@
     "\"method\": \"tracking\", \"estimator\": \"" NAME "\", \"step\": " STEP ", \"light_step\": " STEP
 
 // Frames and their seeds are fixed: what passes once passes always.
-static void assert_unbiased(const struct lot_scene *scene, const double *truth)
+static void assert_unbiased(const struct bias_check_scene *scene, const double *truth)
 {
-    struct lot_errors errors = lot_measure(scene, truth, 256);
+    struct bias_check_errors errors = bias_check_measure(scene, truth, 256);
 
     assert_true(fabs(errors.sigmas) < 3.5);
     // Few bright values hold most of the variance, and colours share collisions.
@@ -51,10 +51,10 @@ static void assert_unbiased(const struct lot_scene *scene, const double *truth)
 static void assert_all_unbiased(const char *media, const char *lights)
 {
     static const char *const qualities[] = {RATIO, DELTA, MARCHED("debiased", "0.3")};
-    static double truth[LOT_VALUES];
-    struct lot_scene scene = {.media = media, .lights = lights, .quality = RATIO};
+    static double truth[BIAS_CHECK_VALUES];
+    struct bias_check_scene scene = {.media = media, .lights = lights, .quality = RATIO};
 
-    lot_find_truth(&scene, truth);
+    bias_check_find_truth(&scene, truth);
     for (size_t i = 0; i < sizeof qualities / sizeof *qualities; ++i) {
         scene.quality = qualities[i];
         assert_unbiased(&scene, truth);
@@ -157,11 +157,11 @@ static void sparse_grids_are_right_on_the_average(void **state)
 
 static void own_code_is_right_on_the_average(void **state)
 {
-    static double truth[LOT_VALUES];
-    struct lot_scene scene = {.media = AS_CODE, .lights = SUN, .quality = RATIO};
+    static double truth[BIAS_CHECK_VALUES];
+    struct bias_check_scene scene = {.media = AS_CODE, .lights = SUN, .quality = RATIO};
 
     (void)state;
-    lot_find_truth(&scene, truth);
+    bias_check_find_truth(&scene, truth);
     scene.media = CODE("1");
     assert_unbiased(&scene, truth);
     scene.media = CODE("2.5");
@@ -176,17 +176,17 @@ static void marches_are_debiased(void **state)
     static const char grains[] =
         "{ \"sigma_s\": 0, \"sigma_a\": 3, \"density\": { \"kind\": \"noise\", \"frequency\": 3,"
         " \"octaves\": 1, \"mode\": \"clip\", \"scale\": 4, " BALL " } } }";
-    static double truth[LOT_VALUES];
-    struct lot_scene scene = {.media = grains, .background = "1", .quality = MARCHED("jackknife", "0.5")};
-    struct lot_errors jackknife, jittered, debiased;
+    static double truth[BIAS_CHECK_VALUES];
+    struct bias_check_scene scene = {.media = grains, .background = "1", .quality = MARCHED("jackknife", "0.5")};
+    struct bias_check_errors jackknife, jittered, debiased;
 
     (void)state;
-    lot_find_truth(&scene, truth);
-    jackknife = lot_measure(&scene, truth, 192);
+    bias_check_find_truth(&scene, truth);
+    jackknife = bias_check_measure(&scene, truth, 192);
     scene.quality = "\"method\": \"jittered\", \"step\": 0.5, \"light_step\": 0.5";
-    jittered = lot_measure(&scene, truth, 192);
+    jittered = bias_check_measure(&scene, truth, 192);
     scene.quality = MARCHED("debiased", "0.5");
-    debiased = lot_measure(&scene, truth, 1024);
+    debiased = bias_check_measure(&scene, truth, 1024);
     assert_true(jittered.sigmas > 10);
     assert_true(fabs(debiased.sigmas) < 3.5);
     assert_true(fabs(jackknife.bias) < 0.2 * jittered.bias);

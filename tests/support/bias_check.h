@@ -1,0 +1,37 @@
+// Many frames of a still scene, each by random numbers of its own, against the light that it should show.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct job;
+
+enum {
+    BIAS_CHECK_WIDTH_PX = 12,
+    BIAS_CHECK_HEIGHT_PX = 9,
+    BIAS_CHECK_VALUES = 3 * BIAS_CHECK_WIDTH_PX * BIAS_CHECK_HEIGHT_PX
+};
+
+struct bias_check_scene {
+    const char *media;      // elements of "scene.media"
+    const char *lights;     // elements of "lights", each with a comma behind it; NULL: none
+    const char *quality;    // members of "quality"
+    const char *background; // a value; NULL: 0.3
+};
+
+// The scene is a ball of radius 1 or less around the origin, seen from 4 m. A refusal fails the test.
+void bias_check_parse(struct job *job, const struct bias_check_scene *scene);
+
+struct bias_check_errors {
+    double bias;   // mean error over the mean light
+    double sigmas; // `bias` over its standard error
+    double chance; // squared errors of the frames' mean over its variance, all values together: about 1 without bias
+    double spread; // root of a frame's mean variance, over the mean light
+};
+
+// The light that the scene should show, by reference/.
+void bias_check_find_truth(const struct bias_check_scene *scene, double truth[static BIAS_CHECK_VALUES]);
+// Renders `frames` frames, compares them with `truth` and prints the errors.
+struct bias_check_errors bias_check_measure(const struct bias_check_scene *scene,
+                                            const double truth[static BIAS_CHECK_VALUES], int frames);
