@@ -3,6 +3,7 @@
 // How fast frames pass, how soon a job is safe, what a million queued frames weigh, and what the farm adds to the
 // renders.
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/json/json_read.h"
@@ -36,14 +37,6 @@ struct bench {
     struct json_writer request;
     int outputs; // so that no two jobs write the same files
 };
-
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
-}
 
 static void give_up(const char *what)
 {
@@ -82,7 +75,7 @@ static void start_daemon(struct bench *bench)
     char *program = xasprintf("%s/marchd", bench->programs);
     char *state = xasprintf("%s/state", bench->scratch);
     char *out = xasprintf("%s/out", bench->scratch);
-    double start_s = now_s();
+    double start_s = clock_now_s();
 
     bench->daemon = fork();
     if (bench->daemon == 0) {
@@ -91,7 +84,7 @@ static void start_daemon(struct bench *bench)
         _exit(127);
     }
     while (!try_connect(bench)) {
-        if (now_s() - start_s > 60) give_up("the daemon does not listen");
+        if (clock_now_s() - start_s > 60) give_up("the daemon does not listen");
         sleep_ms(1);
     }
     free(program);
@@ -181,12 +174,12 @@ static bool has_succeeded(struct bench *bench, int64_t job)
 
 static double run_job(struct bench *bench, const char *range)
 {
-    double start_s = now_s();
+    double start_s = clock_now_s();
     int64_t job = submit(bench, range, false);
 
     while (!has_succeeded(bench, job))
         sleep_ms(5);
-    return now_s() - start_s;
+    return clock_now_s() - start_s;
 }
 
 static double memory_mib(pid_t pid)
@@ -232,10 +225,10 @@ static void measure_submits(struct bench *bench)
     double seconds[SUBMITS];
 
     for (int i = 0; i < SUBMITS; i++) {
-        double start_s = now_s();
+        double start_s = clock_now_s();
 
         submit(bench, "1-100", true);
-        seconds[i] = now_s() - start_s;
+        seconds[i] = clock_now_s() - start_s;
     }
     qsort(seconds, SUBMITS, sizeof seconds[0], compare_numbers);
     print_row("submit to acknowledged, median of 100", seconds[SUBMITS / 2] * 1e3, "ms", "<= 10");
@@ -249,7 +242,7 @@ static void measure_restart(struct bench *bench, const char *what)
     char *name = xasprintf("restart with %s", what);
 
     stop_daemon(bench);
-    start_s = now_s();
+    start_s = clock_now_s();
     start_daemon(bench);
     message_begin_request(&bench->request, 1, "daemon.status");
     json_write_begin_object(&bench->request);
@@ -257,7 +250,7 @@ static void measure_restart(struct bench *bench, const char *what)
     message_end(&bench->request);
     call(bench, &answer);
     message_finish(&answer);
-    print_row(name, now_s() - start_s, "s", "<= 2");
+    print_row(name, clock_now_s() - start_s, "s", "<= 2");
     free(name);
     name = xasprintf("memory after it, %s", what);
     print_row(name, memory_mib(bench->daemon), "MiB", "<= 200");

@@ -1,6 +1,7 @@
 // What parts of a scene cost, one feature after the other: feature_bench IMAGE. A frame of 960x540 each, medians of several.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
@@ -13,7 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { WIDTH = 960, HEIGHT = 540, RUNS = 5 };
 
@@ -94,14 +94,6 @@ static const struct feature features[] = {
      "", MARCH},
 };
 
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static char *job_text(const struct feature *feature, const char *image)
 {
     const char *mark = strstr(feature->objects, "%s");
@@ -156,10 +148,10 @@ static bool measure(struct gl_context *context, const struct feature *feature, c
         job_parse(&job, text, strlen(text), NULL, error) && image_init(&image, WIDTH, HEIGHT, false, false, error);
 
     for (int i = 0; ok && i <= RUNS; i++) { // the first one compiles
-        double start = now_s();
+        double start = clock_now_s();
 
         ok = renderer_render(renderer, &job, i, &image, NULL, NULL, &result, error);
-        seconds[i] = now_s() - start;
+        seconds[i] = clock_now_s() - start;
     }
     if (ok) {
         qsort(seconds + 1, RUNS, sizeof *seconds, compare);

@@ -4,6 +4,7 @@
 // same rays in pixels spread over the picture.
 #include "cli/job/job_document.h"
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "reference/reference.h"
@@ -16,7 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { ROWS = 54, COLUMNS = 96, RUNS = 3, FRAME = 48 };
 
@@ -29,14 +29,6 @@ static const struct {
     double min_throughput;
 } settings[] = {{1, 1e-3}, {2, 1e-3}, {3, 1e-3}, {4, 1e-3}, {8, 3e-1},
                 {8, 1e-1}, {8, 1e-2}, {8, 1e-3}, {8, 1e-4}, {16, 1e-5}};
-
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static bool load_textures(struct still_inputs *inputs, const struct job *job, struct error *error)
 {
@@ -121,10 +113,10 @@ static bool render(struct gl_context *context, const struct job *job, struct ima
     bool ok = true;
 
     for (int i = 0; ok && i <= RUNS; i++) { // the first one compiles
-        double start = now_s();
+        double start = clock_now_s();
 
         ok = renderer_render(renderer, job, FRAME - RUNS + i, image, NULL, NULL, &result, error);
-        seconds[i] = now_s() - start;
+        seconds[i] = clock_now_s() - start;
     }
     if (ok) *counts = result.ray_counts;
     renderer_destroy(renderer);

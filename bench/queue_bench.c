@@ -1,5 +1,6 @@
 // Frames per second through queue and dispatch on one core, and the memory of a million queued frames.
 // SPDX-License-Identifier: Apache-2.0
+#include "core/base/clock.h"
 #include "daemon/schedule/dispatch.h"
 #include "daemon/schedule/estimate.h"
 #include "daemon/schedule/queue.h"
@@ -7,18 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { FRAME_COUNT = 1000 * 1000, WORKERS = 2, MAX_ATTEMPTS = 3 };
-
-static double now_s(void)
-{
-    struct timespec time;
-
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + (double)time.tv_nsec * 1e-9;
-}
 
 static double resident_mib(void)
 {
@@ -73,9 +65,9 @@ static void measure(const char *what, const char *frames, double frame_s, bool b
     double start;
 
     add_job(queue, 1, frames);
-    start = now_s();
+    start = clock_now_s();
     run_all(queue, frame_s, by_number);
-    print_row(what, now_s() - start, ">= 500000/s");
+    print_row(what, clock_now_s() - start, ">= 500000/s");
     queue_destroy(queue);
 }
 
@@ -87,7 +79,7 @@ static void measure_retries(void)
     double start;
 
     add_job(queue, 1, "0-999999");
-    start = now_s();
+    start = clock_now_s();
     for (size_t count; (count = queue_take(queue, 1, tickets, DISPATCH_CHUNK_LIMIT)) > 0;) {
         for (size_t i = 0; i < count; i++)
             if (tickets[i].attempt < MAX_ATTEMPTS)
@@ -95,7 +87,7 @@ static void measure_retries(void)
             else
                 queue_succeed(queue, &tickets[i]);
     }
-    print_row("frames that fail twice, then succeed", now_s() - start, "");
+    print_row("frames that fail twice, then succeed", clock_now_s() - start, "");
     if (queue_count(queue, FRAME_SUCCEEDED) != FRAME_COUNT) abort();
     queue_destroy(queue);
 }
@@ -104,14 +96,14 @@ static void measure_jobs(void)
 {
     enum { JOBS = 100 * 1000 };
     struct queue *queue = queue_create(MAX_ATTEMPTS);
-    double start = now_s();
+    double start = clock_now_s();
     char what[80];
 
     for (int64_t id = 1; id <= JOBS; id++)
         add_job(queue, id, "0-9");
     run_all(queue, 0.001, true);
     snprintf(what, sizeof what, "%d jobs of %d frames, by message, adding included", JOBS, FRAME_COUNT / JOBS);
-    print_row(what, now_s() - start, ">= 500000/s");
+    print_row(what, clock_now_s() - start, ">= 500000/s");
     queue_destroy(queue);
 }
 

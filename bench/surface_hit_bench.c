@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spans in closed form are one, marching a distance field with a bound on its steps the other. A ball and a box stand
 // over a floor, as the examples have them.
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "worker/gl/gl_context.h"
 #include "worker/gl/gl_functions.h"
@@ -14,7 +15,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { WIDTH = 1920, HEIGHT = 1080, RUNS = 5, ROUNDS = 4 };
 
@@ -77,14 +77,6 @@ static const struct way ways[] = {{"spans in closed form", CLOSED, 0, 0.0},
                                   {"field, 128 steps, 1e-4 m", MARCHED, 128, 1e-4},
                                   {"field, 256 steps, 1e-5 m", MARCHED, 256, 1e-5},
                                   {"field, 1024 steps, 1e-5 m", MARCHED, 1024, 1e-5}};
-
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static double nearest_plane(double from, double to, double position, double direction, double *exit)
 {
@@ -159,11 +151,11 @@ static double draw(const struct gl_functions *gl, const struct gl_target *target
     gl_target_begin(target);
     gl->UseProgram(program);
     for (int i = 0; i < RUNS; i++) {
-        double start = now_s();
+        double start = clock_now_s();
 
         gl->DrawArrays(GL_TRIANGLES, 0, 3);
         gl->Finish();
-        seconds[i] = now_s() - start;
+        seconds[i] = clock_now_s() - start;
     }
     gl_target_read(target, image, NULL);
     qsort(seconds, RUNS, sizeof *seconds, compare);

@@ -1,6 +1,7 @@
 // What a volume costs: reading it, the first frame, the next ones, and memory. Each volume in a process of its own.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
@@ -14,7 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { WIDTH = 960, HEIGHT = 540, SLAB = 8 };
@@ -26,14 +26,6 @@ static const struct {
     const char *type;
     size_t voxel_bytes;
 } volumes[] = {{16, "uint8", 1}, {256, "uint8", 1}, {256, "float32", 4}, {512, "uint8", 1}, {512, "float32", 4}};
-
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 // The most memory this process ever held, bytes.
 static double peak_bytes(void)
@@ -83,14 +75,14 @@ static bool write_volume(const char *path, int side, bool is_float)
 static bool read_alone(const char *path, double *seconds, struct error *error)
 {
     struct volume *volume = NULL;
-    double start = now_s();
+    double start = clock_now_s();
     void *slab = NULL;
     bool ok = volume_open(&volume, &(struct volume_source){.path = path}, error);
 
     if (ok) slab = xmalloc((size_t)volume->size[0] * (size_t)volume->size[1] * SLAB * volume_type_size(volume->type));
     while (ok && volume->next_slice < volume->size[2])
         ok = volume_read(volume, SLAB, slab, error);
-    *seconds = now_s() - start;
+    *seconds = clock_now_s() - start;
     volume_close(volume);
     free(slab);
     return ok;
@@ -117,11 +109,11 @@ static bool render(struct renderer *renderer, const struct job *job, int frame, 
 {
     struct renderer_result result;
     struct image image = {0};
-    double start = now_s();
+    double start = clock_now_s();
     bool ok = image_init(&image, WIDTH, HEIGHT, false, false, error) &&
               renderer_render(renderer, job, frame, &image, NULL, NULL, &result, error);
 
-    *seconds = now_s() - start;
+    *seconds = clock_now_s() - start;
     image_finish(&image);
     return ok;
 }

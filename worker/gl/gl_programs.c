@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/gl/gl_programs.h"
 
+#include "core/base/clock.h"
 #include "core/base/log.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_program.h"
-
-#include <time.h>
 
 void gl_programs_init(struct gl_programs *programs, const struct gl_functions *gl)
 {
@@ -24,18 +23,10 @@ void gl_programs_finish(struct gl_programs *programs)
     lru_clear(&programs->lru, drop, programs);
 }
 
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 struct kept_program *gl_programs_find(struct gl_programs *programs, const char *hash,
                                       const struct gl_program_params *params, struct error *error)
 {
-    double start = now_s();
+    double start = clock_now_s();
     unsigned name;
     int index;
 
@@ -44,7 +35,7 @@ struct kept_program *gl_programs_find(struct gl_programs *programs, const char *
     if (index >= 0) return &programs->kept[index];
     name = gl_program_create(programs->gl, params, error);
     if (!name) return NULL;
-    log_debug("renderer: program %s linked in %.1f ms", hash, 1000 * (now_s() - start));
+    log_debug("renderer: program %s linked in %.1f ms", hash, 1000 * (clock_now_s() - start));
     index = lru_make_room(&programs->lru, 0, drop, programs);
     lru_put(&programs->lru, index, hash, 0);
     programs->kept[index] = (struct kept_program){.name = name};

@@ -2,6 +2,7 @@
 #include "worker/render/gl_caches.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/gl/gl_functions.h"
@@ -12,7 +13,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum {
     KEPT_LIMIT = 2 * SCENE_CACHE_LIMIT, // twice as many as a pass has: one is empty or idle
@@ -126,14 +126,6 @@ static bool make_texture(const struct gl_functions *gl, const struct scene_cache
     return true;
 }
 
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static int next_rows(int rows, double seconds, int most)
 {
     double factor = strip_seconds / (seconds > 1e-6 ? seconds : 1e-6);
@@ -157,14 +149,14 @@ static bool run_strips(const struct gl_functions *gl, struct kept_program *progr
     gl->ProgramUniform3i(program->name, 1, count[0], count[1], count[2]);
     for (int first = 0; first < most;) {
         int strip = program->rows < most - first ? program->rows : most - first;
-        double start = now_s();
+        double start = clock_now_s();
 
         gl->ProgramUniform3i(program->name, 0, 0, has_layers ? 0 : first * SCENE_CACHE_GROUP_SIDE,
                              has_layers ? first : 0);
         gl->DispatchCompute((GLuint)columns, (GLuint)(has_layers ? rows : strip), (GLuint)(has_layers ? strip : 1));
         gl->Finish();
         first += strip;
-        program->rows = next_rows(program->rows, now_s() - start, most);
+        program->rows = next_rows(program->rows, clock_now_s() - start, most);
         if (request->on_strip && !request->on_strip(request->user)) return false;
     }
     return true;
@@ -194,7 +186,7 @@ static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_
 {
     const struct scene_cache *cache = &request->caches[i];
     size_t size_bytes = scene_cache_size_bytes(cache);
-    double start = now_s();
+    double start = clock_now_s();
     struct kept_program *program = gl_programs_find(caches->programs, cache->hash,
                                                     &(struct gl_program_params){.compute = cache->text,
                                                                                 .module_names = cache->module_names,
@@ -212,7 +204,7 @@ static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_
     caches->textures[*index] = texture;
     lru_put(&caches->lru, *index, key, size_bytes);
     log_debug("caches: %s, %d x %d x %d texels, filled in %.1f ms", cache->name, cache->size[0], cache->size[1],
-              cache->size[2], 1000 * (now_s() - start));
+              cache->size[2], 1000 * (clock_now_s() - start));
     return GL_CACHES_BOUND;
 }
 

@@ -2,6 +2,7 @@
 #include "worker/render/renderer.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "worker/gl/gl_context.h"
 #include "worker/gl/gl_debug.h"
@@ -24,7 +25,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { IDLE_SLICE_LIMIT = 256 }; // in a row that no pixel of a tile was done with: five million iterations
 
@@ -50,14 +50,6 @@ struct renderer {
     size_t cut_pixel; // the one of the frame that find_mark found
     int low_medium;   // whose majorant it is about
 };
-
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 struct renderer *renderer_create(struct gl_context *context, const char *shader_dir)
 {
@@ -170,13 +162,13 @@ static bool draw_slices(struct renderer *renderer, struct tile *tile, struct rea
     int64_t left = (int64_t)renderer->target.width_px * tile->row_count;
 
     for (int idle = 0; left > 0; ++idle) {
-        double start = now_s();
+        double start = clock_now_s();
         int64_t done = (int64_t)gl_slices_draw(&renderer->slices);
 
         left -= done;
         if (done > 0) idle = 0;
         if (!check_gl(renderer, result, error)) return false;
-        tile->seconds = now_s() - start > tile->seconds ? now_s() - start : tile->seconds;
+        tile->seconds = clock_now_s() - start > tile->seconds ? clock_now_s() - start : tile->seconds;
         if (tile_is_cut(renderer, tile, result)) return false;
         if (idle == IDLE_SLICE_LIMIT) {
             renderer->cut_pixel = (size_t)tile->row * (size_t)renderer->target.width_px;
@@ -191,12 +183,12 @@ static bool draw_slices(struct renderer *renderer, struct tile *tile, struct rea
 static bool draw_whole(struct renderer *renderer, struct tile *tile, struct renderer_result *result,
                        struct error *error)
 {
-    double start = now_s();
+    double start = clock_now_s();
 
     renderer->gl.DrawArrays(GL_TRIANGLES, 0, 3);
     renderer->gl.Finish();
     if (!check_gl(renderer, result, error)) return false;
-    tile->seconds = now_s() - start;
+    tile->seconds = clock_now_s() - start;
     return !tile_is_cut(renderer, tile, result);
 }
 
@@ -435,7 +427,7 @@ static bool render_inputs(struct renderer *renderer, const struct request *reque
     int64_t fills = gl_caches_count_fills(renderer->caches);
     struct scene_program scene;
     struct passes passes = {0};
-    double start = now_s();
+    double start = clock_now_s();
     bool ok = false;
 
     result->fault = RENDERER_FAULT_JOB;
@@ -455,7 +447,7 @@ static bool render_inputs(struct renderer *renderer, const struct request *reque
     gl_target_read(&renderer->target, image, &result->ray_counts);
     ray_counts_find_share(&result->ray_counts, image);
     if (!check_gl(renderer, result, error)) goto out;
-    result->seconds = now_s() - start;
+    result->seconds = clock_now_s() - start;
     result->cache_fills = gl_caches_count_fills(renderer->caches) - fills;
     result->shader_hash = renderer->shown_hash;
     result->fault = find_mark(renderer, image->rgba, 0, image->height_px);

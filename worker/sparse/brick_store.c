@@ -2,6 +2,7 @@
 #include "worker/sparse/brick_store.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/sparse/brick_atlas.h"
@@ -12,9 +13,9 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 // One for every medium of a frame, and as many for the next frame's.
@@ -115,13 +116,10 @@ static bool read_entry(struct entry *entry, const struct brick_source *source, s
 
 static void load_entry(struct entry *entry, const struct brick_source *source)
 {
-    struct timespec begin, end;
+    double start = clock_now_s();
 
-    clock_gettime(CLOCK_MONOTONIC, &begin);
     if (!read_entry(entry, source, &entry->error)) return;
-    clock_gettime(CLOCK_MONOTONIC, &end);
-    log_debug("bricks: %s read in %.1f ms, %zu bytes", source->path,
-              1e3 * (double)(end.tv_sec - begin.tv_sec) + 1e-6 * (double)(end.tv_nsec - begin.tv_nsec),
+    log_debug("bricks: %s read in %.1f ms, %zu bytes", source->path, 1e3 * (clock_now_s() - start),
               entry->atlas->size_bytes);
 }
 

@@ -2,6 +2,7 @@
 #include "worker/sparse/vdb_convert.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 
 #include <dirent.h>
@@ -10,7 +11,6 @@
 #include <fnmatch.h>
 #include <signal.h>
 #include <stdbool.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -94,17 +94,9 @@ static void become_converter(char *const arguments[], pid_t parent)
     _exit(errno == ENOENT ? EXIT_NOT_FOUND : EXIT_NOT_RUN);
 }
 
-static int64_t now_ms(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
-}
-
 static bool wait_for(pid_t child, int limit_ms, int *status, struct error *error)
 {
-    int64_t end_ms = now_ms() + limit_ms;
+    double end_s = clock_now_s() + 1e-3 * limit_ms;
     bool was_killed = false;
     pid_t ended;
 
@@ -113,7 +105,7 @@ static bool wait_for(pid_t child, int limit_ms, int *status, struct error *error
             error_set_errno(error, errno, "cannot wait for %s", program);
             return false;
         }
-        if (!was_killed && now_ms() >= end_ms) {
+        if (!was_killed && clock_now_s() >= end_s) {
             kill(child, SIGKILL);
             was_killed = true;
         }
