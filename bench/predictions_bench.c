@@ -11,6 +11,9 @@
 #include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_make.h"
+#include "worker/plan/plan_params.h"
 #include "worker/render/renderer.h"
 
 #include <math.h>

@@ -5,7 +5,9 @@
 #include "core/json/json_write.h"
 #include "worker/answer/request.h"
 #include "worker/plan/plan.h"
-#include "worker/plan/plan_family.h"
+#include "worker/plan/plan_make.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_segment.h"
 
 #include <stdlib.h>
 

@@ -6,8 +6,8 @@
 #include "core/job/job.h"
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
-#include "worker/audit/audit_names.h"
 #include "worker/audit/gate.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 #include "worker/scene/scene_inputs.h"
 
@@ -79,7 +79,7 @@ static bool check_alone(const struct verification *verification, int fd, struct 
 
 static void write_facts(const struct image_exr_facts *facts, struct json_writer *writer)
 {
-    struct frame_accuracy accuracy = audit_accuracy(&facts->audit, facts->method);
+    struct frame_accuracy accuracy = audit_result_accuracy(&facts->audit, facts->method);
 
     accuracy.has_cut_share = facts->rays.is_known;
     accuracy.cut_share = facts->rays.cut_share;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "worker/audit/audit_estimate.h"
+#include "worker/picture/audit_result.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -11,25 +12,6 @@ struct error;
 struct image;
 struct job;
 struct truth;
-
-enum audit_kind {
-    AUDIT_NONE,        // the job states no tolerance
-    AUDIT_REFERENCE,   // against the converged integral, in double precision
-    AUDIT_STEP_HALVING // against the same shader in finer steps: code of the user's has no twin
-};
-
-struct audit_result {
-    enum audit_kind kind;
-    bool is_pooled;   // over frames of the segment, not this one alone
-    double error;     // relative RMSE of the values as encoded; absolute where all light is below 1e-6
-    double error95;   // that is below this, with a confidence of 95 %
-    int ray_count;    // pixels that were measured
-    double tolerance; // what the job allows
-    double seconds;   // that it took
-    // Of a frame with rough surfaces: the standard error of its values by lot, relative as `error` is, which leaves out all that is
-    // within four times that in a pixel.
-    double sampling_error;
-};
 
 enum {
     AUDIT_RAYS_MIN = 64,  // of a frame that is audited by itself

@@ -3,14 +3,15 @@
 #pragma once
 
 #include "core/job/job.h"
-#include "worker/audit/audit.h"
-#include "worker/plan/plan.h"
+#include "worker/picture/audit_result.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 
 struct error;
 struct image;
+
+enum { IMAGE_EXR_PLAN_SIZE = 320 }; // of the text that says why a frame was rendered as it was
 
 // Of a scene whose rays are reflected or refracted; see struct ray_counts.
 struct image_exr_rays {
@@ -70,7 +71,7 @@ struct image_exr_facts {
     double sampling_error; // 0: none is there
     char method[32];
     double step;
-    char plan[PLAN_REASON_SIZE];
+    char plan[IMAGE_EXR_PLAN_SIZE];
 };
 
 // Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image` may

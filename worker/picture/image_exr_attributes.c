@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/picture/image_exr_attributes.h"
 
-#include "worker/audit/audit_names.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/image_exr.h"
 
 #include <math.h>
@@ -45,7 +45,7 @@ static void read_accuracy(exr_context_t context, struct image_exr_facts *facts)
     read_text(context, "marchd:auditScope", scope, sizeof scope);
     audit->is_pooled = !strcmp(scope, "segment");
     read_text(context, "marchd:audit", kind, sizeof kind);
-    if (read_double(context, "marchd:error", &audit->error)) audit->kind = audit_name_find(kind);
+    if (read_double(context, "marchd:error", &audit->error)) audit->kind = audit_result_find_kind(kind);
 }
 
 void image_exr_attributes_read(exr_context_t context, struct image_exr_facts *facts)

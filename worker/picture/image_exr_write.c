@@ -2,7 +2,7 @@
 #include "worker/picture/image_exr.h"
 
 #include "core/base/error.h"
-#include "worker/audit/audit_names.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/half_row.h"
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr_zip.h"
@@ -149,7 +149,7 @@ static exr_result_t set_accuracy(exr_context_t context, const struct image_exr_h
     if (!result && header->sampling_error > 0.0)
         result = exr_attr_set_double(context, 0, "marchd:samplingError", header->sampling_error);
     if (result || audit->kind == AUDIT_NONE) return result;
-    result = exr_attr_set_string(context, 0, "marchd:audit", audit_name(audit->kind));
+    result = exr_attr_set_string(context, 0, "marchd:audit", audit_result_kind_name(audit->kind));
     if (!result) result = exr_attr_set_string(context, 0, "marchd:auditScope", audit->is_pooled ? "segment" : "frame");
     if (!result) result = exr_attr_set_double(context, 0, "marchd:tolerance", audit->tolerance);
     if (!result) result = exr_attr_set_double(context, 0, "marchd:error", audit->error);

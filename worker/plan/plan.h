@@ -3,13 +3,15 @@
 #pragma once
 
 #include "core/job/job.h"
-#include "worker/plan/plan_evidence.h"
-#include "worker/plan/plan_scout.h"
+#include "worker/picture/image_exr.h"
+#include "worker/plan/plan_scouting.h"
 #include "worker/plan/plan_search.h"
-#include "worker/plan/plan_segment.h"
-#include "worker/render/renderer.h"
 
-enum { PLAN_REASON_SIZE = 320 };
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { PLAN_REASON_SIZE = IMAGE_EXR_PLAN_SIZE };
 
 struct plan {
     struct job_quality
@@ -28,25 +30,6 @@ struct plan {
     struct plan_point point;
 };
 
-enum plan_choice {
-    PLAN_CHOICE_CHEAPEST, // that keeps the tolerance
-    PLAN_CHOICE_COARSEST, // for tests: of the same method, whatever the error
-    PLAN_CHOICE_FINEST    // for tests: of the same method, every step an eighth
-};
-
-struct plan_params {
-    struct renderer *renderer; // borrowed
-    const struct job *job;     // borrowed; of method auto
-    struct plan_segment segment;
-    enum plan_choice choice;
-    bool is_timed;                  // some frames are rendered larger to predict the time: predicted_s
-    struct plan_evidence *evidence; // NULL, or where what was measured of the plan goes; empty before
-    renderer_progress *on_progress; // may be NULL; false stops
-    void *user;
-};
-
-// Chooses from errors and counted work, so that every worker chooses the same. On failure `fault` is as the renderer's.
-bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error);
 // Every axis `rungs` finer, two halving a step; false when there is nothing finer.
 bool plan_refine(struct plan *plan, const struct job *job, int rungs);
 // The plan for a frame of the segment: finer, if the plan is expected to be over the tolerance in it.

@@ -8,6 +8,8 @@
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_params.h"
 
 #include <math.h>
 #include <sys/mman.h>

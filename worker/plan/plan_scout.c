@@ -2,12 +2,13 @@
 #include "worker/plan/plan_scout.h"
 
 #include "core/base/error.h"
-#include "core/base/log.h"
 #include "core/job/job.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_family.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_scouting.h"
 
 #include <math.h>
 
@@ -18,10 +19,6 @@ enum {
     COUNT_ALONE = 3   // unless nothing else tells what a plan is off
 };
 
-// Of the tolerance: what a frame may be expected to be off before it is rendered finer, and what it is then to be off.
-static const double SHARE_ALLOWED = 0.9, SHARE_WANTED = 0.6;
-// By how much errors fall as steps are halved, as a power of 2: kinks leave three halves of two.
-static const double ORDER = 1.5;
 // What an error is of that change: within these, by what the pilot's frames say.
 static const double SCALE_LEAST = 0.75, SCALE_MOST = 1.25;
 // Of the looks that the segment's frames take; looks at the least.
@@ -96,12 +93,6 @@ static bool look(struct scout *scout, int32_t frame, double *change, struct erro
     return ok || (scout->result.fault != RENDERER_FAULT_STOPPED && scout->result.fault != RENDERER_FAULT_CONTEXT);
 }
 
-static int64_t index_at(const struct plan_scouting *scouting, int i)
-{
-    if (scouting->count == 1) return scouting->first;
-    return scouting->first + i * (scouting->last - scouting->first) / (scouting->count - 1);
-}
-
 static double square_mean(const double *values, int first, int last, int by)
 {
     double sum = 0.0;
@@ -121,44 +112,6 @@ static void scale_errors(struct plan_scouting *scouting, double pilot_error, con
 
     for (int i = 0; truth_has_twin(job) && i < scouting->count; i++)
         scouting->error[i] *= scale;
-}
-
-static double find_error(const struct plan_scouting *scouting, int64_t index)
-{
-    int i = 1;
-
-    while (i < scouting->count - 1 && index_at(scouting, i) < index)
-        i++;
-    {
-        int64_t before = index_at(scouting, i - 1), after = index_at(scouting, i);
-        double share = (double)(index - before) / (double)(after - before);
-
-        return scouting->error[i - 1] + share * (scouting->error[i] - scouting->error[i - 1]);
-    }
-}
-
-int plan_scout_find_rungs(const struct plan_scouting *scouting, int64_t index, double tolerance)
-{
-    double error;
-
-    if (scouting->count == 0 || index < scouting->first || index > scouting->last) return 0;
-    error = find_error(scouting, index);
-    if (error <= SHARE_ALLOWED * tolerance) return 0;
-    return (int)ceil(2.0 * log2(error / (SHARE_WANTED * tolerance)) / ORDER);
-}
-
-// Of all frames of the segment, those refined that are to be.
-static double predict_error(const struct plan_scouting *scouting, double tolerance)
-{
-    double sum = 0.0;
-
-    for (int64_t index = scouting->first; index <= scouting->last; index++) {
-        int rungs = plan_scout_find_rungs(scouting, index, tolerance);
-        double error = find_error(scouting, index) * exp2(-0.5 * ORDER * rungs);
-
-        sum += error * error;
-    }
-    return sqrt(sum / (double)(scouting->last - scouting->first + 1));
 }
 
 static bool is_of_use(const struct plan_params *params)
@@ -205,10 +158,11 @@ bool plan_scout_look(struct plan *plan, const struct plan_params *params, const 
     scout.finer = make_tiny(&finer, params->job);
     ok = init_images(&scout, error);
     for (int i = 0; ok && i < scouting.count; i++)
-        ok = look(&scout, frame_range_at(&params->job->frames, index_at(&scouting, i)), &scouting.error[i], error);
+        ok = look(&scout, frame_range_at(&params->job->frames, plan_scouting_index(&scouting, i)), &scouting.error[i],
+                  error);
     if (ok) {
         scale_errors(&scouting, plan->predicted_error, params->job);
-        plan->predicted_error = predict_error(&scouting, params->job->quality.tolerance);
+        plan->predicted_error = plan_scouting_predict_error(&scouting, params->job->quality.tolerance);
         plan->scouting = scouting;
     } else {
         *fault = scout.result.fault;

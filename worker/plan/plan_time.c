@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_params.h"
 
 #include <math.h>
 #include <stdlib.h>

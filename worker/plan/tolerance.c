@@ -4,8 +4,12 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "worker/audit/audit.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
+#include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_make.h"
+#include "worker/plan/plan_segment.h"
 
 #include <math.h>
 #include <stdio.h>

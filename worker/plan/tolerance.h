@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/audit/audit.h"
+#include "worker/picture/audit_result.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_params.h"
 #include "worker/render/renderer.h"
 
 #include <stdbool.h>

@@ -2,8 +2,8 @@
 #include "worker/process/encoder.h"
 
 #include "core/base/error.h"
-#include "worker/audit/audit_names.h"
 #include "worker/audit/gate.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/image_exr.h"
 #include "worker/process/options.h"
 #include "worker/process/part_file.h"
@@ -106,7 +106,7 @@ static bool check_picture(const struct picture *picture, enum report_fault *faul
 
 static struct frame_accuracy find_accuracy(const struct picture *picture)
 {
-    struct frame_accuracy accuracy = audit_accuracy(&picture->audit, job_method_name(picture->method));
+    struct frame_accuracy accuracy = audit_result_accuracy(&picture->audit, job_method_name(picture->method));
 
     accuracy.has_cut_share = picture->ray_counts.is_known;
     accuracy.cut_share = picture->ray_counts.cut_share;

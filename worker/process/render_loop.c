@@ -3,9 +3,9 @@
 
 #include "core/base/error.h"
 #include "worker/answer/request.h"
-#include "worker/audit/audit_names.h"
 #include "worker/audit/gate.h"
 #include "worker/gl/gl_context.h"
+#include "worker/picture/audit_result.h"
 #include "worker/plan/tolerance.h"
 #include "worker/process/options.h"
 #include "worker/process/part_file.h"
@@ -190,7 +190,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
 // The file's own header says how exact it is.
 static void tell_skipped(struct render_loop *loop, const struct gate_result *found)
 {
-    struct frame_accuracy accuracy = audit_accuracy(&found->facts.audit, found->facts.method);
+    struct frame_accuracy accuracy = audit_result_accuracy(&found->facts.audit, found->facts.method);
 
     accuracy.has_cut_share = found->facts.rays.is_known;
     accuracy.cut_share = found->facts.rays.cut_share;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/audit/audit.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 #include "worker/picture/ray_counts.h"
 #include "worker/plan/plan.h"

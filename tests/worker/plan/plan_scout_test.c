@@ -6,6 +6,9 @@
 #include "core/job/job_json.h"
 #include "tests/support/gl_stage.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_make.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_scouting.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -23,27 +26,27 @@ static void frames_over_the_tolerance_are_finer(void **state)
     // Frames 48, 58, 68, 78, 88.
     const struct plan_scouting scouting = {
         .count = 5, .first = 48, .last = 88, .error = {0.002, 0.004, 0.03, 0.008, 0.002}};
-    int most = plan_scout_find_rungs(&scouting, 68, TOLERANCE);
+    int most = plan_scouting_find_rungs(&scouting, 68, TOLERANCE);
 
-    assert_int_equal(plan_scout_find_rungs(&scouting, 48, TOLERANCE), 0);
-    assert_int_equal(plan_scout_find_rungs(&scouting, 78, TOLERANCE), 0);
-    assert_int_equal(plan_scout_find_rungs(&scouting, 88, TOLERANCE), 0);
+    assert_int_equal(plan_scouting_find_rungs(&scouting, 48, TOLERANCE), 0);
+    assert_int_equal(plan_scouting_find_rungs(&scouting, 78, TOLERANCE), 0);
+    assert_int_equal(plan_scouting_find_rungs(&scouting, 88, TOLERANCE), 0);
     // With the power of three halves of steps as long as half, 0.03 comes to six tenths of the tolerance, and not to much less.
     assert_true(0.03 * exp2(-0.75 * most) <= 0.6 * TOLERANCE && 0.03 * exp2(-0.75 * most) > 0.3 * TOLERANCE);
     // What lies between is between.
-    assert_true(plan_scout_find_rungs(&scouting, 62, TOLERANCE) > 0);
-    assert_true(plan_scout_find_rungs(&scouting, 62, TOLERANCE) <= most);
-    assert_true(plan_scout_find_rungs(&scouting, 76, TOLERANCE) > 0);
+    assert_true(plan_scouting_find_rungs(&scouting, 62, TOLERANCE) > 0);
+    assert_true(plan_scouting_find_rungs(&scouting, 62, TOLERANCE) <= most);
+    assert_true(plan_scouting_find_rungs(&scouting, 76, TOLERANCE) > 0);
 }
 
 static void other_frames_are_as_planned(void **state)
 {
     const struct plan_scouting nothing = {0}, scouting = {.count = 3, .first = 10, .last = 12, .error = {1, 1, 1}};
 
-    assert_int_equal(plan_scout_find_rungs(&nothing, 0, TOLERANCE), 0);
-    assert_int_equal(plan_scout_find_rungs(&scouting, 9, TOLERANCE), 0);
-    assert_int_equal(plan_scout_find_rungs(&scouting, 13, TOLERANCE), 0);
-    assert_true(plan_scout_find_rungs(&scouting, 11, TOLERANCE) > 0);
+    assert_int_equal(plan_scouting_find_rungs(&nothing, 0, TOLERANCE), 0);
+    assert_int_equal(plan_scouting_find_rungs(&scouting, 9, TOLERANCE), 0);
+    assert_int_equal(plan_scouting_find_rungs(&scouting, 13, TOLERANCE), 0);
+    assert_true(plan_scouting_find_rungs(&scouting, 11, TOLERANCE) > 0);
 }
 
 // Fine structure from 0.5 to 0.9 s, between the pilot's frames at 0, 0.96 and 1.96 s.

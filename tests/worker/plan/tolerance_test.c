@@ -10,10 +10,12 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/tolerance_stage.h"
 #include "tests/support/true_error.h"
+#include "worker/audit/audit.h"
 #include "worker/gl/gl_context.h"
 #include "worker/glsl/shader_sources.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan_family.h"
+#include "worker/plan/plan_make.h"
 
 #include <math.h>
 #include <setjmp.h>

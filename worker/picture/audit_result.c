@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/audit/audit_names.h"
+#include "worker/picture/audit_result.h"
 
 #include <stddef.h>
 #include <stdio.h>
@@ -8,19 +8,19 @@
 static const char *const names[] = {
     [AUDIT_NONE] = NULL, [AUDIT_REFERENCE] = "reference", [AUDIT_STEP_HALVING] = "step_halving"};
 
-const char *audit_name(enum audit_kind kind)
+const char *audit_result_kind_name(enum audit_kind kind)
 {
     return names[kind];
 }
 
-enum audit_kind audit_name_find(const char *name)
+enum audit_kind audit_result_find_kind(const char *name)
 {
     for (size_t kind = AUDIT_REFERENCE; kind < sizeof names / sizeof names[0]; kind++)
         if (!strcmp(names[kind], name)) return (enum audit_kind)kind;
     return AUDIT_NONE;
 }
 
-struct frame_accuracy audit_accuracy(const struct audit_result *audit, const char *method)
+struct frame_accuracy audit_result_accuracy(const struct audit_result *audit, const char *method)
 {
     struct frame_accuracy accuracy = {0};
 

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_make.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/log.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_family.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_pilot.h"
+#include "worker/plan/plan_rest.h"
+#include "worker/plan/plan_scout.h"
+#include "worker/plan/plan_search.h"
+#include "worker/plan/plan_time.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+enum { FINEST_RUNGS = 6, FAMILY_LIMIT = 16 };
+
+static const double SHARE = 0.5; // of the tolerance that a plan is to use
+// Once something is found, nothing is measured in a family beyond so many looks of the pilot's.
+static const double LOOKS_ENOUGH = 3e7;
+// Of the tolerance, what a frame of the pilot may be off that the walk did not see.
+static const double SHARE_UNSEEN = 0.75;
+// Nothing is tried that costs so many times as much as the render that the others are compared with.
+static const double DEAREST = 8.0;
+// Relative RMSE of rounding to half: of an even spread of digits, 2^-11 / sqrt(3) of the value's power of two.
+static const double HALF_ROUNDING = 2.0e-4;
+
+// A search in one family.
+struct attempt {
+    const struct plan_family *family;
+    const struct plan_scene *scene;
+    struct plan_pilot *pilot;
+    bool is_half;
+    int frame; // the pilot's that is measured: the worst
+    double target;
+    double first_looks; // of the pilot, before
+    bool is_found;      // something that keeps the target, now or before
+};
+
+static double find_work(void *user, const struct plan_point *point)
+{
+    const struct attempt *attempt = user;
+    struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, point);
+
+    return plan_family_work(attempt->scene, &quality);
+}
+
+static double with_rounding(double error, bool is_half)
+{
+    return is_half ? hypot(error, HALF_ROUNDING) : error;
+}
+
+static enum plan_measured measure(void *user, const struct plan_point *point, double *error)
+{
+    struct attempt *attempt = user;
+    struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, point);
+    struct plan_errors errors;
+    enum plan_measured measured;
+
+    if (attempt->is_found && plan_pilot_count_looks(attempt->pilot) - attempt->first_looks > LOOKS_ENOUGH)
+        return PLAN_CANNOT;
+    measured = plan_pilot_measure(attempt->pilot, &quality, attempt->frame, &errors);
+    if (attempt->frame == PLAN_ALL_FRAMES) attempt->frame = errors.worst;
+    *error = with_rounding(errors.largest, attempt->is_half);
+    attempt->is_found |= measured == PLAN_MEASURED && *error <= attempt->target;
+    if (measured == PLAN_MEASURED)
+        log_debug("plan: %s step %g %g, light %g %g grid %d points %d least %g: error %.2e, work %.0f",
+                  attempt->family->name, quality.step, quality.step_voxels, quality.light_step,
+                  quality.light_step_voxels, quality.light_grid, quality.points, quality.min_transmittance, *error,
+                  plan_family_work(attempt->scene, &quality));
+    return measured;
+}
+
+// Where a walk begins: with steps that would keep the tolerance if all were alike.
+static int start_rung(enum plan_axis axis, int level)
+{
+    switch (axis) {
+    case PLAN_AXIS_STEP:
+    case PLAN_AXIS_LIGHT_STEP:
+        return 2 * level;
+    case PLAN_AXIS_DEPTH_STEP:
+        return 6;
+    case PLAN_AXIS_POINTS:
+        return 2 * level + 3;
+    case PLAN_AXIS_LIGHT_GRID:
+        return 4;
+    case PLAN_AXIS_DENSITY_GRID:
+        return 8;
+    case PLAN_AXIS_MIN_TRANSMITTANCE:
+        return 3;
+    case PLAN_AXIS_PATHS:
+        break;
+    }
+    return 0;
+}
+
+static struct plan_point find_start(const struct attempt *attempt)
+{
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_family_axes(attempt->family, attempt->scene, axes);
+    struct plan_point start = {{0}};
+
+    for (int i = 0; i < count; i++) {
+        int rung = start_rung(axes[i], plan_pilot_start_level(attempt->pilot));
+        int last = plan_axis_last_rung(axes[i], attempt->scene);
+
+        start.rungs[i] = rung < last ? rung : last;
+    }
+    return start;
+}
+
+// The start is measured in all frames, and the walk then goes by the worst of them.
+static struct plan_finding walk(struct attempt *attempt, struct plan_point start, double work_limit)
+{
+    struct plan_search search = {.target = attempt->target,
+                                 .work_limit = work_limit,
+                                 .start = start,
+                                 .work = find_work,
+                                 .measure = measure,
+                                 .user = attempt};
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+
+    attempt->frame = PLAN_ALL_FRAMES;
+    search.axis_count = plan_family_axes(attempt->family, attempt->scene, axes);
+    for (int i = 0; i < search.axis_count; i++)
+        search.last_rung[i] = plan_axis_last_rung(axes[i], attempt->scene);
+    return plan_search_run(&search);
+}
+
+// Walks on from where another frame turns out to be worse than the one that the walk saw.
+static struct plan_finding search(struct attempt *attempt, double tolerance, double work_limit)
+{
+    struct plan_finding finding = walk(attempt, find_start(attempt), work_limit);
+
+    for (int again = 1; again < PLAN_PILOT_LIMIT && finding.found == PLAN_FOUND; again++) {
+        struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, &finding.point);
+        struct plan_errors errors;
+
+        if (plan_pilot_measure(attempt->pilot, &quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) {
+            finding.found = PLAN_GAVE_UP;
+            break;
+        }
+        finding.error = with_rounding(errors.largest, attempt->is_half);
+        if (finding.error <= SHARE_UNSEEN * tolerance) break;
+        attempt->is_found = false;
+        finding = walk(attempt, finding.point, work_limit);
+    }
+    return finding;
+}
+
+// What is known of the families that were tried.
+struct choice {
+    struct plan_finding finding;
+    size_t family;
+    bool is_found;
+    int serve_count;
+    char tried[160]; // names and work
+};
+
+static void note_tried(struct choice *choice, const struct plan_family *family, const struct plan_finding *finding)
+{
+    size_t length = strlen(choice->tried);
+
+    snprintf(choice->tried + length, sizeof choice->tried - length, "%s%s %s%.0f", length > 0 ? ", " : "", family->name,
+             finding->found == PLAN_FOUND ? "" : "over ", finding->work);
+}
+
+static bool is_better(const struct choice *choice, const struct plan_finding *finding)
+{
+    if (finding->found == PLAN_FOUND) return !choice->is_found || finding->work < choice->finding.work;
+    return !choice->is_found && finding->error < choice->finding.error;
+}
+
+// The families that serve, by the work of where their walks begin.
+static int sort_families(struct plan_pilot *pilot, size_t families[static FAMILY_LIMIT],
+                         double works[static FAMILY_LIMIT])
+{
+    const struct plan_scene *scene = plan_pilot_scene(pilot);
+    int count = 0;
+
+    for (size_t i = 0; i < plan_family_count && count < FAMILY_LIMIT; i++) {
+        struct attempt attempt = {.family = &plan_families[i], .scene = scene, .pilot = pilot};
+        struct plan_point start;
+        double work;
+        int at = count;
+
+        if (!plan_family_serves(attempt.family, scene)) continue;
+        start = find_start(&attempt);
+        work = find_work(&attempt, &start);
+        for (; at > 0 && works[at - 1] > work; at--) {
+            works[at] = works[at - 1];
+            families[at] = families[at - 1];
+        }
+        works[at] = work;
+        families[at] = i;
+        count++;
+    }
+    return count;
+}
+
+// False when it was stopped.
+static bool choose(struct plan_pilot *pilot, const struct job *job, struct choice *choice)
+{
+    size_t families[FAMILY_LIMIT];
+    double works[FAMILY_LIMIT], dearest = DEAREST * plan_pilot_fine_work(pilot);
+    int count = sort_families(pilot, families, works);
+
+    *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count, .serve_count = count};
+    for (int i = 0; i < count; i++) {
+        struct attempt attempt = {.family = &plan_families[families[i]],
+                                  .scene = plan_pilot_scene(pilot),
+                                  .pilot = pilot,
+                                  .is_half = job->output.pixel == JOB_PIXEL_HALF,
+                                  .target = SHARE * job->quality.tolerance,
+                                  .first_looks = plan_pilot_count_looks(pilot),
+                                  .is_found = choice->is_found};
+        struct plan_finding finding;
+
+        // What begins no cheaper rarely ends so, and where it does gains little.
+        if (choice->is_found && works[i] >= choice->finding.work) break;
+        finding = search(&attempt, job->quality.tolerance, choice->is_found ? choice->finding.work : dearest);
+        if (finding.found == PLAN_GAVE_UP) return false;
+        note_tried(choice, attempt.family, &finding);
+        if (!is_better(choice, &finding)) continue;
+        choice->finding = finding;
+        choice->family = families[i];
+        choice->is_found = finding.found == PLAN_FOUND;
+    }
+    return true;
+}
+
+static void describe(struct plan *plan, const struct job *job, const struct choice *choice)
+{
+    const char *name = plan_families[plan->family].name;
+
+    if (!choice->is_found)
+        snprintf(plan->reason, sizeof plan->reason, "%s comes nearest to %g: nothing that was tried keeps it", name,
+                 job->quality.tolerance);
+    else if (choice->serve_count == 1)
+        snprintf(plan->reason, sizeof plan->reason, "%s alone serves this scene", name);
+    else if (!strchr(choice->tried, ','))
+        snprintf(plan->reason, sizeof plan->reason, "%s begins with less work than others end with", name);
+    else
+        snprintf(plan->reason, sizeof plan->reason, "%s does the least work for %g of the tolerance, looks a pixel: %s",
+                 name, SHARE, choice->tried);
+}
+
+static void force(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
+{
+    if (params->choice == PLAN_CHOICE_COARSEST) {
+        plan->point = (struct plan_point){{0}};
+        plan->quality = plan_family_quality(&plan_families[plan->family], scene, &plan->point);
+    }
+    if (params->choice == PLAN_CHOICE_FINEST) (void)plan_refine(plan, params->job, FINEST_RUNGS);
+    plan->work = plan_family_work(scene, &plan->quality);
+}
+
+static bool finish(struct plan *plan, const struct plan_params *params, struct plan_pilot *pilot,
+                   const struct choice *choice)
+{
+    const struct plan_scene *scene = plan_pilot_scene(pilot);
+    struct plan_errors errors;
+
+    *plan = (struct plan){.family = choice->family, .point = choice->finding.point};
+    plan->quality = plan_family_quality(&plan_families[plan->family], scene, &plan->point);
+    describe(plan, params->job, choice);
+    force(plan, params, scene);
+    if (plan_pilot_measure(pilot, &plan->quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) return false;
+    plan->predicted_error = errors.mean;
+    if (params->evidence) plan_pilot_give(pilot, params->evidence);
+    return true;
+}
+
+// As the job's frames are many, their work is that of the pilot's rays.
+static void find_dearer(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
+{
+    const struct plan_scouting *scouting = &plan->scouting;
+    double sum = 0.0;
+
+    plan->dearer = 1.0;
+    if (scouting->count == 0) return;
+    for (int64_t i = scouting->first; i <= scouting->last; i++) {
+        struct plan of_frame = plan_of_frame(plan, params->job, frame_range_at(&params->job->frames, i));
+
+        sum += plan_family_work(scene, &of_frame.quality) / plan_family_work(scene, &plan->quality);
+    }
+    plan->dearer = sum / (double)(scouting->last - scouting->first + 1);
+}
+
+static bool choose_plan(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                        struct error *error)
+{
+    struct plan_pilot *pilot = plan_pilot_create(&(struct plan_pilot_params){.renderer = params->renderer,
+                                                                             .job = params->job,
+                                                                             .segment = params->segment,
+                                                                             .on_progress = params->on_progress,
+                                                                             .user = params->user},
+                                                 fault, error);
+    struct choice choice;
+    bool ok;
+
+    if (!pilot) return false;
+    ok = choose(pilot, params->job, &choice) && choice.family < plan_family_count &&
+         finish(plan, params, pilot, &choice);
+    if (!ok) *fault = plan_pilot_fault(pilot, error);
+    if (!ok && *fault == RENDERER_FAULT_NONE) {
+        *fault = RENDERER_FAULT_MISSED;
+        error_set(error, "quality.tolerance: no method's light is finite in small pictures of the segment; expected "
+                         "densities, numbers and files without NaN and infinity");
+    }
+    ok = ok && (params->choice != PLAN_CHOICE_CHEAPEST ||
+                plan_scout_look(plan, params, plan_pilot_scene(pilot), fault, error));
+    if (ok) {
+        plan->predicted_error = with_rounding(plan->predicted_error, params->job->output.pixel == JOB_PIXEL_HALF);
+        find_dearer(plan, params, plan_pilot_scene(pilot));
+        log_debug("plan: segment %d: %s; predicted error %.2e of %g, %.2f times the work with frames that are finer, "
+                  "%d small renders",
+                  (int)params->segment.index, plan->reason, plan->predicted_error, params->job->quality.tolerance,
+                  plan->dearer, plan_pilot_count_renders(pilot));
+    }
+    plan_pilot_destroy(pilot);
+    return ok;
+}
+
+static double now_s(void)
+{
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error)
+{
+    struct plan_evidence evidence = {0};
+    struct plan_params chosen = *params;
+    double start_s = now_s();
+    bool ok;
+
+    if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
+    ok = choose_plan(plan, &chosen, fault, error);
+    if (ok) plan->plan_s = now_s() - start_s;
+    if (params->is_timed)
+        ok = ok && plan_time_predict(plan, params, fault, error) &&
+             plan_rest_predict(plan, params, chosen.evidence, fault, error);
+    plan_evidence_finish(&evidence);
+    return ok;
+}

@@ -1,0 +1,28 @@
+// What a plan is made from: a renderer, a job, and the segment of its frames.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/plan/plan_segment.h"
+#include "worker/render/renderer.h"
+
+#include <stdbool.h>
+
+struct job;
+struct plan_evidence;
+
+enum plan_choice {
+    PLAN_CHOICE_CHEAPEST, // that keeps the tolerance
+    PLAN_CHOICE_COARSEST, // for tests: of the same method, whatever the error
+    PLAN_CHOICE_FINEST    // for tests: of the same method, every step an eighth
+};
+
+struct plan_params {
+    struct renderer *renderer; // borrowed
+    const struct job *job;     // borrowed; of method auto
+    struct plan_segment segment;
+    enum plan_choice choice;
+    bool is_timed;                  // some frames are rendered larger to predict the time: predicted_s
+    struct plan_evidence *evidence; // NULL, or where what was measured of the plan goes; empty before
+    renderer_progress *on_progress; // may be NULL; false stops
+    void *user;
+};
