@@ -2,8 +2,10 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/base/version.h"
 #include "daemon/service/daemon.h"
 #include "daemon/service/journal.h"
+#include "daemon/service/library_versions.h"
 #include "daemon/settings/options.h"
 
 #include <limits.h>
@@ -80,9 +82,10 @@ int main(int argc, char **argv)
     }
     if (options.wants_help)
         fputs(options_help, stdout);
-    else if (options.wants_version)
-        puts("marchd " MARCHD_VERSION);
-    else
+    else if (options.wants_version) {
+        version_print(stdout, "marchd");
+        library_versions_print(stdout);
+    } else
         status = run(&options, &line);
     options_finish(&options);
     return status;

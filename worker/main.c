@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/base/version.h"
 #include "core/wire/message.h"
 #include "worker/process/encoder.h"
+#include "worker/process/library_versions.h"
 #include "worker/process/memory_end.h"
 #include "worker/process/options.h"
 #include "worker/process/orders.h"
@@ -19,6 +21,7 @@
 #include <signal.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/signalfd.h>
@@ -191,6 +194,11 @@ int main(int argc, char *argv[])
     if (!options_parse(&options, argc, argv, &error)) {
         log_error("%s", error.message);
         return 2;
+    }
+    if (options.wants_version) {
+        version_print(stdout, "march-worker");
+        library_versions_print(stdout);
+        return 0;
     }
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     keep_memory_whole();

@@ -66,7 +66,8 @@ static const struct command commands[] = {
      "march verify first --frames 0-47", command_verify},
     {"completion", "SHELL", 1, ANY, EVERY, "Prints what bash, zsh or fish load to complete what is typed.",
      "march completion bash", command_completion},
-    {"version", "", 0, 0, EVERY, "Prints the version.", "march version", command_version},
+    {"version", "", 0, 0, EVERY, "Prints the version, the commit and the libraries of march, march-worker and marchd.",
+     "march version", command_version},
     {"help", "[VERB]", 0, 1, EVERY, "Explains a verb.", "march help submit", command_help},
 };
 

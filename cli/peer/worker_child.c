@@ -4,6 +4,7 @@
 #include "cli/peer/connection.h"
 #include "cli/program/interrupt.h"
 #include "cli/program/options.h"
+#include "cli/program/program_beside.h"
 #include "cli/terminal/progress.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
@@ -27,8 +28,6 @@ enum { CHILD_FD = 3, ARGUMENT_LIMIT = 16, END_WAIT_MS = 5000, END_POLL_MS = 10 }
 static char *find_program(const struct options *options, struct error *error)
 {
     const char *environment = getenv("MARCH_WORKER");
-    char own[PATH_MAX];
-    ssize_t length;
     char *path;
 
     if (options->worker_program) {
@@ -36,10 +35,7 @@ static char *find_program(const struct options *options, struct error *error)
     } else if (environment && *environment) {
         path = xstrdup(environment);
     } else {
-        length = readlink("/proc/self/exe", own, sizeof own - 1);
-        own[length < 0 ? 0 : length] = 0;
-        if (strrchr(own, '/')) *strrchr(own, '/') = 0;
-        path = xasprintf("%s/march-worker", own);
+        path = program_beside_find("march-worker");
     }
     if (access(path, X_OK) == 0) return path;
     error_set_errno(error, errno, "%s: the worker cannot be started (--worker-program or $MARCH_WORKER names another)",

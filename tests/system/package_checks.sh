@@ -31,7 +31,7 @@ package_installs()
     unowned_files >"$work/before"
     apt install /root/marchd.deb
     expect "state of the package" "$(inside dpkg-query -W -f '${db:Status-Status}' marchd)" installed
-    expect "version" "$(inside marchd --version)" "marchd $(inside dpkg-query -W -f '${Version}' marchd | sed 's/-.*//')"
+    expect "version" "$(inside marchd --version | head -n 1)" "marchd $(inside dpkg-query -W -f '${Version}' marchd | sed 's/-.*//')"
     inside march help >/dev/null
 }
 

@@ -98,11 +98,14 @@ static bool parse_option(struct options *options, int option, const char *text, 
     case 'F':
         options->is_fenced = true;
         return true;
+    case 'V':
+        options->wants_version = true;
+        return true;
     case 'm':
         return parse_bytes(text, &options->memory_bytes, error);
     default:
         error_set(error, "usage: march-worker --fd N [--backend auto|egl|osmesa|none] [--device UUID-or-index] "
-                         "[--shader-dir DIR] [--encode-threads N] [--memory BYTES] [--sandbox yes|no] [--fenced]");
+                         "[--shader-dir DIR] [--encode-threads N] [--memory BYTES] [--sandbox yes|no] [--fenced], or --version");
         return false;
     }
 }
@@ -117,6 +120,7 @@ bool options_parse(struct options *options, int argc, char *const argv[], struct
                                           {"memory", required_argument, NULL, 'm'},
                                           {"sandbox", required_argument, NULL, 'S'},
                                           {"fenced", no_argument, NULL, 'F'},
+                                          {"version", no_argument, NULL, 'V'},
                                           {NULL, 0, NULL, 0}};
     int option;
 
@@ -130,7 +134,7 @@ bool options_parse(struct options *options, int argc, char *const argv[], struct
         error_set(error, "expected options only, got \"%s\"", argv[optind]);
         return false;
     }
-    if (options->fd >= 0) return true;
+    if (options->fd >= 0 || options->wants_version) return true;
     error_set(error, "--fd: expected the number of a connected socket: march-worker is started by marchd and march");
     return false;
 }

@@ -19,6 +19,7 @@ struct options {
     bool has_sandbox;     // restricts itself
     bool is_fenced;       // serves one job, which worker.fence tells of
     int64_t memory_bytes; // that it may allocate; 0: any amount
+    bool wants_version;   // then the socket may be missing
 };
 
 bool options_parse(struct options *options, int argc, char *const argv[], struct error *error);

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/service/library_versions.h"
+
+#include <sqlite3.h>
+#include <uv.h>
+
+void library_versions_print(FILE *out)
+{
+    fprintf(out, "libuv %s\nSQLite %s\n", uv_version_string(), sqlite3_libversion());
+    fprintf(out, "libsystemd %s (compiled with)\n", SYSTEMD_VERSION); // it has no call that tells
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/process/library_versions.h"
+
+#include <OpenEXR/openexr.h>
+#include <libdeflate.h>
+#include <png.h>
+#include <seccomp.h>
+#include <zlib.h>
+
+void library_versions_print(FILE *out)
+{
+    const struct scmp_version *seccomp = seccomp_version();
+    int major, minor, patch;
+
+    exr_get_library_version(&major, &minor, &patch, NULL);
+    fprintf(out, "OpenEXR %d.%d.%d\n", major, minor, patch);
+    fprintf(out, "libdeflate %s (compiled with)\n", LIBDEFLATE_VERSION_STRING); // it has no call that tells
+    fprintf(out, "zlib %s\nlibpng %s\n", zlibVersion(), png_get_libpng_ver(NULL));
+    fprintf(out, "libseccomp %u.%u.%u\n", seccomp->major, seccomp->minor, seccomp->micro);
+}
