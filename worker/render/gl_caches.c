@@ -19,7 +19,7 @@ enum {
     FIRST_STRIP_ROWS = 4,
     STRIP_GROWTH_LIMIT = 8
 };
-_Static_assert(KEPT_LIMIT <= LRU_LIMIT, "all textures of two passes are kept");
+_Static_assert((int)KEPT_LIMIT <= (int)LRU_LIMIT, "all textures of two passes are kept");
 
 static const double strip_seconds = 0.2;
 // Limits textures that the pass does not need but a next one may.
