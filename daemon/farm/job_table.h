@@ -6,7 +6,7 @@
 #include "core/job/output_path.h"
 #include "daemon/schedule/estimate.h"
 #include "daemon/schedule/queue.h"
-#include "daemon/store/store.h"
+#include "daemon/store/store_op.h"
 #include "daemon/users/quota.h"
 
 #include <stdbool.h>

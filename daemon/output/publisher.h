@@ -6,7 +6,7 @@
 #include "core/wire/frame_accuracy.h"
 #include "core/wire/publish.h"
 #include "daemon/schedule/queue.h"
-#include "daemon/store/store.h"
+#include "daemon/store/store_op.h"
 
 #include <stdbool.h>
 #include <stdint.h>

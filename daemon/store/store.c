@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "daemon/schedule/queue.h"
 #include "daemon/store/store_lock.h"
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sql.h"
@@ -72,39 +73,6 @@ struct store {
     int64_t epoch;
     int64_t next_job_id;
 };
-
-static void finish_job(struct store_job *job)
-{
-    free(job->document);
-    free(job->name);
-    free(job->owner);
-    free(job->reason);
-    free(job->root);
-}
-
-void store_op_finish(struct store_op *op)
-{
-    switch (op->kind) {
-    case STORE_ADD_JOB:
-    case STORE_SET_JOB:
-    case STORE_DELETE_JOB:
-        finish_job(&op->job);
-        break;
-    case STORE_SET_FRAME:
-        free(op->frame.error);
-        break;
-    case STORE_ADD_ATTEMPT:
-        free(op->attempt.log);
-        break;
-    case STORE_RESET_FRAMES:
-        free(op->reset.indices);
-        break;
-    case STORE_MARK_FRAMES:
-        free(op->mark.indices);
-        break;
-    }
-    *op = (struct store_op){0};
-}
 
 // Nothing is written before the database is known to be ours; then the tables and the new epoch are one transaction.
 static bool open_database(struct store *store, const char *path, struct error *error)

@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/base/hash.h"
-#include "core/wire/frame_accuracy.h"
-#include "daemon/schedule/queue.h"
+#include "daemon/store/store_op.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,80 +10,6 @@
 
 struct error;
 struct store;
-
-enum { STORE_ATTEMPT_LIMIT = 1000 };
-
-enum store_op_kind {
-    STORE_ADD_JOB,
-    STORE_SET_JOB,      // priority, flags, times, reason; the rest of `job` may be empty
-    STORE_SET_FRAME,    // one frame's row, new or in place of the old one
-    STORE_ADD_ATTEMPT,  // an attempt ended; only the newest STORE_ATTEMPT_LIMIT of a job are kept
-    STORE_RESET_FRAMES, // delete frame rows of a job by index list: they are queued again (retry)
-    STORE_DELETE_JOB,   // and all rows of it; of `job` the id alone counts. Its id is not used again
-    STORE_MARK_FRAMES   // a row with just `state` for each frame of an index list that has none
-};
-
-// A frame has a row once it left the queue for good or is being published; a queued or running frame has none, so a
-// million queued frames cost a line. The frames without a row of a canceled or failed job are as it is:
-// before a retry lets some of its frames live again, STORE_MARK_FRAMES writes down the others.
-struct store_job {
-    int64_t id;
-    char *document; // owned; the job file as JSON text
-    char *name;     // owned
-    char *owner;    // owned; user name
-    int64_t owner_uid;
-    int priority;
-    bool is_paused, is_canceled, is_failed;
-    int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
-    char *reason;                                  // owned; NULL: none
-    char *root;                                    // owned; output root the job was accepted under
-};
-
-struct store_frame {
-    int64_t job;
-    int32_t index; // in the job's range
-    int state;     // enum frame_state; FRAME_RUNNING: a publish intent
-    int attempts;
-    int64_t epoch;
-    uint64_t inode, size_bytes;
-    char hash[HASH_TEXT_SIZE];
-    double render_s, encode_s;
-    struct frame_accuracy accuracy;
-    char *error; // owned; NULL: none
-};
-
-struct store_attempt {
-    int64_t job;
-    int32_t frame; // number
-    int attempt;
-    int worker;
-    int64_t ended_ms;
-    char outcome[16]; // "failed", "lost", ...
-    char *log;        // owned
-};
-
-// The op owns what its strings point to once it is in a batch.
-struct store_op {
-    enum store_op_kind kind;
-    union {
-        struct store_job job;
-        struct store_frame frame;
-        struct store_attempt attempt;
-        struct {
-            int64_t job;
-            int32_t *indices; // owned; fastest when ascending
-            size_t count;
-        } reset;
-        struct {
-            int64_t job;
-            int state;        // enum frame_state
-            int32_t *indices; // owned
-            size_t count;
-        } mark;
-    };
-};
-
-void store_op_finish(struct store_op *op); // frees what it owns; the zero op is empty
 
 // Opens or makes FOLDER/queue.db (folder made with mode 0700 if missing, its parent must exist) and locks it against a
 // second daemon. A store of an older version becomes one of this version, with all that it holds. Refuses, and leaves as

@@ -2,7 +2,8 @@
 #include "daemon/store/store_schema.h"
 
 #include "core/base/error.h"
-#include "daemon/store/store.h"
+#include "daemon/schedule/queue.h"
+#include "daemon/store/store_op.h"
 #include "daemon/store/store_sql.h"
 
 #include <inttypes.h>

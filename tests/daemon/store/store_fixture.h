@@ -4,6 +4,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "daemon/schedule/queue.h"
 #include "daemon/store/store.h"
 
 #include <setjmp.h>

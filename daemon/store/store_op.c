@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/store/store_op.h"
+
+#include <stdlib.h>
+
+static void finish_job(struct store_job *job)
+{
+    free(job->document);
+    free(job->name);
+    free(job->owner);
+    free(job->reason);
+    free(job->root);
+}
+
+void store_op_finish(struct store_op *op)
+{
+    switch (op->kind) {
+    case STORE_ADD_JOB:
+    case STORE_SET_JOB:
+    case STORE_DELETE_JOB:
+        finish_job(&op->job);
+        break;
+    case STORE_SET_FRAME:
+        free(op->frame.error);
+        break;
+    case STORE_ADD_ATTEMPT:
+        free(op->attempt.log);
+        break;
+    case STORE_RESET_FRAMES:
+        free(op->reset.indices);
+        break;
+    case STORE_MARK_FRAMES:
+        free(op->mark.indices);
+        break;
+    }
+    *op = (struct store_op){0};
+}
