@@ -19,6 +19,8 @@ enum {
     BACKLOG_LIMIT = 1 * 1024 * 1024 // bytes it has not read, above which it is not heard
 };
 
+static const char no_id[] = "null"; // of an error that belongs to no request
+
 struct client_write {
     uv_write_t request;
     struct client *client; // borrowed; a write ends before its pipe is closed
@@ -137,15 +139,6 @@ static bool has_room(const struct client *client)
            client_backlog_bytes(client) < BACKLOG_LIMIT;
 }
 
-static void send_error(struct client *client, const char *id, enum message_code code, const char *text)
-{
-    struct json_writer writer = {0};
-
-    message_write_error(&writer, id[0] ? id : "null", code, text);
-    client_send(client, writer.text, writer.length);
-    json_writer_finish(&writer);
-}
-
 static void handle_line(struct client *client, const char *line, size_t length)
 {
     struct message message = {0};
@@ -154,11 +147,12 @@ static void handle_line(struct client *client, const char *line, size_t length)
 
     if (length == 0) return;
     if (!message_decode(&message, line, length, &code, &error))
-        send_error(client, message.id, code, error.message);
+        client_send_error(client, message.id[0] ? message.id : no_id, code, error.message);
     else if (message.kind == MESSAGE_REQUEST || message.kind == MESSAGE_NOTIFICATION)
         client->handlers->on_message(client->handlers->user, client, &message);
     else
-        send_error(client, message.id, MESSAGE_CODE_INVALID, "expected a request: the daemon asks nothing");
+        client_send_error(client, message.id[0] ? message.id : no_id, MESSAGE_CODE_INVALID,
+                          "expected a request: the daemon asks nothing");
     message_finish(&message);
 }
 
@@ -187,7 +181,7 @@ static void pump(struct client *client)
     }
     if (client->is_closing) return;
     if (error.message[0]) {
-        send_error(client, "", MESSAGE_CODE_INVALID, error.message);
+        client_send_error(client, no_id, MESSAGE_CODE_INVALID, error.message);
         end(client);
     } else if (has_room(client) && taken == TURN_MESSAGE_LIMIT) {
         set_reading(client, false);
@@ -201,7 +195,7 @@ static void pump(struct client *client)
 
 void client_refuse(struct client *client, enum message_code code, const char *why)
 {
-    send_error(client, "", code, why);
+    client_send_error(client, no_id, code, why);
     if (!client->is_closing) end(client);
 }
 
@@ -224,6 +218,28 @@ void client_send(struct client *client, const char *bytes, size_t size_bytes)
     if (uv_write(&write->request, (uv_stream_t *)&client->pipe, &buffer, 1, on_written) == 0) return;
     free(write);
     client_close(client);
+}
+
+void client_send_result(struct client *client, const char *id, const struct json_writer *value)
+{
+    struct json_writer writer = {0};
+
+    if (!id[0]) return;
+    message_begin_result(&writer, id);
+    json_write_raw(&writer, value->text, value->length);
+    message_end(&writer);
+    client_send(client, writer.text, writer.length);
+    json_writer_finish(&writer);
+}
+
+void client_send_error(struct client *client, const char *id, enum message_code code, const char *text)
+{
+    struct json_writer writer = {0};
+
+    if (!id[0]) return;
+    message_write_error(&writer, id, code, text);
+    client_send(client, writer.text, writer.length);
+    json_writer_finish(&writer);
 }
 
 static void on_written(uv_write_t *request, int status)

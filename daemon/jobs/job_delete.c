@@ -5,12 +5,12 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/json/json_write.h"
+#include "daemon/clients/answer.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/events.h"
 #include "daemon/output/file_remover.h"
 #include "daemon/requests/job_submit.h"
-#include "daemon/requests/requests.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 

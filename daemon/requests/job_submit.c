@@ -10,12 +10,12 @@
 #include "core/job/job_check.h"
 #include "core/job/job_json.h"
 #include "core/json/json_write.h"
+#include "daemon/clients/answer.h"
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
-#include "daemon/jobs/events.h"
 #include "daemon/jobs/job_delete.h"
-#include "daemon/requests/requests.h"
+#include "daemon/requests/request.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 
@@ -183,7 +183,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     struct job_submit *submit = xcalloc(1, sizeof *submit);
 
     submit->farm = request->farm;
-    submit->answer = answer_owe(request);
+    submit->answer = request_owe(request);
     submit->row = (struct store_job){.document = owned_document,
                                      .name = xstrdup(job->name),
                                      .owner = xstrdup(request->client->user),

@@ -3,11 +3,14 @@
 
 #include "core/base/alloc.h"
 #include "core/job/job.h"
+#include "core/json/json_write.h"
+#include "daemon/clients/answer.h"
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/job_change.h"
 #include "daemon/jobs/job_delete.h"
+#include "daemon/jobs/job_view.h"
 #include "daemon/requests/job_submit.h"
 #include "daemon/store/committer.h"
 
@@ -15,6 +18,7 @@
 
 // A change that is answered with the job once it is on disk.
 struct pending_change {
+    struct farm *farm;         // borrowed; outlives us
     struct answer *answer;     // owned
     struct job_record *record; // borrowed; outlives us
 };
@@ -22,11 +26,15 @@ struct pending_change {
 static void on_change_committed(void *user, bool ok, const struct error *error)
 {
     struct pending_change *change = user;
+    struct json_writer value = {0};
 
-    if (ok)
-        answer_send_job(change->answer, change->record);
-    else
+    if (ok) {
+        job_view_write(change->farm, change->record, &value);
+        answer_send_result(change->answer, &value);
+        json_writer_finish(&value);
+    } else {
         answer_send_error(change->answer, MESSAGE_CODE_STORE, error->message);
+    }
     free(change);
 }
 
@@ -35,7 +43,7 @@ static enum request_outcome commit_change(struct request *request, struct job_re
     struct pending_change *change = xmalloc(sizeof *change);
     struct store_op op = job_record_format_op(record);
 
-    *change = (struct pending_change){.answer = answer_owe(request), .record = record};
+    *change = (struct pending_change){.farm = request->farm, .record = record, .answer = request_owe(request)};
     committer_put(request->farm->committer, COMMIT_REPORTED, &op, 1, on_change_committed, change);
     return REQUEST_OWED;
 }
@@ -148,7 +156,7 @@ enum request_outcome requests_job_delete(struct request *request)
     if (queue_job_is_live(record->queued) || record->is_retry_waiting)
         return request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is not over: cancel it first",
                             (long long)record->id);
-    job_delete_start(request->farm, record, with_files, answer_owe(request));
+    job_delete_start(request->farm, record, with_files, request_owe(request));
     return REQUEST_OWED;
 }
 
@@ -171,7 +179,7 @@ enum request_outcome requests_job_retry(struct request *request)
         &(struct job_retry_params){.states = states,
                                    .range = range,
                                    .by_admin = rights_is_admin(&request->farm->rights, &request->client->peer),
-                                   .answer = answer_owe(request)});
+                                   .answer = request_owe(request)});
     return REQUEST_OWED;
 }
 

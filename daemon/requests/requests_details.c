@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/job/output_path.h"
 #include "core/json/json_write.h"
+#include "daemon/clients/answer.h"
 #include "daemon/farm/farm.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
@@ -66,7 +67,7 @@ static void on_settled(void *user, bool ok, const struct error *error)
 // What the queue and the events have told already is on disk, if the store works, before it is read there.
 static enum request_outcome start_task(struct request *request, struct details_task *task, uv_work_cb run)
 {
-    task->answer = answer_owe(request);
+    task->answer = request_owe(request);
     task->loop = request->farm->loop;
     task->run = run;
     committer_settle(request->farm->committer, on_settled, task);

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/requests/request.h"
+
+#include "daemon/clients/answer.h"
+#include "daemon/clients/client.h"
+#include "daemon/farm/farm.h"
+#include "daemon/settings/options.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+enum request_outcome request_fail(struct request *request, enum message_code code, const char *format, ...)
+{
+    va_list arguments;
+
+    request->code = code;
+    va_start(arguments, format);
+    vsnprintf(request->error.message, sizeof request->error.message, format, arguments);
+    va_end(arguments);
+    return REQUEST_FAILED;
+}
+
+struct job_record *request_find_job(struct request *request)
+{
+    struct json_node node = json_node_child(&request->params, "id");
+    struct job_record *record;
+    int64_t id;
+
+    request->code = MESSAGE_CODE_PARAMS;
+    if (!json_read_integer(&node, 1, INT64_MAX, &id, &request->error)) return NULL;
+    record = job_table_find(&request->farm->jobs, id);
+    if (!record) request_fail(request, MESSAGE_CODE_NOT_FOUND, "job %lld: there is no such job", (long long)id);
+    return record;
+}
+
+bool request_may_change(const struct request *request, const struct job_record *record)
+{
+    return rights_may_change(&request->farm->rights, &request->client->peer, record->owner_uid);
+}
+
+struct job_record *request_find_own_job(struct request *request)
+{
+    struct job_record *record = request_find_job(request);
+
+    if (!record || request_may_change(request, record)) return record;
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
+                 "job %lld belongs to %s: only they, root, the daemon's user and group %s may change it, not %s",
+                 (long long)record->id, record->owner, request->farm->options->admin_group, request->client->user);
+    return NULL;
+}
+
+static bool add_name(struct request *request, const struct json_node *node, const char *const names[], unsigned *set)
+{
+    int choice;
+
+    if (!json_read_enum(node, names, &choice, &request->error)) return false;
+    *set |= 1U << choice;
+    return true;
+}
+
+bool request_read_set(struct request *request, const char *key, const char *const names[], unsigned fallback,
+                      unsigned *set)
+{
+    struct json_node node = json_node_child(&request->params, key);
+    struct json_node name = {0};
+
+    request->code = MESSAGE_CODE_PARAMS;
+    *set = 0;
+    if (json_node_is_absent(&node)) {
+        *set = fallback;
+        return true;
+    }
+    if (json_node_type(&node) != JSON_ARRAY) return add_name(request, &node, names, set);
+    while (json_node_next(&node, &name)) {
+        if (!add_name(request, &name, names, set)) return false;
+    }
+    return true;
+}
+
+struct answer *request_owe(const struct request *request)
+{
+    return answer_create(request->client, request->id);
+}

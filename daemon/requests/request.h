@@ -1,0 +1,46 @@
+// One request while it is handled: who asks, what for, and what its parameters have in common.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/base/error.h"
+#include "core/json/json_read.h"
+#include "core/wire/message.h"
+
+#include <stdbool.h>
+
+struct answer;
+struct client;
+struct farm;
+struct job_record;
+struct json_writer;
+
+enum request_outcome {
+    REQUEST_ANSWERED, // the result is written
+    REQUEST_FAILED,   // code and error are filled
+    REQUEST_OWED      // an answer was made with request_owe
+};
+
+// One request while it is handled; lives on the stack.
+struct request {
+    struct farm *farm;
+    struct client *client;
+    const char *id;             // as JSON text; empty: no answer is wanted
+    struct json_node params;    // may be absent
+    struct json_writer *result; // takes one JSON value
+    enum message_code code;
+    struct error error;
+};
+
+enum request_outcome request_fail(struct request *request, enum message_code code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+// Reads params.id; NULL: REQUEST_FAILED, with code and error filled.
+struct job_record *request_find_job(struct request *request);
+bool request_may_change(const struct request *request, const struct job_record *record);
+// As request_find_job, for a job that the client may change.
+struct job_record *request_find_own_job(struct request *request);
+// A set of names, as one string or an array of them: bit 1 << index for each. Absent: `fallback`.
+bool request_read_set(struct request *request, const char *key, const char *const names[], unsigned fallback,
+                      unsigned *set);
+
+// An answer that comes later.
+struct answer *request_owe(const struct request *request);
