@@ -52,7 +52,7 @@ void client_send(struct client *client, const char *bytes, size_t size_bytes); /
 // The answer to the request `id`; nothing when `id` is empty, for then the client wants no answer.
 void client_send_result(struct client *client, const char *id, const struct json_writer *value);
 void client_send_error(struct client *client, const char *id, enum message_code code, const char *text);
-size_t client_backlog_bytes(const struct client *client);                      // sent, not yet taken by the peer
+size_t client_backlog_bytes(const struct client *client); // sent, not yet taken by the peer
 
 // An answer that comes later: the client lives at least until client_release, which hears no message itself, and takes no
 // new message while it is owed too many.

@@ -32,7 +32,7 @@ struct farm {
     struct sweeper *sweeper;
     struct worker_pool *pool;
     struct events *events;
-    struct job_submit *submits;        // list of those whose commit is under way
+    struct output_claim *claims;       // list of files that jobs on their way in write, or deletions remove
     struct job_delete *deletions;      // list of those under way
     struct job_retry *waiting_retries; // list of those that wait until their job is swept
     int64_t epoch;

@@ -135,6 +135,11 @@ struct store_op job_record_format_op(const struct job_record *record)
     };
 }
 
+struct job_files job_record_files(const struct job_record *record)
+{
+    return (struct job_files){record->root, &record->path, &record->queued->frames};
+}
+
 // Walks the range with fewer frames, for each could name a file of the other.
 static bool ranges_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
 {
@@ -197,7 +202,7 @@ struct job_record *job_table_find_collision(const struct job_table *table, const
     struct job_record *record;
 
     for (size_t i = 0; (record = next_neighbour(table, hash, &i));) {
-        struct job_files others = {record->root, &record->path, &record->queued->frames};
+        const struct job_files others = job_record_files(record);
 
         if (others.frames == files->frames) continue;
         if (!queue_job_is_live(record->queued) && record->in_hand == 0 && !record->is_retry_waiting &&
@@ -215,7 +220,7 @@ struct job_record *job_table_find_owned_files(const struct job_table *table, con
     struct job_record *record;
 
     for (size_t i = 0; (record = next_neighbour(table, hash, &i));) {
-        struct job_files others = {record->root, &record->path, &record->queued->frames};
+        const struct job_files others = job_record_files(record);
 
         if (record->owner_uid == owner_uid || record->queued->counts[FRAME_SUCCEEDED] == 0) continue;
         if (job_files_collide(files, &others, frame)) return record;

@@ -72,6 +72,7 @@ struct job_files {
     const struct frame_range *frames;
 };
 
+struct job_files job_record_files(const struct job_record *record);
 // True when they have a file in common; `*frame` is its frame in `files`.
 bool job_files_collide(const struct job_files *files, const struct job_files *others, int32_t *frame);
 // The first job of another user that has files and collides with `files`; NULL: none.

@@ -10,7 +10,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/events.h"
 #include "daemon/output/file_remover.h"
-#include "daemon/requests/job_submit.h"
+#include "daemon/output/output_claims.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 
@@ -26,7 +26,8 @@ struct job_delete {
     struct file_remover remover;
     bool ok;
     struct error error;
-    struct job_delete *next; // on the farm's list of deletions
+    struct output_claim claim; // of its files, if they go too
+    struct job_delete *next;   // on the farm's list of deletions
 };
 
 static void on_settled(void *user, bool ok, const struct error *error);
@@ -63,19 +64,14 @@ void job_delete_start(struct farm *farm, struct job_record *record, bool with_fi
     *deletion = (struct job_delete){.farm = farm, .record = record, .with_files = with_files, .answer = answer};
     deletion->work.data = deletion;
     record->is_deleting = true;
+    if (with_files) {
+        deletion->claim = (struct output_claim){.files = job_record_files(record), .removed = record};
+        output_claims_add(farm, &deletion->claim);
+    }
     while (*link)
         link = &(*link)->next;
     *link = deletion;
     job_delete_go_on(farm);
-}
-
-const struct job_record *job_delete_find_folder(const struct farm *farm, const char *root, const char *folder)
-{
-    for (const struct job_delete *deletion = farm->deletions; deletion; deletion = deletion->next)
-        if (deletion->with_files && strcmp(deletion->record->root, root) == 0 &&
-            strcmp(deletion->record->path.folder, folder) == 0)
-            return deletion->record;
-    return NULL;
 }
 
 static void end(struct job_delete *deletion)
@@ -86,6 +82,7 @@ static void end(struct job_delete *deletion)
     while (*link != deletion)
         link = &(*link)->next;
     *link = deletion->next;
+    if (deletion->with_files) output_claims_remove(farm, &deletion->claim);
     free(deletion);
     job_delete_go_on(farm);
 }
@@ -112,6 +109,8 @@ static void commit(struct job_delete *deletion)
 
 static bool is_used(const struct farm *farm, const struct job_record *record)
 {
+    const struct job_files files = job_record_files(record);
+
     for (size_t i = 0; i < farm->jobs.count; i++) {
         const struct job_record *other = farm->jobs.records[i];
 
@@ -119,7 +118,7 @@ static bool is_used(const struct farm *farm, const struct job_record *record)
         if (strcmp(other->root, record->root) != 0) continue;
         if (queue_job_is_live(other->queued) || other->in_hand > 0 || other->is_retry_waiting) return true;
     }
-    return job_submit_uses_folder(farm, record->root, record->path.folder);
+    return output_claims_use_folder(farm, &files);
 }
 
 // What rows say of the last files is on disk.

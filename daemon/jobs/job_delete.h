@@ -12,5 +12,3 @@ struct job_record;
 // are still being removed waits for that. The job must be over, and neither being deleted nor about to live again.
 void job_delete_start(struct farm *farm, struct job_record *record, bool with_files, struct answer *answer);
 void job_delete_go_on(struct farm *farm); // a job's leftovers are removed
-// The job whose files are being removed from that folder, which may go as well; NULL: none.
-const struct job_record *job_delete_find_folder(const struct farm *farm, const char *root, const char *folder);

@@ -14,7 +14,7 @@
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
-#include "daemon/jobs/job_delete.h"
+#include "daemon/output/output_claims.h"
 #include "daemon/requests/request.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
@@ -39,7 +39,7 @@ struct job_submit {
     struct quota_amounts share; // what is counted of it on its way
     int failure;                // enum message_code of `error`; 0: none
     struct error error;
-    struct job_submit *next; // on the farm's list of submits
+    struct output_claim claim; // of its files
 };
 
 static void on_folder_run(uv_work_t *work);
@@ -48,12 +48,8 @@ static void on_committed(void *user, bool ok, const struct error *error);
 
 static void submit_destroy(struct job_submit *submit)
 {
-    struct job_submit **link = &submit->farm->submits;
     struct store_op op = {.kind = STORE_ADD_JOB, .job = submit->row};
 
-    while (*link && *link != submit)
-        link = &(*link)->next;
-    if (*link) *link = submit->next;
     quota_set(submit->user, &submit->share, (struct quota_amounts){0});
     store_op_finish(&op);
     frame_range_finish(&submit->frames);
@@ -65,6 +61,7 @@ static void submit_destroy(struct job_submit *submit)
 
 static void refuse(struct job_submit *submit, enum message_code code, const char *text)
 {
+    output_claims_remove(submit->farm, &submit->claim);
     answer_send_error(submit->answer, code, text);
     submit_destroy(submit);
 }
@@ -82,23 +79,6 @@ static bool fail_collision(struct request *request, const struct output_path *pa
         request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: a job just submitted (\"%s\") writes %s too", name,
                      file);
     return false;
-}
-
-bool job_submit_uses_folder(const struct farm *farm, const char *root, const char *folder)
-{
-    for (const struct job_submit *submit = farm->submits; submit; submit = submit->next)
-        if (strcmp(submit->row.root, root) == 0 && strcmp(submit->path.folder, folder) == 0) return true;
-    return false;
-}
-
-const char *job_submit_find_collision(const struct farm *farm, const struct job_files *files, int32_t *frame)
-{
-    for (const struct job_submit *submit = farm->submits; submit; submit = submit->next) {
-        const struct job_files others = {submit->row.root, &submit->path, &submit->frames};
-
-        if (job_files_collide(files, &others, frame)) return submit->row.name;
-    }
-    return NULL;
 }
 
 // A picture that is done is its owner's as well as the job.
@@ -126,7 +106,7 @@ static bool check_collisions(struct request *request, const struct job *job, con
     const char *name;
     int32_t frame;
 
-    record = job_delete_find_folder(farm, root, files.path->folder);
+    record = output_claims_find_removal(farm, &files);
     if (record) {
         request_fail(request, MESSAGE_CODE_CONFLICT,
                      "output.path: files of job %lld are being removed from this folder: try again",
@@ -135,7 +115,7 @@ static bool check_collisions(struct request *request, const struct job *job, con
     }
     record = job_table_find_collision(&farm->jobs, &files, &frame);
     if (record) return fail_collision(request, files.path, frame, record->id, record->name);
-    name = job_submit_find_collision(farm, &files, &frame);
+    name = output_claims_find_collision(farm, &files, &frame);
     if (name) return fail_collision(request, files.path, frame, 0, name);
     return check_owners(request, &files);
 }
@@ -249,9 +229,10 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     submit->row.is_paused = paused;
     submit->inputs = inputs;
     inputs = (struct job_inputs){0};
+    submit->claim =
+        (struct output_claim){.files = {submit->row.root, &submit->path, &submit->frames}, .name = submit->row.name};
+    output_claims_add(farm, &submit->claim);
     submit->work.data = submit;
-    submit->next = farm->submits;
-    farm->submits = submit;
     uv_queue_work(farm->loop, &submit->work, on_folder_run, on_folder_done);
     ok = true;
 out:
@@ -311,8 +292,10 @@ static struct job_record *queue_submit(struct job_submit *submit)
 {
     struct farm *farm = submit->farm;
     struct store_job *row = &submit->row;
-    struct job_record *record = job_table_add(&farm->jobs, row->id, row->root, &submit->path);
+    struct job_record *record;
 
+    output_claims_remove(farm, &submit->claim); // its files move into the record
+    record = job_table_add(&farm->jobs, row->id, row->root, &submit->path);
     record->name = row->name;
     record->owner = row->owner;
     record->owner_uid = row->owner_uid;

@@ -11,6 +11,7 @@
 #include "daemon/jobs/job_change.h"
 #include "daemon/jobs/job_delete.h"
 #include "daemon/jobs/job_view.h"
+#include "daemon/output/output_claims.h"
 #include "daemon/requests/job_submit.h"
 #include "daemon/store/committer.h"
 
@@ -120,14 +121,14 @@ static bool read_retry_range(struct request *request, struct frame_range *range)
 // While it was over, another job may have begun to write its files.
 static bool check_files_are_free(struct request *request, const struct job_record *record)
 {
-    struct job_files files = {record->root, &record->path, &record->queued->frames};
+    const struct job_files files = job_record_files(record);
     const struct job_record *other;
     const char *name;
     int32_t frame;
 
     if (queue_job_is_live(record->queued)) return true;
     other = job_table_find_collision(&request->farm->jobs, &files, &frame);
-    name = other ? NULL : job_submit_find_collision(request->farm, &files, &frame);
+    name = other ? NULL : output_claims_find_collision(request->farm, &files, &frame);
     if (other)
         request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: job %lld (\"%s\") writes its frame %d too",
                      (long long)record->id, (long long)other->id, other->name, frame);

@@ -265,7 +265,7 @@ static void on_hang_up(uv_signal_t *handle, int signal_number)
 
 static bool is_flushed(const struct farm *farm)
 {
-    return publisher_is_idle(farm->publisher) && sweeper_is_idle(farm->sweeper) && !farm->submits && !farm->deletions &&
+    return publisher_is_idle(farm->publisher) && sweeper_is_idle(farm->sweeper) && !farm->claims && !farm->deletions &&
            committer_is_idle(farm->committer);
 }
 
