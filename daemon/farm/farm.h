@@ -48,7 +48,3 @@ void farm_want_feed(struct farm *farm);
 
 // Stores what may change of the job.
 void farm_store_job(struct farm *farm, const struct job_record *record);
-// To be called after any change to a job or its frames: counts what its owner has, tells subscribers, notes that it started, winds it up when it
-// has ended and nobody holds a frame of it.
-void farm_note_change(struct farm *farm, struct job_record *record);
-void farm_on_swept(void *user, struct job_record *record); // the sweeper's callback; `user` is the farm

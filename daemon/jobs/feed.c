@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/jobs/feed.h"
 
-#include "core/base/alloc.h"
 #include "core/base/error.h"
-#include "core/base/log.h"
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
-#include "daemon/jobs/events.h"
+#include "daemon/jobs/job_life.h"
 #include "daemon/schedule/dispatch.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
@@ -54,19 +52,6 @@ static void write_assignment(int64_t job, const struct queue_ticket *tickets, si
     message_end(writer);
 }
 
-// Without its document the job cannot go on, but others can.
-static void hold_job(struct farm *farm, struct job_record *record, const struct error *error)
-{
-    struct log_subject subject = job_record_subject(record);
-    char *reason = xasprintf("paused: %s", error->message);
-
-    log_about(LOG_ERROR, &subject, "job %lld: %s", (long long)record->id, reason);
-    job_record_set_reason(record, reason);
-    free(reason);
-    queue_pause(farm->queue, record->queued);
-    farm_store_job(farm, record);
-}
-
 static void give(struct farm *farm, struct worker_process *worker, struct job_record *record,
                  const struct queue_ticket *tickets, size_t count)
 {
@@ -93,10 +78,10 @@ static void assign(struct farm *farm, struct worker_process *worker, const struc
     } else {
         for (size_t i = 0; i < count; i++)
             queue_return(farm->queue, &tickets[i]);
-        hold_job(farm, record, &error);
+        job_life_hold(farm, record, error.message); // it cannot go on without its document, but others can
     }
     json_writer_finish(&writer);
-    farm_note_change(farm, record);
+    job_life_note_change(farm, record);
 }
 
 // Splits what the worker has to render into frames of the job and the time that the others take.

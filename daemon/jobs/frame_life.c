@@ -7,7 +7,7 @@
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/events.h"
-#include "daemon/jobs/job_change.h"
+#include "daemon/jobs/job_life.h"
 #include "daemon/output/publisher.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/schedule/retry.h"
@@ -85,21 +85,13 @@ static void remove_row(struct farm *farm, const struct attempt_end *end)
     put_silent(farm, op);
 }
 
-static void fail_job(struct farm *farm, const struct attempt_end *end)
-{
-    job_record_set_reason(end->record, end->error);
-    queue_fail_job(farm->queue, end->record->queued);
-    worker_pool_drop_job(farm->pool, end->record->id, true);
-    farm_store_job(farm, end->record);
-}
-
 static void pause_job(struct farm *farm, const struct attempt_end *end)
 {
-    struct error reason;
+    char *reason = xasprintf("output: %s", end->error);
 
     queue_return(farm->queue, &end->ticket);
-    error_set(&reason, "output: %s", end->error);
-    job_change_hold(farm, end->record, &reason);
+    job_life_hold(farm, end->record, reason);
+    free(reason);
 }
 
 static bool is_hopeless(const struct queue_job *queued)
@@ -121,14 +113,14 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     case RETRY_FAIL_FRAME:
         queue_fail(farm->queue, &end->ticket, action == RETRY_FAIL_FRAME, NULL);
         if (action == RETRY_FAIL_FRAME && end->fault >= RETRY_FAULT_LOST && is_hopeless(end->record->queued))
-            fail_job(farm, end);
+            job_life_fail(farm, end->record, end->error);
         break;
     case RETRY_FREE:
         queue_return(farm->queue, &end->ticket);
         break;
     case RETRY_FAIL_JOB:
         queue_fail(farm->queue, &end->ticket, true, NULL);
-        fail_job(farm, end);
+        job_life_fail(farm, end->record, end->error);
         break;
     case RETRY_PAUSE_JOB:
         pause_job(farm, end);
@@ -269,7 +261,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
     }
     if (worker->hand.count == 0) worker_process_forget_log(worker); // it is nobody else's
     farm_want_feed(farm);
-    farm_note_change(farm, record);
+    job_life_note_change(farm, record);
 }
 
 // Of what a worker held that was killed for a frame that did not end, only that frame is to blame.
@@ -300,7 +292,7 @@ void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, cons
         if (frame.is_started)
             sweeper_remove_part(farm->sweeper, record, frame.ticket.frame, farm->epoch, frame.ticket.attempt);
         if (queue_owns(farm->queue, &frame.ticket)) end_attempt(farm, &end);
-        farm_note_change(farm, record);
+        job_life_note_change(farm, record);
     }
     free(suspicion);
     free(log);
@@ -336,24 +328,6 @@ void frame_life_on_published(void *user, const struct publish_request *request)
         request->record->disk_bytes += (int64_t)request->file.size_bytes;
         events_tell_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
     }
-    farm_note_change(farm, request->record);
-    if (!limits_check_disk(farm, request->record, &reason)) job_change_hold(farm, request->record, &reason);
-}
-
-void frame_life_refuse_job(struct farm *farm, struct job_record *record, bool is_job_fault, const char *reason)
-{
-    struct error cause;
-
-    if (!queue_job_is_live(record->queued)) return;
-    error_set(&cause, "%s", reason);
-    if (is_job_fault) {
-        job_record_set_reason(record, reason);
-        queue_fail_job(farm->queue, record->queued);
-        worker_pool_drop_job(farm->pool, record->id, true);
-        farm_store_job(farm, record);
-    } else {
-        job_change_hold(farm, record, &cause);
-    }
-    farm_want_feed(farm); // workers may have left its frames to the one that was started for it
-    farm_note_change(farm, record);
+    job_life_note_change(farm, request->record);
+    if (!limits_check_disk(farm, request->record, &reason)) job_life_hold(farm, request->record, reason.message);
 }

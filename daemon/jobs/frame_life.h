@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stdbool.h>
-
 struct farm;
-struct job_record;
 struct publish_request;
 struct worker_process;
 struct worker_report;
@@ -14,6 +11,4 @@ struct worker_report;
 void frame_life_note_report(struct farm *farm, struct worker_process *worker, const struct worker_report *report);
 // The worker is gone: what it held is tried again, or failed when it had its attempts.
 void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, const char *reason);
-// No worker can be fenced in for the job: its own fault, or one of the output or the store, for which it is paused.
-void frame_life_refuse_job(struct farm *farm, struct job_record *record, bool is_job_fault, const char *reason);
 void frame_life_on_published(void *user, const struct publish_request *request); // the publisher's; `user` is the farm

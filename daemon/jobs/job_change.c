@@ -8,6 +8,7 @@
 #include "daemon/clients/answer.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/jobs/job_life.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
@@ -47,23 +48,7 @@ void job_change_pause(struct farm *farm, struct job_record *record, const char *
     queue_pause(farm->queue, record->queued);
     set_reason_by(record, "paused", user);
     worker_pool_drop_job(farm->pool, record->id, false);
-    farm_note_change(farm, record);
-}
-
-void job_change_hold(struct farm *farm, struct job_record *record, const struct error *why)
-{
-    struct log_subject subject = job_record_subject(record);
-    char *reason;
-
-    if (record->queued->is_paused || !queue_job_is_live(record->queued)) return;
-    reason = xasprintf("paused: %s", why->message);
-    job_record_set_reason(record, reason);
-    log_about(LOG_WARN, &subject, "job %lld: %s", (long long)record->id, reason);
-    free(reason);
-    queue_pause(farm->queue, record->queued);
-    worker_pool_drop_job(farm->pool, record->id, false);
-    farm_store_job(farm, record);
-    farm_note_change(farm, record);
+    job_life_note_change(farm, record);
 }
 
 void job_change_resume(struct farm *farm, struct job_record *record)
@@ -73,7 +58,7 @@ void job_change_resume(struct farm *farm, struct job_record *record)
     job_record_set_reason(record, NULL);
     log_change(record, "resumed");
     farm_want_feed(farm);
-    farm_note_change(farm, record);
+    job_life_note_change(farm, record);
 }
 
 void job_change_cancel(struct farm *farm, struct job_record *record, const char *user)
@@ -83,14 +68,14 @@ void job_change_cancel(struct farm *farm, struct job_record *record, const char 
     set_reason_by(record, "canceled", user);
     worker_pool_drop_job(farm->pool, record->id, true);
     farm_want_feed(farm);
-    farm_note_change(farm, record);
+    job_life_note_change(farm, record);
 }
 
 void job_change_set_priority(struct farm *farm, struct job_record *record, int priority)
 {
     queue_set_priority(farm->queue, record->queued, priority);
     farm_want_feed(farm);
-    farm_note_change(farm, record);
+    job_life_note_change(farm, record);
 }
 
 static void finish_retry(struct job_retry *retry)
@@ -193,7 +178,7 @@ static void run_retry(struct job_retry *retry)
     ops[op_count++] = job_record_format_op(record);
     committer_put(farm->committer, COMMIT_REPORTED, ops, op_count, on_retry_committed, retry);
     farm_want_feed(farm);
-    farm_note_change(farm, record);
+    job_life_note_change(farm, record);
 }
 
 void job_change_retry(struct farm *farm, struct job_record *record, const struct job_retry_params *params)

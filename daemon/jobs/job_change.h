@@ -5,14 +5,11 @@
 #include "core/job/frame_range.h"
 
 struct answer;
-struct error;
 struct farm;
 struct job_record;
 
 // Each changes the job at once; the caller stores it. `user` is who asks.
 void job_change_pause(struct farm *farm, struct job_record *record, const char *user);
-// The farm itself pauses it, and stores that; nothing when it is paused or over.
-void job_change_hold(struct farm *farm, struct job_record *record, const struct error *why);
 void job_change_resume(struct farm *farm, struct job_record *record);
 void job_change_cancel(struct farm *farm, struct job_record *record, const char *user);
 void job_change_set_priority(struct farm *farm, struct job_record *record, int priority);

@@ -14,6 +14,7 @@
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/jobs/job_life.h"
 #include "daemon/output/output_claims.h"
 #include "daemon/requests/request.h"
 #include "daemon/settings/options.h"
@@ -333,5 +334,5 @@ static void on_committed(void *user, bool ok, const struct error *error)
     json_writer_finish(&value);
     submit_destroy(submit);
     farm_want_feed(farm);
-    farm_note_change(farm, record);
+    job_life_note_change(farm, record);
 }

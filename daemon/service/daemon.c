@@ -10,6 +10,9 @@
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
 #include "daemon/jobs/frame_life.h"
+#include "daemon/jobs/job_change.h"
+#include "daemon/jobs/job_delete.h"
+#include "daemon/jobs/job_life.h"
 #include "daemon/output/publisher.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/requests/requests.h"
@@ -53,11 +56,18 @@ struct daemon {
     int64_t flushing_since_ms;
 };
 
+static void on_swept(void *user, struct job_record *record);
+static void on_slot_changed(struct farm *farm, int slot_index);
 static void on_message(void *user, struct client *client, const struct message *message);
 static void on_client_gone(void *user, struct client *client);
 static void on_turn(uv_prepare_t *turn);
 static void on_signal(uv_signal_t *handle, int signal_number);
 static void on_hang_up(uv_signal_t *handle, int signal_number);
+
+static const struct worker_pool_handlers pool_handlers = {.on_frame_report = frame_life_note_report,
+                                                          .on_frames_lost = frame_life_lose_hand,
+                                                          .on_job_refused = job_life_refuse,
+                                                          .on_slot_changed = on_slot_changed};
 
 static bool open_store(struct daemon *daemon, const struct options *options, struct error *error)
 {
@@ -76,9 +86,9 @@ static void create_modules(struct daemon *daemon, const struct options *options)
 
     farm->committer = committer_create(farm->loop, daemon->store);
     farm->publisher = publisher_create(farm->loop, farm->committer, frame_life_on_published, farm);
-    farm->sweeper = sweeper_create(farm->loop, farm_on_swept, farm);
+    farm->sweeper = sweeper_create(farm->loop, on_swept, farm);
     farm->events = events_create(farm);
-    farm->pool = worker_pool_create(farm, slots);
+    farm->pool = worker_pool_create(farm, slots, &pool_handlers);
     daemon->watchdog = watchdog_open(farm->loop);
     daemon->manager = manager_open(farm);
     uv_signal_init(farm->loop, &daemon->terminate);
@@ -179,6 +189,20 @@ void daemon_destroy(struct daemon *daemon)
     // A handle that is left open is our mistake, and its memory is about to go.
     if (uv_loop_close(&daemon->loop) != 0) abort();
     free(daemon);
+}
+
+static void on_swept(void *user, struct job_record *record)
+{
+    struct farm *farm = user;
+
+    job_life_note_swept(farm, record);
+    job_change_retry_waiting(farm, record);
+    job_delete_go_on(farm);
+}
+
+static void on_slot_changed(struct farm *farm, int slot_index)
+{
+    events_tell_worker(farm->events, slot_index);
 }
 
 static void on_message(void *user, struct client *client, const struct message *message)

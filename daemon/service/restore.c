@@ -10,6 +10,7 @@
 #include "core/wire/publish.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/jobs/job_life.h"
 #include "daemon/store/store.h"
 
 #include <stdlib.h>
@@ -162,6 +163,6 @@ void restore_wind_up(struct farm *farm)
     for (size_t i = 0; i < farm->jobs.count; i++) {
         struct job_record *record = farm->jobs.records[i];
 
-        if (!queue_job_is_live(record->queued) && !record->is_settled) farm_note_change(farm, record);
+        if (!queue_job_is_live(record->queued) && !record->is_settled) job_life_note_change(farm, record);
     }
 }

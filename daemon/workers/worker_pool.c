@@ -7,9 +7,6 @@
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
-#include "daemon/jobs/events.h"
-#include "daemon/jobs/frame_life.h"
-#include "daemon/jobs/job_change.h"
 #include "daemon/settings/options.h"
 #include "daemon/workers/job_fence.h"
 #include "daemon/workers/worker_slot.h"
@@ -25,8 +22,9 @@ enum {
 };
 
 struct worker_pool {
-    struct farm *farm; // borrowed; outlives us
-    struct worker_handlers handlers;
+    struct farm *farm;                           // borrowed; outlives us
+    const struct worker_pool_handlers *handlers; // borrowed; outlive us
+    struct worker_handlers process_handlers;
     uv_timer_t tick;
     struct worker_slot *slots; // owned
     int slot_count;
@@ -37,12 +35,13 @@ static void on_tick(uv_timer_t *tick);
 static void on_report(void *user, struct worker_process *worker, const struct worker_report *report);
 static void on_gone(void *user, struct worker_process *worker);
 
-struct worker_pool *worker_pool_create(struct farm *farm, int slot_count)
+struct worker_pool *worker_pool_create(struct farm *farm, int slot_count, const struct worker_pool_handlers *handlers)
 {
     struct worker_pool *pool = xcalloc(1, sizeof *pool);
 
     pool->farm = farm;
-    pool->handlers = (struct worker_handlers){.on_report = on_report, .on_gone = on_gone, .user = pool};
+    pool->handlers = handlers;
+    pool->process_handlers = (struct worker_handlers){.on_report = on_report, .on_gone = on_gone, .user = pool};
     pool->slots = xcalloc((size_t)slot_count, sizeof pool->slots[0]);
     pool->slot_count = slot_count;
     uv_timer_init(farm->loop, &pool->tick);
@@ -98,7 +97,7 @@ static bool write_fence(struct worker_pool *pool, struct job_record *record, str
     bool is_job_fault;
 
     if (job_fence_write(pool->farm, record, fence, &is_job_fault, &error)) return true;
-    frame_life_refuse_job(pool->farm, record, is_job_fault, error.message);
+    pool->handlers->on_job_refused(pool->farm, record, is_job_fault, error.message);
     return false;
 }
 
@@ -121,7 +120,7 @@ static void start_worker(struct worker_pool *pool, int index)
     struct error error = {0};
 
     if (record && write_fence(pool, record, &fence)) params.job = record->id;
-    slot->worker = worker_process_start(pool->farm->loop, &params, &pool->handlers, &error);
+    slot->worker = worker_process_start(pool->farm->loop, &params, &pool->process_handlers, &error);
     if (slot->worker) {
         log_about(LOG_DEBUG, &subject, "worker %d: started, pid %d", index + 1, worker_process_pid(slot->worker));
     } else {
@@ -130,7 +129,7 @@ static void start_worker(struct worker_pool *pool, int index)
         log_about(LOG_WARN, &subject, "worker %d: %s", index + 1, error.message);
     }
     json_writer_finish(&fence);
-    events_tell_worker(pool->farm->events, index);
+    pool->handlers->on_slot_changed(pool->farm, index);
 }
 
 static void start_due(struct worker_pool *pool)
@@ -195,7 +194,7 @@ static void note_start(const struct worker_pool *pool, const struct worker_proce
 static void note_failed_start(const struct worker_pool *pool, const struct worker_process *worker, const char *reason)
 {
     struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
-    struct error why;
+    char *why;
 
     if (!record || pool->is_stopping) return;
     if (!record->is_last_start) {
@@ -204,8 +203,9 @@ static void note_failed_start(const struct worker_pool *pool, const struct worke
     }
     record->failed_starts = 0;
     record->is_last_start = false;
-    error_set(&why, "workers start, but not those for this job: %s", reason);
-    job_change_hold(pool->farm, record, &why);
+    why = xasprintf("workers start, but not those for this job: %s", reason);
+    pool->handlers->on_job_refused(pool->farm, record, false, why);
+    free(why);
 }
 
 static void note_ready(struct worker_pool *pool, struct worker_process *worker, const struct worker_report *report)
@@ -225,7 +225,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
               &(struct log_subject){.worker = worker->id, .job = worker->job > 0 ? worker->job : 0},
               "worker %d: ready: %s on %s (%s)", worker->id, report->backend, report->renderer, report->version);
     worker_slot_set_reason(slot_of(pool, worker), NULL);
-    events_tell_worker(pool->farm->events, worker->id - 1);
+    pool->handlers->on_slot_changed(pool->farm, worker->id - 1);
     farm_want_feed(pool->farm);
 }
 
@@ -238,7 +238,7 @@ static void note_unable(struct worker_pool *pool, struct worker_process *worker,
     if (!worker->end_reason) worker->end_reason = xstrdup(report->error);
     if (worker->job != WORKER_ANY_JOB && worker->state == WORKER_STARTING && report->fault != RETRY_FAULT_WORKER) {
         worker->is_replaced = true;
-        if (record) frame_life_refuse_job(pool->farm, record, report->fault == RETRY_FAULT_JOB, report->error);
+        if (record) pool->handlers->on_job_refused(pool->farm, record, report->fault == RETRY_FAULT_JOB, report->error);
     }
     worker_process_expect_exit(worker, now_ms + EXIT_MS);
 }
@@ -274,7 +274,7 @@ static void on_report(void *user, struct worker_process *worker, const struct wo
     if (report->kind == WORKER_REPORT_READY) note_ready(pool, worker, report);
     if (report->kind == WORKER_REPORT_UNABLE) note_unable(pool, worker, report, now_ms);
     if (report->kind >= WORKER_REPORT_STARTED && report->kind <= WORKER_REPORT_DROPPED)
-        frame_life_note_report(pool->farm, worker, report);
+        pool->handlers->on_frame_report(pool->farm, worker, report);
     if (report->kind == WORKER_REPORT_FINISHED || report->kind == WORKER_REPORT_SKIPPED)
         retry_backoff_succeed(&slot_of(pool, worker)->backoff);
     liveness_set_busy(&worker->liveness, worker->hand.count > 0, now_ms);
@@ -291,7 +291,7 @@ static void on_gone(void *user, struct worker_process *worker)
 
     if (!is_expected)
         log_about(LOG_WARN, &subject, "worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
-    frame_life_lose_hand(pool->farm, worker, reason);
+    pool->handlers->on_frames_lost(pool->farm, worker, reason);
     if (!worker->backend && !is_replaced) note_failed_start(pool, worker, reason);
     slot->done += worker->done;
     slot->worker = NULL;
@@ -303,7 +303,7 @@ static void on_gone(void *user, struct worker_process *worker)
         reason = NULL;
     }
     worker_slot_set_reason(slot, reason);
-    events_tell_worker(pool->farm->events, worker->id - 1);
+    pool->handlers->on_slot_changed(pool->farm, worker->id - 1);
     worker_process_close(worker);
     farm_want_feed(pool->farm); // others may have left the next frames to it
     start_due(pool);
@@ -329,7 +329,7 @@ void worker_pool_stop(struct worker_pool *pool, int64_t timeout_ms)
             worker_process_kill(worker, "the daemon stops");
         else
             worker_process_exit(worker, stop_by_ms);
-        events_tell_worker(pool->farm->events, i);
+        pool->handlers->on_slot_changed(pool->farm, i);
     }
 }
 

@@ -9,11 +9,24 @@
 #include <stdint.h>
 
 struct farm;
+struct job_record;
 struct json_writer;
 struct queue_job;
 struct worker_pool;
 
-struct worker_pool *worker_pool_create(struct farm *farm, int slot_count);
+// What the pool hands on. A worker that is gone has its frames lost first, then its job refused if it could not start, then its
+// slot cleared, and that told.
+struct worker_pool_handlers {
+    void (*on_frame_report)(struct farm *farm, struct worker_process *worker, const struct worker_report *report);
+    // The worker is gone; the callee empties its hand.
+    void (*on_frames_lost)(struct farm *farm, struct worker_process *worker, const char *reason);
+    // No worker starts for the job: by its own fault, or not.
+    void (*on_job_refused)(struct farm *farm, struct job_record *record, bool is_job_fault, const char *reason);
+    void (*on_slot_changed)(struct farm *farm, int slot_index);
+};
+
+// `handlers` is borrowed and outlives the pool.
+struct worker_pool *worker_pool_create(struct farm *farm, int slot_count, const struct worker_pool_handlers *handlers);
 void worker_pool_start(struct worker_pool *pool);
 void worker_pool_set_progress_limit(struct worker_pool *pool, int64_t limit_ms); // of workers that run
 // Tells all workers to exit; those still here after `timeout_ms` are killed.

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/jobs/job_life.h"
+
+#include "core/base/alloc.h"
+#include "core/base/log.h"
+#include "daemon/farm/farm.h"
+#include "daemon/farm/limits.h"
+#include "daemon/jobs/events.h"
+#include "daemon/output/sweeper.h"
+#include "daemon/workers/worker_pool.h"
+
+#include <stdlib.h>
+
+// Its end is stored only after its leftovers are gone, so that a restart removes what a crash left.
+static void end_job(struct farm *farm, struct job_record *record)
+{
+    struct log_subject subject = job_record_subject(record);
+
+    record->is_ending = true;
+    record->is_sweeping = true;
+    log_about(LOG_INFO, &subject, "job %lld (\"%s\"): %s", (long long)record->id, record->name,
+              job_state_name(queue_job_state(record->queued)));
+    worker_pool_forget_job(farm->pool, record->id);
+    sweeper_sweep_job(farm->sweeper, record);
+}
+
+void job_life_note_change(struct farm *farm, struct job_record *record)
+{
+    bool is_live = queue_job_is_live(record->queued);
+
+    limits_count_job(farm, record);
+    if (record->queued->has_started && record->started_ms == 0) {
+        record->started_ms = farm_clock_ms();
+        farm_store_job(farm, record);
+    }
+    if (!is_live && record->finished_ms == 0) record->finished_ms = farm_clock_ms();
+    if (!is_live && record->in_hand == 0 && !record->is_ending) end_job(farm, record);
+    events_note_job(farm->events, record);
+}
+
+void job_life_note_swept(struct farm *farm, struct job_record *record)
+{
+    record->is_sweeping = false;
+    record->is_settled = record->is_ending;
+    farm_store_job(farm, record);
+}
+
+void job_life_hold(struct farm *farm, struct job_record *record, const char *why)
+{
+    struct log_subject subject = job_record_subject(record);
+    char *reason;
+
+    if (record->queued->is_paused || !queue_job_is_live(record->queued)) return;
+    reason = xasprintf("paused: %s", why);
+    job_record_set_reason(record, reason);
+    log_about(LOG_WARN, &subject, "job %lld: %s", (long long)record->id, reason);
+    free(reason);
+    queue_pause(farm->queue, record->queued);
+    worker_pool_drop_job(farm->pool, record->id, false);
+    farm_store_job(farm, record);
+    job_life_note_change(farm, record);
+}
+
+void job_life_fail(struct farm *farm, struct job_record *record, const char *why)
+{
+    job_record_set_reason(record, why);
+    queue_fail_job(farm->queue, record->queued);
+    worker_pool_drop_job(farm->pool, record->id, true);
+    farm_store_job(farm, record);
+}
+
+void job_life_refuse(struct farm *farm, struct job_record *record, bool is_job_fault, const char *why)
+{
+    if (!queue_job_is_live(record->queued)) return;
+    if (is_job_fault)
+        job_life_fail(farm, record, why);
+    else
+        job_life_hold(farm, record, why);
+    farm_want_feed(farm); // workers may have left its frames to the one that was started for it
+    job_life_note_change(farm, record);
+}
