@@ -13,8 +13,8 @@
 #include <sys/socket.h>
 
 enum {
-    TURN_MESSAGE_LIMIT = 64,        // messages of one client in a turn of the loop
-    OWED_LIMIT = 16,                // answers being made for it
+    ITERATION_MESSAGE_LIMIT = 64,   // messages of one client in a turn of the loop
+    PENDING_LIMIT = 16,             // answers being made for it
     FIRST_GROUPS = 64,              // of a peer; there may be more
     BACKLOG_LIMIT = 1 * 1024 * 1024 // bytes it has not read, above which it is not heard
 };
@@ -135,7 +135,7 @@ static void on_idle(uv_idle_t *idle)
 
 static bool has_room(const struct client *client)
 {
-    return !client->is_closing && !client->is_deaf && client->owed < OWED_LIMIT &&
+    return !client->is_closing && !client->is_ignored && client->pending_answers < PENDING_LIMIT &&
            client_backlog_bytes(client) < BACKLOG_LIMIT;
 }
 
@@ -173,7 +173,7 @@ static void pump(struct client *client)
     const char *line = NULL;
     size_t length, taken = 0;
 
-    while (has_room(client) && taken < TURN_MESSAGE_LIMIT) {
+    while (has_room(client) && taken < ITERATION_MESSAGE_LIMIT) {
         line = message_stream_next(&client->stream, &length, &error);
         if (!line) break;
         handle_line(client, line, length);
@@ -183,13 +183,13 @@ static void pump(struct client *client)
     if (error.message[0]) {
         client_send_error(client, no_id, MESSAGE_CODE_INVALID, error.message);
         end(client);
-    } else if (has_room(client) && taken == TURN_MESSAGE_LIMIT) {
+    } else if (has_room(client) && taken == ITERATION_MESSAGE_LIMIT) {
         set_reading(client, false);
         uv_idle_start(&client->idle, on_idle);
     } else {
         uv_idle_stop(&client->idle);
         set_reading(client, has_room(client) && !client->has_ended);
-        if (has_room(client) && client->has_ended && client->owed == 0) end(client);
+        if (has_room(client) && client->has_ended && client->pending_answers == 0) end(client);
     }
 }
 
@@ -199,9 +199,9 @@ void client_refuse(struct client *client, enum message_code code, const char *wh
     if (!client->is_closing) end(client);
 }
 
-void client_stop_hearing(struct client *client)
+void client_stop_reading(struct client *client)
 {
-    client->is_deaf = true;
+    client->is_ignored = true;
     pump(client);
 }
 
@@ -277,7 +277,7 @@ void client_close(struct client *client)
 
 static void free_if_done(struct client *client)
 {
-    if (client->open_handles > 0 || client->owed > 0) return;
+    if (client->open_handles > 0 || client->pending_answers > 0) return;
     message_stream_finish(&client->stream);
     free(client->groups);
     free(client->user);
@@ -295,12 +295,12 @@ static void on_handle_closed(uv_handle_t *handle)
 
 void client_hold(struct client *client)
 {
-    client->owed++;
+    client->pending_answers++;
 }
 
 void client_release(struct client *client)
 {
-    client->owed--;
+    client->pending_answers--;
     if (client->open_handles == 0)
         free_if_done(client);
     else if (!client->is_closing)

@@ -30,11 +30,11 @@ struct client {
     struct rights_peer peer; // as it was when it connected
     gid_t *groups;           // owned; the peer's
     char *user;              // owned; the peer's user name, or its number
-    size_t owed;             // answers that are still being made
+    size_t pending_answers;  // answers that are still being made
     int open_handles;
     bool is_reading;
-    bool has_ended; // the peer sends no more
-    bool is_deaf;   // the daemon takes no more from it
+    bool has_ended;  // the peer sends no more
+    bool is_ignored; // the daemon takes no more from it
     bool is_closing;
     uv_shutdown_t shutdown;
     struct client *next, *previous; // on the listener's list
@@ -46,7 +46,7 @@ void client_close(struct client *client); // at once; legal twice
 // Takes no messages from it, says why, and closes.
 void client_refuse(struct client *client, enum message_code code, const char *why);
 // Takes no more messages from it; what it is owed or subscribed to still goes out.
-void client_stop_hearing(struct client *client);
+void client_stop_reading(struct client *client);
 
 void client_send(struct client *client, const char *bytes, size_t size_bytes); // copies; nothing when it is closing
 // The answer to the request `id`; nothing when `id` is empty, for then the client wants no answer.

@@ -145,7 +145,7 @@ struct listener *listener_open(uv_loop_t *loop, const char *path, const struct l
 }
 
 // Nobody takes all descriptors there are. Root and the daemon's own user could end the daemon just as well.
-static void check_crowd(const struct listener *listener, struct client *client)
+static void check_connection_limit(const struct listener *listener, struct client *client)
 {
     int64_t uid = client->peer.uid;
     size_t count = 0;
@@ -173,7 +173,7 @@ static void on_connection(uv_stream_t *server, int status)
     client->next = listener->clients;
     if (client->next) client->next->previous = client;
     listener->clients = client;
-    check_crowd(listener, client);
+    check_connection_limit(listener, client);
 }
 
 static void on_client_message(void *user, struct client *client, const struct message *message)
@@ -214,10 +214,10 @@ void listener_stop(struct listener *listener)
     uv_close((uv_handle_t *)&listener->pipe, on_pipe_closed);
 }
 
-void listener_hush(struct listener *listener)
+void listener_stop_reading(struct listener *listener)
 {
     for (struct client *client = listener->clients; client; client = client->next)
-        client_stop_hearing(client);
+        client_stop_reading(client);
 }
 
 void listener_close(struct listener *listener)

@@ -20,6 +20,7 @@ struct listener_handlers {
 struct listener *listener_open(uv_loop_t *loop, const char *path, const struct listener_handlers *handlers,
                                struct error *error);
 void listener_stop(struct listener *listener); // accepts no more and removes the socket; who is connected stays
-void listener_hush(struct listener *listener); // nobody who is connected is heard any more; what is sent still goes out
+void listener_stop_reading(
+    struct listener *listener); // nobody who is connected is heard any more; what is sent still goes out
 // Closes the clients too. The listener frees itself when all is closed.
 void listener_close(struct listener *listener);

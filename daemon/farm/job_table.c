@@ -130,7 +130,7 @@ struct store_op job_record_format_op(const struct job_record *record)
                 .is_failed = queued->is_failed,
                 .submitted_ms = record->submitted_ms,
                 .started_ms = record->started_ms,
-                .finished_ms = record->is_settled ? record->finished_ms : 0,
+                .finished_ms = record->is_swept ? record->finished_ms : 0,
                 .reason = record->reason ? xstrdup(record->reason) : NULL},
     };
 }
@@ -205,7 +205,7 @@ struct job_record *job_table_find_collision(const struct job_table *table, const
         const struct job_files others = job_record_files(record);
 
         if (others.frames == files->frames) continue;
-        if (!queue_job_is_live(record->queued) && record->in_hand == 0 && !record->is_retry_waiting &&
+        if (!queue_job_is_live(record->queued) && record->frames_in_flight == 0 && !record->is_retry_waiting &&
             !record->is_deleting)
             continue;
         if (job_files_collide(files, &others, frame)) return record;

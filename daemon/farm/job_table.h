@@ -29,7 +29,7 @@ struct job_record {
     struct quota_user *user;                       // borrowed from the quota; the owner
     struct quota_amounts share;                    // what is counted of it
     struct estimate estimate;
-    int in_hand;                             // frames that workers hold or that are being published
+    int frames_in_flight;                    // frames that workers hold or that are being published
     int failed_starts;                       // of its workers, in a row, that ended before they were ready
     bool is_last_start;                      // others do start: the next of its own that does not is the last
     int holds;                               // of those who outlive it on the table
@@ -38,8 +38,8 @@ struct job_record {
     bool is_retry_waiting;                   // it lives again once it is swept
     bool is_ending;                          // it ended, and nobody holds a frame of it
     bool is_sweeping;                        // its leftovers are being removed
-    bool is_settled;                         // they are: finished_ms may be written
-    enum job_state told_state;               // what subscribers were told last
+    bool is_swept;                           // they are: finished_ms may be written
+    enum job_state sent_state;               // what subscribers were told last
     bool is_changed;                         // its counts changed since
     bool restored_canceled, restored_failed; // while a store is loaded: what its row says
 };

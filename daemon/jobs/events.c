@@ -107,7 +107,7 @@ static void end_event(struct events *events, int64_t job, bool is_frame)
     }
 }
 
-static void tell_job(struct events *events, struct job_record *record)
+static void send_job(struct events *events, struct job_record *record)
 {
     struct json_writer *writer;
 
@@ -122,9 +122,9 @@ void events_note_job(struct events *events, struct job_record *record)
 {
     enum job_state state = queue_job_state(record->queued);
 
-    if (state != record->told_state) {
-        record->told_state = state;
-        tell_job(events, record);
+    if (state != record->sent_state) {
+        record->sent_state = state;
+        send_job(events, record);
         return;
     }
     if (record->is_changed || events->count == 0) return;
@@ -141,7 +141,7 @@ static void on_interval(uv_timer_t *timer)
 
     for (size_t i = 0; i < events->changed_count; i++) {
         events->changed[i]->is_changed = false;
-        tell_job(events, events->changed[i]);
+        send_job(events, events->changed[i]);
     }
     events->changed_count = 0;
 }
@@ -155,7 +155,7 @@ static void forget_change(struct events *events, const struct job_record *record
     events->changed_count = kept;
 }
 
-void events_tell_deleted(struct events *events, struct job_record *record)
+void events_send_deleted(struct events *events, struct job_record *record)
 {
     struct json_writer *writer;
 
@@ -166,7 +166,7 @@ void events_tell_deleted(struct events *events, struct job_record *record)
     end_event(events, record->id, false);
 }
 
-void events_tell_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
+void events_send_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
                        const char *error)
 {
     struct json_writer *writer;
@@ -181,7 +181,7 @@ void events_tell_frame(struct events *events, const struct queue_ticket *ticket,
     end_event(events, ticket->job, true);
 }
 
-void events_tell_worker(struct events *events, int slot_index)
+void events_send_worker(struct events *events, int slot_index)
 {
     struct json_writer *writer;
 

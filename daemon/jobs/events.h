@@ -22,7 +22,7 @@ void events_forget(struct events *events, const struct client *client); // it is
 
 void events_note_job(struct events *events,
                      struct job_record *record); // a change of state at once, counts 4 times a second
-void events_tell_deleted(struct events *events, struct job_record *record); // the last that is heard of it
-void events_tell_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
+void events_send_deleted(struct events *events, struct job_record *record); // the last that is heard of it
+void events_send_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
                        const char *error); // NULL: none
-void events_tell_worker(struct events *events, int slot_index);
+void events_send_worker(struct events *events, int slot_index);

@@ -55,13 +55,13 @@ static void write_assignment(int64_t job, const struct queue_ticket *tickets, si
 static void give(struct farm *farm, struct worker_process *worker, struct job_record *record,
                  const struct queue_ticket *tickets, size_t count)
 {
-    if (worker->hand.count == 0) {
+    if (worker->in_flight.count == 0) {
         worker->answered_ns = uv_hrtime();
         liveness_set_busy(&worker->liveness, true, farm_now_ms(farm));
     }
     for (size_t i = 0; i < count; i++)
-        hand_add(&worker->hand, &tickets[i]);
-    record->in_hand += (int)count;
+        in_flight_add(&worker->in_flight, &tickets[i]);
+    record->frames_in_flight += (int)count;
 }
 
 static void assign(struct farm *farm, struct worker_process *worker, const struct queue_ticket *tickets, size_t count)
@@ -85,26 +85,26 @@ static void assign(struct farm *farm, struct worker_process *worker, const struc
 }
 
 // Splits what the worker has to render into frames of the job and the time that the others take.
-static void add_load(struct farm *farm, const struct hand *hand, int64_t job, struct dispatch_load *load)
+static void add_load(struct farm *farm, const struct in_flight *in_flight, int64_t job, struct dispatch_load *load)
 {
-    int64_t stranger = 0;
+    int64_t other_job = 0;
     double median_s = 0;
 
-    for (size_t i = 0; i < hand->count; i++) {
-        const struct hand_frame *frame = &hand->frames[i];
+    for (size_t i = 0; i < in_flight->count; i++) {
+        const struct in_flight_frame *frame = &in_flight->frames[i];
 
         if (frame->is_rendered) continue;
         if (frame->ticket.job == job) {
-            load->in_hand++;
+            load->in_flight++;
             continue;
         }
-        if (frame->ticket.job != stranger) {
+        if (frame->ticket.job != other_job) {
             struct job_record *record = job_table_find(&farm->jobs, frame->ticket.job);
 
-            stranger = frame->ticket.job;
+            other_job = frame->ticket.job;
             median_s = record ? estimate_median_s(&record->estimate) : 0;
         }
-        load->strangers_s += median_s > 0 ? median_s : HUGE_VAL;
+        load->other_jobs_s += median_s > 0 ? median_s : HUGE_VAL;
     }
 }
 
@@ -121,7 +121,7 @@ static bool feed_worker(struct farm *farm, struct worker_process *worker, int wo
     record = job_table_find(&farm->jobs, next->id);
     load = (struct dispatch_load){
         .frame_s = estimate_median_s(&record->estimate), .left = next->counts[FRAME_QUEUED], .workers = workers};
-    add_load(farm, &worker->hand, next->id, &load);
+    add_load(farm, &worker->in_flight, next->id, &load);
     count = dispatch_count(&load);
     if (count == 0) return false;
     if (count > DISPATCH_CHUNK_LIMIT) count = DISPATCH_CHUNK_LIMIT;

@@ -136,15 +136,15 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
         log_attempt(state == FRAME_FAILED ? LOG_WARN : LOG_INFO, end->record, &end->ticket, end->worker, end->error,
                     frame_state_name(state));
         store_attempt(farm, end, end->is_lost ? "lost" : "failed");
-        events_tell_frame(farm->events, &end->ticket, state, end->error);
+        events_send_frame(farm->events, &end->ticket, state, end->error);
     }
     farm_want_feed(farm);
 }
 
-static void leave_hand(struct job_record *record, struct worker_process *worker, struct hand_frame *frame)
+static void release_frame(struct job_record *record, struct worker_process *worker, struct in_flight_frame *frame)
 {
-    hand_remove(&worker->hand, frame);
-    record->in_hand--;
+    in_flight_remove(&worker->in_flight, frame);
+    record->frames_in_flight--;
 }
 
 // Since it began, or since the worker's answer before when it came without a beginning.
@@ -158,7 +158,7 @@ static double frame_seconds(struct worker_process *worker)
 }
 
 static void note_finished(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
-                          struct job_record *record, struct hand_frame *frame)
+                          struct job_record *record, struct in_flight_frame *frame)
 {
     struct publish_request request = {.record = record,
                                       .ticket = frame->ticket,
@@ -173,16 +173,16 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
     frame_seconds(worker);
     if (!queue_begin_publish(farm->queue, &frame->ticket)) {
         sweeper_remove_part(farm->sweeper, record, frame->ticket.frame, farm->epoch, frame->ticket.attempt);
-        leave_hand(record, worker, frame);
+        release_frame(record, worker, frame);
         return;
     }
-    hand_remove(&worker->hand, frame);
+    in_flight_remove(&worker->in_flight, frame);
     estimate_add(&record->estimate, report->render_s + report->audit_s);
     publisher_put(farm->publisher, &request);
 }
 
 static void note_skipped(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
-                         struct job_record *record, struct hand_frame *frame)
+                         struct job_record *record, struct in_flight_frame *frame)
 {
     struct publish_request request = {.record = record,
                                       .ticket = frame->ticket,
@@ -194,13 +194,13 @@ static void note_skipped(struct farm *farm, struct worker_process *worker, const
     estimate_add(&record->estimate, frame_seconds(worker));
     if (queue_skip(farm->queue, &frame->ticket)) {
         put_silent(farm, publish_request_format_op(&request, FRAME_SKIPPED));
-        events_tell_frame(farm->events, &frame->ticket, FRAME_SKIPPED, NULL);
+        events_send_frame(farm->events, &frame->ticket, FRAME_SKIPPED, NULL);
     }
-    leave_hand(record, worker, frame);
+    release_frame(record, worker, frame);
 }
 
 static void note_failed(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
-                        struct job_record *record, struct hand_frame *frame)
+                        struct job_record *record, struct in_flight_frame *frame)
 {
     struct queue_ticket ticket = frame->ticket;
     char *log = worker_process_take_log(worker, report->error);
@@ -219,7 +219,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
     if (report->fault == RETRY_FAULT_WORKER)
         worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
     frame_seconds(worker);
-    leave_hand(record, worker, frame);
+    release_frame(record, worker, frame);
     if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
     sweeper_remove_part(farm->sweeper, record, ticket.frame, farm->epoch, ticket.attempt);
     free(error);
@@ -228,7 +228,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
 
 void frame_life_note_report(struct farm *farm, struct worker_process *worker, const struct worker_report *report)
 {
-    struct hand_frame *frame = hand_find(&worker->hand, report->job, report->frame, report->attempt);
+    struct in_flight_frame *frame = in_flight_find(&worker->in_flight, report->job, report->frame, report->attempt);
     struct job_record *record = job_table_find(&farm->jobs, report->job);
 
     if (!frame || !record) return;
@@ -236,13 +236,13 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
     case WORKER_REPORT_STARTED:
         frame->is_started = true;
         if (queue_owns(farm->queue, &frame->ticket))
-            events_tell_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
+            events_send_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
         return;
     case WORKER_REPORT_PLANNING:
     case WORKER_REPORT_PLANNED:
         return;
     case WORKER_REPORT_RENDERED:
-        hand_render(&worker->hand, frame);
+        in_flight_mark_rendered(&worker->in_flight, frame);
         farm_want_feed(farm);
         return;
     case WORKER_REPORT_FINISHED:
@@ -256,28 +256,29 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         break;
     default:
         queue_return(farm->queue, &frame->ticket);
-        leave_hand(record, worker, frame);
+        release_frame(record, worker, frame);
         break;
     }
-    if (worker->hand.count == 0) worker_process_forget_log(worker); // it is nobody else's
+    if (worker->in_flight.count == 0) worker_process_forget_log(worker); // it is nobody else's
     farm_want_feed(farm);
     job_life_note_change(farm, record);
 }
 
 // Of what a worker held that was killed for a frame that did not end, only that frame is to blame.
-static bool is_suspect(const struct worker_process *worker, const struct hand_frame *frame)
+static bool is_suspect(const struct worker_process *worker, const struct in_flight_frame *frame)
 {
-    return worker->suspect && frame->is_started && !frame->is_rendered;
+    return worker->suspect_code && frame->is_started && !frame->is_rendered;
 }
 
-void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, const char *reason)
+void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, const char *reason)
 {
     char *log = worker_process_take_log(worker, reason);
-    char *suspicion = worker->suspect ? xasprintf("%s: does density in %s end?", reason, worker->suspect) : NULL;
+    char *suspicion =
+        worker->suspect_code ? xasprintf("%s: does density in %s end?", reason, worker->suspect_code) : NULL;
 
     log_disarm(log);
-    while (worker->hand.count > 0) {
-        struct hand_frame frame = worker->hand.frames[0];
+    while (worker->in_flight.count > 0) {
+        struct in_flight_frame frame = worker->in_flight.frames[0];
         struct job_record *record = job_table_find(&farm->jobs, frame.ticket.job);
         struct attempt_end end = {.record = record,
                                   .ticket = frame.ticket,
@@ -288,7 +289,7 @@ void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, cons
                                   .error = is_suspect(worker, &frame) ? suspicion : reason,
                                   .log = log};
 
-        leave_hand(record, worker, &worker->hand.frames[0]);
+        release_frame(record, worker, &worker->in_flight.frames[0]);
         if (frame.is_started)
             sweeper_remove_part(farm->sweeper, record, frame.ticket.frame, farm->epoch, frame.ticket.attempt);
         if (queue_owns(farm->queue, &frame.ticket)) end_attempt(farm, &end);
@@ -319,14 +320,14 @@ void frame_life_on_published(void *user, const struct publish_request *request)
     struct farm *farm = user;
     struct error reason;
 
-    request->record->in_hand--;
+    request->record->frames_in_flight--;
     if (request->outcome != PUBLISH_OUTCOME_DONE) {
         note_unpublished(farm, request);
     } else if (queue_succeed(farm->queue, &request->ticket)) {
         log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
         put_silent(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
         request->record->disk_bytes += (int64_t)request->file.size_bytes;
-        events_tell_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
+        events_send_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
     }
     job_life_note_change(farm, request->record);
     if (!limits_check_disk(farm, request->record, &reason)) job_life_hold(farm, request->record, reason.message);

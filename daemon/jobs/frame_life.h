@@ -10,5 +10,5 @@ struct worker_report;
 // `report` is about a frame.
 void frame_life_note_report(struct farm *farm, struct worker_process *worker, const struct worker_report *report);
 // The worker is gone: what it held is tried again, or failed when it had its attempts.
-void frame_life_lose_hand(struct farm *farm, struct worker_process *worker, const char *reason);
+void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, const char *reason);
 void frame_life_on_published(void *user, const struct publish_request *request); // the publisher's; `user` is the farm

@@ -128,7 +128,7 @@ static void add_mark(const struct queue_job *queued, enum frame_state state, con
 
 static void revive(struct job_record *record)
 {
-    record->is_ending = record->is_settled = false;
+    record->is_ending = record->is_swept = false;
     record->finished_ms = 0;
     if (!record->queued->has_started) record->started_ms = 0;
     if (!record->queued->is_paused) job_record_set_reason(record, NULL);

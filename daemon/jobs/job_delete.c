@@ -30,20 +30,20 @@ struct job_delete {
     struct job_delete *next;   // on the farm's list of deletions
 };
 
-static void on_settled(void *user, bool ok, const struct error *error);
+static void on_flushed(void *user, bool ok, const struct error *error);
 static void on_files_run(uv_work_t *work);
 static void on_files_done(uv_work_t *work, int status);
 static void on_committed(void *user, bool ok, const struct error *error);
 
 static bool is_ready(const struct job_record *record)
 {
-    return record->is_settled && !record->is_sweeping && record->in_hand == 0;
+    return record->is_swept && !record->is_sweeping && record->frames_in_flight == 0;
 }
 
 static void begin(struct job_delete *deletion)
 {
     deletion->has_begun = true;
-    committer_settle(deletion->farm->committer, on_settled, deletion);
+    committer_flush(deletion->farm->committer, on_flushed, deletion);
 }
 
 void job_delete_go_on(struct farm *farm)
@@ -116,13 +116,13 @@ static bool is_used(const struct farm *farm, const struct job_record *record)
 
         if (other == record || strcmp(other->path.folder, record->path.folder) != 0) continue;
         if (strcmp(other->root, record->root) != 0) continue;
-        if (queue_job_is_live(other->queued) || other->in_hand > 0 || other->is_retry_waiting) return true;
+        if (queue_job_is_live(other->queued) || other->frames_in_flight > 0 || other->is_retry_waiting) return true;
     }
     return output_claims_use_folder(farm, &files);
 }
 
 // What rows say of the last files is on disk.
-static void on_settled(void *user, bool ok, const struct error *error)
+static void on_flushed(void *user, bool ok, const struct error *error)
 {
     struct job_delete *deletion = user;
     const struct job_record *record = deletion->record;
@@ -173,7 +173,7 @@ static void tell(struct job_delete *deletion)
 
     log_about(LOG_INFO, &subject, "job %lld (\"%s\"): deleted; %lld files removed", (long long)deletion->record->id,
               deletion->record->name, (long long)remover->removed);
-    events_tell_deleted(deletion->farm->events, deletion->record);
+    events_send_deleted(deletion->farm->events, deletion->record);
     json_write_begin_object(&value);
     json_write_integer_member(&value, "files_removed", remover->removed);
     json_write_integer_member(&value, "files_kept", remover->kept);

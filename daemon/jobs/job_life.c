@@ -34,14 +34,14 @@ void job_life_note_change(struct farm *farm, struct job_record *record)
         farm_store_job(farm, record);
     }
     if (!is_live && record->finished_ms == 0) record->finished_ms = farm_clock_ms();
-    if (!is_live && record->in_hand == 0 && !record->is_ending) end_job(farm, record);
+    if (!is_live && record->frames_in_flight == 0 && !record->is_ending) end_job(farm, record);
     events_note_job(farm->events, record);
 }
 
 void job_life_note_swept(struct farm *farm, struct job_record *record)
 {
     record->is_sweeping = false;
-    record->is_settled = record->is_ending;
+    record->is_swept = record->is_ending;
     farm_store_job(farm, record);
 }
 

@@ -164,7 +164,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     struct job_submit *submit = xcalloc(1, sizeof *submit);
 
     submit->farm = request->farm;
-    submit->answer = request_owe(request);
+    submit->answer = request_defer_answer(request);
     submit->row = (struct store_job){.document = owned_document,
                                      .name = xstrdup(job->name),
                                      .owner = xstrdup(request->client->user),
@@ -304,7 +304,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->code = submit->code;
     record->frame_pixels = submit->frame_pixels;
     record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
-    record->told_state = JOB_STATE_COUNT;
+    record->sent_state = JOB_STATE_COUNT;
     if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);
     row->name = row->owner = row->root = NULL;
     submit->code = NULL;

@@ -77,7 +77,7 @@ bool request_read_set(struct request *request, const char *key, const char *cons
     return true;
 }
 
-struct answer *request_owe(const struct request *request)
+struct answer *request_defer_answer(const struct request *request)
 {
     return answer_create(request->client, request->id);
 }

@@ -17,7 +17,7 @@ struct json_writer;
 enum request_outcome {
     REQUEST_ANSWERED, // the result is written
     REQUEST_FAILED,   // code and error are filled
-    REQUEST_OWED      // an answer was made with request_owe
+    REQUEST_DEFERRED  // an answer was made with request_defer_answer
 };
 
 // One request while it is handled; lives on the stack.
@@ -43,4 +43,4 @@ bool request_read_set(struct request *request, const char *key, const char *cons
                       unsigned *set);
 
 // An answer that comes later.
-struct answer *request_owe(const struct request *request);
+struct answer *request_defer_answer(const struct request *request);

@@ -77,7 +77,7 @@ void requests_handle(struct farm *farm, struct client *client, const struct mess
     case REQUEST_FAILED:
         client_send_error(client, request.id, request.code, request.error.message);
         break;
-    case REQUEST_OWED:
+    case REQUEST_DEFERRED:
         break;
     }
     json_writer_finish(&result);

@@ -44,9 +44,9 @@ static enum request_outcome commit_change(struct request *request, struct job_re
     struct pending_change *change = xmalloc(sizeof *change);
     struct store_op op = job_record_format_op(record);
 
-    *change = (struct pending_change){.farm = request->farm, .record = record, .answer = request_owe(request)};
+    *change = (struct pending_change){.farm = request->farm, .record = record, .answer = request_defer_answer(request)};
     committer_put(request->farm->committer, COMMIT_REPORTED, &op, 1, on_change_committed, change);
-    return REQUEST_OWED;
+    return REQUEST_DEFERRED;
 }
 
 // The client's own job that is not over yet, or NULL with the failure filled.
@@ -157,8 +157,8 @@ enum request_outcome requests_job_delete(struct request *request)
     if (queue_job_is_live(record->queued) || record->is_retry_waiting)
         return request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is not over: cancel it first",
                             (long long)record->id);
-    job_delete_start(request->farm, record, with_files, request_owe(request));
-    return REQUEST_OWED;
+    job_delete_start(request->farm, record, with_files, request_defer_answer(request));
+    return REQUEST_DEFERRED;
 }
 
 enum request_outcome requests_job_retry(struct request *request)
@@ -180,8 +180,8 @@ enum request_outcome requests_job_retry(struct request *request)
         &(struct job_retry_params){.states = states,
                                    .range = range,
                                    .by_admin = rights_is_admin(&request->farm->rights, &request->client->peer),
-                                   .answer = request_owe(request)});
-    return REQUEST_OWED;
+                                   .answer = request_defer_answer(request)});
+    return REQUEST_DEFERRED;
 }
 
 enum request_outcome requests_job_submit(struct request *request)
@@ -194,5 +194,5 @@ enum request_outcome requests_job_submit(struct request *request)
     if (!json_check_object(&document, &request->error)) return REQUEST_FAILED;
     if (!json_node_is_absent(&paused_node) && !json_read_bool(&paused_node, &paused, &request->error))
         return REQUEST_FAILED;
-    return job_submit_start(request, &document, paused) ? REQUEST_OWED : REQUEST_FAILED;
+    return job_submit_start(request, &document, paused) ? REQUEST_DEFERRED : REQUEST_FAILED;
 }

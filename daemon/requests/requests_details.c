@@ -57,7 +57,7 @@ static struct details_task *create_task(struct request *request, struct job_reco
     return task;
 }
 
-static void on_settled(void *user, bool ok, const struct error *error)
+static void on_flushed(void *user, bool ok, const struct error *error)
 {
     struct details_task *task = user;
 
@@ -67,11 +67,11 @@ static void on_settled(void *user, bool ok, const struct error *error)
 // What the queue and the events have told already is on disk, if the store works, before it is read there.
 static enum request_outcome start_task(struct request *request, struct details_task *task, uv_work_cb run)
 {
-    task->answer = request_owe(request);
+    task->answer = request_defer_answer(request);
     task->loop = request->farm->loop;
     task->run = run;
-    committer_settle(request->farm->committer, on_settled, task);
-    return REQUEST_OWED;
+    committer_flush(request->farm->committer, on_flushed, task);
+    return REQUEST_DEFERRED;
 }
 
 static void on_details_done(uv_work_t *work, int status)

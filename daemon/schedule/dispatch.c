@@ -20,7 +20,7 @@ size_t dispatch_count(const struct dispatch_load *load)
 {
     int64_t share;
     size_t chunk = 1;
-    double in_hand;
+    double in_flight;
 
     assert(load->workers >= 1);
     if (load->left <= 0) return 0;
@@ -29,9 +29,9 @@ size_t dispatch_count(const struct dispatch_load *load)
     // Halves of what is left, so that chunks shrink to single frames and all workers end together.
     share = (load->left + 2 * (int64_t)load->workers - 1) / (2 * (int64_t)load->workers);
     if ((int64_t)chunk > share) chunk = (size_t)share;
-    in_hand = (double)load->in_hand;
-    if (load->strangers_s > 0) in_hand += load->frame_s > 0 ? ceil(load->strangers_s / load->frame_s) : 1;
-    if (2 * in_hand > (double)chunk) return 0;
-    chunk -= (size_t)in_hand;
+    in_flight = (double)load->in_flight;
+    if (load->other_jobs_s > 0) in_flight += load->frame_s > 0 ? ceil(load->other_jobs_s / load->frame_s) : 1;
+    if (2 * in_flight > (double)chunk) return 0;
+    chunk -= (size_t)in_flight;
     return (int64_t)chunk < load->left ? chunk : (size_t)load->left;
 }

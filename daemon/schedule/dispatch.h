@@ -8,13 +8,13 @@
 enum { DISPATCH_CHUNK_LIMIT = 256 };
 
 struct dispatch_load {
-    double frame_s;     // median seconds of the job's frames; 0: unknown, and the worker gets one frame to find out
-    double overhead_s;  // what one assignment costs until its first frame starts; 0: one millisecond
-    int64_t left;       // frames of the job that wait in the queue
-    int workers;        // that may render the job, this one included; at least 1
-    size_t in_hand;     // frames of the job this worker was given and has not rendered (nor skipped) yet; encoding ones
-                        // do not count
-    double strangers_s; // what frames of other jobs that it has not rendered will take; infinite: nobody knows
+    double frame_s;    // median seconds of the job's frames; 0: unknown, and the worker gets one frame to find out
+    double overhead_s; // what one assignment costs until its first frame starts; 0: one millisecond
+    int64_t left;      // frames of the job that wait in the queue
+    int workers;       // that may render the job, this one included; at least 1
+    size_t in_flight;  // frames of the job this worker was given and has not rendered (nor skipped) yet; encoding ones
+                       // do not count
+    double other_jobs_s; // what frames of other jobs that it has not rendered will take; infinite: nobody knows
 };
 
 // How many frames to give the worker now; 0: none yet, ask again when it has rendered one. With long frames it holds

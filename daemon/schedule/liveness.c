@@ -26,47 +26,50 @@ void liveness_start(struct liveness *liveness, int64_t now_ms)
     struct liveness_limits limits = liveness->limits;
 
     apply_defaults(&limits);
-    *liveness = (struct liveness){
-        .limits = limits, .started_ms = now_ms, .heard_ms = now_ms, .moved_ms = now_ms, .checked_ms = now_ms};
+    *liveness = (struct liveness){.limits = limits,
+                                  .started_ms = now_ms,
+                                  .last_message_ms = now_ms,
+                                  .last_progress_ms = now_ms,
+                                  .checked_ms = now_ms};
 }
 
-void liveness_hear(struct liveness *liveness, int64_t now_ms)
+void liveness_note_message(struct liveness *liveness, int64_t now_ms)
 {
-    liveness->heard_ms = now_ms;
+    liveness->last_message_ms = now_ms;
 }
 
 void liveness_ready(struct liveness *liveness, int64_t now_ms)
 {
-    liveness->heard_ms = now_ms;
+    liveness->last_message_ms = now_ms;
     liveness->is_ready = true;
 }
 
 void liveness_progress(struct liveness *liveness, double progress, int64_t now_ms)
 {
-    liveness->heard_ms = now_ms;
+    liveness->last_message_ms = now_ms;
     if (progress == liveness->progress) return;
     liveness->progress = progress;
-    liveness->moved_ms = now_ms;
+    liveness->last_progress_ms = now_ms;
 }
 
 void liveness_begin_frame(struct liveness *liveness, int64_t now_ms)
 {
-    liveness->heard_ms = now_ms;
-    liveness->moved_ms = now_ms;
+    liveness->last_message_ms = now_ms;
+    liveness->last_progress_ms = now_ms;
     liveness->rendering_ms = now_ms;
     liveness->is_rendering = true;
 }
 
 void liveness_end_frame(struct liveness *liveness, int64_t now_ms)
 {
-    liveness->heard_ms = now_ms;
-    liveness->moved_ms = now_ms;
+    liveness->last_message_ms = now_ms;
+    liveness->last_progress_ms = now_ms;
     liveness->is_rendering = false;
 }
 
 void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms)
 {
-    if (is_busy && !liveness->is_busy) liveness->moved_ms = now_ms;
+    if (is_busy && !liveness->is_busy) liveness->last_progress_ms = now_ms;
     liveness->is_busy = is_busy;
     // What it rendered may have been dropped.
     if (!is_busy) liveness->is_rendering = false;
@@ -76,7 +79,8 @@ void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms)
 static void forgive_own_delay(struct liveness *liveness, int64_t now_ms)
 {
     int64_t gap_ms = now_ms - liveness->checked_ms;
-    int64_t *clocks[] = {&liveness->started_ms, &liveness->heard_ms, &liveness->moved_ms, &liveness->rendering_ms};
+    int64_t *clocks[] = {&liveness->started_ms, &liveness->last_message_ms, &liveness->last_progress_ms,
+                         &liveness->rendering_ms};
 
     liveness->checked_ms = now_ms;
     if (gap_ms <= liveness->limits.heartbeat_ms / 2) return;
@@ -106,11 +110,11 @@ enum liveness_verdict liveness_check(struct liveness *liveness, double median_s,
         snprintf(reason, LIVENESS_REASON_SIZE, "not ready %" PRId64 " s after its start", limits->start_ms / 1000);
         return LIVENESS_NO_START;
     }
-    if (now_ms - liveness->heard_ms > limits->heartbeat_ms) {
+    if (now_ms - liveness->last_message_ms > limits->heartbeat_ms) {
         snprintf(reason, LIVENESS_REASON_SIZE, "no message for %" PRId64 " s", limits->heartbeat_ms / 1000);
         return LIVENESS_SILENT;
     }
-    if (liveness->is_busy && now_ms - liveness->moved_ms > limits->progress_ms) {
+    if (liveness->is_busy && now_ms - liveness->last_progress_ms > limits->progress_ms) {
         snprintf(reason, LIVENESS_REASON_SIZE, "no progress for %" PRId64 " s", limits->progress_ms / 1000);
         return LIVENESS_STUCK;
     }

@@ -26,16 +26,16 @@ struct liveness {
     bool is_busy;
     bool is_rendering;
     double progress;
-    int64_t started_ms;   // the process
-    int64_t heard_ms;     // its newest message
-    int64_t moved_ms;     // its newest progress, or when it got work
-    int64_t rendering_ms; // the frame it renders began
+    int64_t started_ms;       // the process
+    int64_t last_message_ms;  // its newest message
+    int64_t last_progress_ms; // its newest progress, or when it got work
+    int64_t rendering_ms;     // the frame it renders began
     int64_t checked_ms;
 };
 
 void liveness_start(struct liveness *liveness, int64_t now_ms); // the process was started; keeps `limits`
-// Each message calls the one below that fits it; liveness_hear for those that have none.
-void liveness_hear(struct liveness *liveness, int64_t now_ms);
+// Each message calls the one below that fits it; liveness_note_message for those that have none.
+void liveness_note_message(struct liveness *liveness, int64_t now_ms);
 void liveness_ready(struct liveness *liveness, int64_t now_ms);                     // worker.ready
 void liveness_progress(struct liveness *liveness, double progress, int64_t now_ms); // worker.beat
 void liveness_begin_frame(struct liveness *liveness, int64_t now_ms);               // frame.started, .planned

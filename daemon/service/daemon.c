@@ -51,7 +51,7 @@ struct daemon {
     daemon_read_options *read_options;
     void *read_user; // borrowed; outlives us
     uv_signal_t terminate, interrupt, hang_up;
-    uv_prepare_t turn; // at the end of each turn of the loop
+    uv_prepare_t iteration; // at the end of each turn of the loop
     enum daemon_phase phase;
     int64_t flushing_since_ms;
 };
@@ -60,12 +60,12 @@ static void on_swept(void *user, struct job_record *record);
 static void on_slot_changed(struct farm *farm, int slot_index);
 static void on_message(void *user, struct client *client, const struct message *message);
 static void on_client_gone(void *user, struct client *client);
-static void on_turn(uv_prepare_t *turn);
+static void on_iteration(uv_prepare_t *iteration);
 static void on_signal(uv_signal_t *handle, int signal_number);
 static void on_hang_up(uv_signal_t *handle, int signal_number);
 
 static const struct worker_pool_handlers pool_handlers = {.on_frame_report = frame_life_note_report,
-                                                          .on_frames_lost = frame_life_lose_hand,
+                                                          .on_frames_lost = frame_life_lose_frames,
                                                           .on_job_refused = job_life_refuse,
                                                           .on_slot_changed = on_slot_changed};
 
@@ -94,8 +94,8 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     uv_signal_init(farm->loop, &daemon->terminate);
     uv_signal_init(farm->loop, &daemon->interrupt);
     uv_signal_init(farm->loop, &daemon->hang_up);
-    uv_prepare_init(farm->loop, &daemon->turn);
-    daemon->terminate.data = daemon->interrupt.data = daemon->hang_up.data = daemon->turn.data = daemon;
+    uv_prepare_init(farm->loop, &daemon->iteration);
+    daemon->terminate.data = daemon->interrupt.data = daemon->hang_up.data = daemon->iteration.data = daemon;
 }
 
 static bool listen_for_clients(struct daemon *daemon, const struct options *options, struct error *error)
@@ -111,13 +111,13 @@ static void start(struct daemon *daemon)
     uv_signal_start(&daemon->terminate, on_signal, SIGTERM);
     uv_signal_start(&daemon->interrupt, on_signal, SIGINT);
     uv_signal_start(&daemon->hang_up, isatty(STDERR_FILENO) ? on_signal : on_hang_up, SIGHUP);
-    uv_prepare_start(&daemon->turn, on_turn);
+    uv_prepare_start(&daemon->iteration, on_iteration);
     worker_pool_start(daemon->farm.pool);
-    restore_wind_up(&daemon->farm);
+    restore_end_jobs(&daemon->farm);
     farm_want_feed(&daemon->farm);
     log_info("marchd %s: %zu jobs, %lld frames queued, output below %s", MARCHD_VERSION, daemon->farm.jobs.count,
              (long long)queue_count(daemon->farm.queue, FRAME_QUEUED), daemon->farm.options->output_roots.paths[0]);
-    manager_tell_ready(daemon->manager);
+    manager_notify_ready(daemon->manager);
 }
 
 static void close_all(struct daemon *daemon)
@@ -132,7 +132,7 @@ static void close_all(struct daemon *daemon)
     uv_close((uv_handle_t *)&daemon->terminate, NULL);
     uv_close((uv_handle_t *)&daemon->interrupt, NULL);
     uv_close((uv_handle_t *)&daemon->hang_up, NULL);
-    uv_close((uv_handle_t *)&daemon->turn, NULL);
+    uv_close((uv_handle_t *)&daemon->iteration, NULL);
 }
 
 struct daemon *daemon_create(struct options *options, daemon_read_options *read_options, void *user,
@@ -202,7 +202,7 @@ static void on_swept(void *user, struct job_record *record)
 
 static void on_slot_changed(struct farm *farm, int slot_index)
 {
-    events_tell_worker(farm->events, slot_index);
+    events_send_worker(farm->events, slot_index);
 }
 
 static void on_message(void *user, struct client *client, const struct message *message)
@@ -223,7 +223,7 @@ static void begin_stop(struct daemon *daemon)
 {
     log_info("stopping: running frames get %lld s", (long long)daemon->farm.options->stop_timeout_ms / 1000);
     daemon->phase = DAEMON_STOPPING;
-    manager_tell_stopping(daemon->manager, daemon->farm.options->stop_timeout_ms);
+    manager_notify_stopping(daemon->manager, daemon->farm.options->stop_timeout_ms);
     listener_stop(daemon->listener);
     worker_pool_stop(daemon->farm.pool, daemon->farm.options->stop_timeout_ms);
 }
@@ -269,14 +269,14 @@ static void reload(struct daemon *daemon)
     struct options fresh = {0};
     struct error error = {0};
 
-    manager_tell_reloading(daemon->manager);
+    manager_notify_reloading(daemon->manager);
     if (daemon->read_options(daemon->read_user, &fresh, &error) &&
         folders_make(fresh.output_roots.paths[0], 0755, &error))
         hold_options(daemon, &fresh);
     else
         log_error("settings: all as before: %s", error.message);
     options_finish(&fresh);
-    manager_tell_ready(daemon->manager);
+    manager_notify_ready(daemon->manager);
 }
 
 static void on_hang_up(uv_signal_t *handle, int signal_number)
@@ -304,9 +304,9 @@ static void give_up_on_store(const struct daemon *daemon)
     _exit(1);
 }
 
-static void on_turn(uv_prepare_t *turn)
+static void on_iteration(uv_prepare_t *iteration)
 {
-    struct daemon *daemon = turn->data;
+    struct daemon *daemon = iteration->data;
 
     if (daemon->phase == DAEMON_RUNNING && daemon->farm.wants_feed) {
         daemon->farm.wants_feed = false;
@@ -314,7 +314,7 @@ static void on_turn(uv_prepare_t *turn)
     }
     if (daemon->phase == DAEMON_STOPPING && worker_pool_is_empty(daemon->farm.pool)) {
         daemon->phase = DAEMON_FLUSHING;
-        listener_hush(daemon->listener);
+        listener_stop_reading(daemon->listener);
         daemon->flushing_since_ms = farm_now_ms(&daemon->farm);
     }
     if (daemon->phase == DAEMON_FLUSHING && is_flushed(&daemon->farm))

@@ -90,7 +90,7 @@ static bool send_line(enum log_level level, const struct log_subject *subject, c
                   sizeof journal_address) >= 0;
 }
 
-static void tell_lost(void)
+static void report_lost(void)
 {
     long lost = lost_count;
     char line[64];
@@ -102,7 +102,7 @@ static void tell_lost(void)
 
 static void send_to_journal(enum log_level level, const struct log_subject *subject, const char *line)
 {
-    tell_lost();
+    report_lost();
     if (!send_line(level, subject, line)) lost_count++;
 }
 

@@ -62,19 +62,19 @@ static void on_interval(uv_timer_t *timer)
     sd_notifyf(0, "STATUS=%s", line);
 }
 
-void manager_tell_ready(struct manager *manager)
+void manager_notify_ready(struct manager *manager)
 {
     format_line(manager, manager->told);
     sd_notifyf(0, "READY=1\nSTATUS=%s", manager->told);
 }
 
-void manager_tell_reloading(const struct manager *manager)
+void manager_notify_reloading(const struct manager *manager)
 {
     (void)manager;
     sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%" PRIu64, uv_hrtime() / 1000);
 }
 
-void manager_tell_stopping(struct manager *manager, int64_t timeout_ms)
+void manager_notify_stopping(struct manager *manager, int64_t timeout_ms)
 {
     manager->is_stopping = true;
     format_line(manager, manager->told);

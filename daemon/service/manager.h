@@ -11,8 +11,8 @@ struct manager;
 struct manager *manager_open(struct farm *farm); // borrowed; outlives us
 void manager_close(struct manager *manager);     // frees itself when the loop has closed its timer
 
-void manager_tell_ready(struct manager *manager); // also after a reload
-void manager_tell_reloading(const struct manager *manager);
+void manager_notify_ready(struct manager *manager); // also after a reload
+void manager_notify_reloading(const struct manager *manager);
 // From now on the line says that it stops. The manager is asked to wait for as long as frames may take, and then for what
 // is left to be written down.
-void manager_tell_stopping(struct manager *manager, int64_t timeout_ms);
+void manager_notify_stopping(struct manager *manager, int64_t timeout_ms);

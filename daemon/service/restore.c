@@ -54,7 +54,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->submitted_ms = row->submitted_ms;
     record->started_ms = row->started_ms;
     record->finished_ms = row->finished_ms;
-    record->is_ending = record->is_settled = row->finished_ms != 0;
+    record->is_ending = record->is_swept = row->finished_ms != 0;
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
     record->queued = queue_add_job(farm->queue, row->id, &job.frames, row->priority, row->is_paused);
     record->queued->has_started = row->started_ms != 0;
@@ -128,13 +128,13 @@ static void settle(struct restore_state *state, const struct store_frame *row)
 }
 
 // A job that was stopped as a whole has no rows for the frames that went with it.
-static void stop_again(struct farm *farm)
+static void restore_ends(struct farm *farm)
 {
     for (size_t i = 0; i < farm->jobs.count; i++) {
         struct job_record *record = farm->jobs.records[i];
 
         queue_restore_end(record->queued, record->restored_canceled, record->restored_failed);
-        record->told_state = queue_job_state(record->queued);
+        record->sent_state = queue_job_state(record->queued);
         limits_count_job(farm, record);
     }
 }
@@ -147,7 +147,7 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
     for (size_t i = 0; i < state.intent_count && ok; i++)
         settle(&state, &state.intents[i]);
     if (ok && state.op_count > 0) ok = store_commit(store, state.ops, state.op_count, error);
-    stop_again(farm);
+    restore_ends(farm);
     limits_refresh(farm);
     for (size_t i = 0; i < state.op_count; i++)
         store_op_finish(&state.ops[i]);
@@ -158,11 +158,11 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
     return ok;
 }
 
-void restore_wind_up(struct farm *farm)
+void restore_end_jobs(struct farm *farm)
 {
     for (size_t i = 0; i < farm->jobs.count; i++) {
         struct job_record *record = farm->jobs.records[i];
 
-        if (!queue_job_is_live(record->queued) && !record->is_settled) job_life_note_change(farm, record);
+        if (!queue_job_is_live(record->queued) && !record->is_swept) job_life_note_change(farm, record);
     }
 }

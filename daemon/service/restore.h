@@ -11,4 +11,4 @@ struct store;
 // Blocking; before the loop runs and before anything is committed.
 bool restore_farm(struct farm *farm, struct store *store, struct error *error);
 // Once the loop's modules exist: winds up the jobs that had ended but were not swept.
-void restore_wind_up(struct farm *farm);
+void restore_end_jobs(struct farm *farm);

@@ -91,7 +91,7 @@ void committer_put(struct committer *committer, enum commit_policy policy, struc
     start_batch(committer);
 }
 
-void committer_settle(struct committer *committer, committer_on_done *on_done, void *user)
+void committer_flush(struct committer *committer, committer_on_done *on_done, void *user)
 {
     if (committer_is_idle(committer))
         on_done(user, true, NULL);
@@ -167,7 +167,7 @@ static void tell(const struct commit_entry *entry, bool ok, const struct error *
     if (entry->on_done) entry->on_done(entry->user, ok, error);
 }
 
-static void settle_success(struct committer *committer)
+static void end_success(struct committer *committer)
 {
     // The callbacks put new ops, which start the next batch: this one steps aside first.
     struct commit_batch batch = committer->in_flight;
@@ -184,7 +184,7 @@ static void settle_success(struct committer *committer)
 }
 
 // Takes out what must not be tried again and says so; the rest waits for the retry timer.
-static void settle_failure(struct committer *committer)
+static void end_failure(struct committer *committer)
 {
     struct commit_batch batch = committer->in_flight;
     struct commit_batch kept = {0};
@@ -228,9 +228,9 @@ static void on_commit_done(uv_work_t *work, int status)
 
     committer->is_working = false;
     if (committer->result)
-        settle_success(committer);
+        end_success(committer);
     else
-        settle_failure(committer);
+        end_failure(committer);
 }
 
 static void on_retry(uv_timer_t *timer)

@@ -28,7 +28,7 @@ void committer_destroy(struct committer *committer); // after the loop closed it
 void committer_put(struct committer *committer, enum commit_policy policy, struct store_op *ops, size_t op_count,
                    committer_on_done *on_done, void *user);
 // Calls `on_done` when all ops that were put so far have been tried: at once if none waits.
-void committer_settle(struct committer *committer, committer_on_done *on_done, void *user);
+void committer_flush(struct committer *committer, committer_on_done *on_done, void *user);
 size_t committer_waiting(const struct committer *committer); // ops that are not on disk yet
 bool committer_is_idle(const struct committer *committer);
 const char *committer_trouble(const struct committer *committer); // why the last try failed; NULL: it did not

@@ -94,7 +94,7 @@ static bool open_database(struct store *store, const char *path, struct error *e
     if (!store_sql_execute(store->db, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; BEGIN IMMEDIATE",
                            "write to queue.db", error))
         return false;
-    if (!store_schema_bring_up(store->db, found, error)) return false;
+    if (!store_schema_upgrade(store->db, found, error)) return false;
     if (!store_sql_execute(store->db, "UPDATE daemon SET epoch = epoch + 1; COMMIT", "count this start", error))
         return false;
     if (!store_sql_read_integer(store->db, "SELECT epoch FROM daemon", &store->epoch, error)) return false;

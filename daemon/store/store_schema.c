@@ -78,7 +78,7 @@ bool store_schema_check(sqlite3 *db, int *found, struct error *error)
     return true;
 }
 
-bool store_schema_bring_up(sqlite3 *db, int found, struct error *error)
+bool store_schema_upgrade(sqlite3 *db, int found, struct error *error)
 {
     if (found == STORE_SCHEMA_VERSION) return true;
     for (int version = found; version < STORE_SCHEMA_VERSION; version++)

@@ -14,7 +14,7 @@ struct store_frame;
 // Whether this version may use the database, and which one wrote it (0: it is empty); changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);
 // Makes the tables, or what this version has beside those of the one found. Inside a transaction.
-bool store_schema_bring_up(struct sqlite3 *db, int found, struct error *error);
+bool store_schema_upgrade(struct sqlite3 *db, int found, struct error *error);
 
 // In the order of store_schema_read_frame.
 #define STORE_SCHEMA_FRAME_COLUMNS                                                                                     \

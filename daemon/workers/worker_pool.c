@@ -66,7 +66,7 @@ static int64_t count_waiting_for(const struct worker_pool *pool, int64_t job)
         if (worker->state == WORKER_STOPPING)
             count += worker->next_job == job;
         else
-            count += worker->job == job && worker->hand.count == 0;
+            count += worker->job == job && worker->in_flight.count == 0;
     }
     return count;
 }
@@ -150,7 +150,7 @@ void worker_pool_start(struct worker_pool *pool)
 
 static void check_liveness(struct worker_pool *pool, struct worker_process *worker, int64_t now_ms)
 {
-    struct job_record *record = job_table_find(&pool->farm->jobs, hand_current_job(&worker->hand));
+    struct job_record *record = job_table_find(&pool->farm->jobs, in_flight_current_job(&worker->in_flight));
     double median_s = record ? estimate_median_s(&record->estimate) : 0;
     size_t known = record ? estimate_count(&record->estimate) : 0;
     char reason[LIVENESS_REASON_SIZE];
@@ -158,7 +158,7 @@ static void check_liveness(struct worker_pool *pool, struct worker_process *work
     enum liveness_verdict verdict = liveness_check(&worker->liveness, median_s, known, now_ms, reason);
 
     if (verdict == LIVENESS_ALIVE || worker->end_reason) return;
-    if (record && (verdict == LIVENESS_STUCK || verdict == LIVENESS_OVERLONG)) worker->suspect = record->code;
+    if (record && (verdict == LIVENESS_STUCK || verdict == LIVENESS_OVERLONG)) worker->suspect_code = record->code;
     subject = worker_process_subject(worker);
     log_about(LOG_WARN, &subject, "worker %d: killed: %s", worker->id, reason);
     worker_process_kill(worker, reason);
@@ -260,7 +260,7 @@ static void note_clocks(struct worker_process *worker, const struct worker_repor
         liveness_end_frame(&worker->liveness, now_ms);
         break;
     default:
-        liveness_hear(&worker->liveness, now_ms);
+        liveness_note_message(&worker->liveness, now_ms);
         break;
     }
 }
@@ -277,7 +277,7 @@ static void on_report(void *user, struct worker_process *worker, const struct wo
         pool->handlers->on_frame_report(pool->farm, worker, report);
     if (report->kind == WORKER_REPORT_FINISHED || report->kind == WORKER_REPORT_SKIPPED)
         retry_backoff_succeed(&slot_of(pool, worker)->backoff);
-    liveness_set_busy(&worker->liveness, worker->hand.count > 0, now_ms);
+    liveness_set_busy(&worker->liveness, worker->in_flight.count > 0, now_ms);
 }
 
 static void on_gone(void *user, struct worker_process *worker)
@@ -286,7 +286,7 @@ static void on_gone(void *user, struct worker_process *worker)
     struct worker_slot *slot = slot_of(pool, worker);
     char *reason = worker_process_describe_end(worker);
     struct log_subject subject = worker_process_subject(worker);
-    bool is_replaced = worker->is_replaced && worker->hand.count == 0 && worker->exit_signal == 0;
+    bool is_replaced = worker->is_replaced && worker->in_flight.count == 0 && worker->exit_signal == 0;
     bool is_expected = is_replaced || (pool->is_stopping && worker->exit_status == 0 && worker->exit_signal == 0);
 
     if (!is_expected)
@@ -296,7 +296,7 @@ static void on_gone(void *user, struct worker_process *worker)
     slot->done += worker->done;
     slot->worker = NULL;
     // Code that does not end says nothing about the slot.
-    if (worker->done == 0 && !worker->suspect && !is_replaced)
+    if (worker->done == 0 && !worker->suspect_code && !is_replaced)
         retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
     if (is_replaced) {
         free(reason);
@@ -374,7 +374,7 @@ bool worker_pool_suits(struct worker_pool *pool, struct worker_process *worker, 
 
     if (!pool->farm->options->has_sandbox || worker->job == job->id) return true;
     if (record->failed_starts == START_LIMIT) record->is_last_start = true; // for this one did start
-    if (worker->hand.count > 0 || count_waiting_for(pool, job->id) >= job->counts[FRAME_QUEUED]) return false;
+    if (worker->in_flight.count > 0 || count_waiting_for(pool, job->id) >= job->counts[FRAME_QUEUED]) return false;
     worker->is_replaced = true;
     worker->next_job = job->id;
     worker_process_exit(worker, farm_now_ms(pool->farm) + EXIT_MS);
@@ -422,7 +422,8 @@ void worker_pool_drop_job(struct worker_pool *pool, int64_t job, bool running)
     for (int i = 0; i < pool->slot_count; i++) {
         struct worker_process *worker = pool->slots[i].worker;
 
-        if (worker && hand_holds_job(&worker->hand, job)) send_about_job(worker, "worker.drop", job, true, running);
+        if (worker && in_flight_has_job(&worker->in_flight, job))
+            send_about_job(worker, "worker.drop", job, true, running);
     }
 }
 

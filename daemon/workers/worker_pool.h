@@ -18,7 +18,7 @@ struct worker_pool;
 // slot cleared, and that told.
 struct worker_pool_handlers {
     void (*on_frame_report)(struct farm *farm, struct worker_process *worker, const struct worker_report *report);
-    // The worker is gone; the callee empties its hand.
+    // The worker is gone; the callee empties its in_flight.
     void (*on_frames_lost)(struct farm *farm, struct worker_process *worker, const char *reason);
     // No worker starts for the job: by its own fault, or not.
     void (*on_job_refused)(struct farm *farm, struct job_record *record, bool is_job_fault, const char *reason);

@@ -111,7 +111,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
 
 struct log_subject worker_process_subject(const struct worker_process *worker)
 {
-    const struct hand_frame *frame = hand_current(&worker->hand);
+    const struct in_flight_frame *frame = in_flight_current(&worker->in_flight);
 
     if (!frame) return (struct log_subject){.worker = worker->id};
     return (struct log_subject){.job = frame->ticket.job,
@@ -376,7 +376,7 @@ static void on_handle_closed(uv_handle_t *handle)
     free(worker->sandbox);
     free(worker->end_reason);
     free(worker->known_jobs);
-    hand_finish(&worker->hand);
+    in_flight_finish(&worker->in_flight);
     message_stream_finish(&worker->stream);
     free(worker);
 }

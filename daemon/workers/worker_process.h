@@ -4,7 +4,7 @@
 
 #include "core/base/log.h"
 #include "core/wire/message_stream.h"
-#include "daemon/schedule/hand.h"
+#include "daemon/schedule/in_flight.h"
 #include "daemon/schedule/liveness.h"
 #include "daemon/workers/worker_report.h"
 
@@ -55,14 +55,14 @@ struct worker_process {
     int64_t memory_bytes;                   // that it may allocate; 0: any amount
     const struct worker_handlers *handlers; // borrowed; outlive us
     char *backend, *vendor, *renderer, *version, *device_uuid, *sandbox; // owned; NULL until ready
-    struct hand hand;
+    struct in_flight in_flight;
     int64_t *known_jobs; // owned; whose worker.job it was sent
     size_t known_count, known_capacity;
     struct liveness liveness;
     uint64_t answered_ns;           // when it last answered for a frame, or got one with empty hands
     int64_t done;                   // frames it finished or skipped
     int64_t stop_by_ms;             // monotonic; killed after it while stopping
-    const char *suspect;            // borrowed; the user's code whose frame a clock killed it for; NULL: none
+    const char *suspect_code;       // borrowed; the user's code whose frame a clock killed it for; NULL: none
     char *end_reason;               // owned; why it was killed or says it cannot work; NULL: not known
     char log[WORKER_LOG_BYTES + 1]; // the end of what it wrote to standard error and no attempt has been told
     size_t log_length;

@@ -23,12 +23,12 @@ static const char *state_name(const struct worker_slot *slot)
     if (!slot->worker) return "backing_off";
     if (slot->worker->state == WORKER_STARTING) return "starting";
     if (slot->worker->state == WORKER_STOPPING) return "stopping";
-    return slot->worker->hand.count > 0 ? "busy" : "idle";
+    return slot->worker->in_flight.count > 0 ? "busy" : "idle";
 }
 
 static void write_process(const struct worker_process *worker, struct json_writer *writer)
 {
-    int64_t job = worker ? hand_current_job(&worker->hand) : 0;
+    int64_t job = worker ? in_flight_current_job(&worker->in_flight) : 0;
 
     json_write_string_member(writer, "backend", worker ? worker->backend : NULL);
     json_write_string_member(writer, "vendor", worker ? worker->vendor : NULL);
@@ -41,7 +41,7 @@ static void write_process(const struct worker_process *worker, struct json_write
         json_write_integer(writer, job);
     else
         json_write_null(writer);
-    json_write_integer_member(writer, "frames", worker ? (int64_t)worker->hand.count : 0);
+    json_write_integer_member(writer, "frames", worker ? (int64_t)worker->in_flight.count : 0);
 }
 
 void worker_slot_write(const struct worker_slot *slot, int id, struct json_writer *writer)

@@ -114,9 +114,9 @@ static void a_job_that_is_over_keeps_nobody_out(void **state)
     int32_t frame = -1;
 
     queue_cancel(fixture->queue, record->queued);
-    record->in_hand = 1;
+    record->frames_in_flight = 1;
     assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 1);
-    record->in_hand = 0;
+    record->frames_in_flight = 0;
     assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 0);
 }
 

@@ -8,10 +8,10 @@
 
 #include <cmocka.h>
 
-static size_t count_for(double frame_s, int64_t left, int workers, size_t in_hand)
+static size_t count_for(double frame_s, int64_t left, int workers, size_t in_flight)
 {
     return dispatch_count(
-        &(struct dispatch_load){.frame_s = frame_s, .left = left, .workers = workers, .in_hand = in_hand});
+        &(struct dispatch_load){.frame_s = frame_s, .left = left, .workers = workers, .in_flight = in_flight});
 }
 
 static void unknown_duration_gives_one_frame(void **state)
@@ -78,10 +78,10 @@ static void idle_worker_always_gets_a_frame(void **state)
             assert_true(count_for(frame_s, 1, workers, 0) == 1);
 }
 
-static size_t count_behind(double strangers_s, double frame_s)
+static size_t count_behind(double other_jobs_s, double frame_s)
 {
     return dispatch_count(
-        &(struct dispatch_load){.frame_s = frame_s, .left = 1000000, .workers = 2, .strangers_s = strangers_s});
+        &(struct dispatch_load){.frame_s = frame_s, .left = 1000000, .workers = 2, .other_jobs_s = other_jobs_s});
 }
 
 static void frame_of_another_job_counts_by_its_length(void **state)

@@ -57,7 +57,7 @@ static void any_message_is_a_heartbeat(void **state)
     struct liveness liveness = ready_worker();
 
     run_until(&liveness, 9000, false, 0, 0);
-    liveness_hear(&liveness, 9000);
+    liveness_note_message(&liveness, 9000);
     assert_int_equal(run_until(&liveness, 19000, false, 0, 0), LIVENESS_ALIVE);
     assert_int_equal(run_until(&liveness, 20000, false, 0, 0), LIVENESS_SILENT);
 }

@@ -144,17 +144,17 @@ static void settling_waits_for_what_was_put(void **state)
     told[0] = '\0';
     uv_loop_init(&loop);
     committer = committer_create(&loop, store);
-    committer_settle(committer, on_done, (void *)&idle);
+    committer_flush(committer, on_done, (void *)&idle);
     assert_string_equal(told, "1+");
     put(committer, COMMIT_CERTAIN, 1, &put_one);
-    committer_settle(committer, on_done, (void *)&behind);
+    committer_flush(committer, on_done, (void *)&behind);
     assert_string_equal(told, "1+");
     while (!committer_is_idle(committer) || !strchr(told, '3'))
         uv_run(&loop, UV_RUN_ONCE);
     assert_string_equal(told, "1+ 2+ 3+");
     // The id is taken: the batch fails, what asked is told, and no commit of nothing hides the trouble.
     put(committer, COMMIT_OR_DROP, 1, &put_one);
-    committer_settle(committer, on_done, (void *)&behind);
+    committer_flush(committer, on_done, (void *)&behind);
     while (!committer_trouble(committer) || !strchr(told + 8, '3'))
         uv_run(&loop, UV_RUN_ONCE);
     assert_string_equal(told, "1+ 2+ 3+ 2- 3+");
