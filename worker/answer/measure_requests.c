@@ -51,13 +51,6 @@ static bool read_text(const struct json_node *params, const char *key, const cha
     return json_read_string(&node, text, error);
 }
 
-static bool check_renderer(const struct request_tools *tools, struct error *error)
-{
-    if (tools->renderer) return true;
-    error_set(error, "the worker has no GL context: it was started with --backend none");
-    return false;
-}
-
 bool measure_answer_reach(const struct json_node *params, const struct request_tools *tools, struct json_writer *writer,
                           enum message_code *code, struct error *error)
 {
@@ -230,7 +223,8 @@ bool measure_answer_truth(const struct json_node *params, const struct request_t
     *code = MESSAGE_CODE_PARAMS;
     if (!read_truth_request(params, &request, error)) goto out;
     *code = MESSAGE_CODE_INTERNAL;
-    if (!check_renderer(tools, error) || !hash_scene(tools, &request.job, request.frame, scene, error)) goto out;
+    if (!request_check_renderer(tools, error) || !hash_scene(tools, &request.job, request.frame, scene, error))
+        goto out;
     ok = chart_truth_load(&truth, request.file, scene, NULL) || find_truth(&request, tools, scene, &truth, error);
     if (ok) write_truth(writer, &truth, gl_context_facts(tools->context));
 out:
@@ -308,7 +302,7 @@ bool measure_answer_setting(const struct json_node *params, const struct request
         !request_read_job(params, &setting.job, error))
         goto out;
     *code = MESSAGE_CODE_INTERNAL;
-    ok = check_renderer(tools, error) && chart_truth_load(&truth, setting.file, scene, error) &&
+    ok = request_check_renderer(tools, error) && chart_truth_load(&truth, setting.file, scene, error) &&
          measure_setting(&setting, tools, &truth, writer, error);
 out:
     chart_truth_finish(&truth);

@@ -102,10 +102,7 @@ bool measure_answer_strip(const struct json_node *params, const struct request_t
     if (!json_read_integer(&frame, 0, FRAME_NUMBER_LIMIT - 1, &number, error) ||
         !json_read_string(&out, &request.out, error))
         return false;
-    if (!tools->renderer) {
-        error_set(error, "the worker has no GL context: it was started with --backend none");
-        return false;
-    }
+    if (!request_check_renderer(tools, error)) return false;
     request.frame = (int32_t)number;
     ok = render_all(&request, params, code, error) && write_strip(&request, writer, error);
     for (size_t i = 0; request.images && i <= request.count; i++)

@@ -6,217 +6,9 @@
 #include "core/job/job.h"
 #include "core/job/job_check.h"
 #include "core/job/job_json.h"
-#include "core/json/json_write.h"
-#include "worker/answer/explain.h"
-#include "worker/answer/measure_requests.h"
-#include "worker/answer/plan_answer.h"
-#include "worker/answer/request_verify.h"
-#include "worker/plan/plan.h"
-#include "worker/process/connection.h"
-#include "worker/sheet/preview.h"
+#include "core/json/json_read.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-
-enum { FILE_LIMIT = 100 * 1000, TILE_WIDTH_LIMIT = 4096, COLUMN_LIMIT = 1000, EXPOSURE_LIMIT_STOPS = 60 };
-
-bool request_read_job(const struct json_node *params, struct job *job, struct error *error)
-{
-    struct json_node document = json_node_child(params, "document");
-    struct json_node document_root = json_node_root(document.value); // whose places are named as in the job file
-    struct json_node output_root = json_node_child(params, "root");
-    const char *output_root_path = NULL;
-
-    if (!json_node_is_absent(&output_root) && !json_read_string(&output_root, &output_root_path, error)) return false;
-    if (!job_from_json(job, &document_root, output_root_path, error)) return false;
-    if (job_check_inputs(job, &document_root, error)) return true;
-    job_finish(job);
-    return false;
-}
-
-static bool answer_explain(const struct json_node *params, const struct request_tools *tools,
-                           struct json_writer *writer, enum message_code *code, struct error *error)
-{
-    struct json_writer foretold = {0};
-    struct job job = {0}, planned;
-    struct plan plan;
-    bool ok;
-
-    *code = MESSAGE_CODE_PARAMS;
-    if (!request_read_job(params, &job, error)) return false;
-    *code = MESSAGE_CODE_INTERNAL;
-    if (job.quality.method == JOB_METHOD_AUTO) {
-        ok = plan_answer_write(&job, tools, &foretold, &plan, error);
-        if (ok) planned = plan_apply(&plan, &job);
-        ok = ok && explain_write(&planned, tools->shader_dir, &foretold, writer, error);
-    } else {
-        ok = explain_write(&job, tools->shader_dir, NULL, writer, error);
-    }
-    json_writer_finish(&foretold);
-    job_finish(&job);
-    return ok;
-}
-
-static bool answer_plan(const struct json_node *params, const struct request_tools *tools, struct json_writer *writer,
-                        enum message_code *code, struct error *error)
-{
-    struct job job = {0};
-    bool ok;
-
-    *code = MESSAGE_CODE_PARAMS;
-    if (!request_read_job(params, &job, error)) return false;
-    ok = job.quality.method == JOB_METHOD_AUTO;
-    if (!ok) {
-        error_set(error, "quality: expected a tolerance, as other jobs say themselves how they are rendered");
-    } else {
-        *code = MESSAGE_CODE_INTERNAL;
-        ok = plan_answer_write(&job, tools, writer, NULL, error);
-    }
-    job_finish(&job);
-    return ok;
-}
-
-// The strings of an array, borrowed from the document; the array itself is owned by the caller.
-static bool read_strings(const struct json_node *node, const char ***strings, size_t *count, struct error *error)
-{
-    struct json_node element = {0};
-
-    if (!json_check_array(node, 1, FILE_LIMIT, error)) return false;
-    *count = json_node_count(node);
-    *strings = xcalloc(*count, sizeof **strings);
-    for (size_t i = 0; json_node_next(node, &element); i++)
-        if (!json_read_string(&element, &(*strings)[i], error)) return false;
-    return true;
-}
-
-static bool read_optional_integer(const struct json_node *params, const char *key, int max, int *number,
-                                  struct error *error)
-{
-    struct json_node node = json_node_child(params, key);
-    int64_t integer;
-
-    if (json_node_is_absent(&node)) return true;
-    if (!json_read_integer(&node, 0, max, &integer, error)) return false;
-    *number = (int)integer;
-    return true;
-}
-
-static bool read_exposure(const struct json_node *params, struct preview_params *preview, struct error *error)
-{
-    struct json_node node = json_node_child(params, "exposure");
-
-    preview->has_exposure = !json_node_is_absent(&node) && json_node_type(&node) != JSON_NULL;
-    return !preview->has_exposure ||
-           json_read_number(&node, -EXPOSURE_LIMIT_STOPS, EXPOSURE_LIMIT_STOPS, &preview->exposure, error);
-}
-
-static bool read_labels(const struct json_node *params, struct preview_params *preview, const char ***labels,
-                        struct error *error)
-{
-    struct json_node node = json_node_child(params, "labels");
-    size_t count;
-
-    if (json_node_is_absent(&node) || json_node_type(&node) == JSON_NULL) return true;
-    if (!read_strings(&node, labels, &count, error)) return false;
-    if (count != preview->file_count) return json_fail(&node, error, "expected as many labels as files");
-    preview->labels = *labels;
-    return true;
-}
-
-static bool answer_preview(const struct json_node *params, const struct request_tools *tools,
-                           struct json_writer *writer, enum message_code *code, struct error *error)
-{
-    struct json_node files = json_node_child(params, "files"), out = json_node_child(params, "out");
-    const char **names = NULL, **labels = NULL;
-    struct preview_params preview = {0};
-    struct preview_result result;
-    bool ok;
-
-    *code = MESSAGE_CODE_PARAMS;
-    ok = read_strings(&files, &names, &preview.file_count, error) && read_labels(params, &preview, &labels, error) &&
-         read_optional_integer(params, "columns", COLUMN_LIMIT, &preview.columns, error) &&
-         read_optional_integer(params, "tile_width_px", TILE_WIDTH_LIMIT, &preview.tile_width_px, error) &&
-         read_exposure(params, &preview, error) && json_read_string(&out, &preview.out, error);
-    preview.files = names;
-    if (ok) {
-        *code = MESSAGE_CODE_INTERNAL;
-        ok = preview_write_sheet(&preview, &result, error);
-    }
-    if (ok) {
-        json_write_begin_object(writer);
-        json_write_number_member(writer, "exposure", result.exposure);
-        json_write_integer_member(writer, "width_px", result.width_px);
-        json_write_integer_member(writer, "height_px", result.height_px);
-        json_write_end_object(writer);
-    }
-    free(names);
-    free(labels);
-    return ok;
-}
-
-static bool answer_frames_png(const struct json_node *params, const struct request_tools *tools,
-                              struct json_writer *writer, enum message_code *code, struct error *error)
-{
-    struct json_node files = json_node_child(params, "files"), folder = json_node_child(params, "folder");
-    const char **names = NULL;
-    struct preview_params preview = {0};
-    struct preview_result result;
-    bool ok;
-
-    *code = MESSAGE_CODE_PARAMS;
-    ok = read_strings(&files, &names, &preview.file_count, error) && read_exposure(params, &preview, error) &&
-         json_read_string(&folder, &preview.out, error);
-    preview.files = names;
-    if (ok) {
-        *code = MESSAGE_CODE_INTERNAL;
-        ok = preview_write_frames(&preview, &result, error);
-    }
-    if (ok) {
-        json_write_begin_object(writer);
-        json_write_key(writer, "files");
-        json_write_begin_array(writer);
-        for (size_t i = 0; i < preview.file_count; i++) {
-            char name[PREVIEW_NAME_SIZE];
-
-            preview_format_name(i, name);
-            json_write_string(writer, name);
-        }
-        json_write_end_array(writer);
-        json_write_number_member(writer, "exposure", result.exposure);
-        json_write_end_object(writer);
-    }
-    free(names);
-    return ok;
-}
-
-static const struct {
-    const char *method;
-    request_function *answer;
-} answers[] = {
-    {"worker.explain", answer_explain},
-    {"worker.preview", answer_preview},
-    {"worker.frames_png", answer_frames_png},
-    {"worker.reach", measure_answer_reach},
-    {"worker.truth", measure_answer_truth},
-    {"worker.measure", measure_answer_setting},
-    {"worker.error_strip", measure_answer_strip},
-    {"worker.verify", request_answer_verify},
-    {"worker.plan", answer_plan},
-};
-
-static request_function *find_answer(const char *method)
-{
-    for (size_t i = 0; i < sizeof answers / sizeof answers[0]; i++)
-        if (!strcmp(method, answers[i].method)) return answers[i].answer;
-    return NULL;
-}
-
-bool request_is_known(const char *method)
-{
-    return find_answer(method) != NULL;
-}
 
 struct request *request_create(struct message *message)
 {
@@ -243,21 +35,23 @@ void request_destroy_all(struct request *first)
     }
 }
 
-void request_answer(const struct request *request, const struct request_tools *tools, struct connection *connection)
+bool request_read_job(const struct json_node *params, struct job *job, struct error *error)
 {
-    const struct message *message = &request->message;
-    struct json_writer result = {0}, writer = {0};
-    enum message_code code = MESSAGE_CODE_INTERNAL;
-    struct error error = {0};
+    struct json_node document = json_node_child(params, "document");
+    struct json_node document_root = json_node_root(document.value); // whose places are named as in the job file
+    struct json_node output_root = json_node_child(params, "root");
+    const char *output_root_path = NULL;
 
-    if (find_answer(message->method)(&message->body, tools, &result, &code, &error)) {
-        message_begin_result(&writer, message->id);
-        json_write_raw(&writer, result.text, result.length);
-        message_end(&writer);
-    } else {
-        message_write_error(&writer, message->id, code, error.message);
-    }
-    connection_send(connection, &writer);
-    json_writer_finish(&writer);
-    json_writer_finish(&result);
+    if (!json_node_is_absent(&output_root) && !json_read_string(&output_root, &output_root_path, error)) return false;
+    if (!job_from_json(job, &document_root, output_root_path, error)) return false;
+    if (job_check_inputs(job, &document_root, error)) return true;
+    job_finish(job);
+    return false;
+}
+
+bool request_check_renderer(const struct request_tools *tools, struct error *error)
+{
+    if (tools->renderer) return true;
+    error_set(error, "the worker has no GL context: it was started with --backend none");
+    return false;
 }

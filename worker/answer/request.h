@@ -1,4 +1,4 @@
-// Questions that are answered rather than rendered: explain, preview, frames_png, verify.
+// A request that waits for its answer, and what the functions that answer requests share.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,7 +6,6 @@
 
 #include <stdbool.h>
 
-struct connection;
 struct error;
 struct gl_context;
 struct job;
@@ -19,9 +18,7 @@ struct request {
     struct request *next;   // on the worker's list of requests
 };
 
-// True for a method that request_answer knows.
-bool request_is_known(const char *method);
-// Takes the message over; it must be of a known method.
+// Takes the message over.
 struct request *request_create(struct message *message);
 void request_destroy(struct request *request);
 void request_destroy_all(struct request *first);
@@ -39,8 +36,7 @@ struct request_tools {
 typedef bool request_function(const struct json_node *params, const struct request_tools *tools,
                               struct json_writer *writer, enum message_code *code, struct error *error);
 
-// Does what is asked, however long it takes, and sends the result or an error.
-void request_answer(const struct request *request, const struct request_tools *tools, struct connection *connection);
-
 // Reads the job that a request is about, from its members `document` and `root` (absent: any).
 bool request_read_job(const struct json_node *params, struct job *job, struct error *error);
+// False, with `error`, when there is no renderer.
+bool request_check_renderer(const struct request_tools *tools, struct error *error);

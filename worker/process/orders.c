@@ -11,6 +11,7 @@
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 #include "worker/answer/request.h"
+#include "worker/answer/requests.h"
 #include "worker/process/report.h"
 #include "worker/process/worker.h"
 
@@ -158,7 +159,7 @@ static void take_request(struct worker *worker, struct message *message)
     struct request **link = &worker->requests;
     struct request *request;
 
-    if (!request_is_known(message->method)) {
+    if (!requests_is_known(message->method)) {
         refuse_request(worker, message->id, MESSAGE_CODE_NO_METHOD, "no such method");
         message_finish(message);
         return;

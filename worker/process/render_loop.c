@@ -2,7 +2,9 @@
 #include "worker/process/render_loop.h"
 
 #include "core/base/error.h"
+#include "core/json/json_write.h"
 #include "worker/answer/request.h"
+#include "worker/answer/requests.h"
 #include "worker/audit/gate.h"
 #include "worker/gl/gl_context.h"
 #include "worker/picture/audit_result.h"
@@ -289,6 +291,7 @@ static void work(struct render_loop *loop)
                                         .renderer = loop->renderer,
                                         .is_wanted = is_answer_wanted,
                                         .user = worker};
+    struct json_writer reply = {0};
     struct request *request;
 
     while (wait_for_work(loop, &request)) {
@@ -296,10 +299,12 @@ static void work(struct render_loop *loop)
             render_frame(loop);
             continue;
         }
-        request_answer(request, &tools, &worker->connection);
+        requests_answer(request, &tools, &reply);
+        connection_send(&worker->connection, &reply);
         request_destroy(request);
         worker_advance(worker);
     }
+    json_writer_finish(&reply);
 }
 
 void *render_loop_run(void *user)
