@@ -22,6 +22,7 @@
 #include "worker/scene/camera_view.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/scene/scene_sight.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -479,6 +480,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (!open_inputs(renderer, job, frame, &inputs, &result->fault, error)) goto out;
     memcpy(result->picture_hash, inputs.picture_hash, sizeof result->picture_hash);
     result->step = inputs.quality.step;
+    scene_sight_find(job, &inputs, frame, inputs.is_unneeded);
     ok = render_inputs(renderer, &request, false, result, error);
     if (result->fault == RENDERER_FAULT_ENDLESS && can_be_sliced(job, &inputs))
         ok = render_inputs(renderer, &request, true, result, error);

@@ -4,7 +4,6 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/scene/input_path.h"
-#include "worker/scene/scene_sight.h"
 #include "worker/sparse/brick_atlas.h"
 #include "worker/volume/volume_layout.h"
 #include "worker/volume/volume_stream.h"
@@ -282,15 +281,6 @@ static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, 
     return true;
 }
 
-static void find_unneeded(struct scene_inputs *inputs, const struct job *job, int32_t frame)
-{
-    bool is_needed[SCENE_MEDIUM_LIMIT];
-
-    scene_sight_find(job, inputs, frame, is_needed);
-    for (size_t i = 0; i < job->scene.medium_count; ++i)
-        inputs->is_unneeded[i] = !is_needed[i];
-}
-
 static void hash_picture(struct scene_inputs *inputs, const struct job *job)
 {
     char media[SCENE_MEDIUM_LIMIT][HASH_TEXT_SIZE] = {{0}}, textures[1 + SCENE_OBJECT_LIMIT][HASH_TEXT_SIZE] = {{0}};
@@ -377,9 +367,7 @@ bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32
     for (size_t i = 0; i < job->scene.object_count; ++i)
         if (!open_texture(inputs, job, i, files, is_lasting, error)) goto fail;
     if (!resolve_quality(inputs, job, error)) goto fail;
-    if (!files) return true;
-    hash_picture(inputs, job);
-    find_unneeded(inputs, job, frame);
+    if (files) hash_picture(inputs, job);
     return true;
 fail:
     scene_inputs_finish(inputs);

@@ -48,7 +48,7 @@ struct scene_inputs {
     struct brick_store *bricks;                        // borrowed; outlives us. NULL when only described
     struct scene_input media[SCENE_MEDIUM_LIMIT];      // by medium
     struct texture_input textures[SCENE_OBJECT_LIMIT]; // by object
-    bool is_unneeded[SCENE_MEDIUM_LIMIT]; // the frame shows nothing of the medium; never when only described
+    bool is_unneeded[SCENE_MEDIUM_LIMIT]; // the frame shows nothing of the medium; scene_sight_find sets it
     // The job's quality with its steps in metres.
     struct job_quality quality;
     // Of all its files; empty when there are none, or when only described.

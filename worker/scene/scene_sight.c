@@ -87,7 +87,7 @@ static bool is_between(const struct scene *scene, const struct scene_ball *balls
     return false;
 }
 
-static void look(const struct job *job, const struct scene_inputs *inputs, double time, bool *is_needed)
+static void look(const struct job *job, const struct scene_inputs *inputs, double time, bool *is_unneeded)
 {
     const struct scene *scene = &job->scene;
     struct scene_ball balls[SCENE_MEDIUM_LIMIT];
@@ -100,15 +100,15 @@ static void look(const struct job *job, const struct scene_inputs *inputs, doubl
         is_seen[i] = !has_view || is_passed(&balls[i], &view, &scene->camera);
     }
     for (size_t i = 0; i < scene->medium_count; ++i)
-        if (is_seen[i] || is_between(scene, balls, is_seen, i, time)) is_needed[i] = true;
+        if (is_seen[i] || is_between(scene, balls, is_seen, i, time)) is_unneeded[i] = false;
 }
 
 void scene_sight_find(const struct job *job, const struct scene_inputs *inputs, int32_t frame,
-                      bool is_needed[static SCENE_MEDIUM_LIMIT])
+                      bool is_unneeded[static SCENE_MEDIUM_LIMIT])
 {
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
-        is_needed[i] = job->scene.object_count > 0;
+        is_unneeded[i] = i < job->scene.medium_count && job->scene.object_count == 0;
     if (job->scene.object_count > 0) return;
     for (int i = 0; i < pixel_samples_count(job); ++i)
-        look(job, inputs, pixel_samples_time(job, frame, i), is_needed);
+        look(job, inputs, pixel_samples_time(job, frame, i), is_unneeded);
 }

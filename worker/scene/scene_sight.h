@@ -20,4 +20,4 @@ struct scene_ball scene_sight_ball(const struct job *job, const struct scene_inp
 // Looks at each moment that the frame's samples see. In doubt a medium is needed; where there are objects, which send rays
 // anywhere, all are.
 void scene_sight_find(const struct job *job, const struct scene_inputs *inputs, int32_t frame,
-                      bool is_needed[static SCENE_MEDIUM_LIMIT]);
+                      bool is_unneeded[static SCENE_MEDIUM_LIMIT]);

@@ -47,9 +47,9 @@ static char *text_of_frame(const struct job *job, int32_t frame)
     char *text;
 
     scene_files_init(&files);
-    if (!scene_inputs_open(&inputs, job, frame, &files, NULL, &error) ||
-        !scene_program_init(&program, job, &inputs, NULL, &error))
-        fail_msg("%s", error.message);
+    if (!scene_inputs_open(&inputs, job, frame, &files, NULL, &error)) fail_msg("%s", error.message);
+    scene_sight_find(job, &inputs, frame, inputs.is_unneeded);
+    if (!scene_program_init(&program, job, &inputs, NULL, &error)) fail_msg("%s", error.message);
     text = strdup(program.fragment);
     scene_program_finish(&program);
     scene_inputs_finish(&inputs);
@@ -193,10 +193,10 @@ static void whatever_is_met_is_kept(void **state)
         struct scene_inputs inputs = {0};
         struct scene_ball balls[3];
         struct camera_view view;
-        bool is_needed[SCENE_MEDIUM_LIMIT], is_seen[3] = {false, false, false};
+        bool is_unneeded[SCENE_MEDIUM_LIMIT], is_seen[3] = {false, false, false};
 
         parse_random(&job, &random);
-        scene_sight_find(&job, &inputs, 0, is_needed);
+        scene_sight_find(&job, &inputs, 0, is_unneeded);
         assert_true(camera_view_init(&view, &job.scene.camera, 0, COLUMNS, ROWS, NULL));
         for (size_t i = 0; i < 3; ++i) {
             struct vector eye;
@@ -205,12 +205,12 @@ static void whatever_is_met_is_kept(void **state)
             balls[i] = scene_sight_ball(&job, &inputs, i, 0);
             for (int k = 0; k < COLUMNS * ROWS; ++k)
                 is_seen[i] |= meets(&balls[i], eye, ray_of(&view, k % COLUMNS, k / COLUMNS), INFINITY);
-            if (is_seen[i]) assert_true(is_needed[i]);
-            left_out += !is_needed[i];
+            if (is_seen[i]) assert_false(is_unneeded[i]);
+            left_out += is_unneeded[i];
         }
         for (size_t i = 0; i < 9; ++i)
             if (is_seen[i / 3] && shades(&balls[i % 3], &balls[i / 3], &job.scene.lights[0], &random)) {
-                assert_true(is_needed[i % 3]);
+                assert_false(is_unneeded[i % 3]);
                 kept_for_shadows += !is_seen[i % 3];
             }
         job_finish(&job);
