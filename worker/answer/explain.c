@@ -52,7 +52,7 @@ static void say_of_medium(const struct listing *listing, size_t i, bool is_model
 static void list_region(const struct listing *listing, size_t i)
 {
     static const char *const regions[] = {"the job gives none", "a sphere", "a box", "a slab"};
-    const struct medium_features *features = &listing->program->features.media[i];
+    const struct medium_features *features = &listing->program->model.features.media[i];
     enum scene_bounds_kind bounds = listing->job->scene.media[i].density.bounds.kind;
 
     say_of_medium(listing, i, bounds != SCENE_BOUNDS_NONE, "bounds", regions[bounds]);
@@ -84,7 +84,7 @@ static void list_phase(const struct listing *listing, size_t i)
 {
     static const char *const names[] = {
         [LOBE_ISOTROPIC] = "isotropic", [LOBE_HENYEY_GREENSTEIN] = "Henyey-Greenstein", [LOBE_RAYLEIGH] = "Rayleigh"};
-    const struct medium_features *features = &listing->program->features.media[i];
+    const struct medium_features *features = &listing->program->model.features.media[i];
     const struct scene_medium *medium = &listing->job->scene.media[i];
     char lobes[32 * SCENE_LOBE_LIMIT] = "";
     size_t length = 0;
@@ -98,7 +98,7 @@ static void list_phase(const struct listing *listing, size_t i)
 
 static void list_coefficients(const struct listing *listing, size_t i)
 {
-    const struct medium_features *features = &listing->program->features.media[i];
+    const struct medium_features *features = &listing->program->model.features.media[i];
     const struct scene_medium *medium = &listing->job->scene.media[i];
 
     say_of_medium(listing, i, features->has_color, "transfer function",
@@ -145,7 +145,7 @@ static void list_grid(const struct listing *listing, size_t i)
 
 static void list_medium(const struct listing *listing, size_t i)
 {
-    const struct scene_features *features = &listing->program->features;
+    const struct scene_features *features = &listing->program->model.features;
     bool is_seen = features->media[i].is_seen;
     const struct scene_density *density = &listing->job->scene.media[i].density;
     char name[64];
@@ -167,7 +167,7 @@ static void list_medium(const struct listing *listing, size_t i)
 
 static void list_lights(const struct listing *listing)
 {
-    const struct scene_features *features = &listing->program->features;
+    const struct scene_features *features = &listing->program->model.features;
     const struct scene *scene = &listing->job->scene;
 
     for (size_t i = 0; i < scene->light_count; ++i) {
@@ -206,7 +206,7 @@ static void list_texture(const struct listing *listing, size_t i)
 static void list_object(const struct listing *listing, size_t i)
 {
     static const char *const fresnels[] = {"exact", "Schlick's", "no"};
-    const struct object_features *object = &listing->program->features.objects[i];
+    const struct object_features *object = &listing->program->model.features.objects[i];
     const struct scene_object *source = &listing->job->scene.objects[i];
     char name[64], reflected[96] = "";
 
@@ -224,7 +224,7 @@ static void list_object(const struct listing *listing, size_t i)
 
 static void list_surfaces(const struct listing *listing)
 {
-    const struct scene_features *features = &listing->program->features;
+    const struct scene_features *features = &listing->program->model.features;
     const struct job_quality *quality = &listing->job->quality;
 
     if (!features->has_objects) {
@@ -250,7 +250,7 @@ static void list_surfaces(const struct listing *listing)
 
 static void list_outputs(const struct listing *listing)
 {
-    const struct scene_features *features = &listing->program->features;
+    const struct scene_features *features = &listing->program->model.features;
     const struct scene *scene = &listing->job->scene;
 
     say(listing, features->has_extinction, "extinction", "%s",
@@ -299,7 +299,7 @@ static void list_motion(const struct listing *listing)
 
 static void list_samples(const struct listing *listing)
 {
-    bool has_samples = listing->program->features.has_samples;
+    bool has_samples = listing->program->model.features.has_samples;
     double shutter = listing->job->scene.camera.shutter;
     int samples = pixel_samples_count(listing->job);
 
@@ -334,11 +334,12 @@ static void list_light_grids(const struct listing *listing)
 static void list_method(const struct listing *listing)
 {
     const struct job_quality *quality = &listing->job->quality;
-    const struct scene_features *features = &listing->program->features;
+    const struct scene_features *features = &listing->program->model.features;
     bool has_media = features->has_media;
 
     if (features->marches)
-        say(listing, true, "marching", "%s, step %g m", job_method_name(quality->method), listing->program->step);
+        say(listing, true, "marching", "%s, step %g m", job_method_name(quality->method),
+            scene_model_quality(&listing->program->model)->step);
     else
         say(listing, false, "marching", "%s",
             has_media ? "density changes at faces only: each stretch between them is one segment"

@@ -7,11 +7,7 @@
 #include <stdio.h>
 
 struct density_site;
-struct error;
 struct job;
-struct scene_cache;
-
-enum { DENSITY_BAKE_CACHES = 2 }; // the field's samples and what is kept of them
 
 // Values stand at the corners of the grid's cells. Its middle is the centre of the medium's bounds.
 struct density_bake {
@@ -24,10 +20,8 @@ struct density_bake {
 // False where a medium's density is taken as it is: the job asks for no grid, its kind is not for that or gains nothing, or its
 // bounds fit into no box.
 bool density_bake_find(struct density_bake *bake, const struct job *job, size_t medium);
+struct density_bake density_bake_of(const struct density_site *site); // of a medium that is baked
 // Half the sides of a box along the world's axes that holds the medium's bounds throughout the job; false where there is none.
 bool density_bake_find_bounds(double half_size[static 3], const struct density_site *site);
 // Emits float medium_I_baked(vec3 p), p as density_kind.write_baked has it: what the grid has there, between corners trilinear.
 void density_bake_write_look(FILE *out, const struct density_site *site);
-// Appends the caches that make the grid of a medium that is baked. `caches` has room for DENSITY_BAKE_CACHES more.
-bool density_bake_add_caches(struct scene_cache *caches, size_t *count, const struct density_site *site,
-                             const char *shader_dir, struct error *error);

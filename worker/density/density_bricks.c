@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/density/affine.h"
 #include "worker/density/grid_look.h"
+#include "worker/glsl/texture_units.h"
 #include "worker/glsl/timeline_value.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/sparse/brick_atlas.h"
@@ -138,9 +139,9 @@ static const char *const *modules(const struct density_site *site)
 static void write_glow(FILE *out, const char *filter, size_t i)
 {
     fprintf(out,
-            "layout(binding = %zu) uniform sampler2DArray medium_%zu_heat;\n"
-            "layout(binding = %zu) uniform sampler2D medium_%zu_blackbody;\n",
-            4 * i + 2, i, 4 * i + 3, i);
+            "layout(binding = %u) uniform sampler2DArray medium_%zu_heat;\n"
+            "layout(binding = %u) uniform sampler2D medium_%zu_blackbody;\n",
+            texture_unit_of_medium(i, MEDIUM_TEXTURE_EXTRA), i, texture_unit_of_medium(i, MEDIUM_TEXTURE_BLACKBODY), i);
     fprintf(out,
             "vec3 medium_%zu_glow(vec3 p)\n{\n"
             "    vec3 at = density_bricks_at(medium_%zu_bricks(), p);\n"
@@ -158,11 +159,12 @@ static void write(FILE *out, const struct density_site *site)
     size_t i = site->medium;
 
     fprintf(out,
-            "layout(binding = %zu) uniform sampler2DArray medium_%zu_atlas;\n"
-            "layout(binding = %zu) uniform usampler3D medium_%zu_index;\n"
+            "layout(binding = %u) uniform sampler2DArray medium_%zu_atlas;\n"
+            "layout(binding = %u) uniform usampler3D medium_%zu_index;\n"
             "DensityBricks medium_%zu_bricks()\n{\n    return DensityBricks(medium_%zu_to_lattice, medium_%zu_shift, "
             "medium_%zu_low, medium_%zu_high);\n}\n",
-            4 * i, i, 4 * i + 1, i, i, i, i, i, i);
+            texture_unit_of_medium(i, MEDIUM_TEXTURE_VALUES), i, texture_unit_of_medium(i, MEDIUM_TEXTURE_BRICKS), i, i,
+            i, i, i, i);
     fprintf(out,
             "vec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n"
             "    return density_bricks_span(medium_%zu_bricks(), origin, direction);\n}\n",

@@ -9,7 +9,6 @@
 #include "worker/glsl/glsl_scanner.h"
 #include "worker/glsl/scene_anchor.h"
 #include "worker/glsl/timeline_value.h"
-#include "worker/model/scene_values.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -241,7 +240,7 @@ static void add_baked_values(struct frame_uniforms *uniforms, const struct densi
 
     frame_uniforms_add(uniforms, timeline_value_place(&density->bounds.center, "bounds.center"),
                        "medium_%zu_bounds_center", site->medium);
-    if (uses_time(&density->glsl)) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
+    if (uses_time(&density->glsl)) frame_uniforms_add(uniforms, timeline_value_time(), "time_s");
 }
 
 static void write_baked(FILE *out, const struct density_site *site)

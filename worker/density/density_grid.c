@@ -2,6 +2,7 @@
 #include "core/job/job.h"
 #include "worker/density/affine.h"
 #include "worker/density/grid_look.h"
+#include "worker/glsl/texture_units.h"
 #include "worker/glsl/timeline_value.h"
 #include "worker/scene/scene_inputs.h"
 
@@ -104,9 +105,10 @@ static const char *const *modules(const struct density_site *site)
 static void write_grid(FILE *out, const struct scene_input *input, size_t i)
 {
     fprintf(out,
-            "layout(binding = %zu) uniform %ssampler2DArray medium_%zu_voxels;\n"
-            "layout(binding = %zu) uniform sampler3D medium_%zu_bricks;\n",
-            4 * i, grid_look_sampler_prefix(input->header.type), i, 4 * i + 1, i);
+            "layout(binding = %u) uniform %ssampler2DArray medium_%zu_voxels;\n"
+            "layout(binding = %u) uniform sampler3D medium_%zu_bricks;\n",
+            texture_unit_of_medium(i, MEDIUM_TEXTURE_VALUES), grid_look_sampler_prefix(input->header.type), i,
+            texture_unit_of_medium(i, MEDIUM_TEXTURE_BRICKS), i);
     fprintf(out,
             "DensityGrid medium_%zu_grid()\n{\n    return DensityGrid(medium_%zu_to_index, medium_%zu_shift, "
             "medium_%zu_size, medium_%zu_slope, medium_%zu_intercept);\n}\n",
@@ -180,12 +182,12 @@ static void write_most(FILE *out, const struct density_site *site)
     size_t i = site->medium;
 
     fprintf(out,
-            "layout(binding = %zu) uniform sampler3D medium_%zu_majorants;\n"
+            "layout(binding = %u) uniform sampler3D medium_%zu_majorants;\n"
             "float medium_%zu_most(vec3 p, vec3 direction, inout float reach)\n{\n"
             "    vec3 at = density_grid_index(medium_%zu_grid(), p);\n    float own;\n"
             "    float most = density_grid_majorant(medium_%zu_majorants, medium_%zu_grid(), at, direction, own);\n"
             "    if (most <= 0.0) own = max(own, medium_%zu_skip(at, direction));\n    reach = min(reach, own);\n",
-            4 * i + 2, i, i, i, i, i, i);
+            texture_unit_of_medium(i, MEDIUM_TEXTURE_EXTRA), i, i, i, i, i, i);
     if (grid->point_count > 0)
         fprintf(out, "    return transfer_extinction(most, medium_%zu_unit_distance);\n}\n", i);
     else

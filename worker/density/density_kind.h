@@ -65,7 +65,7 @@ struct density_kind {
     //   float medium_I_clear(vec3 p, vec3 direction): how far along the ray there is none, 0 when nothing is known; and
     //   medium_I_density and medium_I_color of a vec4, which is what transfer_mean gives (has_table).
     // - vec3 medium_I_glow(vec3 p) (the medium has a blackbody): source per density.
-    // Opaque types (textures) it declares itself, at bindings 4 I to 4 I + 3.
+    // Opaque types (textures) it declares itself, at the medium's units (texture_units.h).
     void (*write)(FILE *out, const struct density_site *site);
     // What follows is for tracking among majorants (scene_features.has_majorants).
     // Adds medium_I_majorant, which the density before what the bounds' falloff leaves of it is nowhere above; NULL: there is

@@ -3,6 +3,7 @@
 
 #include "worker/density/affine.h"
 #include "worker/density/transfer_table.h"
+#include "worker/glsl/texture_units.h"
 #include "worker/glsl/timeline_value.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/sparse/transfer_function.h"
@@ -82,10 +83,10 @@ void grid_look_write_table(FILE *out, const struct scene_grid *grid, size_t i)
     double first = grid->points[0].value, last = grid->points[grid->point_count - 1].value;
 
     fprintf(out,
-            "layout(binding = %zu) uniform sampler2D medium_%zu_table;\n"
+            "layout(binding = %u) uniform sampler2D medium_%zu_table;\n"
             "float medium_%zu_place(float value)\n{\n    return (value - %.9e) * %.9e + 1.0;\n}\n"
             "TransferEnd medium_%zu_end_at(float place)\n{\n    return transfer_end(medium_%zu_table, place);\n}\n",
-            4 * i + 2, i, i, first, TRANSFER_TABLE_CELLS / (last - first), i, i);
+            texture_unit_of_medium(i, MEDIUM_TEXTURE_EXTRA), i, i, first, TRANSFER_TABLE_CELLS / (last - first), i, i);
     fprintf(out,
             "float medium_%zu_density(vec4 mean)\n{\n    return mean.a / medium_%zu_unit_distance;\n}\n"
             "vec3 medium_%zu_color(vec4 mean)\n{\n    return mean.rgb / max(mean.a, 1e-30);\n}\n",

@@ -19,6 +19,6 @@ void grid_look_add_values(struct frame_uniforms *uniforms, const struct density_
 // For a transfer function: medium_I_opacity and _rgb of a value, and medium_I_density and _color of a field whose x is an
 // opacity and z the value.
 void grid_look_write_transfer(FILE *out, const struct scene_grid *grid, size_t i);
-// With a table of the transfer function at binding 4 I + 2: medium_I_end_at, medium_I_place of a value, and medium_I_density
+// With a table of the transfer function at MEDIUM_TEXTURE_EXTRA: medium_I_end_at, medium_I_place of a value, and medium_I_density
 // and _color of a mean.
 void grid_look_write_table(FILE *out, const struct scene_grid *grid, size_t i);

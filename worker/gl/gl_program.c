@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/gl/gl_functions.h"
+#include "worker/glsl/shader_assembly.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -59,10 +60,10 @@ char *gl_program_translate_log(const char *log, const char *const *module_names,
         const char *start = strncmp(log, "ERROR: ", 7) == 0 ? log + 7 : log;
         unsigned long line = 0;
         const char *rest = parse_place(start, &line);
-        unsigned long module = line / GL_PROGRAM_LINE_STRIDE;
+        unsigned long module = line / SHADER_ASSEMBLY_LINE_STRIDE;
 
         if (rest && module < module_count) {
-            fprintf(stream, "%s:%lu", module_names[module], line % GL_PROGRAM_LINE_STRIDE);
+            fprintf(stream, "%s:%lu", module_names[module], line % SHADER_ASSEMBLY_LINE_STRIDE);
             fwrite(rest, 1, (size_t)(log + length - rest), stream);
         } else {
             fwrite(log, 1, length, stream);

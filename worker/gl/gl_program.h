@@ -8,10 +8,6 @@
 struct error;
 struct gl_functions;
 
-// `#line` gives the lines of module N the numbers N * GL_PROGRAM_LINE_STRIDE + 1 and up. The source string number that GLSL
-// has for this is 0 in some of Mesa's messages.
-enum { GL_PROGRAM_LINE_STRIDE = 10000 };
-
 struct gl_program_params {
     const char *vertex, *fragment; // of a picture
     const char *compute;           // of a program without a picture; NULL: it has one

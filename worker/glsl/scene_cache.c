@@ -32,9 +32,14 @@ size_t scene_cache_size_bytes(const struct scene_cache *cache)
     return (size_t)cache->size[0] * (size_t)cache->size[1] * (size_t)cache->size[2] * formats[cache->format].size_bytes;
 }
 
-void scene_cache_begin(const struct scene_cache *cache, FILE *out)
+bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, const char *shader_dir,
+                       struct error *error)
 {
-    fprintf(out,
+    if (!shader_assembly_begin(text, shader_dir, error)) {
+        scene_cache_finish(cache);
+        return false;
+    }
+    fprintf(text->out,
             "#version 450 core\n"
             "layout(local_size_x = %d, local_size_y = %d) in;\n"
             "layout(%s, binding = 0) writeonly uniform image3D cache_image;\n"
@@ -44,4 +49,17 @@ void scene_cache_begin(const struct scene_cache *cache, FILE *out)
             "    at = cache_first + ivec3(gl_GlobalInvocationID);\n"
             "    return all(lessThan(at, cache_invocations));\n}\n",
             SCENE_CACHE_GROUP_SIDE, SCENE_CACHE_GROUP_SIDE, formats[cache->format].name);
+    return true;
+}
+
+bool scene_cache_end(struct scene_cache *cache, struct shader_assembly *text)
+{
+    memcpy(cache->module_names, text->module_names, sizeof cache->module_names);
+    cache->module_count = text->module_count;
+    cache->text = shader_assembly_end(text);
+    if (cache->text)
+        hash_bytes(cache->text, strlen(cache->text), cache->hash);
+    else
+        scene_cache_finish(cache);
+    return cache->text != NULL;
 }

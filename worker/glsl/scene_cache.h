@@ -12,8 +12,6 @@
 #include <stdint.h>
 
 enum {
-    // Those before are the media's and the objects' images. Lights come first.
-    SCENE_CACHE_FIRST_UNIT = 48,
     SCENE_CACHE_LIMIT = 2 * (SCENE_LIGHT_LIMIT + SCENE_MEDIUM_LIMIT),
     SCENE_CACHE_GROUP_SIDE = 8 // invocations of a group along x and y
 };
@@ -29,7 +27,7 @@ enum scene_cache_format { SCENE_CACHE_R32F, SCENE_CACHE_RG32F, SCENE_CACHE_RGBA3
 struct scene_cache {
     char name[32]; // of the sampler in shaders that read it
     unsigned unit; // the texture unit where those find it, bound as GL_LINEAR and clamped to the edge
-    char *text;    // owned; `#line` numbers it as gl_program.h says
+    char *text;    // owned; `#line` numbers it as shader_assembly.h says
     const char *module_names[SHADER_ASSEMBLY_MODULE_LIMIT]; // as shader_assembly.h has them
     size_t module_count;
     char hash[HASH_TEXT_SIZE];      // of the text
@@ -47,5 +45,8 @@ void scene_cache_finish(struct scene_cache *cache); // accepts an empty one
 void scene_cache_hash(const struct scene_cache *cache, char hash[static HASH_TEXT_SIZE]);
 size_t scene_cache_size_bytes(const struct scene_cache *cache); // of the texture
 // Opens a program's text: version, layout, the image `cache_image` to write to, and
-// bool cache_find_invocation(out ivec3 at), which is false where there is nothing to do.
-void scene_cache_begin(const struct scene_cache *cache, FILE *out);
+// bool cache_find_invocation(out ivec3 at), which is false where there is nothing to do. On failure the cache is empty.
+bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, const char *shader_dir,
+                       struct error *error);
+// Takes the text over and sets its hash. On failure, with the reason where the text began, the cache is empty.
+bool scene_cache_end(struct scene_cache *cache, struct shader_assembly *text);

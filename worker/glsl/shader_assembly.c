@@ -2,10 +2,6 @@
 #include "worker/glsl/shader_assembly.h"
 
 #include "core/base/error.h"
-#include "worker/density/density_bake.h"
-#include "worker/density/density_kind.h"
-#include "worker/density/scene_bounds.h"
-#include "worker/gl/gl_program.h"
 #include "worker/glsl/shader_sources.h"
 
 #include <assert.h>
@@ -24,7 +20,7 @@ bool shader_assembly_begin(struct shader_assembly *assembly, const char *shader_
 static void begin_module(struct shader_assembly *assembly, const char *name)
 {
     assert(assembly->module_count < SHADER_ASSEMBLY_MODULE_LIMIT);
-    fprintf(assembly->out, "#line %zu %zu\n", assembly->module_count * GL_PROGRAM_LINE_STRIDE + 1,
+    fprintf(assembly->out, "#line %zu %zu\n", assembly->module_count * SHADER_ASSEMBLY_LINE_STRIDE + 1,
             assembly->module_count);
     assembly->module_names[assembly->module_count++] = name;
 }
@@ -58,35 +54,11 @@ void shader_assembly_generate(struct shader_assembly *assembly)
     fprintf(assembly->out, "#line %zu 0\n", line + 1);
 }
 
-static void add_text(struct shader_assembly *assembly, const struct density_text *text)
+void shader_assembly_add_text(struct shader_assembly *assembly, const char *name, const char *text)
 {
+    begin_module(assembly, name);
+    fprintf(assembly->out, "%s\n", text);
     shader_assembly_generate(assembly);
-    fputs(text->before, assembly->out);
-    begin_module(assembly, text->name);
-    fprintf(assembly->out, "%s\n", text->text);
-    shader_assembly_generate(assembly);
-    fputs(text->after, assembly->out);
-}
-
-void shader_assembly_add_density(struct shader_assembly *assembly, const struct density_site *site)
-{
-    const struct scene_density *density = &site->source->density;
-    const struct density_kind *kind = density_kind_of(density);
-    struct density_text text = {0};
-    struct density_bake bake;
-    const char *bounds = scene_bounds_module(&density->bounds);
-
-    for (const char *const *name = kind->modules(site); *name; ++name)
-        shader_assembly_add(assembly, *name);
-    // What is looked up was computed by the program that fills the grid.
-    if (kind->load_text && (site->fills_grid || !density_bake_find(&bake, site->job, site->medium)) &&
-        !assembly->has_failed) {
-        assembly->has_failed = !kind->load_text(site, &text, assembly->error);
-        if (!assembly->has_failed) add_text(assembly, &text);
-        free(text.before);
-        free(text.after);
-    }
-    if (bounds) shader_assembly_add(assembly, bounds);
 }
 
 char *shader_assembly_end(struct shader_assembly *assembly)

@@ -6,10 +6,14 @@
 #include <stddef.h>
 #include <stdio.h>
 
-struct density_site;
 struct error;
 
-enum { SHADER_ASSEMBLY_MODULE_LIMIT = 72 };
+enum {
+    SHADER_ASSEMBLY_MODULE_LIMIT = 72,
+    // `#line` gives the lines of module N the numbers N * SHADER_ASSEMBLY_LINE_STRIDE + 1 and up. The source string number
+    // that GLSL has for this is 0 in some of Mesa's messages.
+    SHADER_ASSEMBLY_LINE_STRIDE = 10000
+};
 
 // The zero value is empty.
 struct shader_assembly {
@@ -28,7 +32,7 @@ bool shader_assembly_begin(struct shader_assembly *assembly, const char *shader_
 void shader_assembly_add(struct shader_assembly *assembly, const char *module); // unless it is there
 // What follows is generated: its lines are those of the whole text.
 void shader_assembly_generate(struct shader_assembly *assembly);
-// Modules of a medium's density and bounds, and the job's own code, but for what density_kind.write emits.
-void shader_assembly_add_density(struct shader_assembly *assembly, const struct density_site *site);
+// A module whose text is at hand; `name` outlives the assembly's users. What follows is generated.
+void shader_assembly_add_text(struct shader_assembly *assembly, const char *name, const char *text);
 // The whole text, or NULL with the reason; either way nothing else is left to release.
 char *shader_assembly_end(struct shader_assembly *assembly);

@@ -40,6 +40,21 @@ struct frame_value timeline_value(const struct timeline *timeline, enum frame_va
                                 .meaning = meaning};
 }
 
+static void evaluate_time(const void *source, double time, double value[static 9])
+{
+    (void)source;
+    value[0] = time;
+}
+
+struct frame_value timeline_value_time(void)
+{
+    return (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                .evaluate = evaluate_time,
+                                .min = value_range_any.min,
+                                .max = value_range_any.max,
+                                .meaning = "the frame's time"};
+}
+
 struct frame_value timeline_value_place(const struct timeline *timeline, const char *meaning)
 {
     struct frame_value value = timeline_value(timeline, FRAME_VALUE_VEC3, value_range_any, meaning);

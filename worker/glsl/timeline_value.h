@@ -19,6 +19,8 @@ struct frame_value timeline_value(const struct timeline *timeline, enum frame_va
                                   const char *meaning);
 // The same of a place in the world, m.
 struct frame_value timeline_value_place(const struct timeline *timeline, const char *meaning);
+// The frame's time: "time_s" in shaders that ask for it.
+struct frame_value timeline_value_time(void);
 // What such a value is: `source` is the timeline; a single number fills three components.
 void timeline_value_evaluate(const void *source, double time, double value[static 9]);
 // The vector's way only; a null vector gives NaN, which packing refuses.

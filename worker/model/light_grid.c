@@ -2,9 +2,8 @@
 #include "worker/model/light_grid.h"
 
 #include "core/job/job.h"
-#include "worker/glsl/scene_cache.h"
 #include "worker/glsl/timeline_value.h"
-#include "worker/model/scene_features.h"
+#include "worker/model/scene_model.h"
 #include "worker/scene/media_extent.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
@@ -241,12 +240,13 @@ static bool is_still(const struct light_grid *grid)
     return is_still;
 }
 
-void light_grid_init(struct light_grid *grid, const struct job *job, const struct scene_inputs *inputs,
-                     const struct scene_features *features, size_t light)
+void light_grid_init(struct light_grid *grid, const struct scene_model *model, size_t light)
 {
-    int32_t frame = inputs ? inputs->frame : frame_range_at(&job->frames, 0);
+    const struct scene_features *features = &model->features;
+    const struct job *job = model->job;
+    int32_t frame = model->inputs ? model->inputs->frame : frame_range_at(&job->frames, 0);
 
-    *grid = (struct light_grid){.job = job, .inputs = inputs, .light = light, .cells = job->quality.light_grid};
+    *grid = (struct light_grid){.job = job, .inputs = model->inputs, .light = light, .cells = job->quality.light_grid};
     for (size_t i = 0; i < features->medium_count && grid->medium_count < JOB_CACHED_MEDIUM_LIMIT; ++i)
         if (medium_features_march_to_lights(&features->media[i])) grid->media[grid->medium_count++] = i;
     grid->is_still = is_still(grid);
@@ -304,9 +304,4 @@ void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_g
                                                     .max = value_range_any.max,
                                                     .meaning = "the light's place and the media's"},
                                "light_%zu_grid_%s", grid->light, values[i].name);
-}
-
-unsigned light_grid_unit(const struct light_grid *grid)
-{
-    return SCENE_CACHE_FIRST_UNIT + (unsigned)grid->light;
 }

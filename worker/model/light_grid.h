@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-struct scene_features;
 struct scene_inputs;
+struct scene_model;
 
 enum light_grid_kind {
     LIGHT_GRID_BEAM, // shaders/light_grid/beam.glsl
@@ -36,10 +36,8 @@ struct light_grid_placement {
 };
 
 // The grid of a light that is seen; of the kind that does for all moments of the inputs' frame.
-void light_grid_init(struct light_grid *grid, const struct job *job, const struct scene_inputs *inputs,
-                     const struct scene_features *features, size_t light);
+void light_grid_init(struct light_grid *grid, const struct scene_model *model, size_t light);
 void light_grid_place(const struct light_grid *grid, double time, struct light_grid_placement *placement);
 // light_I_grid_center, _from_unit, _to_unit, _origin, _taper of a beam; light_I_grid_near, _reach of a round one, whose
 // light_I_position is there already. The grid outlives the values.
 void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_grid *grid);
-unsigned light_grid_unit(const struct light_grid *grid); // the texture's

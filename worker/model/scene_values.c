@@ -2,14 +2,12 @@
 #include "worker/model/scene_values.h"
 
 #include "core/job/job.h"
-#include "worker/density/density_kind.h"
 #include "worker/density/scene_bounds.h"
 #include "worker/glsl/scene_anchor.h"
 #include "worker/glsl/timeline_value.h"
 #include "worker/model/object_values.h"
-#include "worker/model/scene_features.h"
+#include "worker/model/scene_model.h"
 #include "worker/scene/camera_view.h"
-#include "worker/scene/scene_inputs.h"
 
 #include <math.h>
 #include <string.h>
@@ -32,12 +30,6 @@ static void evaluate_one(const void *source, double time, double value[static 9]
     (void)source;
     (void)time;
     value[0] = value[1] = value[2] = 1;
-}
-
-static void evaluate_time(const void *source, double time, double value[static 9])
-{
-    (void)source;
-    value[0] = time;
 }
 
 static void evaluate_number(const void *source, double time, double value[static 9])
@@ -160,20 +152,25 @@ static void add_place(struct frame_uniforms *uniforms, const struct density_site
     scene_bounds_add_values(uniforms, &site->source->density.bounds, site->medium);
 }
 
-static void add_medium(struct frame_uniforms *uniforms, const struct density_site *site,
-                       const struct medium_features *features, enum frame_value_type spectrum, bool has_majorants)
+static void add_medium(struct frame_uniforms *uniforms, const struct scene_model *model, enum frame_value_type spectrum,
+                       size_t i)
 {
-    const struct scene_medium *medium = site->source;
-    size_t i = site->medium;
+    const struct medium_features *features = &model->features.media[i];
+    const struct density_site site = scene_model_site(model, i);
+    const struct scene_medium *medium = site.source;
 
-    add_place(uniforms, site);
-    if (has_majorants && density_kind_of(&medium->density)->add_majorant)
-        density_kind_of(&medium->density)->add_majorant(uniforms, site);
+    add_place(uniforms, &site);
+    if (model->features.has_majorants && density_kind_of(&medium->density)->add_majorant)
+        density_kind_of(&medium->density)->add_majorant(uniforms, &site);
     if (medium_features_have_column(features))
         frame_uniforms_add(uniforms, sigma_t_of(medium, features, spectrum), "medium_%zu_sigma_t", i);
     if (features->emits)
         frame_uniforms_add(uniforms, timeline_value(&medium->emission, spectrum, value_range_not_negative, "emission"),
                            "medium_%zu_emission", i);
+    if (!model->features.has_lights || !features->scatters) return;
+    frame_uniforms_add(uniforms, timeline_value(&medium->sigma_s, spectrum, value_range_not_negative, "sigma_s"),
+                       "medium_%zu_sigma_s", i);
+    add_lobes(uniforms, medium, features, i);
 }
 
 static void add_light(struct frame_uniforms *uniforms, const struct scene_light *light, enum frame_value_type spectrum,
@@ -229,10 +226,11 @@ static void add_number(struct frame_uniforms *uniforms, const struct job *job, c
                        "%s", meaning);
 }
 
-static void add_steps(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
-                      const struct scene_features *features)
+static void add_steps(struct frame_uniforms *uniforms, const struct scene_model *model)
 {
-    const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
+    const struct scene_features *features = &model->features;
+    const struct job *job = model->job;
+    const struct job_quality *quality = scene_model_quality(model);
 
     if (features->marches && !features->has_majorants) add_number(uniforms, job, &quality->step, "quality_step");
     if (features->marches_to_lights && !features->has_light_grids && !features->has_majorants)
@@ -248,12 +246,13 @@ static void evaluate_anchor(const void *source, double time, double value[static
 }
 
 // For densities that are told from the world's origin.
-static void add_anchor(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
+static void add_anchor(struct frame_uniforms *uniforms, const struct scene_model *model)
 {
+    const struct job *job = model->job;
     bool is_taken = false;
 
     for (size_t i = 0; i < job->scene.medium_count; ++i)
-        is_taken |= features->media[i].is_seen && density_kind_of(&job->scene.media[i].density)->takes_anchor;
+        is_taken |= model->features.media[i].is_seen && density_kind_of(&job->scene.media[i].density)->takes_anchor;
     if (!is_taken || !scene_anchor_is_used(job)) return;
     frame_uniforms_add(uniforms,
                        (struct frame_value){.type = FRAME_VALUE_VEC3,
@@ -266,25 +265,16 @@ static void add_anchor(struct frame_uniforms *uniforms, const struct job *job, c
                        "scene_anchor");
 }
 
-struct frame_value scene_values_time(void)
+void scene_values_add_places(struct frame_uniforms *uniforms, const struct scene_model *model)
 {
-    return (struct frame_value){.type = FRAME_VALUE_FLOAT,
-                                .evaluate = evaluate_time,
-                                .min = value_range_any.min,
-                                .max = value_range_any.max,
-                                .meaning = "the frame's time"};
-}
+    uniforms->anchored = model->job;
+    if (model->features.takes_time) frame_uniforms_add(uniforms, timeline_value_time(), "time_s");
+    add_anchor(uniforms, model);
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        const struct density_site site = scene_model_site(model, i);
 
-void scene_values_add_places(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
-                             const struct scene_features *features)
-{
-    uniforms->anchored = job;
-    if (features->takes_time) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
-    add_anchor(uniforms, job, features);
-    for (size_t i = 0; i < job->scene.medium_count; ++i)
-        if (features->media[i].is_seen)
-            add_place(uniforms, &(struct density_site){
-                                    .job = job, .medium = i, .source = &job->scene.media[i], .inputs = inputs});
+        if (model->features.media[i].is_seen) add_place(uniforms, &site);
+    }
 }
 
 void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light)
@@ -293,27 +283,18 @@ void scene_values_add_position(struct frame_uniforms *uniforms, const struct job
                        "light_%zu_position", light);
 }
 
-void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
-                      const struct scene_features *features)
+void scene_values_add(struct frame_uniforms *uniforms, const struct scene_model *model)
 {
+    const struct scene_features *features = &model->features;
     enum frame_value_type spectrum = features->is_rgb ? FRAME_VALUE_VEC3 : FRAME_VALUE_FLOAT;
-    const struct scene *scene = &job->scene;
+    const struct scene *scene = &model->job->scene;
 
-    uniforms->anchored = job;
-    if (features->has_media || features->has_objects) add_camera(uniforms, job);
-    if (features->takes_time) frame_uniforms_add(uniforms, scene_values_time(), "time_s");
-    add_anchor(uniforms, job, features);
-    for (size_t i = 0; i < scene->medium_count; ++i) {
-        const struct scene_medium *medium = &scene->media[i];
-
-        if (!features->media[i].is_seen) continue;
-        add_medium(uniforms, &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = inputs},
-                   &features->media[i], spectrum, features->has_majorants);
-        if (!features->has_lights || !features->media[i].scatters) continue;
-        frame_uniforms_add(uniforms, timeline_value(&medium->sigma_s, spectrum, value_range_not_negative, "sigma_s"),
-                           "medium_%zu_sigma_s", i);
-        add_lobes(uniforms, medium, &features->media[i], i);
-    }
+    uniforms->anchored = model->job;
+    if (features->has_media || features->has_objects) add_camera(uniforms, model->job);
+    if (features->takes_time) frame_uniforms_add(uniforms, timeline_value_time(), "time_s");
+    add_anchor(uniforms, model);
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (features->media[i].is_seen) add_medium(uniforms, model, spectrum, i);
     object_values_add(uniforms, scene, features, spectrum);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (features->light_is_seen[i]) add_light(uniforms, &scene->lights[i], spectrum, i);
@@ -321,6 +302,6 @@ void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, co
         frame_uniforms_add(uniforms,
                            timeline_value(&scene->background, spectrum, value_range_not_negative, "background"),
                            "background");
-    add_sampling(uniforms, job, features);
-    add_steps(uniforms, job, inputs, features);
+    add_sampling(uniforms, model->job, features);
+    add_steps(uniforms, model);
 }

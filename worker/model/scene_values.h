@@ -7,18 +7,13 @@
 #include <stddef.h>
 
 struct job;
-struct scene_features;
-struct scene_inputs;
+struct scene_model;
 
 // Adds, for what is seen: camera_position, _corner, _across, _down; background; time_s; what each density's kind and bounds
 // add; scene_anchor where some density takes it; what object_values_add adds; medium_I_sigma_s, _sigma_t, _emission, _lobe_J_g, _lobe_J_weight; light_I_intensity, _position, _direction (towards
-// the sun). `job` and `inputs` (as for scene_program_init) outlive `uniforms`.
-void scene_values_add(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
-                      const struct scene_features *features);
-// The frame's time: "time_s" in shaders that ask for it.
-struct frame_value scene_values_time(void);
+// the sun). The model's job and inputs outlive `uniforms`.
+void scene_values_add(struct frame_uniforms *uniforms, const struct scene_model *model);
 // Of these, time_s where some seen medium takes it, and what the densities and bounds of seen media add.
-void scene_values_add_places(struct frame_uniforms *uniforms, const struct job *job, const struct scene_inputs *inputs,
-                             const struct scene_features *features);
+void scene_values_add_places(struct frame_uniforms *uniforms, const struct scene_model *model);
 // light_I_position of a point light.
 void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light);

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/program/light_grid_glue.h"
 
-#include "core/base/error.h"
-#include "core/base/hash.h"
 #include "core/job/job.h"
-#include "worker/density/density_kind.h"
+#include "worker/density/density_modules.h"
 #include "worker/glsl/scene_cache.h"
+#include "worker/glsl/texture_units.h"
 #include "worker/model/light_grid.h"
+#include "worker/model/scene_model.h"
 #include "worker/model/scene_values.h"
 #include "worker/program/scene_glue_media.h"
-#include "worker/program/scene_program.h"
-
-#include <string.h>
 
 static const char channels[] = "xyzw";
 
@@ -38,7 +35,7 @@ void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid)
 {
     size_t i = grid->light;
 
-    fprintf(out, "layout(binding = %u) uniform sampler3D light_%zu_columns;\n", light_grid_unit(grid), i);
+    fprintf(out, "layout(binding = %u) uniform sampler3D light_%zu_columns;\n", texture_unit_of_light(grid->light), i);
     fprintf(out, "MediaColumn light_%zu_column(vec3 point, LightSample light)\n{\n    vec3 at = light_grid_", i);
     fputs(grid->kind == LIGHT_GRID_BEAM ? "beam_at(" : "round_at(", out);
     write_grid(out, grid);
@@ -53,19 +50,22 @@ void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid)
 }
 
 // Media that are marched alone: nothing else is in the grid.
-static struct scene_features features_of(const struct light_grid *grid, const struct job *job,
-                                         const struct scene_features *picture)
+static struct scene_model marched_part(const struct light_grid *grid, const struct scene_model *picture)
 {
-    struct scene_features features = {
-        .medium_count = picture->medium_count, .has_media = true, .has_extinction = true, .marches_to_lights = true};
+    struct scene_model model = {.job = picture->job,
+                                .inputs = picture->inputs,
+                                .features = {.medium_count = picture->features.medium_count,
+                                             .has_media = true,
+                                             .has_extinction = true,
+                                             .marches_to_lights = true}};
 
     for (size_t k = 0; k < grid->medium_count; ++k) {
         size_t i = grid->media[k];
 
-        features.media[i] = picture->media[i];
-        features.takes_time |= density_kind_of(&job->scene.media[i].density)->takes_time;
+        model.features.media[i] = picture->features.media[i];
+        model.features.takes_time |= density_kind_of(&model.job->scene.media[i].density)->takes_time;
     }
-    return features;
+    return model;
 }
 
 static void write_store(FILE *out, const struct light_grid *grid)
@@ -95,37 +95,31 @@ static void write_main(FILE *out, const struct light_grid *grid, const struct sc
     fputs(", vec2(at.xy) / float(cells));\n    light_grid_march(ray, at.xy, cells);\n}\n", out);
 }
 
-static bool assemble(struct scene_cache *cache, const struct light_grid *grid, const struct scene_program *program,
+static bool assemble(struct scene_cache *cache, const struct light_grid *grid, const struct scene_model *marched,
                      const char *shader_dir, struct error *error)
 {
-    struct scene_program marched = {.features = features_of(grid, grid->job, &program->features),
-                                    .inputs = program->inputs};
     struct shader_assembly text;
 
-    if (!shader_assembly_begin(&text, shader_dir, error)) return false;
-    scene_cache_begin(cache, text.out);
+    if (!scene_cache_begin(cache, &text, shader_dir, error)) return false;
     shader_assembly_add(&text, "math/constants.glsl");
     shader_assembly_generate(&text);
     frame_uniforms_declare(&cache->uniforms, text.out);
     shader_assembly_add(&text, "math/march.glsl");
     shader_assembly_add(&text, "region/span.glsl");
-    for (size_t k = 0; k < grid->medium_count; ++k)
-        shader_assembly_add_density(&text, &(struct density_site){.job = grid->job,
-                                                                  .medium = grid->media[k],
-                                                                  .source = &grid->job->scene.media[grid->media[k]],
-                                                                  .inputs = program->inputs});
+    for (size_t k = 0; k < grid->medium_count; ++k) {
+        const struct density_site site = scene_model_site(marched, grid->media[k]);
+
+        density_modules_add(&text, &site);
+    }
     shader_assembly_generate(&text);
-    scene_glue_write_columns(text.out, grid->job, &marched);
+    scene_glue_write_columns(text.out, marched);
     write_store(text.out, grid);
     shader_assembly_add(&text, "light_grid/ray.glsl");
     shader_assembly_add(&text, light_grid_glue_module(grid));
     shader_assembly_add(&text, "light_grid/march.glsl");
     shader_assembly_generate(&text);
     write_main(text.out, grid, cache);
-    memcpy(cache->module_names, text.module_names, sizeof cache->module_names);
-    cache->module_count = text.module_count;
-    cache->text = shader_assembly_end(&text);
-    return cache->text != NULL;
+    return scene_cache_end(cache, &text);
 }
 
 // Both textures are alike; the one that is kept takes the unit over when it is there.
@@ -133,7 +127,7 @@ static struct scene_cache cache_of(const struct light_grid *grid)
 {
     int nodes = grid->cells + 1;
 
-    return (struct scene_cache){.unit = light_grid_unit(grid),
+    return (struct scene_cache){.unit = texture_unit_of_light(grid->light),
                                 .format = grid->medium_count == 1   ? SCENE_CACHE_R32F
                                           : grid->medium_count == 2 ? SCENE_CACHE_RG32F
                                                                     : SCENE_CACHE_RGBA32F,
@@ -141,25 +135,20 @@ static struct scene_cache cache_of(const struct light_grid *grid)
                                 .invocations = {nodes, nodes, 1}};
 }
 
-static bool make_columns(struct scene_cache *cache, const struct light_grid *grid, const struct scene_program *program,
+static bool make_columns(struct scene_cache *cache, const struct light_grid *grid, const struct scene_model *model,
                          const char *shader_dir, struct error *error)
 {
-    struct scene_features features = features_of(grid, grid->job, &program->features);
+    const struct scene_model marched = marched_part(grid, model);
 
     *cache = cache_of(grid);
     cache->is_step = true;
     snprintf(cache->name, sizeof cache->name, "light_%zu_marched", grid->light);
     for (size_t k = 0; k < grid->medium_count; ++k)
         cache->reads_files |= grid->job->scene.media[grid->media[k]].density.kind == SCENE_DENSITY_GRID;
-    scene_values_add_places(&cache->uniforms, grid->job, program->inputs, &features);
+    scene_values_add_places(&cache->uniforms, &marched);
     if (grid->kind == LIGHT_GRID_ROUND) scene_values_add_position(&cache->uniforms, grid->job, grid->light);
     light_grid_add_values(&cache->uniforms, grid);
-    if (!assemble(cache, grid, program, shader_dir, error)) {
-        scene_cache_finish(cache);
-        return false;
-    }
-    hash_bytes(cache->text, strlen(cache->text), cache->hash);
-    return true;
+    return assemble(cache, grid, &marched, shader_dir, error);
 }
 
 static bool make_kept(struct scene_cache *cache, const struct light_grid *grid, const char *shader_dir,
@@ -170,8 +159,7 @@ static bool make_kept(struct scene_cache *cache, const struct light_grid *grid, 
     *cache = cache_of(grid);
     cache->invocations[2] = cache->size[2];
     snprintf(cache->name, sizeof cache->name, "light_%zu_columns", grid->light);
-    if (!shader_assembly_begin(&text, shader_dir, error)) return false;
-    scene_cache_begin(cache, text.out);
+    if (!scene_cache_begin(cache, &text, shader_dir, error)) return false;
     shader_assembly_add(&text, "light_grid/keep.glsl");
     shader_assembly_generate(&text);
     fprintf(text.out,
@@ -179,18 +167,13 @@ static bool make_kept(struct scene_cache *cache, const struct light_grid *grid, 
             "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
             "    imageStore(cache_image, at, light_grid_keep(columns, at));\n}\n",
             cache->unit);
-    memcpy(cache->module_names, text.module_names, sizeof cache->module_names);
-    cache->module_count = text.module_count;
-    cache->text = shader_assembly_end(&text);
-    if (!cache->text) return false;
-    hash_bytes(cache->text, strlen(cache->text), cache->hash);
-    return true;
+    return scene_cache_end(cache, &text);
 }
 
 bool light_grid_glue_add_caches(struct scene_cache *caches, size_t *count, const struct light_grid *grid,
-                                const struct scene_program *program, const char *shader_dir, struct error *error)
+                                const struct scene_model *model, const char *shader_dir, struct error *error)
 {
-    if (!make_columns(&caches[*count], grid, program, shader_dir, error)) return false;
+    if (!make_columns(&caches[*count], grid, model, shader_dir, error)) return false;
     caches[*count].reads = grid->densities;
     *count += 1;
     if (!make_kept(&caches[*count], grid, shader_dir, error)) return false;

@@ -9,7 +9,7 @@
 struct error;
 struct light_grid;
 struct scene_cache;
-struct scene_program;
+struct scene_model;
 
 enum { LIGHT_GRID_CACHES = 2 }; // the columns and what is kept of them
 
@@ -17,7 +17,6 @@ const char *light_grid_glue_module(const struct light_grid *grid); // where its 
 // The sampler light_I_columns and `MediaColumn light_I_column(vec3 point, LightSample light)`: of all media towards the
 // light, those of even density in closed form.
 void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid);
-// Appends the caches that make the texture. `program` is the picture's: its features and its inputs; `caches` has room for
-// LIGHT_GRID_CACHES more.
+// Appends the caches that make the texture. `model` is the picture's; `caches` has room for LIGHT_GRID_CACHES more.
 bool light_grid_glue_add_caches(struct scene_cache *caches, size_t *count, const struct light_grid *grid,
-                                const struct scene_program *program, const char *shader_dir, struct error *error);
+                                const struct scene_model *model, const char *shader_dir, struct error *error);

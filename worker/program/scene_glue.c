@@ -3,9 +3,9 @@
 
 #include "core/job/job.h"
 #include "worker/glsl/pixel_mark.h"
+#include "worker/model/scene_model.h"
 #include "worker/program/scene_glue_gather.h"
 #include "worker/program/scene_glue_path.h"
-#include "worker/program/scene_program.h"
 #include "worker/scene/pixel_samples.h"
 
 #include <math.h>
@@ -31,7 +31,7 @@ static void write_phase(FILE *out, const struct scene_medium *medium, const stru
     fputs(";\n}\n", out);
 }
 
-static void write_light(FILE *out, const struct scene_light *light, const struct scene_program *program, size_t i)
+static void write_light(FILE *out, const struct scene_light *light, const struct scene_model *model, size_t i)
 {
     bool is_sun = light->kind == SCENE_LIGHT_SUN;
     const char *type = is_sun                                 ? "sun(LightSun"
@@ -42,29 +42,29 @@ static void write_light(FILE *out, const struct scene_light *light, const struct
             type, i, i, is_sun ? "direction))" : "position), point)");
 }
 
-void scene_glue_write_reach(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_reach(FILE *out, const struct scene_model *model)
 {
-    const struct scene *scene = &job->scene;
+    const struct scene *scene = &model->job->scene;
 
-    if (!program->features.has_peaks) {
+    if (!model->features.has_peaks) {
         fputs("float march_reach(vec3 point, float step)\n{\n    return step;\n}\n", out);
         return;
     }
     fputs("float march_reach(vec3 point, float step)\n{\n    float away = FAR_AWAY;\n", out);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (program->features.light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]))
+        if (model->features.light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]))
             fprintf(out, "    away = min(away, distance(point, light_%zu_position));\n", i);
     fputs("    return clamp(LIGHT_POINT_REACH * away, step / 1024.0, step);\n}\n", out);
 }
 
-void scene_glue_write_lights(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_lights(FILE *out, const struct scene_model *model)
 {
-    const struct scene *scene = &job->scene;
+    const struct scene *scene = &model->job->scene;
 
     for (size_t i = 0; i < scene->medium_count; ++i)
-        if (program->features.media[i].scatters) write_phase(out, &scene->media[i], &program->features.media[i], i);
+        if (model->features.media[i].scatters) write_phase(out, &scene->media[i], &model->features.media[i], i);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (program->features.light_is_seen[i]) write_light(out, &scene->lights[i], program, i);
+        if (model->features.light_is_seen[i]) write_light(out, &scene->lights[i], model, i);
 }
 
 static void write_riemann(FILE *out, const struct scene_camera *camera, double step)
@@ -84,57 +84,57 @@ static void write_interval(FILE *out, const struct scene_camera *camera)
 }
 
 // The point of the pixel that this pass looks through; random numbers start here.
-static void write_point(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_point(FILE *out, const struct scene_model *model)
 {
     int columns, rows;
 
-    pixel_samples_strata(pixel_samples_count(job), &columns, &rows);
-    if (features->has_samples)
+    pixel_samples_strata(pixel_samples_count(model->job), &columns, &rows);
+    if (model->features.has_samples)
         fprintf(out,
                 "    vec2 point_px = pixel_samples_point(PixelSamples(%du, %du), uvec2(gl_FragCoord.xy), "
                 "uint(sample_index), uint(frame_seed));\n",
                 columns, rows);
-    else if (features->is_random)
+    else if (model->features.is_random)
         fputs("    random_start(uvec2(gl_FragCoord.xy), uint(sample_index), uint(frame_seed));\n", out);
 }
 
-static void write_view(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_view(FILE *out, const struct scene_model *model)
 {
-    write_point(out, job, &program->features);
+    write_point(out, model);
     fputs("    CameraPinhole camera = CameraPinhole(camera_position, camera_corner, camera_across, camera_down);\n"
           "    vec3 toward = camera_pinhole_toward(camera, ",
           out);
     fprintf(out, "%s);\n    vec3 direction = normalize(toward);\n",
-            program->features.has_samples ? "point_px" : "gl_FragCoord.xy");
+            model->features.has_samples ? "point_px" : "gl_FragCoord.xy");
 }
 
-static void write_march(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_march(FILE *out, const struct scene_model *model)
 {
-    const struct scene_camera *camera = &job->scene.camera;
+    const struct scene_camera *camera = &model->job->scene.camera;
 
     fputs("    MediaSpans spans = media_spans(camera.position, direction);\n", out);
-    if (job->quality.method == JOB_METHOD_RIEMANN) {
-        write_riemann(out, camera, program->step);
+    if (model->job->quality.method == JOB_METHOD_RIEMANN) {
+        write_riemann(out, camera, scene_model_quality(model)->step);
         return;
     }
     write_interval(out, camera);
-    scene_glue_write_integrator(out, job, program, "camera.position, direction, interval");
+    scene_glue_write_integrator(out, model, "camera.position, direction, interval");
 }
 
 // Of several passes the depth comes with a count, so that those without one can be left out of the mean.
-static void write_outputs(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_outputs(FILE *out, const struct scene_model *model)
 {
     fputs("layout(location = 0) out vec4 rgba;\n", out);
-    if (features->has_transmittance) fputs("layout(location = 1) out vec4 transmittance;\n", out);
-    if (features->has_depth)
-        fprintf(out, "layout(location = 2) out %s depth;\n", pixel_samples_count(job) > 1 ? "vec2" : "float");
-    if (features->has_paths) fputs("layout(location = 3) out vec4 paths;\n", out);
+    if (model->features.has_transmittance) fputs("layout(location = 1) out vec4 transmittance;\n", out);
+    if (model->features.has_depth)
+        fprintf(out, "layout(location = 2) out %s depth;\n", pixel_samples_count(model->job) > 1 ? "vec2" : "float");
+    if (model->features.has_paths) fputs("layout(location = 3) out vec4 paths;\n", out);
 }
 
-static void write_background(FILE *out, const struct scene_program *program)
+static void write_background(FILE *out, const struct scene_model *model)
 {
-    fprintf(out, "    rgba = vec4(spectrum_rgb(%s", program->features.has_media ? "gathered.radiance + " : "");
-    if (program->features.has_extinction) fputs("gathered.transmittance * ", out);
+    fprintf(out, "    rgba = vec4(spectrum_rgb(%s", model->features.has_media ? "gathered.radiance + " : "");
+    if (model->features.has_extinction) fputs("gathered.transmittance * ", out);
     fputs("background), 1.0);\n", out);
 }
 
@@ -147,97 +147,97 @@ static void write_depth(FILE *out, const struct job *job, const char *depth)
 }
 
 // What the job states itself may be too low.
-static bool majorant_mark_is_needed(const struct job *job, const struct scene_program *program)
+static bool majorant_mark_is_needed(const struct scene_model *model)
 {
     bool is_stated = false;
 
-    for (size_t i = 0; i < program->features.medium_count; ++i)
-        is_stated |= program->features.media[i].is_seen && job->scene.media[i].density.kind == SCENE_DENSITY_GLSL;
-    return is_stated && program->features.has_majorants;
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        is_stated |= model->features.media[i].is_seen && model->job->scene.media[i].density.kind == SCENE_DENSITY_GLSL;
+    return is_stated && model->features.has_majorants;
 }
 
-static void write_majorant_mark(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_majorant_mark(FILE *out, const struct scene_model *model)
 {
-    if (majorant_mark_is_needed(job, program))
+    if (majorant_mark_is_needed(model))
         fprintf(out, "    if (majorant_low >= 0) rgba.a = %.9e * pow(%.1f, float(majorant_low));\n",
                 (double)PIXEL_MARK_MAJORANT, (double)PIXEL_MARK_FACTOR);
 }
 
-static void write_media_picture(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_media_picture(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
-    if (job->scene.has_background && features->has_background)
-        write_background(out, program);
+    if (model->job->scene.has_background && features->has_background)
+        write_background(out, model);
     else if (features->has_media)
         fprintf(out, "    rgba = vec4(spectrum_rgb(gathered.radiance), %s);\n",
-                job->scene.has_background  ? "1.0"
-                : features->has_extinction ? "1.0 - spectrum_mean(gathered.transmittance)"
-                                           : "0.0");
+                model->job->scene.has_background ? "1.0"
+                : features->has_extinction       ? "1.0 - spectrum_mean(gathered.transmittance)"
+                                                 : "0.0");
     else
-        fprintf(out, "    rgba = vec4(0.0, 0.0, 0.0, %s);\n", job->scene.has_background ? "1.0" : "0.0");
+        fprintf(out, "    rgba = vec4(0.0, 0.0, 0.0, %s);\n", model->job->scene.has_background ? "1.0" : "0.0");
     if (features->has_transmittance)
         fprintf(out, "    transmittance = vec4(%s, 0.0);\n",
                 features->has_extinction ? "spectrum_rgb(gathered.transmittance)" : "vec3(1.0)");
     if (features->has_depth)
-        write_depth(out, job, features->has_extinction ? "gathered.depth / length(toward)" : "0.0");
+        write_depth(out, model->job, features->has_extinction ? "gathered.depth / length(toward)" : "0.0");
     if (features->is_sliced)
         fputs("    if (is_paused) rgba.a = -1e6; // it comes no further\n", out);
     else if (features->marches)
         fputs("    if (march_was_cut) rgba.a = -1e6; // no picture has it, nor has a sum of them\n", out);
-    write_majorant_mark(out, job, program);
+    write_majorant_mark(out, model);
 }
 
-static void write_media(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_media(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
     bool finds_depth = features->has_depth && features->has_extinction;
 
     fprintf(out, "    Gathered gathered = Gathered(spectrum(0.0)%s%s);\n",
             features->has_extinction ? ", spectrum(1.0)" : "", finds_depth ? ", 0.0" : "");
-    write_view(out, job, program);
+    write_view(out, model);
     if (features->is_sliced && features->is_random)
         fputs("    if (slice_is_begun) random_state = slice_random;\n", out);
-    write_march(out, job, program);
+    write_march(out, model);
 }
 
-static void write_media_main(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_media_main(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
     if (features->is_sliced) fputs("    bool is_done = false;\n    if (slice_load()) {\n", out);
-    if (features->has_media) write_media(out, job, program);
+    if (features->has_media) write_media(out, model);
     if (features->is_sliced)
         fprintf(out, "    bool is_paused = !slice_is_over%s;\n    is_done = slice_store(is_paused);\n",
-                majorant_mark_is_needed(job, program) ? " && majorant_low < 0" : "");
-    write_media_picture(out, job, program);
+                majorant_mark_is_needed(model) ? " && majorant_low < 0" : "");
+    write_media_picture(out, model);
     if (features->is_sliced) fputs("    }\n    if (!is_done) discard;\n", out);
 }
 
-static void write_path_main(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_path_main(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
-    write_view(out, job, program);
-    scene_glue_write_path_start(out, program);
+    write_view(out, model);
+    scene_glue_write_path_start(out, model);
     fprintf(out, "    rgba = vec4(spectrum_rgb(path_radiance), %s);\n",
-            job->scene.has_background ? "1.0" : "1.0 - spectrum_mean(path_behind)");
+            model->job->scene.has_background ? "1.0" : "1.0 - spectrum_mean(path_behind)");
     if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(path_behind), 0.0);\n", out);
-    if (features->has_depth) write_depth(out, job, "path_depth / length(toward)");
+    if (features->has_depth) write_depth(out, model->job, "path_depth / length(toward)");
     if (features->has_paths) fputs("    paths = path_counts;\n", out);
     fputs("    if (march_was_cut || path_turns_are_spent())\n"
           "        rgba.a = -1e6; // no picture has it, nor has a sum of them\n",
           out);
 }
 
-void scene_glue_write_main(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_main(FILE *out, const struct scene_model *model, bool has_frame_values)
 {
-    write_outputs(out, job, &program->features);
+    write_outputs(out, model);
     fputs("void main()\n{\n", out);
-    if (program->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", out);
-    if (program->features.has_objects)
-        write_path_main(out, job, program);
+    if (has_frame_values) fputs("    frame_uniforms_read();\n", out);
+    if (model->features.has_objects)
+        write_path_main(out, model);
     else
-        write_media_main(out, job, program);
+        write_media_main(out, model);
     fputs("}\n", out);
 }

@@ -3,83 +3,81 @@
 
 #include "core/job/job.h"
 #include "worker/glsl/gauss_legendre.h"
+#include "worker/model/scene_model.h"
 #include "worker/program/scene_glue_media.h"
 #include "worker/program/scene_glue_steps.h"
 #include "worker/program/scene_glue_tracking.h"
-#include "worker/program/scene_program.h"
 
-static void write_gathered(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_gathered(FILE *out, const struct scene_model *model)
 {
-    bool has_objects = features->has_objects;
+    bool has_objects = model->features.has_objects;
 
     fputs("// What a ray has met so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
-    if (features->has_throughput) fputs("    Spectrum transmittance;\n", out);
-    if (features->has_extinction && features->has_depth)
+    if (model->features.has_throughput) fputs("    Spectrum transmittance;\n", out);
+    if (model->features.has_extinction && model->features.has_depth)
         fputs("    float depth; // distance, 0 for none yet, below it none is looked for\n", out);
     if (has_objects) fputs("    float least; // the ray is over when less is left of it\n", out);
-    if (has_objects && features->media_are_lit) fputs("    int region; // in which it is\n", out);
+    if (has_objects && model->features.media_are_lit) fputs("    int region; // in which it is\n", out);
     fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
-    if (!features->has_throughput)
+    if (!model->features.has_throughput)
         fputs("    return false;\n}\n", out);
-    else if (features->is_tracked) // an estimate may be negative
+    else if (model->features.is_tracked) // an estimate may be negative
         fputs("    return spectrum_max(abs(gathered.transmittance)) <= 0.0;\n}\n", out);
-    else if (has_objects && job->quality.min_transmittance > 0)
+    else if (has_objects && model->job->quality.min_transmittance > 0)
         fputs("    return spectrum_max(gathered.transmittance) < gathered.least;\n}\n", out);
-    else if (job->quality.min_transmittance > 0)
+    else if (model->job->quality.min_transmittance > 0)
         fputs("    return spectrum_max(gathered.transmittance) < quality_min_transmittance;\n}\n", out);
     else
         fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
 }
 
-static void write_column(FILE *out, const struct job *job, const struct scene_program *program, const char *spans,
-                         const char *distance)
+static void write_column(FILE *out, const struct scene_model *model, const char *spans, const char *distance)
 {
-    if (!program->features.marches_to_lights) {
+    if (!model->features.marches_to_lights) {
         fprintf(out, "transmittance_closed(%s, %s)", spans, distance);
         return;
     }
-    if (job->quality.method == JOB_METHOD_RIEMANN)
-        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d)", job->quality.light_steps);
-    else if (program->features.is_jittered)
+    if (model->job->quality.method == JOB_METHOD_RIEMANN)
+        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d)", model->job->quality.light_steps);
+    else if (model->features.is_jittered)
         fputs("transmittance_jittered(TransmittanceJittered(quality_light_step)", out);
-    else if (program->features.is_adaptive)
+    else if (model->features.is_adaptive)
         fputs("transmittance_adaptive(TransmittanceAdaptive(quality_light_step, quality_depth_step)", out);
-    else if (program->features.is_gauss)
+    else if (model->features.is_gauss)
         fputs("transmittance_gauss(TransmittanceGauss(quality_light_step)", out);
     else
         fputs("transmittance_midpoint(TransmittanceMidpoint(quality_light_step)", out);
     fprintf(out, ", %s, point, light.direction, %s)", spans, distance);
 }
 
-void scene_glue_write_transmittance(FILE *out, const struct job *job, const struct scene_program *program,
-                                    const char *spans, const char *distance)
+void scene_glue_write_transmittance(FILE *out, const struct scene_model *model, const char *spans, const char *distance)
 {
-    bool takes_steps = program->features.estimates_columns && !program->features.has_majorants;
+    bool takes_steps = model->features.estimates_columns && !model->features.has_majorants;
 
-    if (program->features.is_tracked) {
+    if (model->features.is_tracked) {
         fprintf(out, "media_left(%s, point, light.direction, vec2(0.0, %s), %s)", spans, distance,
                 takes_steps ? "quality_light_step" : "0.0");
         return;
     }
     fputs("media_transmittance(", out);
-    write_column(out, job, program, spans, distance);
+    write_column(out, model, spans, distance);
     fputs(")", out);
 }
 
 // The expression of what is left of a light at `place`, in the segment's region.
-static void write_shadow(FILE *out, const struct scene_program *program, const char *place)
+static void write_shadow(FILE *out, const struct scene_model *model, const char *place)
 {
     fprintf(out, "shadow(%s, light, ", place);
-    if (program->features.has_dielectrics)
+    if (model->features.has_dielectrics)
         fputs("surface_set(gathered.region), 0u)", out);
     else
         fputs("0u, 0u)", out);
 }
 
 // The scattering coefficient times the phase function, summed over media.
-static void write_scattered(FILE *out, const char *indent, const struct scene_program *program)
+static void write_scattered(FILE *out, const char *indent, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
     const char *separator = "";
 
     fprintf(out, "%s// Both directions of travel are reversed here, which leaves the angle between them as it is.\n",
@@ -96,11 +94,11 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_pr
 
 // The sample of light `i`, of the whole segment where the light has a peak in it. Nodes of a Gauss rule follow 1 / r^2 by
 // themselves but where segments cannot be shortened further.
-static void write_sample(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+static void write_sample(FILE *out, const struct scene_model *model, size_t i)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
-    if (features->has_peaks && scene_light_is_inverse_square(&job->scene.lights[i]))
+    if (features->has_peaks && scene_light_is_inverse_square(&model->job->scene.lights[i]))
         fprintf(out,
                 "light_point_segment(LightPoint(light_%zu_intensity, light_%zu_position), point, direction, length, "
                 "%s, %s);\n",
@@ -111,14 +109,14 @@ static void write_sample(FILE *out, const struct job *job, const struct scene_pr
 }
 
 // Each light's columns are looked up in a grid of its own.
-static void write_cached_scattering(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_cached_scattering(FILE *out, const struct scene_model *model)
 {
-    for (size_t i = 0; i < job->scene.light_count; ++i) {
-        if (!program->features.light_is_seen[i]) continue;
+    for (size_t i = 0; i < model->job->scene.light_count; ++i) {
+        if (!model->features.light_is_seen[i]) continue;
         fputs("    {\n", out);
         fputs("        LightSample light = ", out);
-        write_sample(out, job, program, i);
-        write_scattered(out, "        ", program);
+        write_sample(out, model, i);
+        write_scattered(out, "        ", model);
         fprintf(out,
                 "        source += scattered * light.irradiance * media_transmittance(light_%zu_column(point, "
                 "light));\n    }\n",
@@ -127,37 +125,37 @@ static void write_cached_scattering(FILE *out, const struct job *job, const stru
 }
 
 // Several lights take turns, so that the march to them is compiled once: drivers copy functions to where they are called.
-static void write_scattering(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_scattering(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
     size_t count = scene_features_count_lights(features), turn = 0;
 
     if (count > 1)
         fprintf(out, "    for (int turn = 0; turn < %zu; ++turn) {\n        LightSample light;\n", count);
     else
         fputs("    {\n", out);
-    for (size_t i = 0; i < job->scene.light_count; ++i) {
+    for (size_t i = 0; i < model->job->scene.light_count; ++i) {
         if (!features->light_is_seen[i]) continue;
         if (count > 1)
             fprintf(out, "        if (turn == %zu) light = ", turn++);
         else
             fputs("        LightSample light = ", out);
-        write_sample(out, job, program, i);
+        write_sample(out, model, i);
     }
-    write_scattered(out, "        ", program);
+    write_scattered(out, "        ", model);
     if (features->has_objects) {
         fputs("        source += scattered * light.irradiance * ", out);
-        write_shadow(out, program, "point");
+        write_shadow(out, model, "point");
         fputs(";\n    }\n", out);
         return;
     }
     fputs("        source += scattered * light.irradiance * ", out);
-    scene_glue_write_transmittance(out, job, program, "media_spans(point, light.direction)", "light.distance");
+    scene_glue_write_transmittance(out, model, "media_spans(point, light.direction)", "light.distance");
     fputs(";\n    }\n", out);
 }
 
 // Light along the whole segment from points placed for this light. Where little of it is left we look no further.
-static void write_placed_scattering(FILE *out, const struct scene_light *light, const struct scene_program *program,
+static void write_placed_scattering(FILE *out, const struct scene_light *light, const struct scene_model *model,
                                     size_t i)
 {
     bool is_by_angle = scene_light_is_inverse_square(light);
@@ -178,10 +176,10 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
             "            vec3 place = start + placed.at * direction;\n"
             "            LightSample light = light_%zu(place);\n",
             i);
-    write_scattered(out, "            ", program);
-    if (program->features.has_objects) {
+    write_scattered(out, "            ", model);
+    if (model->features.has_objects) {
         fputs("            Spectrum left = ", out);
-        write_shadow(out, program, "place");
+        write_shadow(out, model, "place");
     } else {
         fputs("            MediaColumn column = transmittance_closed(media_spans(place, light.direction), "
               "light.distance);\n            Spectrum left = media_transmittance(column)",
@@ -210,9 +208,9 @@ static void begin_placed(FILE *out, const struct scene_features *features)
           out);
 }
 
-static void write_all_placed(FILE *out, const struct scene *scene, const struct scene_program *program)
+static void write_all_placed(FILE *out, const struct scene *scene, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
     const char *separator = "";
 
     // Between media, and in what only absorbs, there is nothing to look for.
@@ -225,13 +223,13 @@ static void write_all_placed(FILE *out, const struct scene *scene, const struct 
     fputs(" > 0.0 ? PLACED_COUNT : 0;\n", out);
     begin_placed(out, features);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], program, i);
+        if (features->light_is_seen[i]) write_placed_scattering(out, &scene->lights[i], model, i);
     if (features->extinction_is_rgb) fputs("    }\n", out);
 }
 
-static void write_sigma_t(FILE *out, const struct scene_program *program)
+static void write_sigma_t(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
     const char *separator = "";
 
     fputs("    Spectrum sigma_t = ", out);
@@ -243,29 +241,29 @@ static void write_sigma_t(FILE *out, const struct scene_program *program)
     fputs(";\n", out);
 }
 
-static void write_left(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_left(FILE *out, const struct scene_model *model)
 {
-    if (features->has_roulette)
+    if (model->features.has_roulette)
         fprintf(out, "    gathered.transmittance = integrator_roulette(IntegratorRoulette(%.9e, %.9e), after);\n",
-                job->quality.roulette_below, job->quality.roulette_survive);
+                model->job->quality.roulette_below, model->job->quality.roulette_survive);
     else
         fputs("    gathered.transmittance = after;\n", out);
 }
 
 // A segment of `length` leaves `after` of what came to it.
-static void write_passed(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_passed(FILE *out, const struct scene_model *model)
 {
-    if (features->has_depth)
+    if (model->features.has_depth)
         fprintf(out,
                 "    if (spectrum_mean(gathered.transmittance) > 0.5 && spectrum_mean(after) <= 0.5%s)\n"
                 "        gathered.depth = at + depth_half(gathered.transmittance, sigma_t, length);\n",
-                features->has_roulette || features->has_paths ? " && gathered.depth == 0.0" : "");
-    write_left(out, job, features);
+                model->features.has_roulette || model->features.has_paths ? " && gathered.depth == 0.0" : "");
+    write_left(out, model);
 }
 
-static void write_extinction(FILE *out, const struct job *job, const struct scene_features *features, bool has_source)
+static void write_extinction(FILE *out, const struct scene_model *model, bool has_source)
 {
-    bool is_riemann = job->quality.method == JOB_METHOD_RIEMANN;
+    bool is_riemann = model->job->quality.method == JOB_METHOD_RIEMANN;
 
     if (!is_riemann) fputs("    Segment part = segment(sigma_t * length);\n", out);
     if (has_source)
@@ -273,7 +271,7 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
                 is_riemann ? "" : "part.escape * ");
     fprintf(out, "    Spectrum after = gathered.transmittance * %s;\n",
             is_riemann ? "exp(-sigma_t * length)" : "part.transmittance");
-    write_passed(out, job, features);
+    write_passed(out, model);
 }
 
 static void write_source(FILE *out, const struct medium_features *medium, size_t i)
@@ -283,79 +281,79 @@ static void write_source(FILE *out, const struct medium_features *medium, size_t
     if (medium->glows) fprintf(out, "    source += medium_%zu_glow(point) * density_%zu;\n", i, i);
 }
 
-static void write_sources(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_sources(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
-    const struct scene *scene = &job->scene;
+    const struct scene_features *features = &model->features;
+    const struct scene *scene = &model->job->scene;
 
     fputs("    Spectrum source = spectrum(0.0);\n", out);
     for (size_t i = 0; i < scene->medium_count; ++i)
         write_source(out, &features->media[i], i);
     if (!features->media_are_lit || features->places_points) return;
     if (features->has_light_grids)
-        write_cached_scattering(out, job, program);
+        write_cached_scattering(out, model);
     else
-        write_scattering(out, job, program);
+        write_scattering(out, model);
 }
 
-static void write_densities(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_densities(FILE *out, const struct scene_model *model)
 {
-    for (size_t i = 0; i < job->scene.medium_count; ++i)
-        if (program->features.media[i].is_seen) {
+    for (size_t i = 0; i < model->job->scene.medium_count; ++i)
+        if (model->features.media[i].is_seen) {
             fprintf(out, "    float density_%zu = ", i);
-            scene_glue_write_density(out, job, program, i);
+            scene_glue_write_density(out, model, i);
             fputs(";\n", out);
         }
 }
 
 // What a node of a segment has, per metre.
-static void write_gather_node(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_gather_node(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
     fputs("void gather_node(Gathered gathered, MediaField field, vec3 point, vec3 direction, float length, float "
           "place, out Spectrum extinction, out Spectrum light_source)\n{\n"
           "    extinction = spectrum(0.0);\n    light_source = spectrum(0.0);\n"
           "    if (field.distance >= 0.0) return;\n",
           out);
-    write_densities(out, job, program);
+    write_densities(out, model);
     if (features->has_emission || features->media_are_lit) {
-        write_sources(out, job, program);
+        write_sources(out, model);
         fputs("    light_source = source;\n", out);
     }
     if (features->has_extinction) {
-        write_sigma_t(out, program);
+        write_sigma_t(out, model);
         fputs("    extinction = sigma_t;\n", out);
     }
     fputs("}\n", out);
 }
 
 // Adds a segment that sends `light` forward.
-static void write_gather_segment(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_gather_segment(FILE *out, const struct scene_model *model)
 {
     fprintf(out,
             "void gather_segment(inout Gathered gathered, Spectrum light, Spectrum optical_depth, float at, float "
             "length)\n{\n    gathered.radiance += %slight;\n",
-            features->has_throughput ? "gathered.transmittance * " : "");
-    if (features->has_extinction) {
+            model->features.has_throughput ? "gathered.transmittance * " : "");
+    if (model->features.has_extinction) {
         fputs("    Spectrum after = gathered.transmittance * segment(optical_depth).transmittance;\n", out);
-        if (features->has_depth) fputs("    Spectrum sigma_t = optical_depth / length;\n", out);
-        write_passed(out, job, features);
+        if (model->features.has_depth) fputs("    Spectrum sigma_t = optical_depth / length;\n", out);
+        write_passed(out, model);
     }
     fputs("}\n", out);
 }
 
 // Light of a place, times what is left of it and the length that it stands for; and what is left behind it.
-static void write_tracked(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_tracked(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
     bool has_source = features->has_emission || features->media_are_lit;
 
     fputs("void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, Spectrum weight)\n{\n",
           out);
     if (has_source) {
-        write_densities(out, job, program);
-        write_sources(out, job, program);
+        write_densities(out, model);
+        write_sources(out, model);
         fputs("    gathered.radiance += weight * source;\n", out);
     }
     fprintf(out, "}\nSpectrum gathered_left(Gathered gathered)\n{\n    return %s;\n}\n",
@@ -363,24 +361,24 @@ static void write_tracked(FILE *out, const struct job *job, const struct scene_p
     fputs("void gathered_pass(inout Gathered gathered, Spectrum after, float at)\n{\n", out);
     if (features->has_extinction && features->has_depth)
         fputs("    if (gathered.depth == 0.0 && spectrum_mean(after) <= 0.5) gathered.depth = at;\n", out);
-    if (features->has_throughput) write_left(out, job, features);
+    if (features->has_throughput) write_left(out, model);
     fputs("}\n", out);
 }
 
-void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_gather(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
-    const struct scene *scene = &job->scene;
+    const struct scene_features *features = &model->features;
+    const struct scene *scene = &model->job->scene;
     bool has_source = features->has_emission || (features->media_are_lit && !features->places_points);
 
-    write_gathered(out, job, features);
+    write_gathered(out, model);
     if (features->is_tracked) {
-        write_tracked(out, job, program);
+        write_tracked(out, model);
         return;
     }
     if (features->is_gauss) {
-        write_gather_node(out, job, program);
-        write_gather_segment(out, job, features);
+        write_gather_node(out, model);
+        write_gather_segment(out, model);
         return;
     }
     fprintf(out,
@@ -388,38 +386,37 @@ void scene_glue_write_gather(FILE *out, const struct job *job, const struct scen
             "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
             "length%s)\n{\n",
             features->marches ? "where the field was taken" : "is there", features->is_jittered ? ", float place" : "");
-    write_densities(out, job, program);
-    if (has_source) write_sources(out, job, program);
-    if (features->has_extinction) write_sigma_t(out, program);
-    if (features->places_points) write_all_placed(out, scene, program);
+    write_densities(out, model);
+    if (has_source) write_sources(out, model);
+    if (features->has_extinction) write_sigma_t(out, model);
+    if (features->places_points) write_all_placed(out, scene, model);
     if (features->has_extinction)
-        write_extinction(out, job, features, has_source);
+        write_extinction(out, model, has_source);
     else
         fprintf(out, "    gathered.radiance += %ssource * length;\n",
                 features->has_throughput ? "gathered.transmittance * " : "");
     fputs("}\n", out);
 }
 
-void scene_glue_write_integrator(FILE *out, const struct job *job, const struct scene_program *program,
-                                 const char *stretch)
+void scene_glue_write_integrator(FILE *out, const struct scene_model *model, const char *stretch)
 {
-    if (program->features.has_majorants)
-        fprintf(out, "    integrator_%s(Integrator%s(TRACKING_LOOKS)", scene_glue_estimator(job),
-                job->quality.estimator == JOB_ESTIMATOR_DELTA ? "Delta" : "Ratio");
-    else if (program->features.is_tracked)
+    if (model->features.has_majorants)
+        fprintf(out, "    integrator_%s(Integrator%s(TRACKING_LOOKS)", scene_glue_estimator(model->job),
+                model->job->quality.estimator == JOB_ESTIMATOR_DELTA ? "Delta" : "Ratio");
+    else if (model->features.is_tracked)
         fputs("    integrator_estimated(IntegratorEstimated(quality_step)", out);
-    else if (program->features.is_jittered)
+    else if (model->features.is_jittered)
         fputs("    integrator_jittered(IntegratorJittered(quality_step)", out);
-    else if (program->features.is_tabled)
+    else if (model->features.is_tabled)
         fputs("    integrator_preintegrated(IntegratorPreintegrated(quality_step)", out);
-    else if (program->features.is_adaptive)
+    else if (model->features.is_adaptive)
         fputs("    integrator_adaptive(IntegratorAdaptive(quality_step, quality_depth_step)", out);
-    else if (program->features.is_gauss)
+    else if (model->features.is_gauss)
         fputs("    integrator_gauss(IntegratorGauss(quality_step)", out);
-    else if (program->features.marches)
+    else if (model->features.marches)
         fputs("    integrator_midpoint(IntegratorMidpoint(quality_step)", out);
     else // n spans have 2 n ends
-        fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * job->scene.medium_count);
+        fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * model->job->scene.medium_count);
     fprintf(out, ", %s, spans, gathered);\n", stretch);
 }
 

@@ -5,15 +5,14 @@
 #include <stdio.h>
 
 struct job;
-struct scene_program;
+struct scene_model;
 
 // `Gathered` and `gather`, called by the integrator for each place that has density.
-void scene_glue_write_gather(FILE *out, const struct job *job, const struct scene_program *program);
+void scene_glue_write_gather(FILE *out, const struct scene_model *model);
 // `PLACED_COUNT`, `placed_share(i)` and `placed_weight(i)`: the points of a stretch, for jobs that place them.
 void scene_glue_write_placed(FILE *out, const struct job *job);
 // The expression of what the media in `spans` leave of light between `point` and `distance` metres towards `light`.
-void scene_glue_write_transmittance(FILE *out, const struct job *job, const struct scene_program *program,
-                                    const char *spans, const char *distance);
+void scene_glue_write_transmittance(FILE *out, const struct scene_model *model, const char *spans,
+                                    const char *distance);
 // Calls the integrator (not that of Riemann sums) for `spans`; `stretch`: "origin, direction, interval".
-void scene_glue_write_integrator(FILE *out, const struct job *job, const struct scene_program *program,
-                                 const char *stretch);
+void scene_glue_write_integrator(FILE *out, const struct scene_model *model, const char *stretch);

@@ -4,7 +4,7 @@
 #include "core/job/job.h"
 #include "worker/density/density_kind.h"
 #include "worker/density/scene_bounds.h"
-#include "worker/program/scene_program.h"
+#include "worker/model/scene_model.h"
 
 // Which media a function is about.
 typedef bool choose_medium(const struct medium_features *medium);
@@ -26,36 +26,35 @@ static bool is_tabled(const struct medium_features *medium)
 }
 
 // The first medium from `i` on that is chosen; medium_count when there is none left.
-static size_t next(const struct scene_program *program, choose_medium *choose, size_t i)
+static size_t next(const struct scene_model *model, choose_medium *choose, size_t i)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
     while (i < features->medium_count && !choose(&features->media[i]))
         ++i;
     return i;
 }
 
-static bool is_single(const struct scene_program *program, choose_medium *choose)
+static bool is_single(const struct scene_model *model, choose_medium *choose)
 {
-    size_t first = next(program, choose, 0);
+    size_t first = next(model, choose, 0);
 
-    return next(program, choose, first + 1) >= program->features.medium_count;
+    return next(model, choose, first + 1) >= model->features.medium_count;
 }
 
 // Runs with `i` as the index of each medium that is chosen.
-#define FOR_EACH_MEDIUM(program, choose)                                                                               \
-    for (size_t i = next((program), (choose), 0); i < (program)->features.medium_count;                                \
-         i = next((program), (choose), i + 1))
+#define FOR_EACH_MEDIUM(model, choose)                                                                                 \
+    for (size_t i = next((model), (choose), 0); i < (model)->features.medium_count; i = next((model), (choose), i + 1))
 
 // Whether places outside the medium's span are asked about. A single one is marched through from end to end of its span,
 // but for Riemann sums, whose samples lie where they lie.
-static bool needs_test(const struct job *job, const struct scene_program *program, choose_medium *choose, size_t i)
+static bool needs_test(const struct scene_model *model, choose_medium *choose, size_t i)
 {
-    const struct scene_density *density = &job->scene.media[i].density;
+    const struct scene_density *density = &model->job->scene.media[i].density;
     const struct density_kind *kind = density_kind_of(density);
 
-    if (!is_single(program, choose)) return true;
-    if (job->quality.method != JOB_METHOD_RIEMANN) return false;
+    if (!is_single(model, choose)) return true;
+    if (model->job->quality.method != JOB_METHOD_RIEMANN) return false;
     return density->bounds.kind != SCENE_BOUNDS_NONE || (kind->has_support && !kind->is_zero_outside);
 }
 
@@ -76,35 +75,35 @@ static void write_span(FILE *out, const struct scene_density *density, size_t i)
     fputs("}\n", out);
 }
 
-static void write_medium(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+static void write_medium(FILE *out, const struct scene_model *model, size_t i)
 {
-    const struct scene_medium *medium = &job->scene.media[i];
+    const struct scene_medium *medium = &model->job->scene.media[i];
+    const struct density_site site = scene_model_site(model, i);
 
-    density_kind_of(&medium->density)
-        ->write(out, &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = program->inputs});
+    density_kind_of(&medium->density)->write(out, &site);
     if (medium->density.bounds.kind != SCENE_BOUNDS_NONE)
-        scene_bounds_write(out, &medium->density.bounds, program->features.media[i].has_falloff, i);
+        scene_bounds_write(out, &medium->density.bounds, model->features.media[i].has_falloff, i);
     write_span(out, &medium->density, i);
 }
 
 // "BEFORE_0_AFTER, BEFORE_1_AFTER" over all seen media.
-static void write_list(FILE *out, const struct scene_program *program, const char *before, const char *after)
+static void write_list(FILE *out, const struct scene_model *model, const char *before, const char *after)
 {
     const char *separator = "";
 
-    FOR_EACH_MEDIUM (program, is_seen) {
+    FOR_EACH_MEDIUM (model, is_seen) {
         fprintf(out, "%s%s%zu%s", separator, before, i, after);
         separator = ", ";
     }
 }
 
-static void write_interval(FILE *out, const struct scene_program *program, choose_medium *choose, const char *name)
+static void write_interval(FILE *out, const struct scene_model *model, choose_medium *choose, const char *name)
 {
     size_t open = 0;
 
     fprintf(out, "vec2 %s(MediaSpans spans)\n{\n    return ", name);
-    FOR_EACH_MEDIUM (program, choose) {
-        bool is_last = next(program, choose, i + 1) >= program->features.medium_count;
+    FOR_EACH_MEDIUM (model, choose) {
+        bool is_last = next(model, choose, i + 1) >= model->features.medium_count;
 
         fprintf(out, is_last ? "spans.medium_%zu" : "span_join(spans.medium_%zu, ", i);
         open += !is_last;
@@ -114,36 +113,36 @@ static void write_interval(FILE *out, const struct scene_program *program, choos
     fputs(";\n}\n", out);
 }
 
-static void write_next_edge(FILE *out, const struct scene_program *program, choose_medium *choose, const char *name)
+static void write_next_edge(FILE *out, const struct scene_model *model, choose_medium *choose, const char *name)
 {
     fprintf(out, "float %s(MediaSpans spans, float at, float end)\n{\n", name);
-    if (!is_single(program, choose)) {
-        FOR_EACH_MEDIUM (program, choose)
+    if (!is_single(model, choose)) {
+        FOR_EACH_MEDIUM (model, choose)
             fprintf(out, "    end = span_next_edge(spans.medium_%zu, at, end);\n", i);
     }
     fputs("    return end;\n}\n", out);
 }
 
-static void write_spans(FILE *out, const struct scene_program *program)
+static void write_spans(FILE *out, const struct scene_model *model)
 {
     fputs("struct MediaSpans {", out);
-    FOR_EACH_MEDIUM (program, is_seen)
+    FOR_EACH_MEDIUM (model, is_seen)
         fprintf(out, " vec2 medium_%zu;", i);
     fputs(" };\nMediaSpans media_spans(vec3 origin, vec3 direction)\n{\n    return MediaSpans(", out);
-    write_list(out, program, "medium_", "_span(origin, direction)");
+    write_list(out, model, "medium_", "_span(origin, direction)");
     fputs(");\n}\nMediaSpans media_spans_from(MediaSpans spans, float start)\n{\n    return MediaSpans(", out);
-    write_list(out, program, "spans.medium_", " - start");
+    write_list(out, model, "spans.medium_", " - start");
     fputs(");\n}\n", out);
-    write_interval(out, program, is_seen, "media_interval");
-    write_next_edge(out, program, is_seen, "media_next_edge");
+    write_interval(out, model, is_seen, "media_interval");
+    write_next_edge(out, model, is_seen, "media_next_edge");
 }
 
-static void write_spans_in(FILE *out, const struct scene *scene, const struct scene_program *program)
+static void write_spans_in(FILE *out, const struct scene *scene, const struct scene_model *model)
 {
     const char *separator = "";
 
     fputs("MediaSpans media_spans_in(MediaSpans spans, int region, vec2 piece)\n{\n    return MediaSpans(", out);
-    FOR_EACH_MEDIUM (program, is_seen) {
+    FOR_EACH_MEDIUM (model, is_seen) {
         fprintf(out, "%sregion == %zu ? span_meet(spans.medium_%zu, piece) : SPAN_MISSED", separator,
                 scene->media[i].owner, i);
         separator = ",\n        ";
@@ -151,9 +150,9 @@ static void write_spans_in(FILE *out, const struct scene *scene, const struct sc
     fputs(");\n}\n", out);
 }
 
-static bool has_share(const struct job *job, const struct scene_program *program, size_t i)
+static bool has_share(const struct scene_model *model, size_t i)
 {
-    return program->features.media[i].has_falloff || needs_test(job, program, is_seen, i);
+    return model->features.media[i].has_falloff || needs_test(model, is_seen, i);
 }
 
 static void write_field_of(FILE *out, const struct density_kind *kind, size_t i)
@@ -186,17 +185,17 @@ static void write_least_outside(FILE *out, const char *target, bool is_first, si
     fputs("    }\n", out);
 }
 
-static void write_field_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+static void write_field_part(FILE *out, const struct scene_model *model, size_t i)
 {
-    const struct density_kind *kind = density_kind_of(&job->scene.media[i].density);
-    bool is_first = next(program, is_placed, 0) == i, is_tested = needs_test(job, program, is_seen, i);
+    const struct density_kind *kind = density_kind_of(&model->job->scene.media[i].density);
+    bool is_first = next(model, is_placed, 0) == i, is_tested = needs_test(model, is_seen, i);
     const char *indent = begin_inside(out, is_tested, i);
     char bound[96];
 
     fprintf(out, "%sfield.medium_%zu = ", indent, i);
     write_field_of(out, kind, i);
     fputs(";\n", out);
-    if (program->features.media[i].has_falloff)
+    if (model->features.media[i].has_falloff)
         fprintf(out, "%sfield.medium_%zu_share = medium_%zu_falloff(p);\n", indent, i, i);
     else if (is_tested)
         fprintf(out, "%sfield.medium_%zu_share = 1.0;\n", indent, i);
@@ -208,35 +207,36 @@ static void write_field_part(FILE *out, const struct job *job, const struct scen
     write_least_outside(out, "field.distance", is_first, i);
 }
 
-static const char *field_type(const struct job *job, const struct scene_program *program, size_t i)
+static const char *field_type(const struct scene_model *model, size_t i)
 {
-    return program->features.media[i].is_tabled ? "vec4" : density_kind_of(&job->scene.media[i].density)->field_type;
+    return model->features.media[i].is_tabled ? "vec4"
+                                              : density_kind_of(&model->job->scene.media[i].density)->field_type;
 }
 
 // What a table's medium has is set later, from a segment's ends: here only whether, and with which falloff.
-static void write_tabled_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+static void write_tabled_part(FILE *out, const struct scene_model *model, size_t i)
 {
-    bool is_tested = needs_test(job, program, is_seen, i);
+    bool is_tested = needs_test(model, is_seen, i);
 
     fprintf(out, "    field.medium_%zu = vec4(0.0);\n", i);
-    if (!has_share(job, program, i)) return;
+    if (!has_share(model, i)) return;
     fprintf(out, "    field.medium_%zu_share = ", i);
     if (is_tested) fprintf(out, "!span_has(spans.medium_%zu, at) ? 0.0 : ", i);
-    if (program->features.media[i].has_falloff)
+    if (model->features.media[i].has_falloff)
         fprintf(out, "medium_%zu_falloff(p);\n", i);
     else
         fputs("1.0;\n", out);
 }
 
-static void write_clear(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_clear(FILE *out, const struct scene_model *model)
 {
     bool is_first = true;
 
     fputs("// How far along the ray there is nothing of the media that have tables.\n"
           "float media_clear(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n    float clear;\n",
           out);
-    FOR_EACH_MEDIUM (program, is_tabled) {
-        bool is_tested = needs_test(job, program, is_seen, i);
+    FOR_EACH_MEDIUM (model, is_tabled) {
+        bool is_tested = needs_test(model, is_seen, i);
         const char *indent = begin_inside(out, is_tested, i);
         char bound[96];
 
@@ -252,12 +252,12 @@ static void write_clear(FILE *out, const struct job *job, const struct scene_pro
 }
 
 // All members of a MediaEnds, each as BEFORE I MIDDLE I AFTER.
-static void write_ends(FILE *out, const struct scene_program *program, const char *declaration, const char *format)
+static void write_ends(FILE *out, const struct scene_model *model, const char *declaration, const char *format)
 {
     const char *separator = "";
 
     fprintf(out, "MediaEnds %s\n{\n    return MediaEnds(", declaration);
-    FOR_EACH_MEDIUM (program, is_tabled) {
+    FOR_EACH_MEDIUM (model, is_tabled) {
         fputs(separator, out);
         for (const char *at = format; *at; ++at)
             if (*at == '#')
@@ -269,84 +269,84 @@ static void write_ends(FILE *out, const struct scene_program *program, const cha
     fputs(");\n}\n", out);
 }
 
-static void write_tables(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_tables(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";
-    bool is_alone = next(program, is_placed, 0) >= program->features.medium_count;
+    bool is_alone = next(model, is_placed, 0) >= model->features.medium_count;
 
     fprintf(out, "const float MEDIA_CLEAR_END = %s;\nconst bool MEDIA_ARE_LIT = %s;\n", is_alone ? "FAR_AWAY" : "0.0",
-            program->features.media_are_lit ? "true" : "false");
+            model->features.media_are_lit ? "true" : "false");
     fputs("struct MediaEnds {", out);
-    FOR_EACH_MEDIUM (program, is_tabled)
+    FOR_EACH_MEDIUM (model, is_tabled)
         fprintf(out, " TransferEnd medium_%zu;", i);
     fputs(" };\n", out);
-    write_ends(out, program, "media_ends(vec3 p)", "medium_#_end(p)");
-    write_ends(out, program, "media_ends_between(MediaEnds from, MediaEnds to, float share)",
+    write_ends(out, model, "media_ends(vec3 p)", "medium_#_end(p)");
+    write_ends(out, model, "media_ends_between(MediaEnds from, MediaEnds to, float share)",
                "medium_#_end_at(mix(from.medium_#.place, to.medium_#.place, share))");
     fputs("void media_set_slopes(inout MediaEnds to, MediaEnds from, float length)\n{\n", out);
-    FOR_EACH_MEDIUM (program, is_tabled)
+    FOR_EACH_MEDIUM (model, is_tabled)
         fprintf(out, "    to.medium_%zu.slope = (to.medium_%zu.place - from.medium_%zu.place) / length;\n", i, i, i);
     fputs("}\nvoid media_set_means(inout MediaField field, MediaEnds from, MediaEnds to, float bend)\n{\n", out);
-    FOR_EACH_MEDIUM (program, is_tabled)
+    FOR_EACH_MEDIUM (model, is_tabled)
         fprintf(out, "    field.medium_%zu = transfer_mean(from.medium_%zu, to.medium_%zu, bend);\n", i, i, i);
     fputs("}\n// Of those with tables, per metre.\nfloat media_depth(MediaField field)\n{\n    return ", out);
-    FOR_EACH_MEDIUM (program, is_tabled) {
+    FOR_EACH_MEDIUM (model, is_tabled) {
         fputs(separator, out);
-        scene_glue_write_density(out, job, program, i);
+        scene_glue_write_density(out, model, i);
         separator = " + ";
     }
     fputs(";\n}\n", out);
-    write_clear(out, job, program);
+    write_clear(out, model);
 }
 
-static void write_field(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_field(FILE *out, const struct scene_model *model)
 {
     fputs("struct MediaField {", out);
-    FOR_EACH_MEDIUM (program, is_seen) {
-        fprintf(out, " %s medium_%zu;", field_type(job, program, i), i);
-        if (has_share(job, program, i)) fprintf(out, " float medium_%zu_share;", i);
+    FOR_EACH_MEDIUM (model, is_seen) {
+        fprintf(out, " %s medium_%zu;", field_type(model, i), i);
+        if (has_share(model, i)) fprintf(out, " float medium_%zu_share;", i);
     }
     fputs(" float distance; };\nMediaField media_field(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n"
           "    MediaField field;\n",
           out);
-    if (next(program, is_placed, 0) >= program->features.medium_count) fputs("    field.distance = FAR_AWAY;\n", out);
-    FOR_EACH_MEDIUM (program, is_seen) {
-        if (program->features.media[i].is_tabled)
-            write_tabled_part(out, job, program, i);
+    if (next(model, is_placed, 0) >= model->features.medium_count) fputs("    field.distance = FAR_AWAY;\n", out);
+    FOR_EACH_MEDIUM (model, is_seen) {
+        if (model->features.media[i].is_tabled)
+            write_tabled_part(out, model, i);
         else
-            write_field_part(out, job, program, i);
+            write_field_part(out, model, i);
     }
     fputs("    return field;\n}\n", out);
 }
 
-void scene_glue_write_density(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+void scene_glue_write_density(FILE *out, const struct scene_model *model, size_t i)
 {
-    if (has_share(job, program, i)) fprintf(out, "field.medium_%zu_share * ", i);
+    if (has_share(model, i)) fprintf(out, "field.medium_%zu_share * ", i);
     fprintf(out, "medium_%zu_density(field.medium_%zu)", i, i);
 }
 
-static void write_column_sum(FILE *out, const struct scene_program *program, const char *before, const char *after)
+static void write_column_sum(FILE *out, const struct scene_model *model, const char *before, const char *after)
 {
     const char *separator = "";
 
-    FOR_EACH_MEDIUM (program, medium_features_have_column) {
+    FOR_EACH_MEDIUM (model, medium_features_have_column) {
         fprintf(out, "%s%smedium_%zu_sigma_t%s * column.medium_%zu", separator, before, i, after, i);
         separator = " + ";
     }
 }
 
-static void write_column_part(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+static void write_column_part(FILE *out, const struct scene_model *model, size_t i)
 {
-    const struct density_kind *kind = density_kind_of(&job->scene.media[i].density);
-    bool is_first = next(program, medium_features_march_to_lights, 0) == i;
-    bool is_tested = needs_test(job, program, medium_features_march_to_lights, i);
+    const struct density_kind *kind = density_kind_of(&model->job->scene.media[i].density);
+    bool is_first = next(model, medium_features_march_to_lights, 0) == i;
+    bool is_tested = needs_test(model, medium_features_march_to_lights, i);
     const char *indent = begin_inside(out, is_tested, i);
     char bound[96];
 
     fprintf(out, "%s%s field_%zu = ", indent, kind->field_type, i);
     write_field_of(out, kind, i);
     fprintf(out, ";\n%scolumn.medium_%zu += length * ", indent, i);
-    if (program->features.media[i].has_falloff) fprintf(out, "medium_%zu_falloff(p) * ", i);
+    if (model->features.media[i].has_falloff) fprintf(out, "medium_%zu_falloff(p) * ", i);
     fprintf(out, "medium_%zu_density(field_%zu);\n", i, i);
     snprintf(bound, sizeof bound, "medium_%zu_distance(field_%zu)", i, i);
     write_least(out, indent, "empty", is_first, bound);
@@ -355,76 +355,76 @@ static void write_column_part(FILE *out, const struct job *job, const struct sce
     write_least_outside(out, "empty", is_first, i);
 }
 
-static void write_column_march(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_column_march(FILE *out, const struct scene_model *model)
 {
-    write_interval(out, program, medium_features_march_to_lights, "media_column_interval");
-    write_next_edge(out, program, medium_features_march_to_lights, "media_column_next_edge");
+    write_interval(out, model, medium_features_march_to_lights, "media_column_interval");
+    write_next_edge(out, model, medium_features_march_to_lights, "media_column_next_edge");
     fputs("float media_column_add(inout MediaColumn column, MediaSpans spans, vec3 p, vec3 direction, float at, "
           "float length)\n{\n    float empty;\n",
           out);
-    FOR_EACH_MEDIUM (program, medium_features_march_to_lights)
-        write_column_part(out, job, program, i);
+    FOR_EACH_MEDIUM (model, medium_features_march_to_lights)
+        write_column_part(out, model, i);
     fputs("    return empty;\n}\n", out);
 }
 
-static void write_column_depth(FILE *out, const struct scene_program *program)
+static void write_column_depth(FILE *out, const struct scene_model *model)
 {
     fputs("float media_column_depth(MediaColumn column)\n{\n    return ", out);
-    write_column_sum(out, program, "spectrum_min(", ")");
+    write_column_sum(out, model, "spectrum_min(", ")");
     fputs(";\n}\n", out);
 }
 
-static void write_column(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_column(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";
 
     fputs("// Density integrated along a way, a number a medium.\nstruct MediaColumn {", out);
-    FOR_EACH_MEDIUM (program, medium_features_have_column)
+    FOR_EACH_MEDIUM (model, medium_features_have_column)
         fprintf(out, " float medium_%zu;", i);
     fputs(" };\nMediaColumn media_column_begin(MediaSpans spans, float distance)\n{\n    return MediaColumn(", out);
-    FOR_EACH_MEDIUM (program, medium_features_have_column) {
+    FOR_EACH_MEDIUM (model, medium_features_have_column) {
         fputs(separator, out);
         separator = ", ";
-        if (program->features.media[i].is_even)
+        if (model->features.media[i].is_even)
             fprintf(out, "span_length(spans.medium_%zu, distance) * medium_%zu_density(%s(0.0))", i, i,
-                    density_kind_of(&job->scene.media[i].density)->field_type);
+                    density_kind_of(&model->job->scene.media[i].density)->field_type);
         else
             fputs("0.0", out);
     }
     fputs(");\n}\n", out);
 }
 
-static void write_transmittance(FILE *out, const struct scene_program *program)
+static void write_transmittance(FILE *out, const struct scene_model *model)
 {
     fputs("Spectrum media_transmittance(MediaColumn column)\n{\n    return exp(-(", out);
-    write_column_sum(out, program, "", "");
+    write_column_sum(out, model, "", "");
     fputs("));\n}\n", out);
 }
 
-void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_media(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
-    FOR_EACH_MEDIUM (program, is_seen)
-        write_medium(out, job, program, i);
-    write_spans(out, program);
-    if (features->has_objects) write_spans_in(out, &job->scene, program);
-    write_field(out, job, program);
-    if (features->is_tabled) write_tables(out, job, program);
+    FOR_EACH_MEDIUM (model, is_seen)
+        write_medium(out, model, i);
+    write_spans(out, model);
+    if (features->has_objects) write_spans_in(out, &model->job->scene, model);
+    write_field(out, model);
+    if (features->is_tabled) write_tables(out, model);
     if ((!features->has_lights && !features->is_tracked) || !features->has_extinction) return;
-    write_column(out, job, program);
-    write_transmittance(out, program);
+    write_column(out, model);
+    write_transmittance(out, model);
     if (!features->marches_to_lights && !features->estimates_columns) return;
     if (features->has_light_grids) return;
-    write_column_march(out, job, program);
-    if (!features->is_tracked) write_column_depth(out, program);
+    write_column_march(out, model);
+    if (!features->is_tracked) write_column_depth(out, model);
 }
 
-void scene_glue_write_columns(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_columns(FILE *out, const struct scene_model *model)
 {
-    FOR_EACH_MEDIUM (program, is_seen)
-        write_medium(out, job, program, i);
-    write_spans(out, program);
-    write_column(out, job, program);
-    write_column_march(out, job, program);
+    FOR_EACH_MEDIUM (model, is_seen)
+        write_medium(out, model, i);
+    write_spans(out, model);
+    write_column(out, model);
+    write_column_march(out, model);
 }

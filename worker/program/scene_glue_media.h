@@ -5,8 +5,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-struct job;
-struct scene_program;
+struct scene_model;
 
 // The functions of each seen medium's density and bounds, then what integrator modules call:
 //   MediaSpans            distances between which a ray is inside each medium
@@ -24,9 +23,9 @@ struct scene_program;
 //   media_column_interval(spans), media_column_next_edge(spans, at, end)  as above, of those that are not
 //   media_column_add(column, spans, p, direction, at, length)  adds these; returns what .distance is above
 //   media_column_depth(column), media_transmittance(column)
-void scene_glue_write_media(FILE *out, const struct job *job, const struct scene_program *program);
+void scene_glue_write_media(FILE *out, const struct scene_model *model);
 // Of all this the part that a march for columns alone calls, which is all but media_field, media_column_depth and
 // media_transmittance.
-void scene_glue_write_columns(FILE *out, const struct job *job, const struct scene_program *program);
+void scene_glue_write_columns(FILE *out, const struct scene_model *model);
 // The expression of a medium's rho from `MediaField field`.
-void scene_glue_write_density(FILE *out, const struct job *job, const struct scene_program *program, size_t medium);
+void scene_glue_write_density(FILE *out, const struct scene_model *model, size_t medium);

@@ -2,19 +2,19 @@
 #include "worker/program/scene_glue_path.h"
 
 #include "core/job/job.h"
+#include "worker/model/scene_model.h"
 #include "worker/program/scene_glue_gather.h"
-#include "worker/program/scene_program.h"
 
 #include <math.h>
 
 // The media between `from` and `to`: all that is there when no dielectric parts it into regions.
-static void write_piece(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_piece(FILE *out, const struct scene_model *model)
 {
-    bool has_regions = program->features.has_dielectrics;
+    bool has_regions = model->features.has_dielectrics;
 
-    if (!program->features.has_extinction) return;
+    if (!model->features.has_extinction) return;
     fprintf(out, "        %s ", has_regions ? "passed *=" : "return");
-    scene_glue_write_transmittance(out, job, program,
+    scene_glue_write_transmittance(out, model,
                                    has_regions ? "media_spans_in(spans, before, vec2(from, to))"
                                                : "media_spans(point, light.direction)",
                                    has_regions ? "to" : "light.distance");
@@ -22,13 +22,13 @@ static void write_piece(FILE *out, const struct job *job, const struct scene_pro
 }
 
 // Opaque objects alone: the first one that is met stops it. A lamp that stands on a surface is before it.
-static void write_opaque_shadow(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_opaque_shadow(FILE *out, const struct scene_model *model)
 {
     fputs("        float at = surface_next(shapes, 0.0, inside, left).at;\n"
           "        if (shape_spans_reach(shapes, at, 1.0) < light.distance) return spectrum(0.0);\n",
           out);
-    if (program->features.has_extinction)
-        write_piece(out, job, program);
+    if (model->features.has_extinction)
+        write_piece(out, model);
     else
         fputs("        return spectrum(1.0);\n", out);
 }
@@ -41,19 +41,19 @@ static bool has_opaque(const struct scene_features *features)
 }
 
 // One loop over all boundaries, seen or not: software GL counts its turns.
-static void write_regions_shadow(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_regions_shadow(FILE *out, const struct scene_model *model)
 {
-    if (program->features.has_extinction) fputs("    MediaSpans spans = media_spans(point, light.direction);\n", out);
+    if (model->features.has_extinction) fputs("    MediaSpans spans = media_spans(point, light.direction);\n", out);
     fputs("    Spectrum passed = spectrum(1.0);\n    float from = 0.0;\n"
           "    for (int turn = 0; turn < MARCH_LIMIT; ++turn) {\n"
           "        SurfaceCrossing next = surface_next(shapes, from, inside, left);\n"
           "        bool is_there = shape_spans_reach(shapes, next.at, 1.0) >= light.distance;\n"
           "        int before = surface_region(inside);\n        int after = surface_region(next.inside);\n",
           out);
-    if (has_opaque(&program->features))
+    if (has_opaque(&model->features))
         fputs("        if (!is_there && surface_is_opaque(after)) return spectrum(0.0);\n", out);
     fputs("        float to = min(next.at, light.distance);\n", out);
-    write_piece(out, job, program);
+    write_piece(out, model);
     fputs("        if (is_there) return passed;\n"
           "        vec3 normal = shape_normal(findMSB(next.shapes), point + next.at * light.direction);\n"
           "        float ior_before = surface_ior(before);\n        float ior_after = surface_ior(after);\n"
@@ -65,35 +65,35 @@ static void write_regions_shadow(FILE *out, const struct job *job, const struct 
           out);
 }
 
-void scene_glue_write_shadow(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_shadow(FILE *out, const struct scene_model *model)
 {
     fputs("Spectrum shadow(vec3 point, LightSample light, uint inside, uint left)\n{\n"
           "    ShapeSpans shapes = shape_spans(point, light.direction);\n",
           out);
-    if (program->features.has_dielectrics)
-        write_regions_shadow(out, job, program);
+    if (model->features.has_dielectrics)
+        write_regions_shadow(out, model);
     else
-        write_opaque_shadow(out, job, program);
+        write_opaque_shadow(out, model);
     fputs("}\n", out);
 }
 
-static bool sees_behind(const struct job *job, const struct scene_features *features)
+static bool sees_behind(const struct scene_model *model)
 {
-    return features->has_transmittance || !job->scene.has_background;
+    return model->features.has_transmittance || !model->job->scene.has_background;
 }
 
-void scene_glue_write_seen(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_seen(FILE *out, const struct scene_model *model)
 {
-    if (program->features.has_paths)
+    if (model->features.has_paths)
         fprintf(out, "const int PATH_DEPTH_LIMIT = %d;\nconst float PATH_THROUGHPUT_LIMIT = %.9e;\n",
-                job->quality.max_depth, job->quality.min_throughput);
+                model->job->quality.max_depth, model->job->quality.min_throughput);
     fputs("// What the rays of a sample have brought so far: light, the share of what is behind everything that comes "
           "without a "
           "reflection,\n// and how far the first thing is.\n"
           "Spectrum path_radiance = Spectrum(0.0);\n",
           out);
-    if (sees_behind(job, &program->features)) fputs("Spectrum path_behind = Spectrum(0.0);\n", out);
-    if (program->features.has_depth) fputs("float path_depth = 0.0;\n", out);
+    if (sees_behind(model)) fputs("Spectrum path_behind = Spectrum(0.0);\n", out);
+    if (model->features.has_depth) fputs("float path_depth = 0.0;\n", out);
 }
 
 static void write_clip(FILE *out, const struct scene_camera *camera)
@@ -105,21 +105,21 @@ static void write_clip(FILE *out, const struct scene_camera *camera)
         fputs("end)", out);
 }
 
-static void write_media(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_media(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
     fputs("    int region = surface_region(ray.inside);\n"
           "    MediaSpans spans = media_spans_in(media_spans(ray.origin, ray.direction), region, ",
           out);
-    write_clip(out, &job->scene.camera);
+    write_clip(out, &model->job->scene.camera);
     fputs(");\n    Gathered gathered = Gathered(path_radiance, ray.throughput", out);
     // Only the camera's own ray looks for a depth: a negative one is not 0, which is none yet.
     if (features->has_depth && features->has_extinction)
         fputs(features->has_paths ? ", ray.depth == 0 ? 0.0 : -1.0" : ", 0.0", out);
     fputs(", quality_min_transmittance * spectrum_max(ray.throughput)", out);
     fputs(features->media_are_lit ? ", region);\n" : ");\n", out);
-    scene_glue_write_integrator(out, job, program, "ray.origin, ray.direction, media_interval(spans)");
+    scene_glue_write_integrator(out, model, "ray.origin, ray.direction, media_interval(spans)");
     // What is left of a ray that is over does not reach what is farther.
     fputs(
         "    path_radiance = gathered.radiance;\n"
@@ -127,12 +127,12 @@ static void write_media(FILE *out, const struct job *job, const struct scene_pro
         out);
 }
 
-static void write_gather(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_gather(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
     fputs("// The media of the ray's region, up to `end`.\nvoid path_gather(inout PathRay ray, float end)\n{\n", out);
-    if (features->has_media) write_media(out, job, program);
+    if (features->has_media) write_media(out, model);
     if (features->has_depth) {
         fputs("    if (ray.depth == 0) path_depth = ", out);
         if (features->has_media && features->has_extinction) fputs("gathered.depth > 0.0 ? gathered.depth : ", out);
@@ -246,34 +246,34 @@ static void write_answer(FILE *out, const struct scene_features *features)
     fputs("}\n", out);
 }
 
-static void write_escape(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_escape(FILE *out, const struct scene_model *model)
 {
     fputs("void path_escape(PathRay ray)\n{\n", out);
-    if (features->has_background) fputs("    path_radiance += ray.throughput * background;\n", out);
-    if (sees_behind(job, features)) fputs("    if (ray.is_direct) path_behind += ray.throughput;\n", out);
+    if (model->features.has_background) fputs("    path_radiance += ray.throughput * background;\n", out);
+    if (sees_behind(model)) fputs("    if (ray.is_direct) path_behind += ray.throughput;\n", out);
     fputs("}\n", out);
 }
 
-void scene_glue_write_path(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_path(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
-    write_gather(out, job, program);
+    write_gather(out, model);
     if (features->surfaces_are_lit) {
-        write_lit(out, &job->scene, features);
-        write_albedo(out, &job->scene, features);
+        write_lit(out, &model->job->scene, features);
+        write_albedo(out, &model->job->scene, features);
     }
-    if (features->has_paths) write_reflected(out, &job->scene, features);
+    if (features->has_paths) write_reflected(out, &model->job->scene, features);
     write_answer(out, features);
-    write_escape(out, job, features);
+    write_escape(out, model);
 }
 
-void scene_glue_write_path_start(FILE *out, const struct scene_program *program)
+void scene_glue_write_path_start(FILE *out, const struct scene_model *model)
 {
     fprintf(out,
             "    uint inside = surface_around(shape_spans(camera.position, direction));\n"
             "    // A camera in an opaque object sees nothing.\n"
             "    Spectrum throughput = spectrum(surface_is_opaque(surface_region(inside)) ? 0.0 : 1.0);\n"
             "    path_%s(PathRay(camera.position, direction, throughput, 0.0, 0, inside, 0u, true));\n",
-            program->features.has_paths ? "trace" : "follow");
+            model->features.has_paths ? "trace" : "follow");
 }

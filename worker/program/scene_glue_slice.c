@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/program/scene_glue_slice.h"
 
-#include "worker/program/scene_program.h"
+#include "worker/model/scene_model.h"
 
-void scene_glue_write_slice_random(FILE *out, const struct scene_program *program)
+void scene_glue_write_slice_random(FILE *out, const struct scene_model *model)
 {
-    fprintf(out, "uint slice_random_now()\n{\n    return %s;\n}\n",
-            program->features.is_random ? "random_state" : "0u");
+    fprintf(out, "uint slice_random_now()\n{\n    return %s;\n}\n", model->features.is_random ? "random_state" : "0u");
 }
 
 static void write_load(FILE *out, const struct scene_features *features)
@@ -47,7 +46,7 @@ static void write_store(FILE *out, const struct scene_features *features)
             features->has_throughput ? "spectrum_rgb(slice_gathered.transmittance)" : "vec3(1.0)");
 }
 
-void scene_glue_write_slice(FILE *out, const struct scene_program *program)
+void scene_glue_write_slice(FILE *out, const struct scene_model *model)
 {
     fputs("layout(rgba32ui, binding = 0) uniform uimage2D slice_light;\n"
           "layout(rgba32ui, binding = 1) uniform uimage2D slice_left;\n"
@@ -57,6 +56,6 @@ void scene_glue_write_slice(FILE *out, const struct scene_program *program)
           "slice.\n"
           "const uint SLICE_WAIT_LIMIT = 2u;\nuint slice_waits;\n",
           out);
-    write_load(out, &program->features);
-    write_store(out, &program->features);
+    write_load(out, &model->features);
+    write_store(out, &model->features);
 }

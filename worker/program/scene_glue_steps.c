@@ -3,18 +3,18 @@
 
 #include "core/job/job.h"
 #include "worker/glsl/gauss_legendre.h"
+#include "worker/model/scene_model.h"
 #include "worker/program/scene_glue_media.h"
-#include "worker/program/scene_program.h"
 
-static void write_extinction(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_extinction(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";
 
     fputs("Spectrum media_extinction(MediaField field)\n{\n    return ", out);
-    for (size_t i = 0; i < program->features.medium_count; ++i) {
-        if (!medium_features_have_column(&program->features.media[i])) continue;
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        if (!medium_features_have_column(&model->features.media[i])) continue;
         fprintf(out, "%smedium_%zu_sigma_t * (", separator, i);
-        scene_glue_write_density(out, job, program, i);
+        scene_glue_write_density(out, model, i);
         fputs(")", out);
         separator = " + ";
     }
@@ -22,32 +22,32 @@ static void write_extinction(FILE *out, const struct job *job, const struct scen
 }
 
 // PART, in which %zu is the medium, for each that has a column.
-static void write_parts(FILE *out, const struct scene_program *program, const char *before, const char *between,
+static void write_parts(FILE *out, const struct scene_model *model, const char *before, const char *between,
                         const char *after)
 {
     const char *separator = "";
 
-    for (size_t i = 0; i < program->features.medium_count; ++i) {
-        if (!medium_features_have_column(&program->features.media[i])) continue;
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        if (!medium_features_have_column(&model->features.media[i])) continue;
         fprintf(out, "%s%s%zu%s%zu", separator, before, i, between, i);
         separator = after;
     }
 }
 
-static void write_columns(FILE *out, const struct scene_program *program)
+static void write_columns(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";
 
     fputs("MediaColumn media_column_none()\n{\n    return MediaColumn(", out);
-    for (size_t i = 0; i < program->features.medium_count; ++i) {
-        if (!medium_features_have_column(&program->features.media[i])) continue;
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        if (!medium_features_have_column(&model->features.media[i])) continue;
         fprintf(out, "%s0.0", separator);
         separator = ", ";
     }
     fputs(");\n}\nvoid media_column_extend(inout MediaColumn column, MediaColumn rate, float length)\n{\n    ", out);
-    write_parts(out, program, "column.medium_", " += length * rate.medium_", ";\n    ");
+    write_parts(out, model, "column.medium_", " += length * rate.medium_", ";\n    ");
     fputs(";\n}\nfloat media_column_thickness(MediaColumn column)\n{\n    return spectrum_max(", out);
-    write_parts(out, program, "medium_", "_sigma_t * column.medium_", " + ");
+    write_parts(out, model, "medium_", "_sigma_t * column.medium_", " + ");
     fputs(");\n}\n", out);
 }
 
@@ -71,12 +71,12 @@ static void write_rule(FILE *out, int order)
     write_numbers(out, "GAUSS_PARTIALS", partials, order * order);
 }
 
-void scene_glue_write_steps(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_steps(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
-    if (features->is_gauss) write_rule(out, job->quality.order);
+    if (features->is_gauss) write_rule(out, model->job->quality.order);
     if (!features->is_adaptive) return;
-    write_extinction(out, job, program);
-    if (features->marches_to_lights && !features->has_light_grids) write_columns(out, program);
+    write_extinction(out, model);
+    if (features->marches_to_lights && !features->has_light_grids) write_columns(out, model);
 }

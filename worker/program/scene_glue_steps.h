@@ -4,8 +4,7 @@
 
 #include <stdio.h>
 
-struct job;
-struct scene_program;
+struct scene_model;
 
 // After the media's own functions. Where segments are bounded by their optical depth:
 //   media_extinction(field)     what the media there extinguish per metre
@@ -14,4 +13,4 @@ struct scene_program;
 //   media_column_thickness(column)      its optical depth by the strongest colour
 // and where they are looked at in several nodes, the rule:
 //   GAUSS_ORDER, GAUSS_NODES, GAUSS_WEIGHTS, GAUSS_PARTIALS     as gauss_legendre.h has them
-void scene_glue_write_steps(FILE *out, const struct job *job, const struct scene_program *program);
+void scene_glue_write_steps(FILE *out, const struct scene_model *model);

@@ -2,7 +2,7 @@
 #include "worker/program/scene_glue_surface.h"
 
 #include "core/job/job.h"
-#include "worker/program/scene_program.h"
+#include "worker/model/scene_model.h"
 
 static const struct {
     const char *name, *type, *second;
@@ -194,28 +194,27 @@ static void write_ior(FILE *out, const struct scene_features *features)
     fputs("    return 1.0;\n}\n", out);
 }
 
-static bool uses_fresnel(const struct job *job, const struct scene_features *features, size_t i,
-                         enum scene_fresnel fresnel)
+static bool uses_fresnel(const struct scene_model *model, size_t i, enum scene_fresnel fresnel)
 {
-    return features->objects[i].has_fresnel && job->scene.objects[i].material.fresnel == fresnel;
+    return model->features.objects[i].has_fresnel && model->job->scene.objects[i].material.fresnel == fresnel;
 }
 
-static bool scene_uses_fresnel(const struct job *job, const struct scene_features *features, enum scene_fresnel fresnel)
+static bool scene_uses_fresnel(const struct scene_model *model, enum scene_fresnel fresnel)
 {
-    for (size_t i = 0; i < features->object_count; ++i)
-        if (uses_fresnel(job, features, i, fresnel)) return true;
+    for (size_t i = 0; i < model->features.object_count; ++i)
+        if (uses_fresnel(model, i, fresnel)) return true;
     return false;
 }
 
-static void write_schlick(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_schlick(FILE *out, const struct scene_model *model)
 {
     // Of two iors (a - b)^2 / (a + b)^2 is that of their ratio and 1.
     fputs("    float ratio = (eta - 1.0) / (eta + 1.0);\n    FresnelSchlick schlick = FresnelSchlick(-1.0, 1.0);\n",
           out);
-    for (size_t i = 0; i < features->object_count; ++i)
-        if (uses_fresnel(job, features, i, SCENE_FRESNEL_SCHLICK)) {
+    for (size_t i = 0; i < model->features.object_count; ++i)
+        if (uses_fresnel(model, i, SCENE_FRESNEL_SCHLICK)) {
             fprintf(out, "    if (object == %zu) schlick = FresnelSchlick(", i + 1);
-            if (job->scene.objects[i].material.has_f0)
+            if (model->job->scene.objects[i].material.has_f0)
                 fprintf(out, "object_%zu_f0", i);
             else
                 fputs("ratio * ratio", out);
@@ -224,24 +223,24 @@ static void write_schlick(FILE *out, const struct job *job, const struct scene_f
     fputs("    if (schlick.f0 >= 0.0) return fresnel_schlick(schlick, cos_in, eta);\n", out);
 }
 
-static void write_none(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_none(FILE *out, const struct scene_model *model)
 {
-    for (size_t i = 0; i < features->object_count; ++i)
-        if (uses_fresnel(job, features, i, SCENE_FRESNEL_NONE)) {
+    for (size_t i = 0; i < model->features.object_count; ++i)
+        if (uses_fresnel(model, i, SCENE_FRESNEL_NONE)) {
             fprintf(out, "    if (object == %zu) return ", i + 1);
             // A diffuse material's specular share is that of a mirror.
-            fputs(features->objects[i].is_opaque ? "1.0;\n" : "fresnel_none(cos_in, eta);\n", out);
+            fputs(model->features.objects[i].is_opaque ? "1.0;\n" : "fresnel_none(cos_in, eta);\n", out);
         }
 }
 
 // Each kind is called at one place.
-static void write_fresnel(FILE *out, const struct job *job, const struct scene_features *features)
+static void write_fresnel(FILE *out, const struct scene_model *model)
 {
-    bool has_exact = scene_uses_fresnel(job, features, SCENE_FRESNEL_EXACT);
+    bool has_exact = scene_uses_fresnel(model, SCENE_FRESNEL_EXACT);
 
     fputs("float surface_fresnel(int object, float cos_in, float eta)\n{\n", out);
-    if (scene_uses_fresnel(job, features, SCENE_FRESNEL_SCHLICK)) write_schlick(out, job, features);
-    if (scene_uses_fresnel(job, features, SCENE_FRESNEL_NONE)) write_none(out, job, features);
+    if (scene_uses_fresnel(model, SCENE_FRESNEL_SCHLICK)) write_schlick(out, model);
+    if (scene_uses_fresnel(model, SCENE_FRESNEL_NONE)) write_none(out, model);
     fprintf(out, "    return %s;\n}\n", has_exact ? "fresnel_exact(cos_in, eta)" : "0.0");
 }
 
@@ -254,10 +253,10 @@ static void write_roughness(FILE *out, const struct scene_features *features)
     fputs("    return 0.0;\n}\n", out);
 }
 
-void scene_glue_write_surfaces(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_surfaces(FILE *out, const struct scene_model *model)
 {
-    const struct scene *scene = &job->scene;
-    const struct scene_features *features = &program->features;
+    const struct scene *scene = &model->job->scene;
+    const struct scene_features *features = &model->features;
 
     write_shapes(out, scene);
     write_spans(out, scene);
@@ -267,7 +266,7 @@ void scene_glue_write_surfaces(FILE *out, const struct job *job, const struct sc
     write_opaque(out, features);
     if (features->has_fresnel) {
         write_ior(out, features);
-        write_fresnel(out, job, features);
+        write_fresnel(out, model);
     }
     if (features->has_roughness) write_roughness(out, features);
 }

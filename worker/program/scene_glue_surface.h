@@ -4,8 +4,7 @@
 
 #include <stdio.h>
 
-struct job;
-struct scene_program;
+struct scene_model;
 
 // What ray modules call; objects and regions are numbered from 1, region 0 being air:
 //   ShapeSpans                  distances between which a ray is inside each shape
@@ -18,4 +17,4 @@ struct scene_program;
 //   surface_ior(region)
 //   surface_fresnel(object, cos_in, eta)   the share that is reflected
 //   surface_roughness(object)
-void scene_glue_write_surfaces(FILE *out, const struct job *job, const struct scene_program *program);
+void scene_glue_write_surfaces(FILE *out, const struct scene_model *model);

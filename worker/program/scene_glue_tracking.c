@@ -3,8 +3,8 @@
 
 #include "core/job/job.h"
 #include "worker/density/density_kind.h"
+#include "worker/model/scene_model.h"
 #include "worker/program/scene_glue_media.h"
-#include "worker/program/scene_program.h"
 
 #include <string.h>
 
@@ -20,27 +20,26 @@ const char *scene_glue_estimator(const struct job *job)
     return job_estimator_name(job->quality.estimator);
 }
 
-static void write_extinction(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_extinction(FILE *out, const struct scene_model *model)
 {
     fputs("Spectrum media_extinction(MediaField field)\n{\n    Spectrum sum = spectrum(0.0);\n", out);
-    for (size_t i = 0; i < program->features.medium_count; ++i) {
-        if (!medium_features_have_column(&program->features.media[i])) continue;
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        if (!medium_features_have_column(&model->features.media[i])) continue;
         fprintf(out, "    sum += medium_%zu_sigma_t * (", i);
-        scene_glue_write_density(out, job, program, i);
+        scene_glue_write_density(out, model, i);
         fputs(");\n", out);
     }
     fputs("    return sum;\n}\n", out);
 }
 
 // What the medium's density is nowhere above, for some way.
-static void write_most(FILE *out, const struct job *job, const struct scene_program *program, size_t i)
+static void write_most(FILE *out, const struct scene_model *model, size_t i)
 {
-    const struct scene_medium *medium = &job->scene.media[i];
-    const struct density_kind *kind = density_kind_of(&medium->density);
+    const struct density_site site = scene_model_site(model, i);
+    const struct density_kind *kind = density_kind_of(&site.source->density);
 
     if (kind->write_most)
-        kind->write_most(out,
-                         &(struct density_site){.job = job, .medium = i, .source = medium, .inputs = program->inputs});
+        kind->write_most(out, &site);
     else
         fprintf(out,
                 "float medium_%zu_most(vec3 p, vec3 direction, inout float reach)\n{\n"
@@ -49,11 +48,11 @@ static void write_most(FILE *out, const struct job *job, const struct scene_prog
 }
 
 // Sums over the media that are chosen: of those without extinction there is only whether they are there.
-static void write_rate(FILE *out, const struct scene_program *program, choose_medium *choose)
+static void write_rate(FILE *out, const struct scene_model *model, choose_medium *choose)
 {
     fputs("    float reach = edge - at;\n    bool is_there = false;\n    Spectrum sum = spectrum(0.0);\n", out);
-    for (size_t i = 0; i < program->features.medium_count; ++i) {
-        const struct medium_features *medium = &program->features.media[i];
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        const struct medium_features *medium = &model->features.media[i];
 
         if (!choose(medium)) continue;
         fprintf(out,
@@ -67,59 +66,59 @@ static void write_rate(FILE *out, const struct scene_program *program, choose_me
     fputs("    edge = min(edge, at + reach);\n", out);
 }
 
-static void write_columns(FILE *out, const struct scene_program *program)
+static void write_columns(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";
 
     fputs("MediaColumn media_column_none()\n{\n    return MediaColumn(", out);
-    for (size_t i = 0; i < program->features.medium_count; ++i) {
-        if (!medium_features_have_column(&program->features.media[i])) continue;
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        if (!medium_features_have_column(&model->features.media[i])) continue;
         fprintf(out, "%s0.0", separator);
         separator = ", ";
     }
     fputs(");\n}\nSpectrum media_column_extinction(MediaColumn column)\n{\n    Spectrum sum = spectrum(0.0);\n", out);
-    for (size_t i = 0; i < program->features.medium_count; ++i)
-        if (medium_features_march_to_lights(&program->features.media[i]))
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        if (medium_features_march_to_lights(&model->features.media[i]))
             fprintf(out, "    sum += medium_%zu_sigma_t * column.medium_%zu;\n", i, i);
     fputs("    return sum;\n}\n", out);
-    if (!program->features.has_majorants) return;
+    if (!model->features.has_majorants) return;
     fputs("float media_column_rate(MediaSpans spans, vec3 p, vec3 direction, float at, inout float edge)\n{\n", out);
-    write_rate(out, program, medium_features_march_to_lights);
+    write_rate(out, model, medium_features_march_to_lights);
     fputs("    return is_there ? spectrum_max(sum) : 0.0;\n}\n", out);
 }
 
-void scene_glue_write_tracking(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_tracking(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
-    write_extinction(out, job, program);
+    write_extinction(out, model);
     if (features->has_majorants) {
         for (size_t i = 0; i < features->medium_count; ++i)
-            if (features->media[i].is_seen) write_most(out, job, program, i);
+            if (features->media[i].is_seen) write_most(out, model, i);
         fputs(
             "float media_rate(MediaSpans spans, vec3 p, vec3 direction, float at, float least, inout float edge)\n{\n",
             out);
-        write_rate(out, program, is_seen);
+        write_rate(out, model, is_seen);
         fputs("    return is_there ? max(spectrum_max(sum), least) : 0.0;\n}\n", out);
     }
-    if (features->estimates_columns) write_columns(out, program);
+    if (features->estimates_columns) write_columns(out, model);
 }
 
 // Media of even density take what their length of the way says.
-static void write_even(FILE *out, const struct job *job, const struct scene_program *program)
+static void write_even(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";
     bool has_even = false;
 
-    for (size_t i = 0; i < program->features.medium_count; ++i)
-        has_even |= program->features.media[i].is_even && medium_features_have_column(&program->features.media[i]);
+    for (size_t i = 0; i < model->features.medium_count; ++i)
+        has_even |= model->features.media[i].is_even && medium_features_have_column(&model->features.media[i]);
     if (!has_even) {
         fputs("    Spectrum left = spectrum(1.0);\n", out);
         return;
     }
     fputs("    MediaColumn column = MediaColumn(", out);
-    for (size_t i = 0; i < program->features.medium_count; ++i) {
-        const struct medium_features *medium = &program->features.media[i];
+    for (size_t i = 0; i < model->features.medium_count; ++i) {
+        const struct medium_features *medium = &model->features.media[i];
 
         if (!medium_features_have_column(medium)) continue;
         fputs(separator, out);
@@ -128,27 +127,27 @@ static void write_even(FILE *out, const struct job *job, const struct scene_prog
             fprintf(out,
                     "max(min(spans.medium_%zu.y, way.y) - max(spans.medium_%zu.x, way.x), 0.0) * "
                     "medium_%zu_density(%s(0.0))",
-                    i, i, i, density_kind_of(&job->scene.media[i].density)->field_type);
+                    i, i, i, density_kind_of(&model->job->scene.media[i].density)->field_type);
         else
             fputs("0.0", out);
     }
     fputs(");\n    Spectrum left = media_transmittance(column);\n", out);
 }
 
-void scene_glue_write_left(FILE *out, const struct job *job, const struct scene_program *program)
+void scene_glue_write_left(FILE *out, const struct scene_model *model)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_features *features = &model->features;
 
     fputs("Spectrum media_left(MediaSpans spans, vec3 origin, vec3 direction, vec2 way, float step)\n{\n", out);
     if (!features->has_extinction) {
         fputs("    return spectrum(1.0);\n}\n", out);
         return;
     }
-    write_even(out, job, program);
+    write_even(out, model);
     if (features->estimates_columns)
         fprintf(out,
                 "    way = span_meet(way, media_column_interval(spans));\n"
                 "    if (way.x < way.y) left *= transmittance_%s(spans, origin, direction, way%s);\n",
-                scene_glue_estimator(job), features->has_majorants ? "" : ", step");
+                scene_glue_estimator(model->job), features->has_majorants ? "" : ", step");
     fputs("    return left;\n}\n", out);
 }

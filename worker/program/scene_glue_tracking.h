@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 struct job;
-struct scene_program;
+struct scene_model;
 
 // Of scenes that are tracked, after scene_glue_write_media:
 //   media_extinction(field)    per metre, where the field was taken
@@ -15,9 +15,9 @@ struct scene_program;
 // If features.estimates_columns, also what transmittance modules call:
 //   media_column_none(), media_column_extinction(column)  of a column a metre long: per metre
 //   media_column_rate(spans, p, direction, at, edge)  as media_rate, of the media that vary alone
-void scene_glue_write_tracking(FILE *out, const struct job *job, const struct scene_program *program);
+void scene_glue_write_tracking(FILE *out, const struct scene_model *model);
 // `Spectrum media_left(MediaSpans spans, vec3 origin, vec3 direction, vec2 way, float step)`: an estimate of what the media
 // leave of light between two places on its way; `step` is for marches. After the module that estimates.
-void scene_glue_write_left(FILE *out, const struct job *job, const struct scene_program *program);
+void scene_glue_write_left(FILE *out, const struct scene_model *model);
 // The name of the estimator, which its modules have.
 const char *scene_glue_estimator(const struct job *job);

@@ -2,11 +2,10 @@
 #include "worker/program/scene_program.h"
 
 #include "core/base/alloc.h"
-#include "core/base/error.h"
 #include "core/job/job.h"
 #include "worker/density/density_bake.h"
-#include "worker/density/density_kind.h"
-#include "worker/glsl/shader_assembly.h"
+#include "worker/density/density_fill.h"
+#include "worker/density/density_modules.h"
 #include "worker/glsl/shader_sources.h"
 #include "worker/model/light_grid.h"
 #include "worker/model/scene_values.h"
@@ -21,15 +20,14 @@
 #include "worker/program/scene_glue_tracking.h"
 #include "worker/program/texture_glue.h"
 #include "worker/scene/camera_view.h"
-#include "worker/scene/scene_inputs.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 struct assembly {
     struct scene_program *program;
-    const struct job *job;
-    struct shader_assembly text; // the fragment shader's
+    const struct scene_model *model; // the program's
+    struct shader_assembly text;     // the fragment shader's
 };
 
 static void add_module(struct assembly *assembly, const char *name)
@@ -46,7 +44,7 @@ static FILE *generate(struct assembly *assembly)
 
 static void add_camera(struct assembly *assembly)
 {
-    const struct scene_features *features = &assembly->program->features;
+    const struct scene_features *features = &assembly->model->features;
 
     if (features->marches || features->marches_to_lights || features->has_objects)
         add_module(assembly, "math/march.glsl");
@@ -58,13 +56,11 @@ static void add_camera(struct assembly *assembly)
 
 static void add_density(struct assembly *assembly, size_t i)
 {
-    const struct scene_medium *medium = &assembly->job->scene.media[i];
-    const struct density_site site = {
-        .job = assembly->job, .medium = i, .source = medium, .inputs = assembly->program->inputs};
+    const struct density_site site = scene_model_site(assembly->model, i);
+    const struct density_kind *kind = density_kind_of(&site.source->density);
 
-    shader_assembly_add_density(&assembly->text, &site);
-    if (assembly->program->features.has_majorants && density_kind_of(&medium->density)->majorant_module)
-        add_module(assembly, density_kind_of(&medium->density)->majorant_module);
+    density_modules_add(&assembly->text, &site);
+    if (assembly->model->features.has_majorants && kind->majorant_module) add_module(assembly, kind->majorant_module);
 }
 
 static void add_tracking(struct assembly *assembly)
@@ -73,31 +69,30 @@ static void add_tracking(struct assembly *assembly)
                                           [JOB_ESTIMATOR_RATIO] = "transmittance/ratio.glsl",
                                           [JOB_ESTIMATOR_DEBIASED] = "transmittance/debiased.glsl",
                                           [JOB_ESTIMATOR_JACKKNIFE] = "transmittance/jackknife.glsl"};
-    const struct scene_features *features = &assembly->program->features;
+    const struct scene_features *features = &assembly->model->features;
 
     if (features->has_majorants) add_module(assembly, "math/tracking.glsl");
-    scene_glue_write_tracking(generate(assembly), assembly->job, assembly->program);
+    scene_glue_write_tracking(generate(assembly), assembly->model);
     if (features->estimates_columns) {
         if (!features->has_majorants) add_module(assembly, "math/segment.glsl");
         if (!features->has_majorants) add_module(assembly, "transmittance/comb.glsl");
-        add_module(assembly, modules[assembly->job->quality.estimator]);
+        add_module(assembly, modules[assembly->model->job->quality.estimator]);
     }
-    if (features->has_lights || !features->has_majorants)
-        scene_glue_write_left(generate(assembly), assembly->job, assembly->program);
+    if (features->has_lights || !features->has_majorants) scene_glue_write_left(generate(assembly), assembly->model);
 }
 
 static void add_media(struct assembly *assembly)
 {
-    const struct scene_features *features = &assembly->program->features;
+    const struct scene_features *features = &assembly->model->features;
 
     for (size_t i = 0; i < features->medium_count; ++i)
         if (features->media[i].is_seen) add_density(assembly, i);
-    if (features->has_extinction && !features->is_tracked && assembly->job->quality.method != JOB_METHOD_RIEMANN)
+    if (features->has_extinction && !features->is_tracked && assembly->model->job->quality.method != JOB_METHOD_RIEMANN)
         add_module(assembly, "math/segment.glsl");
     if (features->has_extinction && features->has_depth && !features->is_tracked)
         add_module(assembly, features->extinction_is_rgb ? "pass/depth_rgb.glsl" : "pass/depth_grey.glsl");
-    scene_glue_write_media(generate(assembly), assembly->job, assembly->program);
-    scene_glue_write_steps(assembly->text.out, assembly->job, assembly->program);
+    scene_glue_write_media(generate(assembly), assembly->model);
+    scene_glue_write_steps(assembly->text.out, assembly->model);
     if (features->is_tracked) add_tracking(assembly);
 }
 
@@ -115,18 +110,18 @@ static void add_phase(struct assembly *assembly, const struct scene_medium *medi
 
 static void add_placement(struct assembly *assembly)
 {
-    const struct scene *scene = &assembly->job->scene;
+    const struct scene *scene = &assembly->model->job->scene;
 
     add_module(assembly, "placement/share.glsl");
-    if (assembly->program->features.extinction_is_rgb) add_module(assembly, "placement/cut.glsl");
+    if (assembly->model->features.extinction_is_rgb) add_module(assembly, "placement/cut.glsl");
     for (size_t i = 0; i < scene->light_count; ++i) {
         bool is_by_angle = scene_light_is_inverse_square(&scene->lights[i]);
 
-        if (!assembly->program->features.light_is_seen[i]) continue;
+        if (!assembly->model->features.light_is_seen[i]) continue;
         if (is_by_angle) add_module(assembly, "math/arc.glsl");
         add_module(assembly, is_by_angle ? "placement/angle.glsl" : "placement/transmittance.glsl");
     }
-    scene_glue_write_placed(generate(assembly), assembly->job);
+    scene_glue_write_placed(generate(assembly), assembly->model->job);
 }
 
 static void add_light_grids(struct assembly *assembly)
@@ -142,8 +137,8 @@ static void add_light_grids(struct assembly *assembly)
 
 static void add_lights(struct assembly *assembly)
 {
-    const struct scene *scene = &assembly->job->scene;
-    const struct scene_features *features = &assembly->program->features;
+    const struct scene *scene = &assembly->model->job->scene;
+    const struct scene_features *features = &assembly->model->features;
 
     for (size_t i = 0; i < scene->medium_count; ++i)
         if (features->media[i].scatters) add_phase(assembly, &scene->media[i], &features->media[i]);
@@ -158,29 +153,29 @@ static void add_lights(struct assembly *assembly)
         add_module(assembly, "light/point_segment.glsl");
     }
     if (features->has_extinction && !features->is_tracked)
-        add_module(assembly, !features->marches_to_lights                          ? "transmittance/closed.glsl"
-                             : features->has_light_grids                           ? "transmittance/cached.glsl"
-                             : assembly->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
-                             : features->is_jittered                               ? "transmittance/jittered.glsl"
-                             : features->is_adaptive                               ? "transmittance/adaptive.glsl"
-                             : features->is_gauss                                  ? "transmittance/gauss.glsl"
-                                                                                   : "transmittance/midpoint.glsl");
-    scene_glue_write_lights(generate(assembly), assembly->job, assembly->program);
+        add_module(assembly, !features->marches_to_lights                                 ? "transmittance/closed.glsl"
+                             : features->has_light_grids                                  ? "transmittance/cached.glsl"
+                             : assembly->model->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
+                             : features->is_jittered ? "transmittance/jittered.glsl"
+                             : features->is_adaptive ? "transmittance/adaptive.glsl"
+                             : features->is_gauss    ? "transmittance/gauss.glsl"
+                                                     : "transmittance/midpoint.glsl");
+    scene_glue_write_lights(generate(assembly), assembly->model);
     if (features->has_light_grids) add_light_grids(assembly);
-    if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->job, assembly->program);
+    if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->model);
 }
 
 // How marches begin and stop.
 static void add_slices(struct assembly *assembly)
 {
-    if (!assembly->program->features.is_sliced) {
+    if (!assembly->model->features.is_sliced) {
         add_module(assembly, "integrator/whole.glsl");
         return;
     }
     add_module(assembly, "path/turns.glsl");
-    scene_glue_write_slice_random(generate(assembly), assembly->program);
+    scene_glue_write_slice_random(generate(assembly), assembly->model);
     add_module(assembly, "integrator/sliced.glsl");
-    scene_glue_write_slice(generate(assembly), assembly->program);
+    scene_glue_write_slice(generate(assembly), assembly->model);
 }
 
 static const char *tracked_module(const struct job *job)
@@ -191,24 +186,24 @@ static const char *tracked_module(const struct job *job)
 
 static void add_integrator(struct assembly *assembly)
 {
-    if (assembly->program->features.places_points) add_placement(assembly);
-    if (assembly->program->features.has_roulette) add_module(assembly, "integrator/roulette.glsl");
-    if (assembly->program->features.is_gauss) {
+    if (assembly->model->features.places_points) add_placement(assembly);
+    if (assembly->model->features.has_roulette) add_module(assembly, "integrator/roulette.glsl");
+    if (assembly->model->features.is_gauss) {
         add_module(assembly, "math/segment.glsl");
         add_module(assembly, "math/gauss.glsl");
     }
-    scene_glue_write_gather(generate(assembly), assembly->job, assembly->program);
-    if (assembly->program->features.marches) add_slices(assembly);
-    if (assembly->program->features.marches && !assembly->program->features.is_tracked)
-        scene_glue_write_reach(generate(assembly), assembly->job, assembly->program);
-    add_module(assembly, assembly->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
-                         : assembly->program->features.is_tracked            ? tracked_module(assembly->job)
-                         : assembly->program->features.is_jittered           ? "integrator/jittered.glsl"
-                         : assembly->program->features.is_tabled             ? "integrator/preintegrated.glsl"
-                         : assembly->program->features.is_adaptive           ? "integrator/adaptive.glsl"
-                         : assembly->program->features.is_gauss              ? "integrator/gauss.glsl"
-                         : assembly->program->features.marches               ? "integrator/midpoint.glsl"
-                                                                             : "integrator/stretches.glsl");
+    scene_glue_write_gather(generate(assembly), assembly->model);
+    if (assembly->model->features.marches) add_slices(assembly);
+    if (assembly->model->features.marches && !assembly->model->features.is_tracked)
+        scene_glue_write_reach(generate(assembly), assembly->model);
+    add_module(assembly, assembly->model->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
+                         : assembly->model->features.is_tracked  ? tracked_module(assembly->model->job)
+                         : assembly->model->features.is_jittered ? "integrator/jittered.glsl"
+                         : assembly->model->features.is_tabled   ? "integrator/preintegrated.glsl"
+                         : assembly->model->features.is_adaptive ? "integrator/adaptive.glsl"
+                         : assembly->model->features.is_gauss    ? "integrator/gauss.glsl"
+                         : assembly->model->features.marches     ? "integrator/midpoint.glsl"
+                                                                 : "integrator/stretches.glsl");
 }
 
 static void add_shape(struct assembly *assembly, enum scene_shape_kind kind)
@@ -239,22 +234,22 @@ static void add_optics(struct assembly *assembly, const struct scene_material *m
 
 static void add_texture(struct assembly *assembly, size_t i)
 {
-    for (const char *const *name = texture_glue_modules(assembly->job, i); *name; ++name)
+    for (const char *const *name = texture_glue_modules(assembly->model->job, i); *name; ++name)
         add_module(assembly, *name);
-    texture_glue_write(generate(assembly), assembly->job, assembly->program->inputs, i);
+    texture_glue_write(generate(assembly), assembly->model, i);
 }
 
 static void add_surfaces(struct assembly *assembly)
 {
-    const struct scene *scene = &assembly->job->scene;
-    const struct scene_features *features = &assembly->program->features;
+    const struct scene *scene = &assembly->model->job->scene;
+    const struct scene_features *features = &assembly->model->features;
 
     for (size_t i = 0; i < scene->shape_count; ++i)
         add_shape(assembly, scene->shapes[i].kind);
     for (size_t i = 0; i < scene->object_count; ++i)
         add_optics(assembly, &scene->objects[i].material, &features->objects[i]);
     add_module(assembly, "surface/crossing.glsl");
-    scene_glue_write_surfaces(generate(assembly), assembly->job, assembly->program);
+    scene_glue_write_surfaces(generate(assembly), assembly->model);
     add_module(assembly, "surface/visible.glsl");
     for (size_t i = 0; i < scene->object_count; ++i)
         if (features->surfaces_are_lit && scene->objects[i].material.texture.file) add_texture(assembly, i);
@@ -262,37 +257,37 @@ static void add_surfaces(struct assembly *assembly)
 
 static void add_path(struct assembly *assembly)
 {
-    const struct scene_features *features = &assembly->program->features;
+    const struct scene_features *features = &assembly->model->features;
 
-    scene_glue_write_seen(generate(assembly), assembly->job, assembly->program);
+    scene_glue_write_seen(generate(assembly), assembly->model);
     add_module(assembly, "path/ray.glsl");
     if (features->has_paths) {
         add_module(assembly, features->has_two_paths ? "path/stack.glsl" : "path/single.glsl");
         add_module(assembly, "path/send.glsl");
     }
-    scene_glue_write_path(generate(assembly), assembly->job, assembly->program);
+    scene_glue_write_path(generate(assembly), assembly->model);
     add_module(assembly, "path/follow.glsl");
     if (features->has_paths) add_module(assembly, "path/trace.glsl");
     add_module(assembly, "path/turns.glsl");
 }
 
-static bool assemble(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+static bool assemble(struct scene_program *program, const char *shader_dir, struct error *error)
 {
-    struct assembly assembly = {.program = program, .job = job};
+    struct assembly assembly = {.program = program, .model = &program->model};
     struct shader_assembly *text = &assembly.text;
 
     if (!shader_assembly_begin(text, shader_dir, error)) return false;
     fputs("#version 450 core\n", text->out);
     add_module(&assembly, "math/constants.glsl");
-    add_module(&assembly, program->features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
+    add_module(&assembly, program->model.features.is_rgb ? "math/spectrum_rgb.glsl" : "math/spectrum_grey.glsl");
     frame_uniforms_declare(&program->uniforms, generate(&assembly));
-    if (program->features.has_media || program->features.has_objects) add_camera(&assembly);
-    if (program->features.has_media) add_media(&assembly);
-    if (program->features.has_objects) add_surfaces(&assembly);
-    if (program->features.has_lights) add_lights(&assembly);
-    if (program->features.has_media) add_integrator(&assembly);
-    if (program->features.has_objects) add_path(&assembly);
-    scene_glue_write_main(generate(&assembly), job, program);
+    if (program->model.features.has_media || program->model.features.has_objects) add_camera(&assembly);
+    if (program->model.features.has_media) add_media(&assembly);
+    if (program->model.features.has_objects) add_surfaces(&assembly);
+    if (program->model.features.has_lights) add_lights(&assembly);
+    if (program->model.features.has_media) add_integrator(&assembly);
+    if (program->model.features.has_objects) add_path(&assembly);
+    scene_glue_write_main(generate(&assembly), &program->model, program->uniforms.size_bytes > 0);
     memcpy(program->module_names, text->module_names, sizeof program->module_names);
     program->module_count = text->module_count;
     program->fragment = shader_assembly_end(text);
@@ -300,38 +295,37 @@ static bool assemble(struct scene_program *program, const struct job *job, const
 }
 
 // Grids that the picture's own media are looked up in.
-static bool add_baked(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+static bool add_baked(struct scene_program *program, const char *shader_dir, struct error *error)
 {
     struct density_bake bake;
 
-    for (size_t i = 0; i < job->scene.medium_count; ++i) {
-        const struct density_site site = {
-            .job = job, .medium = i, .source = &job->scene.media[i], .inputs = program->inputs};
+    for (size_t i = 0; i < program->model.features.medium_count; ++i) {
+        const struct density_site site = scene_model_site(&program->model, i);
 
-        if (!program->features.media[i].is_seen || !density_bake_find(&bake, job, i)) continue;
-        if (!density_bake_add_caches(program->caches, &program->cache_count, &site, shader_dir, error)) return false;
+        if (!program->model.features.media[i].is_seen || !density_bake_find(&bake, program->model.job, i)) continue;
+        if (!density_fill_add_caches(program->caches, &program->cache_count, &site, shader_dir, error)) return false;
     }
     return true;
 }
 
 // Of each light that is seen: where its grid lies, and the program that fills it.
-static bool add_grids(struct scene_program *program, const struct job *job, const char *shader_dir, struct error *error)
+static bool add_grids(struct scene_program *program, const char *shader_dir, struct error *error)
 {
-    const struct scene_features *features = &program->features;
+    const struct scene_model *model = &program->model;
     uint64_t densities = 0;
 
-    if (!features->has_light_grids) return true;
+    if (!model->features.has_light_grids) return true;
     for (size_t i = 0; i < program->cache_count; ++i)
         if (!program->caches[i].is_step) densities |= (uint64_t)1 << i;
-    program->light_grids = xcalloc(scene_features_count_lights(features), sizeof *program->light_grids);
-    for (size_t i = 0; i < job->scene.light_count; ++i) {
+    program->light_grids = xcalloc(scene_features_count_lights(&model->features), sizeof *program->light_grids);
+    for (size_t i = 0; i < model->job->scene.light_count; ++i) {
         struct light_grid *grid = &program->light_grids[program->light_grid_count];
 
-        if (!features->light_is_seen[i]) continue;
-        light_grid_init(grid, job, program->inputs, features, i);
+        if (!model->features.light_is_seen[i]) continue;
+        light_grid_init(grid, model, i);
         grid->densities = densities;
         light_grid_add_values(&program->uniforms, grid);
-        if (!light_grid_glue_add_caches(program->caches, &program->cache_count, grid, program, shader_dir, error))
+        if (!light_grid_glue_add_caches(program->caches, &program->cache_count, grid, model, shader_dir, error))
             return false;
         program->light_grid_count++;
     }
@@ -349,35 +343,21 @@ static void hash_texts(struct scene_program *program)
     hash_bytes(hashes, (2 + program->cache_count) * sizeof *hashes, program->hash);
 }
 
-// Of `program` it is known whether it is sliced.
 static bool init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
-                 const char *shader_dir, struct error *error)
+                 bool is_sliced, const char *shader_dir, struct error *error)
 {
-    const struct job_quality *quality = inputs ? &inputs->quality : &job->quality;
-    bool is_sliced = program->features.is_sliced;
     struct camera_view view;
 
-    for (size_t i = 0; i < job->scene.medium_count; ++i)
-        if (!density_kind_of(&job->scene.media[i].density)) {
-            char place[64];
-
-            *program = (struct scene_program){0};
-            scene_format_medium_place(&job->scene, i, place, sizeof place);
-            error_set(error, "%s.density: its kind cannot be rendered yet", place);
-            return false;
-        }
-    *program = (struct scene_program){.features = scene_features_of(job, inputs ? inputs->is_unneeded : NULL),
-                                      .inputs = inputs,
-                                      .step = quality->step,
-                                      .light_step = quality->light_step};
-    program->features.is_sliced = is_sliced;
+    *program = (struct scene_program){0};
+    if (!scene_model_init(&program->model, job, inputs, error)) return false;
+    program->model.features.is_sliced = is_sliced;
     if (!camera_view_init(&view, &job->scene.camera, job_frame_time(job, frame_range_at(&job->frames, 0)),
                           job->width_px, job->height_px, error))
         return false;
-    scene_values_add(&program->uniforms, job, inputs, &program->features);
+    scene_values_add(&program->uniforms, &program->model);
     program->vertex = shader_sources_load(shader_dir, "fullscreen.vert", error);
-    if (!program->vertex || !add_baked(program, job, shader_dir, error) ||
-        !add_grids(program, job, shader_dir, error) || !assemble(program, job, shader_dir, error)) {
+    if (!program->vertex || !add_baked(program, shader_dir, error) || !add_grids(program, shader_dir, error) ||
+        !assemble(program, shader_dir, error)) {
         scene_program_finish(program);
         return false;
     }
@@ -388,15 +368,13 @@ static bool init(struct scene_program *program, const struct job *job, const str
 bool scene_program_init(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
                         const char *shader_dir, struct error *error)
 {
-    *program = (struct scene_program){0};
-    return init(program, job, inputs, shader_dir, error);
+    return init(program, job, inputs, false, shader_dir, error);
 }
 
 bool scene_program_init_sliced(struct scene_program *program, const struct job *job, const struct scene_inputs *inputs,
                                const char *shader_dir, struct error *error)
 {
-    *program = (struct scene_program){.features.is_sliced = true};
-    return init(program, job, inputs, shader_dir, error);
+    return init(program, job, inputs, true, shader_dir, error);
 }
 
 void scene_program_finish(struct scene_program *program)

@@ -6,7 +6,7 @@
 #include "worker/glsl/frame_uniforms.h"
 #include "worker/glsl/scene_cache.h"
 #include "worker/glsl/shader_assembly.h"
-#include "worker/model/scene_features.h"
+#include "worker/model/scene_model.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@ struct scene_inputs;
 // The zero value is empty.
 struct scene_program {
     char *vertex;   // owned
-    char *fragment; // owned; `#line` numbers it as gl_program.h says, by module_names
+    char *fragment; // owned; `#line` numbers it as shader_assembly.h says, by module_names
     const char *module_names[SHADER_ASSEMBLY_MODULE_LIMIT]; // as shader_assembly.h has them
     size_t module_count;
     char hash[HASH_TEXT_SIZE]; // of both texts, and of all that the caches follow from but for their uniforms
@@ -28,10 +28,8 @@ struct scene_program {
     size_t cache_count;
     struct light_grid *light_grids; // owned; of each light that is seen, in order, where they have grids
     size_t light_grid_count;
-    struct scene_features features;
-    struct frame_uniforms uniforms;    // refers to the job and the inputs
-    const struct scene_inputs *inputs; // borrowed; NULL where the job reads no files
-    double step, light_step;           // m
+    struct scene_model model;
+    struct frame_uniforms uniforms; // refers to the job and the inputs
 };
 
 // `job` and `inputs`, the frame's, outlive the program; NULL will do for a job that reads no files. `shader_dir` is as for shader_sources_load. A camera that cannot look is an error.

@@ -2,7 +2,8 @@
 #include "worker/program/texture_glue.h"
 
 #include "core/job/job.h"
-#include "worker/render/gl_textures.h"
+#include "worker/glsl/texture_units.h"
+#include "worker/model/scene_model.h"
 #include "worker/scene/scene_inputs.h"
 
 #include <stdbool.h>
@@ -43,17 +44,17 @@ static void write_place(FILE *out, const struct scene_shape *shape, const struct
     fprintf(out, ", vec2(%.9e, %.9e))", tile[0], tile[1]);
 }
 
-void texture_glue_write(FILE *out, const struct job *job, const struct scene_inputs *inputs, size_t object)
+void texture_glue_write(FILE *out, const struct scene_model *model, size_t object)
 {
-    const struct scene_object *source = &job->scene.objects[object];
-    const struct texture_input *input = &inputs->textures[object];
+    const struct scene *scene = &model->job->scene;
+    const struct scene_object *source = &scene->objects[object];
+    const struct texture_input *input = &model->inputs->textures[object];
 
-    fprintf(out, "layout(binding = %zu) uniform sampler2D object_%zu_image;\n", GL_TEXTURES_FIRST_UNIT + object,
-            object);
+    fprintf(out, "layout(binding = %u) uniform sampler2D object_%zu_image;\n", texture_unit_of_object(object), object);
     fprintf(out, "vec3 object_%zu_texture(vec3 p, int shape)\n{\n    vec2 uv = ", object);
     for (size_t i = source->first_shape + source->shape_count; i-- > source->first_shape;) {
         if (i > source->first_shape) fprintf(out, "shape == %zu ? ", i);
-        write_place(out, &job->scene.shapes[i], input, i);
+        write_place(out, &scene->shapes[i], input, i);
         fputs(i > source->first_shape ? "\n            : " : ";\n", out);
     }
     fprintf(out, "    return texture_%s(object_%zu_image, uv);\n}\n", input->source->is_nearest ? "nearest" : "linear",

@@ -8,6 +8,7 @@
 #include "worker/density/transfer_table.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/lru.h"
+#include "worker/glsl/texture_units.h"
 #include "worker/render/gl_bricks.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/sparse/brick_store.h"
@@ -16,10 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    GRID_LIMIT = 2 * SCENE_MEDIUM_LIMIT, // twice as many as a frame has: one is empty or idle
-    UNITS_PER_MEDIUM = 4
-};
+enum { GRID_LIMIT = 2 * SCENE_MEDIUM_LIMIT }; // twice as many as a frame has: one is empty or idle
 
 // Limits grids that the frame does not need but a next one may: another job's, say.
 static const size_t idle_bytes_limit = (size_t)1 << 30;
@@ -170,7 +168,8 @@ static bool bind_brick_numbers(struct gl_grids *grids, const struct scene_input 
         }
         memcpy(kept->hash, hash, sizeof kept->hash);
     }
-    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium + (are_majorants ? 2 : 1)), kept->texture);
+    grids->gl->BindTextureUnit(
+        texture_unit_of_medium(medium, are_majorants ? MEDIUM_TEXTURE_EXTRA : MEDIUM_TEXTURE_BRICKS), kept->texture);
     return true;
 }
 
@@ -207,13 +206,12 @@ static void bind_table(struct gl_grids *grids, const struct scene_grid *source, 
         kept->texture = make_row(grids->gl, TRANSFER_TABLE_SIZE, table);
         memcpy(kept->hash, hash, sizeof kept->hash);
     }
-    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium + 2), kept->texture);
+    grids->gl->BindTextureUnit(texture_unit_of_medium(medium, MEDIUM_TEXTURE_EXTRA), kept->texture);
 }
 
 static bool bind_bricks(struct gl_grids *grids, const struct scene_input *input, size_t medium, struct error *error)
 {
     struct kept_bricks *kept = &grids->media[medium].bricks;
-    GLuint unit = (GLuint)(UNITS_PER_MEDIUM * medium);
 
     if (strcmp(kept->hash, input->hash) != 0) {
         gl_bricks_finish(&kept->bricks);
@@ -224,12 +222,12 @@ static bool bind_bricks(struct gl_grids *grids, const struct scene_input *input,
         }
         memcpy(kept->hash, input->hash, sizeof kept->hash);
     }
-    grids->gl->BindTextureUnit(unit, kept->bricks.values[0]);
-    grids->gl->BindTextureUnit(unit + 1, kept->bricks.index);
+    grids->gl->BindTextureUnit(texture_unit_of_medium(medium, MEDIUM_TEXTURE_VALUES), kept->bricks.values[0]);
+    grids->gl->BindTextureUnit(texture_unit_of_medium(medium, MEDIUM_TEXTURE_BRICKS), kept->bricks.index);
     if (!kept->bricks.values[1]) return true;
     if (!grids->blackbody) grids->blackbody = make_blackbody(grids->gl);
-    grids->gl->BindTextureUnit(unit + 2, kept->bricks.values[1]);
-    grids->gl->BindTextureUnit(unit + 3, grids->blackbody);
+    grids->gl->BindTextureUnit(texture_unit_of_medium(medium, MEDIUM_TEXTURE_EXTRA), kept->bricks.values[1]);
+    grids->gl->BindTextureUnit(texture_unit_of_medium(medium, MEDIUM_TEXTURE_BLACKBODY), grids->blackbody);
     return true;
 }
 
@@ -243,7 +241,7 @@ static bool bind_medium(struct gl_grids *grids, const struct scene_input *input,
     index = lru_find(&grids->lru, input->hash);
     if (index < 0) index = read_grid(grids, input, on_progress, user, error);
     if (index < 0) return false;
-    grids->gl->BindTextureUnit((GLuint)(UNITS_PER_MEDIUM * medium), grids->grids[index].voxels);
+    grids->gl->BindTextureUnit(texture_unit_of_medium(medium, MEDIUM_TEXTURE_VALUES), grids->grids[index].voxels);
     if (quality->method == JOB_METHOD_PREINTEGRATED && input->source->point_count > 0)
         bind_table(grids, input->source, medium);
     if (job_quality_has_majorants(quality) &&

@@ -15,8 +15,6 @@ struct gl_grids *gl_grids_create(const struct gl_functions *gl); // which outliv
 void gl_grids_destroy(struct gl_grids *grids);                   // accepts NULL
 void gl_grids_clear(struct gl_grids *grids);                     // keeps nothing: what GL holds is in doubt
 
-// Reads what is not here yet, then binds medium I's voxels to texture unit 4 I and the distances of its bricks to 4 I + 1;
-// of a sparse grid its atlas to 4 I, its index to 4 I + 1, the atlas of what glows to 4 I + 2 and the black body's table to 4 I + 3.
-// `inputs` are hashed.
+// Reads what is not here yet, then binds each medium's textures to its units (texture_units.h). `inputs` are hashed.
 bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
                    struct error *error);

@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/lru.h"
+#include "worker/glsl/texture_units.h"
 #include "worker/picture/image.h"
 #include "worker/render/gl_texture.h"
 #include "worker/scene/scene_inputs.h"
@@ -110,7 +111,7 @@ static bool bind_object(struct gl_textures *textures, const struct scene_inputs 
             return false;
         }
     }
-    textures->gl->BindTextureUnit((GLuint)(GL_TEXTURES_FIRST_UNIT + object), textures->names[index]);
+    textures->gl->BindTextureUnit(texture_unit_of_object(object), textures->names[index]);
     return true;
 }
 

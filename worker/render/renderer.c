@@ -223,14 +223,15 @@ static bool bind_caches(struct renderer *renderer, const struct scene_program *s
 
     if (scene->cache_count == 0) return true;
     passes_cache_blocks(passes, scene, pass, blocks);
-    end = gl_caches_bind(renderer->caches,
-                         &(struct gl_caches_request){.caches = scene->caches,
-                                                     .count = scene->cache_count,
-                                                     .blocks = blocks,
-                                                     .files_hash = scene->inputs ? scene->inputs->files_hash : "",
-                                                     .on_strip = on_slab,
-                                                     .user = reading},
-                         error);
+    end = gl_caches_bind(
+        renderer->caches,
+        &(struct gl_caches_request){.caches = scene->caches,
+                                    .count = scene->cache_count,
+                                    .blocks = blocks,
+                                    .files_hash = scene->model.inputs ? scene->model.inputs->files_hash : "",
+                                    .on_strip = on_slab,
+                                    .user = reading},
+        error);
     if (end == GL_CACHES_BOUND) {
         if (check_gl(renderer, result, error)) return true;
         gl_caches_clear(renderer->caches);
@@ -261,7 +262,7 @@ static bool draw_passes(struct renderer *renderer, const struct scene_program *s
     const struct gl_functions *gl = &renderer->gl;
 
     gl_target_begin(&renderer->target);
-    if (scene->features.is_sliced) gl_target_clear(&renderer->target); // of pixels that were cut
+    if (scene->model.features.is_sliced) gl_target_clear(&renderer->target); // of pixels that were cut
     gl->Enable(GL_SCISSOR_TEST);
     gl->BindVertexArray(renderer->vertex_array);
     for (int i = 0; i < passes->count; ++i) {
@@ -271,9 +272,9 @@ static bool draw_passes(struct renderer *renderer, const struct scene_program *s
         if (!bind_caches(renderer, scene, passes, i, &reading, result, error)) return false;
         begin_pass(renderer, program, passes, scene->uniforms.size_bytes, i);
         if (!check_gl(renderer, result, error)) return false;
-        if (scene->features.is_sliced)
+        if (scene->model.features.is_sliced)
             gl_slices_begin(&renderer->slices, gl, renderer->target.width_px, renderer->target.height_px);
-        if (!draw_tiles(renderer, program, scene->features.is_sliced, i, &reading, result, error)) return false;
+        if (!draw_tiles(renderer, program, scene->model.features.is_sliced, i, &reading, result, error)) return false;
     }
     return true;
 }
@@ -282,7 +283,7 @@ static bool is_shown(const struct renderer *renderer, const struct scene_program
                      const struct gl_target_params *target)
 {
     return renderer->target_is_whole && gl_target_fits(&renderer->target, target) &&
-           strcmp(renderer->shown_files, scene->inputs->files_hash) == 0 &&
+           strcmp(renderer->shown_files, scene->model.inputs->files_hash) == 0 &&
            strcmp(renderer->shown_hash, scene->hash) == 0 && passes_are_equal(&renderer->shown, passes);
 }
 
@@ -293,7 +294,7 @@ static void note_shown(struct renderer *renderer, const struct scene_program *sc
     renderer->shown = *passes;
     *passes = (struct passes){0};
     memcpy(renderer->shown_hash, scene->hash, sizeof renderer->shown_hash);
-    memcpy(renderer->shown_files, scene->inputs->files_hash, sizeof renderer->shown_files);
+    memcpy(renderer->shown_files, scene->model.inputs->files_hash, sizeof renderer->shown_files);
     renderer->target_is_whole = true;
 }
 
@@ -359,7 +360,7 @@ static bool render_scene(struct renderer *renderer, const struct scene_program *
             return false;
         }
     }
-    if (!bind_files(renderer, scene->inputs, on_progress, user, result, error)) return false;
+    if (!bind_files(renderer, scene->model.inputs, on_progress, user, result, error)) return false;
     if (!draw_passes(renderer, scene, program, passes, on_progress, user, result, error)) return false;
     note_shown(renderer, scene, passes);
     return true;
@@ -438,7 +439,7 @@ static bool render_inputs(struct renderer *renderer, const struct request *reque
     if (!passes_plan(&passes, &scene, job, request->frame, error)) goto out;
     result->fault = RENDERER_FAULT_NONE;
     target.pass_count = passes.count;
-    target.has_paths = scene.features.has_paths;
+    target.has_paths = scene.model.features.has_paths;
     result->is_copy = is_shown(renderer, &scene, &passes, &target);
     if (result->is_copy) {
         if (request->on_progress) (void)request->on_progress(request->user, 1);

@@ -13,6 +13,7 @@
 #include "tests/support/render_frame.h"
 #include "tests/support/shader_dir.h"
 #include "tests/support/true_light.h"
+#include "worker/density/density_fill.h"
 #include "worker/picture/image.h"
 #include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
@@ -191,13 +192,13 @@ static int64_t count_fills(const struct job *job)
         if (frame < 3) image_finish(&image);
     }
     fresh = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
-    assert_int_equal(render(&fresh, job, 3, &alone), DENSITY_BAKE_CACHES);
+    assert_int_equal(render(&fresh, job, 3, &alone), DENSITY_FILL_CACHES);
     assert_memory_equal(image.rgba, alone.rgba, sizeof(float[4]) * PIXELS);
     image_finish(&image);
     image_finish(&alone);
     gl_stage_close(fresh);
     gl_stage_close(stage);
-    return count / DENSITY_BAKE_CACHES;
+    return count / DENSITY_FILL_CACHES;
 }
 
 static int64_t count_noise_fills(const char *more)

@@ -297,7 +297,7 @@ static void each_module_is_emitted_once(void **state)
         char line[32];
         const char *first;
 
-        snprintf(line, sizeof line, "#line %zu %zu\n", i * GL_PROGRAM_LINE_STRIDE + 1, i);
+        snprintf(line, sizeof line, "#line %zu %zu\n", i * SHADER_ASSEMBLY_LINE_STRIDE + 1, i);
         first = strstr(program.fragment, line);
         assert_non_null(first);
         assert_null(strstr(first + 1, line));

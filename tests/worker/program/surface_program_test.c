@@ -62,7 +62,7 @@ static void diffuse_objects_end_rays(void **state)
     shader_text_assert_lacks(&program, "fresnel");
     shader_text_assert_lacks(&program, "random");
     shader_text_assert_lacks(&program, "Media");
-    assert_false(program.features.has_paths);
+    assert_false(program.model.features.has_paths);
     release(&program, &job);
 }
 

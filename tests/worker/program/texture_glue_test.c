@@ -9,6 +9,7 @@
 #include "tests/support/shader_probe.h"
 #include "tests/support/temp_folder.h"
 #include "worker/gl/gl_functions.h"
+#include "worker/model/scene_model.h"
 #include "worker/render/gl_textures.h"
 #include "worker/scene/scene_inputs.h"
 
@@ -92,7 +93,7 @@ static void probe(const float (*inputs)[4], size_t count, float (*outputs)[4])
     for (const char *const *name = texture_glue_modules(&stage.job, OBJECT); *name; ++name)
         modules[module_count++] = *name;
     fputs(SHAPES, out);
-    texture_glue_write(out, &stage.job, &stage.inputs, OBJECT);
+    texture_glue_write(out, &(struct scene_model){.job = &stage.job, .inputs = &stage.inputs}, OBJECT);
     fputs(PROBE, out);
     fclose(out);
     shader_probe_run(&(struct shader_probe_params){.modules = modules,

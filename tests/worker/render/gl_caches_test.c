@@ -10,6 +10,7 @@
 #include "worker/gl/gl_program.h"
 #include "worker/gl/gl_programs.h"
 #include "worker/glsl/shader_sources.h"
+#include "worker/glsl/texture_units.h"
 #include "worker/picture/image.h"
 #include "worker/render/gl_target.h"
 
@@ -23,7 +24,7 @@
 #include <cmocka.h>
 
 // More rows of groups than the first strips take, and groups that are not full.
-enum { WIDTH = 19, HEIGHT = 83, DEPTH = 11, UNIT = SCENE_CACHE_FIRST_UNIT };
+enum { WIDTH = 19, HEIGHT = 83, DEPTH = 11, UNIT = TEXTURE_UNIT_LIGHTS };
 
 struct stage {
     struct gl_context *context;
@@ -57,25 +58,19 @@ static void evaluate_time(const void *source, double time, double value[static 9
 // Texels say where they are, and the frame's time.
 static struct scene_cache cache_of(const char *body, int layers)
 {
-    struct scene_cache cache = {.name = "places",
-                                .unit = UNIT,
-                                .module_names = {"generated"},
-                                .module_count = 1,
-                                .size = {WIDTH, HEIGHT, DEPTH},
-                                .invocations = {WIDTH, HEIGHT, layers}};
-    size_t length;
-    FILE *out = open_memstream(&cache.text, &length);
+    struct scene_cache cache = {
+        .name = "places", .unit = UNIT, .size = {WIDTH, HEIGHT, DEPTH}, .invocations = {WIDTH, HEIGHT, layers}};
+    struct shader_assembly text;
 
-    scene_cache_begin(&cache, out);
+    assert_true(scene_cache_begin(&cache, &text, NULL, NULL));
     frame_uniforms_add(&cache.uniforms,
                        (struct frame_value){.evaluate = evaluate_time, .max = 1e3, .meaning = "the time"}, "time_s");
-    frame_uniforms_declare(&cache.uniforms, out);
+    frame_uniforms_declare(&cache.uniforms, text.out);
     fprintf(
-        out,
+        text.out,
         "void main()\n{\n    frame_uniforms_read();\n    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n%s}\n",
         body);
-    fclose(out);
-    hash_bytes(cache.text, length, cache.hash);
+    assert_true(scene_cache_end(&cache, &text));
     return cache;
 }
 
@@ -203,21 +198,18 @@ static void what_stays_is_not_filled_again(void **state)
     scene_cache_finish(&cache);
 }
 
-// The second one has twice what is in the first.
-// Of a program that doubles what another's texture has.
-static char *reading_text(const struct scene_cache *cache)
+// The text of a program that doubles what another's texture has.
+static void write_reading(struct scene_cache *cache)
 {
-    char *text = NULL;
-    size_t length;
-    FILE *out = open_memstream(&text, &length);
+    struct shader_assembly text;
 
-    scene_cache_begin(cache, out);
+    free(cache->text);
+    assert_true(scene_cache_begin(cache, &text, NULL, NULL));
     fputs("layout(binding = 48) uniform sampler3D places;\n"
           "void main()\n{\n    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
           "    imageStore(cache_image, at, 2.0 * texelFetch(places, at, 0));\n}\n",
-          out);
-    fclose(out);
-    return text;
+          text.out);
+    assert_true(scene_cache_end(cache, &text));
 }
 
 static void make_pair(struct scene_cache caches[2])
@@ -225,9 +217,7 @@ static void make_pair(struct scene_cache caches[2])
     caches[0] = cache_of(of_rays, 1);
     caches[1] = cache_of("    imageStore(cache_image, at, vec4(7.0));\n", DEPTH);
     frame_uniforms_finish(&caches[1].uniforms); // time is nothing to it
-    free(caches[1].text);
-    caches[1].text = reading_text(&caches[1]);
-    hash_bytes(caches[1].text, strlen(caches[1].text), caches[1].hash);
+    write_reading(&caches[1]);
     caches[1].unit = UNIT + 1;
 }
 

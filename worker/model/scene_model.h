@@ -1,0 +1,28 @@
+// A frame's scene as its shaders are written: what of it is modelled, and from which files.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/density/density_kind.h"
+#include "worker/model/scene_features.h"
+
+#include <stdbool.h>
+
+struct error;
+struct job;
+struct job_quality;
+struct scene_inputs;
+
+// The zero value is empty.
+struct scene_model {
+    const struct job *job;             // borrowed; outlives us
+    const struct scene_inputs *inputs; // borrowed; outlives us. The frame's; NULL where the job reads no files
+    struct scene_features features;
+};
+
+// Fails where a density's kind cannot be rendered.
+bool scene_model_init(struct scene_model *model, const struct job *job, const struct scene_inputs *inputs,
+                      struct error *error);
+// The job's quality; where the frame reads files, its steps told in voxels are metres there.
+const struct job_quality *scene_model_quality(const struct scene_model *model);
+// The medium of that index, as its density's kind is asked about it.
+struct density_site scene_model_site(const struct scene_model *model, size_t medium);
