@@ -5,6 +5,7 @@
 // with compiling and reading, and truth is good to 1e-3. ladder_bench [--frame N] --reach JOB says between which
 // distances, in metres, camera rays meet media.
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/job/job.h"
@@ -31,14 +32,6 @@ struct ladder {
     int32_t frame;
     bool is_once;
 };
-
-static double clock_s(clockid_t clock)
-{
-    struct timespec now;
-
-    clock_gettime(clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static bool load_job(struct job *job, const char *path, struct error *error)
 {
@@ -110,12 +103,12 @@ static bool render(const struct ladder *ladder, const struct job *job, struct im
 
     best[0] = best[1] = 1e30;
     for (int i = ladder->is_once ? 0 : RUNS; i >= 0; i--) {
-        double wall = clock_s(CLOCK_MONOTONIC), cpu = clock_s(CLOCK_PROCESS_CPUTIME_ID);
+        double wall = clock_read_s(CLOCK_MONOTONIC), cpu = clock_read_s(CLOCK_PROCESS_CPUTIME_ID);
         struct renderer_result result;
 
         if (!renderer_render(ladder->renderer, job, ladder->frame + i, image, NULL, NULL, &result, error)) return false;
-        wall = clock_s(CLOCK_MONOTONIC) - wall;
-        cpu = clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu;
+        wall = clock_read_s(CLOCK_MONOTONIC) - wall;
+        cpu = clock_read_s(CLOCK_PROCESS_CPUTIME_ID) - cpu;
         if (i < runs && wall < best[0]) best[0] = wall;
         if (i < runs && cpu < best[1]) best[1] = cpu;
     }

@@ -4,6 +4,7 @@
 // clock, where a GPU renders) of frames spread over it, and their error by many pixels against reference/; a job with
 // code of the user's is compared with a march in finer steps.
 #include "cli/job/job_document.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "worker/audit/audit.h"
@@ -39,14 +40,6 @@ struct stage {
     int frame_count, missed_count;
 };
 
-static double clock_s(clockid_t clock)
-{
-    struct timespec now;
-
-    clock_gettime(clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 // As the command line does it.
 static bool load_job(struct job *job, const char *path, int width_px, double tolerance, struct error *error)
 {
@@ -73,10 +66,10 @@ static bool render(struct stage *stage, const struct plan *plan, int32_t frame, 
     clockid_t clock = stage->by_processor ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC;
     struct job planned = plan_apply(plan, &stage->job);
     struct renderer_result result;
-    double start_s = clock_s(clock);
+    double start_s = clock_read_s(clock);
     bool ok = renderer_render(stage->renderer, &planned, frame, image, NULL, NULL, &result, error);
 
-    *seconds = clock_s(clock) - start_s;
+    *seconds = clock_read_s(clock) - start_s;
     return ok;
 }
 
@@ -177,7 +170,7 @@ static bool predict(struct renderer *renderer, const char *path, int width_px, d
 {
     struct stage stage = {.renderer = renderer, .by_processor = renderer_is_software(renderer)};
     bool ok = load_job(&stage.job, path, width_px, tolerance, error);
-    double plan_s = clock_s(stage.by_processor ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC);
+    double plan_s = clock_read_s(stage.by_processor ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC);
     enum renderer_fault fault;
 
     ok = ok && plan_make(&stage.plan,
@@ -187,7 +180,7 @@ static bool predict(struct renderer *renderer, const char *path, int width_px, d
                                                .is_timed = true,
                                                .evidence = &stage.evidence},
                          &fault, error);
-    plan_s = clock_s(stage.by_processor ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC) - plan_s;
+    plan_s = clock_read_s(stage.by_processor ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC) - plan_s;
     ok = ok && measure(&stage, error);
     if (ok) print_row(&stage, plan_s);
     truth_close(stage.truth);

@@ -1,6 +1,7 @@
 // What durability costs: frames per second with the store committing, submit latency, restarts with a million frames.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "daemon/schedule/queue.h"
 #include "daemon/store/store.h"
@@ -12,14 +13,6 @@
 #include <unistd.h>
 
 enum { FRAME_COUNT = 1000 * 1000, SUBMIT_COUNT = 200, BATCH_LIMIT = 4096, MAX_ATTEMPTS = 3 };
-
-static double read_clock_s(clockid_t clock)
-{
-    struct timespec time;
-
-    clock_gettime(clock, &time);
-    return (double)time.tv_sec + (double)time.tv_nsec * 1e-9;
-}
 
 static void check(bool ok, const struct error *error)
 {
@@ -65,10 +58,10 @@ static void measure_submits(const char *folder)
     struct store *store = open_store(folder);
 
     for (int i = 0; i < SUBMIT_COUNT; i++) {
-        double start = read_clock_s(CLOCK_MONOTONIC);
+        double start = clock_read_s(CLOCK_MONOTONIC);
 
         submit(store, i + 1);
-        latencies_ms[i] = (read_clock_s(CLOCK_MONOTONIC) - start) * 1e3;
+        latencies_ms[i] = (clock_read_s(CLOCK_MONOTONIC) - start) * 1e3;
     }
     qsort(latencies_ms, SUBMIT_COUNT, sizeof latencies_ms[0], compare_doubles);
     printf("%-52s %9.2f ms      <= 10 ms\n", "submit, commit of one job, median", latencies_ms[SUBMIT_COUNT / 2]);
@@ -101,8 +94,8 @@ static void measure_frames(const char *folder, int batch)
     char what[80];
 
     submit(store, 1);
-    start = read_clock_s(CLOCK_MONOTONIC);
-    cpu_start = read_clock_s(CLOCK_PROCESS_CPUTIME_ID);
+    start = clock_read_s(CLOCK_MONOTONIC);
+    cpu_start = clock_read_s(CLOCK_PROCESS_CPUTIME_ID);
     for (int32_t done = -batch; done < FRAME_COUNT; done += batch) {
         size_t count = 0;
 
@@ -112,8 +105,8 @@ static void measure_frames(const char *folder, int batch)
             ops[count++] = frame_op(i, FRAME_RUNNING);
         check(store_commit(store, ops, count, &error), &error);
     }
-    seconds = read_clock_s(CLOCK_MONOTONIC) - start;
-    cpu_seconds = read_clock_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
+    seconds = clock_read_s(CLOCK_MONOTONIC) - start;
+    cpu_seconds = clock_read_s(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
     snprintf(what, sizeof what, "intent and result of a frame, %d frames a commit", batch);
     printf("%-52s %9.0f /s      >= 50000/s (%.0f/s of CPU time)\n", what, FRAME_COUNT / seconds,
            FRAME_COUNT / cpu_seconds);
@@ -148,11 +141,11 @@ static void measure_restart(const char *folder, const char *what)
 {
     struct restart restart = {.queue = queue_create(MAX_ATTEMPTS)};
     struct error error = {0};
-    double start = read_clock_s(CLOCK_MONOTONIC);
+    double start = clock_read_s(CLOCK_MONOTONIC);
     struct store *store = open_store(folder);
 
     check(store_load(store, on_job, on_frame, &restart, &error), &error);
-    printf("%-52s %9.3f s       <= 2 s\n", what, read_clock_s(CLOCK_MONOTONIC) - start);
+    printf("%-52s %9.3f s       <= 2 s\n", what, clock_read_s(CLOCK_MONOTONIC) - start);
     store_close(store);
     queue_destroy(restart.queue);
 }

@@ -7,6 +7,7 @@
 #include "cli/program/interrupt.h"
 #include "cli/program/options.h"
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/job/job_json.h"
 
@@ -14,7 +15,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 // Seconds. A quick chart leaves the rest of its five minutes to the picture of the errors.
 static const double QUICK_TRUTH = 40, TRUTH = 120, QUICK_POINTS = 200, QUICK_LIMIT = 8, LIMIT = 60;
@@ -36,14 +36,6 @@ struct session {
     struct cJSON *root; // owned; the document
     bool is_changed;    // points were added
 };
-
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static struct json_node job_quality(const struct session *session, struct json_node *job)
 {
@@ -227,7 +219,7 @@ static enum exit_status climb(struct session *session, struct error *error)
 
     while (has_climbed) {
         has_climbed = false;
-        for (size_t series = 0; series < chart_ladder_count() && now_s() < session->end_s; series++) {
+        for (size_t series = 0; series < chart_ladder_count() && clock_now_s() < session->end_s; series++) {
             int rung = chart_choice_next(&session->choice, session->points, series, &session->limits);
             enum exit_status status;
 
@@ -395,7 +387,7 @@ enum exit_status chart_session_run(const struct chart_session_params *params, st
                              : options->quick           ? QUICK_LIMIT
                                                         : LIMIT;
     session.limits.is_short = options->quick;
-    if (options->quick) session.end_s = now_s() + QUICK_POINTS;
+    if (options->quick) session.end_s = clock_now_s() + QUICK_POINTS;
     if (options->methods && !chart_choice_parse(&session.choice, options->methods, error)) return status;
     interrupt_init(&interrupt);
     session.query = (struct chart_query){

@@ -2,6 +2,7 @@
 #include "worker/answer/chart_truth.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
@@ -10,7 +11,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 enum {
     BATCH = 512,         // draws between two looks at the clock, at most
@@ -34,19 +34,12 @@ struct search {
     int *draws; // owned; how many draws each pixel has; by pixel
 };
 
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static bool go_on(void *user)
 {
     const struct search *search = user;
 
-    return now_s() < search->end_s && (!search->params->is_wanted || search->params->is_wanted(search->params->user));
+    return clock_now_s() < search->end_s &&
+           (!search->params->is_wanted || search->params->is_wanted(search->params->user));
 }
 
 static struct truth_pixel look_up(const struct image *image, struct truth_place place)
@@ -149,12 +142,12 @@ static bool measure_all(struct search *search)
 static bool find(struct search *search, struct error *error)
 {
     const struct chart_truth_params *params = search->params;
-    double start_s = now_s(), pixel_s, pixel_count = (double)params->finer->width_px * params->finer->height_px;
+    double start_s = clock_now_s(), pixel_s, pixel_count = (double)params->finer->width_px * params->finer->height_px;
     size_t count;
 
     search->end_s = start_s + params->seconds;
     count = measure_draws(search, 0, PILOT);
-    pixel_s = (now_s() - start_s) / (double)(search->found->count + 1);
+    pixel_s = (clock_now_s() - start_s) / (double)(search->found->count + 1);
     if (count == PILOT && pixel_count <= DRAWS_LIMIT && pixel_s * pixel_count <= 0.9 * params->seconds) {
         search->end_s = INFINITY; // the pilot tells the time by pixels that take most of it
         if (measure_all(search)) return true;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/answer/measure.h"
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "worker/gl/gl_timer.h"
 #include "worker/render/renderer.h"
 
 #include <stdlib.h>
-#include <time.h>
 
 enum { REPEATS_MIN = 3, REPEATS_MAX = 15 };
 
@@ -19,19 +19,11 @@ struct watch {
     bool is_late, is_unwanted;
 };
 
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static bool on_progress(void *user, double done)
 {
     struct watch *watch = user;
 
-    watch->is_late = done < 1.0 && now_s() > watch->end_s;
+    watch->is_late = done < 1.0 && clock_now_s() > watch->end_s;
     watch->is_unwanted = watch->params->is_wanted && !watch->params->is_wanted(watch->params->user);
     return !watch->is_late && !watch->is_unwanted;
 }
@@ -39,7 +31,7 @@ static bool on_progress(void *user, double done)
 enum measure_outcome measure_render(const struct measure_params *params, struct image *image, double *seconds,
                                     struct error *error)
 {
-    struct watch watch = {.params = params, .end_s = now_s() + params->limit_s};
+    struct watch watch = {.params = params, .end_s = clock_now_s() + params->limit_s};
     struct renderer_result result;
     double gpu_s = 0;
     bool ok;

@@ -2,12 +2,12 @@
 #include "worker/audit/audit.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/job/job.h"
 #include "worker/audit/audit_map.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 // Pixels that are measured at once, at most; how many times the least number are enough in any case.
 enum { BATCH = 64, RAY_MAX_FACTOR = 16 };
@@ -27,14 +27,6 @@ struct audit {
     double start_s;
     bool is_stopped;
 };
-
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
-}
 
 void audit_pool_finish(struct audit_pool *pool)
 {
@@ -99,7 +91,7 @@ static size_t find_next_count(const struct audit *audit)
     if (done == 0) return least;
     verdict = judge(audit);
     if (!verdict.is_pooled && done < least) return least - done;
-    spent_s = now_s() - audit->start_s;
+    spent_s = clock_now_s() - audit->start_s;
     affordable = (params->budget_s - spent_s) / (spent_s / (double)done);
     if (is_plain(audit, &verdict) || done >= most || affordable < 1.0) return 0;
     if (affordable < (double)done) return (size_t)affordable;
@@ -130,7 +122,7 @@ static void begin(struct audit *audit, const struct audit_params *params)
 {
     double rms;
 
-    *audit = (struct audit){.params = params, .start_s = now_s()};
+    *audit = (struct audit){.params = params, .start_s = clock_now_s()};
     audit_map_init(&audit->map, &(struct audit_map_params){.image = params->image,
                                                            .pixel = params->job->output.pixel,
                                                            .finer = params->finer,
@@ -158,7 +150,7 @@ bool audit_frame(const struct audit_params *params, struct audit_result *result)
                                     .error95 = verdict.error95,
                                     .ray_count = (int)verdict.ray_count,
                                     .tolerance = params->tolerance,
-                                    .seconds = now_s() - audit.start_s,
+                                    .seconds = clock_now_s() - audit.start_s,
                                     .sampling_error = verdict.sampling_error};
     audit_samples_finish(&audit.samples);
     audit_map_finish(&audit.map);

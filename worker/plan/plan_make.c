@@ -2,6 +2,7 @@
 #include "worker/plan/plan_make.h"
 
 #include "core/base/alloc.h"
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/plan/plan.h"
@@ -17,7 +18,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 enum { FINEST_RUNGS = 6, FAMILY_LIMIT = 16 };
 
@@ -328,24 +328,16 @@ static bool choose_plan(struct plan *plan, const struct plan_params *params, enu
     return ok;
 }
 
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error)
 {
     struct plan_evidence evidence = {0};
     struct plan_params chosen = *params;
-    double start_s = now_s();
+    double start_s = clock_now_s();
     bool ok;
 
     if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
     ok = choose_plan(plan, &chosen, fault, error);
-    if (ok) plan->plan_s = now_s() - start_s;
+    if (ok) plan->plan_s = clock_now_s() - start_s;
     if (params->is_timed)
         ok = ok && plan_time_predict(plan, params, fault, error) &&
              plan_rest_predict(plan, params, chosen.evidence, fault, error);

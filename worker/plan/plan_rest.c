@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_rest.h"
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "worker/audit/audit.h"
 #include "worker/audit/audit_map.h"
@@ -36,14 +37,6 @@ struct rest {
     struct error *error;
 };
 
-static double now_s(const struct rest *rest)
-{
-    struct timespec now;
-
-    clock_gettime(rest->clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static bool on_tile(void *user, double done)
 {
     const struct plan_params *params = user;
@@ -73,13 +66,13 @@ static bool time_file(struct rest *rest, double *seconds)
                                       .fps_numerator = 24,
                                       .fps_denominator = 1,
                                       .job_hash = rest->job.hash};
-    double start_s = now_s(rest);
+    double start_s = clock_read_s(rest->clock);
     int fd = memfd_create("frame", MFD_CLOEXEC);
     bool is_finite;
     bool ok = fd >= 0 && image_exr_write(fd, &rest->image, &header, 1, rest->error) &&
               image_exr_scan(fd, &is_finite, 1, rest->error);
 
-    *seconds = (now_s(rest) - start_s) * rest->ratio;
+    *seconds = (clock_read_s(rest->clock) - start_s) * rest->ratio;
     if (fd >= 0) close(fd);
     return ok;
 }
@@ -101,7 +94,7 @@ static bool time_audit(struct rest *rest, double *seconds)
     struct audit_map_params map_params = {.image = &rest->image, .pixel = rest->job.output.pixel};
     struct audit_result result;
     struct audit_map map;
-    double start_s = now_s(rest), map_s;
+    double start_s = clock_read_s(rest->clock), map_s;
     bool ok;
 
     if (!truth) return false;
@@ -111,10 +104,10 @@ static bool time_audit(struct rest *rest, double *seconds)
     }
     audit_map_init(&map, &map_params);
     audit_map_finish(&map);
-    map_s = now_s(rest) - start_s;
+    map_s = clock_read_s(rest->clock) - start_s;
     ok = audit_frame(&params, &result);
     if (!ok) rest->result.fault = RENDERER_FAULT_STOPPED;
-    *seconds = now_s(rest) - start_s - 2.0 * map_s + map_s * rest->ratio;
+    *seconds = clock_read_s(rest->clock) - start_s - 2.0 * map_s + map_s * rest->ratio;
     truth_close(truth);
     return ok;
 }
@@ -124,7 +117,7 @@ static bool time_halving(struct rest *rest, double *seconds)
 {
     const struct plan_view *view = plan_evidence_find(rest->evidence, rest->frame);
     struct plan halved = *rest->plan;
-    double start_s = now_s(rest);
+    double start_s = clock_read_s(rest->clock);
     bool ok = true;
 
     (void)plan_refine(&halved, rest->params->job, HALVED_RUNGS);
@@ -138,7 +131,7 @@ static bool time_halving(struct rest *rest, double *seconds)
         ok = render(rest, &job, &image);
         image_finish(&image);
     }
-    *seconds = now_s(rest) - start_s;
+    *seconds = clock_read_s(rest->clock) - start_s;
     return ok;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_time.h"
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
@@ -27,14 +28,6 @@ struct timing {
     double shown;     // of the segment's frames, those that are not copies of the one before
     double parallel;  // processor seconds a second, when least was between
 };
-
-static double clock_s(clockid_t clock)
-{
-    struct timespec now;
-
-    clock_gettime(clock, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static int scaled(int size_px, double scale)
 {
@@ -77,12 +70,12 @@ static bool render(struct timing *timing, int32_t frame, double scale, struct re
 // In software what others do on the machine stretches the time, but hardly the processor's.
 static bool time_render(struct timing *timing, int32_t frame, double scale, double *seconds)
 {
-    double processor_s = clock_s(CLOCK_PROCESS_CPUTIME_ID), wall_s = clock_s(CLOCK_MONOTONIC);
+    double processor_s = clock_read_s(CLOCK_PROCESS_CPUTIME_ID), wall_s = clock_read_s(CLOCK_MONOTONIC);
     struct renderer_result result;
 
     if (!render(timing, frame, scale, &result)) return false;
-    processor_s = clock_s(CLOCK_PROCESS_CPUTIME_ID) - processor_s;
-    wall_s = clock_s(CLOCK_MONOTONIC) - wall_s;
+    processor_s = clock_read_s(CLOCK_PROCESS_CPUTIME_ID) - processor_s;
+    wall_s = clock_read_s(CLOCK_MONOTONIC) - wall_s;
     if (wall_s > 0.0) timing->parallel = fmax(timing->parallel, processor_s / wall_s);
     *seconds = timing->by_processor ? processor_s : result.seconds;
     return true;

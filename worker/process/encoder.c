@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/process/encoder.h"
 
+#include "core/base/clock.h"
 #include "core/base/error.h"
 #include "worker/audit/gate.h"
 #include "worker/picture/audit_result.h"
@@ -14,14 +15,6 @@
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
-
-static double now_s(void)
-{
-    struct timespec now;
-
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
-}
 
 static struct image_exr_header make_header(const struct worker *worker, const struct picture *picture)
 {
@@ -120,7 +113,7 @@ static void encode(struct worker *worker, struct picture *picture)
     struct gate_result result;
     struct frame_accuracy accuracy = find_accuracy(picture);
     struct error error = {0};
-    double start_s = now_s();
+    double start_s = clock_now_s();
 
     if (worker_is_unwanted(worker, frame)) {
         worker_drop_frame(worker, frame);
@@ -140,7 +133,7 @@ static void encode(struct worker *worker, struct picture *picture)
                     &(struct report_result){.file = &result.file,
                                             .accuracy = &accuracy,
                                             .render_s = picture->render_s,
-                                            .encode_s = now_s() - start_s,
+                                            .encode_s = clock_now_s() - start_s,
                                             .audit_s = picture->audit.seconds});
     worker_end_frame(worker, frame);
 }
