@@ -67,15 +67,6 @@ void scene_glue_write_lights(FILE *out, const struct scene_model *model)
         if (model->features.light_is_seen[i]) write_light(out, &scene->lights[i], model, i);
 }
 
-static void write_riemann(FILE *out, const struct scene_camera *camera, double step)
-{
-    int count = (int)round((camera->clip_far - camera->clip_near) / step);
-
-    fprintf(out,
-            "    integrator_riemann(IntegratorRiemann(%.9e, %.9e, %d), camera.position, direction, spans, gathered);\n",
-            camera->clip_near, step, count);
-}
-
 static void write_interval(FILE *out, const struct scene_camera *camera)
 {
     fputs("    vec2 interval = media_interval(spans);\n", out);
@@ -108,17 +99,15 @@ static void write_view(FILE *out, const struct scene_model *model)
             model->features.has_samples ? "point_px" : "gl_FragCoord.xy");
 }
 
+// A Riemann sum's samples lie where they lie, whatever the media's spans are.
 static void write_march(FILE *out, const struct scene_model *model)
 {
-    const struct scene_camera *camera = &model->job->scene.camera;
+    bool has_interval = model->job->quality.method != JOB_METHOD_RIEMANN;
 
     fputs("    MediaSpans spans = media_spans(camera.position, direction);\n", out);
-    if (model->job->quality.method == JOB_METHOD_RIEMANN) {
-        write_riemann(out, camera, scene_model_quality(model)->step);
-        return;
-    }
-    write_interval(out, camera);
-    scene_glue_write_integrator(out, model, "camera.position, direction, interval");
+    if (has_interval) write_interval(out, &model->job->scene.camera);
+    scene_glue_write_integrator(out, model,
+                                has_interval ? "camera.position, direction, interval" : "camera.position, direction");
 }
 
 // Of several passes the depth comes with a count, so that those without one can be left out of the mean.

@@ -4,9 +4,9 @@
 #include "core/job/job.h"
 #include "worker/glsl/gauss_legendre.h"
 #include "worker/model/scene_model.h"
+#include "worker/program/integrators.h"
 #include "worker/program/scene_glue_media.h"
 #include "worker/program/scene_glue_steps.h"
-#include "worker/program/scene_glue_tracking.h"
 
 static void write_gathered(FILE *out, const struct scene_model *model)
 {
@@ -33,20 +33,13 @@ static void write_gathered(FILE *out, const struct scene_model *model)
 
 static void write_column(FILE *out, const struct scene_model *model, const char *spans, const char *distance)
 {
+    const struct integrator_part *part = integrator_to_lights(model);
+
     if (!model->features.marches_to_lights) {
-        fprintf(out, "transmittance_closed(%s, %s)", spans, distance);
+        fprintf(out, "%s%s, %s)", part->call, spans, distance);
         return;
     }
-    if (model->job->quality.method == JOB_METHOD_RIEMANN)
-        fprintf(out, "transmittance_riemann(TransmittanceRiemann(%d)", model->job->quality.light_steps);
-    else if (model->features.is_jittered)
-        fputs("transmittance_jittered(TransmittanceJittered(quality_light_step)", out);
-    else if (model->features.is_adaptive)
-        fputs("transmittance_adaptive(TransmittanceAdaptive(quality_light_step, quality_depth_step)", out);
-    else if (model->features.is_gauss)
-        fputs("transmittance_gauss(TransmittanceGauss(quality_light_step)", out);
-    else
-        fputs("transmittance_midpoint(TransmittanceMidpoint(quality_light_step)", out);
+    integrator_write_call(out, part, model);
     fprintf(out, ", %s, point, light.direction, %s)", spans, distance);
 }
 
@@ -400,36 +393,13 @@ void scene_glue_write_gather(FILE *out, const struct scene_model *model)
 
 void scene_glue_write_integrator(FILE *out, const struct scene_model *model, const char *stretch)
 {
-    if (model->features.has_majorants)
-        fprintf(out, "    integrator_%s(Integrator%s(TRACKING_LOOKS)", scene_glue_estimator(model->job),
-                model->job->quality.estimator == JOB_ESTIMATOR_DELTA ? "Delta" : "Ratio");
-    else if (model->features.is_tracked)
-        fputs("    integrator_estimated(IntegratorEstimated(quality_step)", out);
-    else if (model->features.is_jittered)
-        fputs("    integrator_jittered(IntegratorJittered(quality_step)", out);
-    else if (model->features.is_tabled)
-        fputs("    integrator_preintegrated(IntegratorPreintegrated(quality_step)", out);
-    else if (model->features.is_adaptive)
-        fputs("    integrator_adaptive(IntegratorAdaptive(quality_step, quality_depth_step)", out);
-    else if (model->features.is_gauss)
-        fputs("    integrator_gauss(IntegratorGauss(quality_step)", out);
-    else if (model->features.marches)
-        fputs("    integrator_midpoint(IntegratorMidpoint(quality_step)", out);
-    else // n spans have 2 n ends
-        fprintf(out, "    integrator_stretches(IntegratorStretches(%zu)", 2 * model->job->scene.medium_count);
+    fputs("    ", out);
+    integrator_write_call(out, &integrator_of(model)->along_rays, model);
     fprintf(out, ", %s, spans, gathered);\n", stretch);
 }
 
 // Up to this many points are one Gauss-Legendre rule; more are several rules of the same size, one behind the other.
 enum { RULE_LIMIT = 64 };
-
-static void write_numbers(FILE *out, const char *name, const double *numbers, int count)
-{
-    fprintf(out, "const float %s[%d] = float[](", name, count);
-    for (int i = 0; i < count; ++i)
-        fprintf(out, "%s%.9e", i > 0 ? ", " : "", numbers[i]);
-    fputs(");\n", out);
-}
 
 void scene_glue_write_placed(FILE *out, const struct job *job)
 {
@@ -442,8 +412,8 @@ void scene_glue_write_placed(FILE *out, const struct job *job)
         points[i] /= rules;
         weights[i] /= rules;
     }
-    write_numbers(out, "PLACED_SHARES", points, size);
-    write_numbers(out, "PLACED_WEIGHTS", weights, size);
+    scene_glue_write_numbers(out, "PLACED_SHARES", points, size);
+    scene_glue_write_numbers(out, "PLACED_WEIGHTS", weights, size);
     fprintf(out, "const int PLACED_COUNT = %d;\n", rules * size);
     fprintf(out, "float placed_share(int i)\n{\n    return PLACED_SHARES[i %% %d] + float(i / %d) * %.9e;\n}\n", size,
             size, 1.0 / rules);

@@ -14,5 +14,5 @@ void scene_glue_write_placed(FILE *out, const struct job *job);
 // The expression of what the media in `spans` leave of light between `point` and `distance` metres towards `light`.
 void scene_glue_write_transmittance(FILE *out, const struct scene_model *model, const char *spans,
                                     const char *distance);
-// Calls the integrator (not that of Riemann sums) for `spans`; `stretch`: "origin, direction, interval".
+// Calls the integrator for `spans`; `stretch`: "origin, direction, interval", of Riemann sums without the interval.
 void scene_glue_write_integrator(FILE *out, const struct scene_model *model, const char *stretch);

@@ -420,6 +420,18 @@ void scene_glue_write_media(FILE *out, const struct scene_model *model)
     if (!features->is_tracked) write_column_depth(out, model);
 }
 
+void scene_glue_write_column_none(FILE *out, const struct scene_model *model)
+{
+    const char *separator = "";
+
+    fputs("MediaColumn media_column_none()\n{\n    return MediaColumn(", out);
+    FOR_EACH_MEDIUM (model, medium_features_have_column) {
+        fprintf(out, "%s0.0", separator);
+        separator = ", ";
+    }
+    fputs(");\n}\n", out);
+}
+
 void scene_glue_write_columns(FILE *out, const struct scene_model *model)
 {
     FOR_EACH_MEDIUM (model, is_seen)

@@ -27,5 +27,7 @@ void scene_glue_write_media(FILE *out, const struct scene_model *model);
 // Of all this the part that a march for columns alone calls, which is all but media_field, media_column_depth and
 // media_transmittance.
 void scene_glue_write_columns(FILE *out, const struct scene_model *model);
+// media_column_none(), a column of nothing.
+void scene_glue_write_column_none(FILE *out, const struct scene_model *model);
 // The expression of a medium's rho from `MediaField field`.
 void scene_glue_write_density(FILE *out, const struct scene_model *model, size_t medium);

@@ -36,22 +36,15 @@ static void write_parts(FILE *out, const struct scene_model *model, const char *
 
 static void write_columns(FILE *out, const struct scene_model *model)
 {
-    const char *separator = "";
-
-    fputs("MediaColumn media_column_none()\n{\n    return MediaColumn(", out);
-    for (size_t i = 0; i < model->features.medium_count; ++i) {
-        if (!medium_features_have_column(&model->features.media[i])) continue;
-        fprintf(out, "%s0.0", separator);
-        separator = ", ";
-    }
-    fputs(");\n}\nvoid media_column_extend(inout MediaColumn column, MediaColumn rate, float length)\n{\n    ", out);
+    scene_glue_write_column_none(out, model);
+    fputs("void media_column_extend(inout MediaColumn column, MediaColumn rate, float length)\n{\n    ", out);
     write_parts(out, model, "column.medium_", " += length * rate.medium_", ";\n    ");
     fputs(";\n}\nfloat media_column_thickness(MediaColumn column)\n{\n    return spectrum_max(", out);
     write_parts(out, model, "medium_", "_sigma_t * column.medium_", " + ");
     fputs(");\n}\n", out);
 }
 
-static void write_numbers(FILE *out, const char *name, const double *numbers, int count)
+void scene_glue_write_numbers(FILE *out, const char *name, const double *numbers, int count)
 {
     fprintf(out, "const float %s[%d] = float[](", name, count);
     for (int i = 0; i < count; ++i)
@@ -66,9 +59,9 @@ static void write_rule(FILE *out, int order)
     gauss_legendre(order, nodes, weights);
     gauss_legendre_partials(order, partials);
     fprintf(out, "const int GAUSS_ORDER = %d;\n", order);
-    write_numbers(out, "GAUSS_NODES", nodes, order);
-    write_numbers(out, "GAUSS_WEIGHTS", weights, order);
-    write_numbers(out, "GAUSS_PARTIALS", partials, order * order);
+    scene_glue_write_numbers(out, "GAUSS_NODES", nodes, order);
+    scene_glue_write_numbers(out, "GAUSS_WEIGHTS", weights, order);
+    scene_glue_write_numbers(out, "GAUSS_PARTIALS", partials, order * order);
 }
 
 void scene_glue_write_steps(FILE *out, const struct scene_model *model)

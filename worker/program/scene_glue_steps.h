@@ -14,3 +14,5 @@ struct scene_model;
 // and where they are looked at in several nodes, the rule:
 //   GAUSS_ORDER, GAUSS_NODES, GAUSS_WEIGHTS, GAUSS_PARTIALS     as gauss_legendre.h has them
 void scene_glue_write_steps(FILE *out, const struct scene_model *model);
+// `const float NAME[count]`.
+void scene_glue_write_numbers(FILE *out, const char *name, const double *numbers, int count);

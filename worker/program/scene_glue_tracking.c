@@ -4,6 +4,7 @@
 #include "core/job/job.h"
 #include "worker/density/density_kind.h"
 #include "worker/model/scene_model.h"
+#include "worker/program/integrators.h"
 #include "worker/program/scene_glue_media.h"
 
 #include <string.h>
@@ -13,11 +14,6 @@ typedef bool choose_medium(const struct medium_features *medium);
 static bool is_seen(const struct medium_features *medium)
 {
     return medium->is_seen;
-}
-
-const char *scene_glue_estimator(const struct job *job)
-{
-    return job_estimator_name(job->quality.estimator);
 }
 
 static void write_extinction(FILE *out, const struct scene_model *model)
@@ -68,15 +64,8 @@ static void write_rate(FILE *out, const struct scene_model *model, choose_medium
 
 static void write_columns(FILE *out, const struct scene_model *model)
 {
-    const char *separator = "";
-
-    fputs("MediaColumn media_column_none()\n{\n    return MediaColumn(", out);
-    for (size_t i = 0; i < model->features.medium_count; ++i) {
-        if (!medium_features_have_column(&model->features.media[i])) continue;
-        fprintf(out, "%s0.0", separator);
-        separator = ", ";
-    }
-    fputs(");\n}\nSpectrum media_column_extinction(MediaColumn column)\n{\n    Spectrum sum = spectrum(0.0);\n", out);
+    scene_glue_write_column_none(out, model);
+    fputs("Spectrum media_column_extinction(MediaColumn column)\n{\n    Spectrum sum = spectrum(0.0);\n", out);
     for (size_t i = 0; i < model->features.medium_count; ++i)
         if (medium_features_march_to_lights(&model->features.media[i]))
             fprintf(out, "    sum += medium_%zu_sigma_t * column.medium_%zu;\n", i, i);
@@ -147,7 +136,7 @@ void scene_glue_write_left(FILE *out, const struct scene_model *model)
     if (features->estimates_columns)
         fprintf(out,
                 "    way = span_meet(way, media_column_interval(spans));\n"
-                "    if (way.x < way.y) left *= transmittance_%s(spans, origin, direction, way%s);\n",
-                scene_glue_estimator(model->job), features->has_majorants ? "" : ", step");
+                "    if (way.x < way.y) left *= %sspans, origin, direction, way%s);\n",
+                integrator_to_lights(model)->call, features->has_majorants ? "" : ", step");
     fputs("    return left;\n}\n", out);
 }

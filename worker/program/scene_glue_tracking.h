@@ -4,7 +4,6 @@
 
 #include <stdio.h>
 
-struct job;
 struct scene_model;
 
 // Of scenes that are tracked, after scene_glue_write_media:
@@ -19,5 +18,3 @@ void scene_glue_write_tracking(FILE *out, const struct scene_model *model);
 // `Spectrum media_left(MediaSpans spans, vec3 origin, vec3 direction, vec2 way, float step)`: an estimate of what the media
 // leave of light between two places on its way; `step` is for marches. After the module that estimates.
 void scene_glue_write_left(FILE *out, const struct scene_model *model);
-// The name of the estimator, which its modules have.
-const char *scene_glue_estimator(const struct job *job);

@@ -9,6 +9,7 @@
 #include "worker/glsl/shader_sources.h"
 #include "worker/model/light_grid.h"
 #include "worker/model/scene_values.h"
+#include "worker/program/integrators.h"
 #include "worker/program/light_grid_glue.h"
 #include "worker/program/scene_glue.h"
 #include "worker/program/scene_glue_gather.h"
@@ -65,10 +66,6 @@ static void add_density(struct assembly *assembly, size_t i)
 
 static void add_tracking(struct assembly *assembly)
 {
-    static const char *const modules[] = {[JOB_ESTIMATOR_DELTA] = "transmittance/delta.glsl",
-                                          [JOB_ESTIMATOR_RATIO] = "transmittance/ratio.glsl",
-                                          [JOB_ESTIMATOR_DEBIASED] = "transmittance/debiased.glsl",
-                                          [JOB_ESTIMATOR_JACKKNIFE] = "transmittance/jackknife.glsl"};
     const struct scene_features *features = &assembly->model->features;
 
     if (features->has_majorants) add_module(assembly, "math/tracking.glsl");
@@ -76,7 +73,7 @@ static void add_tracking(struct assembly *assembly)
     if (features->estimates_columns) {
         if (!features->has_majorants) add_module(assembly, "math/segment.glsl");
         if (!features->has_majorants) add_module(assembly, "transmittance/comb.glsl");
-        add_module(assembly, modules[assembly->model->job->quality.estimator]);
+        add_module(assembly, integrator_to_lights(assembly->model)->module);
     }
     if (features->has_lights || !features->has_majorants) scene_glue_write_left(generate(assembly), assembly->model);
 }
@@ -153,13 +150,7 @@ static void add_lights(struct assembly *assembly)
         add_module(assembly, "light/point_segment.glsl");
     }
     if (features->has_extinction && !features->is_tracked)
-        add_module(assembly, !features->marches_to_lights                                 ? "transmittance/closed.glsl"
-                             : features->has_light_grids                                  ? "transmittance/cached.glsl"
-                             : assembly->model->job->quality.method == JOB_METHOD_RIEMANN ? "transmittance/riemann.glsl"
-                             : features->is_jittered ? "transmittance/jittered.glsl"
-                             : features->is_adaptive ? "transmittance/adaptive.glsl"
-                             : features->is_gauss    ? "transmittance/gauss.glsl"
-                                                     : "transmittance/midpoint.glsl");
+        add_module(assembly, integrator_to_lights(assembly->model)->module);
     scene_glue_write_lights(generate(assembly), assembly->model);
     if (features->has_light_grids) add_light_grids(assembly);
     if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->model);
@@ -178,12 +169,6 @@ static void add_slices(struct assembly *assembly)
     scene_glue_write_slice(generate(assembly), assembly->model);
 }
 
-static const char *tracked_module(const struct job *job)
-{
-    if (!job_quality_has_majorants(&job->quality)) return "integrator/estimated.glsl";
-    return job->quality.estimator == JOB_ESTIMATOR_DELTA ? "integrator/delta.glsl" : "integrator/ratio.glsl";
-}
-
 static void add_integrator(struct assembly *assembly)
 {
     if (assembly->model->features.places_points) add_placement(assembly);
@@ -196,14 +181,7 @@ static void add_integrator(struct assembly *assembly)
     if (assembly->model->features.marches) add_slices(assembly);
     if (assembly->model->features.marches && !assembly->model->features.is_tracked)
         scene_glue_write_reach(generate(assembly), assembly->model);
-    add_module(assembly, assembly->model->job->quality.method == JOB_METHOD_RIEMANN ? "integrator/riemann.glsl"
-                         : assembly->model->features.is_tracked  ? tracked_module(assembly->model->job)
-                         : assembly->model->features.is_jittered ? "integrator/jittered.glsl"
-                         : assembly->model->features.is_tabled   ? "integrator/preintegrated.glsl"
-                         : assembly->model->features.is_adaptive ? "integrator/adaptive.glsl"
-                         : assembly->model->features.is_gauss    ? "integrator/gauss.glsl"
-                         : assembly->model->features.marches     ? "integrator/midpoint.glsl"
-                                                                 : "integrator/stretches.glsl");
+    add_module(assembly, integrator_of(assembly->model)->along_rays.module);
 }
 
 static void add_shape(struct assembly *assembly, enum scene_shape_kind kind)
