@@ -26,7 +26,7 @@ foreach(section 1 5 8)
     file(GLOB pages CONFIGURE_DEPENDS deploy/man/*.${section})
     install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section})
 endforeach()
-install(FILES README.md STYLE.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/marchd)
+install(FILES README.md STYLE.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/marchd)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/marchd)
 # Without the programs that drew and converted what is there.
 install(DIRECTORY jobs DESTINATION ${CMAKE_INSTALL_DATADIR}/marchd

@@ -13,9 +13,9 @@ version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/C
 [ "$package" = "$scratch/out/marchd_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $package"
 [ "$(dpkg-deb -f "$package" Version)" = "$version-7" ] || fail "version $(dpkg-deb -f "$package" Version)"
 
-# Its files are the installed ones, and what Debian wants of a package beside them; pages are compressed.
+# Its files are the installed ones, and what Debian wants of a package beside them; man pages and the changelog are compressed.
 {
-    installed_files /usr /lib/systemd/system | sed 's|^\(/usr/share/man/.*\)|\1.gz|'
+    installed_files /usr /lib/systemd/system | sed 's|^\(/usr/share/man/.*\)|\1.gz|; s|/CHANGELOG\.md$|/changelog.gz|'
     echo /usr/share/doc/marchd/changelog.Debian.gz
     echo /usr/share/doc/marchd/copyright
     echo /usr/share/lintian/overrides/marchd

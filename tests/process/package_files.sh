@@ -20,6 +20,8 @@ $1/lib/sysusers.d/marchd.conf
 $1/lib/tmpfiles.d/marchd.conf
 $1/share/bash-completion/completions/march
 $1/share/bash-completion/completions/marchd
+$1/share/doc/marchd/CHANGELOG.md
+$1/share/doc/marchd/CONTRIBUTING.md
 $1/share/doc/marchd/README.md
 $1/share/doc/marchd/STYLE.md
 $1/share/fish/vendor_completions.d/march.fish
