@@ -122,7 +122,9 @@ static const struct integrator integrators[] = {
     {marches,
      {"integrator/midpoint.glsl", "integrator_midpoint(IntegratorMidpoint(quality_step", NULL},
      {"transmittance/midpoint.glsl", "transmittance_midpoint(TransmittanceMidpoint(quality_light_step", NULL}},
-    {always, {"integrator/stretches.glsl", "integrator_stretches(IntegratorStretches(", write_stretches}, {NULL}},
+    {always,
+     {"integrator/stretches.glsl", "integrator_stretches(IntegratorStretches(", write_stretches},
+     {NULL, NULL, NULL}},
 };
 
 const struct integrator *integrator_of(const struct scene_model *model)
