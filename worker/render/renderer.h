@@ -4,6 +4,7 @@
 
 #include "core/job/job.h"
 #include "worker/picture/ray_counts.h"
+#include "worker/render/renderer_fault.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -12,17 +13,6 @@ struct error;
 struct gl_context;
 struct image;
 struct renderer;
-
-enum renderer_fault {
-    RENDERER_FAULT_NONE,
-    RENDERER_FAULT_JOB,      // the shader does not compile, a value is out of range, the scene needs more than GL has
-    RENDERER_FAULT_FRAME,    // a file of this frame's cannot be read, or changed meanwhile
-    RENDERER_FAULT_ENDLESS,  // its loops take more turns than GL runs, this time and the next
-    RENDERER_FAULT_MAJORANT, // a density is above the majorant that the job states, this time and the next
-    RENDERER_FAULT_CONTEXT,  // the context is lost or not usable
-    RENDERER_FAULT_STOPPED,  // on_progress asked for it
-    RENDERER_FAULT_MISSED    // over its tolerance, in finer steps too: worker/tolerance says so, the renderer never
-};
 
 // Called between tiles with the share done in [0, 1]; false stops the frame.
 typedef bool renderer_progress(void *user, double done);
