@@ -6,18 +6,22 @@
 #include <dlfcn.h>
 #include <stdlib.h>
 
-// osmesa.h wants the compatibility header's types; the core header has the same ones.
-#define __gl_h_
-#define GLAPIENTRY APIENTRY
-#include <GL/osmesa.h>
+// Values of GL/osmesa.h, a header that Mesa has only up to 25.0.
+enum {
+    OSMESA_FORMAT = 0x22,
+    OSMESA_PROFILE = 0x33,
+    OSMESA_CORE_PROFILE = 0x34,
+    OSMESA_CONTEXT_MAJOR_VERSION = 0x36,
+    OSMESA_CONTEXT_MINOR_VERSION = 0x37
+};
 
 enum { BUFFER_SIDE_PX = 16 };
 
 struct osmesa_context {
     struct gl_context base; // first: the base is this struct's address
-    OSMesaContext handle;   // owned
-    void (*destroy)(OSMesaContext context);
-    OSMESAproc (*function)(const char *name);
+    void *handle;           // owned
+    void (*destroy)(void *handle);
+    gl_function *(*function)(const char *name);
     unsigned char buffer[BUFFER_SIDE_PX * BUFFER_SIDE_PX * 4]; // GL's default framebuffer; nothing is drawn there
 };
 
@@ -25,7 +29,7 @@ static gl_function *find_function(const struct gl_context *context, const char *
 {
     const struct osmesa_context *osmesa = (const struct osmesa_context *)context;
 
-    return (gl_function *)osmesa->function(name);
+    return osmesa->function(name);
 }
 
 static void destroy(struct gl_context *context)
@@ -51,7 +55,7 @@ static void *load_library(struct gl_context_trials *trials)
 struct gl_context *gl_context_osmesa_create(const char *device, struct gl_context_trials *trials)
 {
     static const int attributes[] = {OSMESA_FORMAT,
-                                     OSMESA_RGBA,
+                                     GL_RGBA,
                                      OSMESA_PROFILE,
                                      OSMESA_CORE_PROFILE,
                                      OSMESA_CONTEXT_MAJOR_VERSION,
@@ -59,8 +63,8 @@ struct gl_context *gl_context_osmesa_create(const char *device, struct gl_contex
                                      OSMESA_CONTEXT_MINOR_VERSION,
                                      5,
                                      0};
-    OSMesaContext (*create)(const int *, OSMesaContext);
-    GLboolean (*make_current)(OSMesaContext, void *, GLenum, GLsizei, GLsizei);
+    void *(*create)(const int *, void *);
+    GLboolean (*make_current)(void *, void *, GLenum, GLsizei, GLsizei);
     struct osmesa_context *osmesa = NULL;
     void *library;
 
