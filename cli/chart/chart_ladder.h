@@ -43,12 +43,14 @@ char *chart_ladder_wish(double tolerance, const struct json_node *quality);
 // became as exact as can be told, stopped becoming more exact, or was refused behind rungs that were not.
 int chart_ladder_next(const struct chart_points *points, size_t series, const struct chart_limits *limits);
 
+struct chart_choice_name {
+    char *name; // owned; of a series or a method
+    int rung;   // -1: all
+};
+
 // What --methods asks for; the zero value asks for all.
 struct chart_choice {
-    struct chart_choice_name {
-        char *name; // owned; of a series or a method
-        int rung;   // -1: all
-    } * names;      // owned
+    struct chart_choice_name *names; // owned
     size_t count;
 };
 

@@ -62,11 +62,13 @@ enum exit_status chart_query_program(struct chart_query *query, const char *docu
 // What the planner chooses for a frame of the job by itself; `quality` is owned by the caller.
 enum exit_status chart_query_plan(struct chart_query *query, const char *document, char **quality, struct error *error);
 
+struct chart_strip_picture {
+    char *document, *label; // owned
+};
+
 // Pictures beside maps of their errors; the last one added is what they are compared with. The zero value is empty.
 struct chart_strip {
-    struct chart_strip_picture {
-        char *document, *label; // owned
-    } * pictures;               // owned
+    struct chart_strip_picture *pictures; // owned
     size_t count;
 };
 

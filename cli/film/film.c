@@ -117,11 +117,12 @@ char *film_create_folder(struct error *error)
 void film_remove_folder(const char *folder)
 {
     DIR *directory = folder ? opendir(folder) : NULL;
+    int fd = directory ? dirfd(directory) : -1;
     const struct dirent *entry;
 
     if (!directory) return;
     while ((entry = readdir(directory)))
-        if (entry->d_name[0] != '.') unlinkat(dirfd(directory), entry->d_name, 0);
+        if (entry->d_name[0] != '.' && fd >= 0) unlinkat(fd, entry->d_name, 0);
     closedir(directory);
     rmdir(folder);
 }

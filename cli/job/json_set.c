@@ -61,7 +61,8 @@ static bool parse_path(struct edit *edit, struct error *error)
         } else {
             size_t length;
 
-            if (cursor != edit->path && *cursor++ != '.') goto syntax;
+            if (cursor != edit->path && *cursor != '.') goto syntax;
+            if (cursor != edit->path) cursor++;
             length = strcspn(cursor, ".[]");
             if (length == 0) goto syntax;
             step->key = xstrndup(cursor, length);

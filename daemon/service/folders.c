@@ -13,6 +13,7 @@ bool folders_make(const char *path, mode_t mode, struct error *error)
 {
     char *cut = xstrdup(path);
     struct stat status;
+    int cause;
 
     for (char *slash = strchr(cut + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
         *slash = '\0';
@@ -21,7 +22,8 @@ bool folders_make(const char *path, mode_t mode, struct error *error)
     }
     free(cut);
     if (mkdir(path, mode) == 0) return true;
-    if (errno == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode)) return true;
-    error_set_errno(error, errno == EEXIST ? ENOTDIR : errno, "folder %s", path);
+    cause = errno;
+    if (cause == EEXIST && stat(path, &status) == 0 && S_ISDIR(status.st_mode)) return true;
+    error_set_errno(error, cause == EEXIST ? ENOTDIR : cause, "folder %s", path);
     return false;
 }

@@ -18,10 +18,11 @@
     "\"normal\": [0, 1, 0]}}, \"sigma_a\": [500, 700, 900]}"
 
 // Rays lie in the plane x = 0: from straight down to all but along the water, or as much upwards.
-#define HALF(height, slope)                                                                                            \
-    {                                                                                                                  \
-        .position = {0, (height), 0}, .target = {0, (height) + (slope), 1}, .up = {0, 1, 0}, .fov = 89.8,              \
-    }
+static struct studio_camera half_circle(double height, double slope)
+{
+    return (struct studio_camera){
+        .position = {0, height, 0}, .target = {0, height + slope, 1}, .up = {0, 1, 0}, .fov = 89.8};
+}
 
 enum kind { EXACT, SCHLICK, NONE };
 
@@ -107,9 +108,9 @@ static void check_both_sides(const struct boundary *boundary)
 
     write_water(objects, sizeof objects, boundary, "");
     scene.objects = objects;
-    scene.camera = (struct studio_camera)HALF(0.5, -1);
+    scene.camera = half_circle(0.5, -1);
     studio_check(&scene, share_of_alpha, boundary, 2e-6, 0.9);
-    scene.camera = (struct studio_camera)HALF(-0.5, 1);
+    scene.camera = half_circle(-0.5, 1);
     studio_check(&scene, share_of_alpha, boundary, 2e-6, 0.9);
 }
 
@@ -182,7 +183,7 @@ static void what_is_reflected_is_seen_from_outside(void **state)
     (void)state;
     write_water(objects, sizeof objects, &boundary, BLACK_GLASS);
     scene.objects = objects;
-    scene.camera = (struct studio_camera)HALF(0.5, -1);
+    scene.camera = half_circle(0.5, -1);
     studio_check(&scene, share_of_light, &boundary, 2e-6, 0.9);
 }
 
@@ -195,7 +196,7 @@ static void what_is_reflected_is_seen_from_inside(void **state)
     (void)state;
     write_water(objects, sizeof objects, &boundary, "");
     scene.objects = objects;
-    scene.camera = (struct studio_camera)HALF(-0.5, 1);
+    scene.camera = half_circle(-0.5, 1);
     studio_check(&scene, share_of_light, &boundary, 2e-6, 0.9);
 }
 
@@ -209,7 +210,7 @@ static void between_water_and_glass_both_indices_count(void **state)
     struct studio_scene scene = {.width_px = 2, .height_px = 96, .objects = WATER_ON_GLASS};
 
     (void)state;
-    scene.camera = (struct studio_camera)HALF(0.5, -1);
+    scene.camera = half_circle(0.5, -1);
     studio_check(&scene, share_of_alpha, &boundary, 2e-6, 0.9);
 }
 
@@ -235,7 +236,7 @@ static void two_boundaries_take_their_shares(void **state)
     struct studio_scene scene = {.width_px = 2, .height_px = 96, .objects = WATER_ON_GLASS};
 
     (void)state;
-    scene.camera = (struct studio_camera)HALF(-0.5, 1);
+    scene.camera = half_circle(-0.5, 1);
     studio_check(&scene, through_both, NULL, 3e-6, 0.9);
 }
 

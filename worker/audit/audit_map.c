@@ -425,7 +425,7 @@ static enum audit_way way_of(const struct audit_map *map, uint64_t seed, size_t 
 
     while (way < AUDIT_WAY_COUNT - 1 && at >= map->share[way])
         at -= map->share[way++];
-    while (map->share[way] == 0.0)
+    while (way > 0 && map->share[way] == 0.0)
         way--;
     return (enum audit_way)way;
 }

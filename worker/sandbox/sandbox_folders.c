@@ -93,12 +93,13 @@ static bool allow_file(const struct sandbox_landlock *landlock, const struct fen
 {
     const char *root = strcmp(input->root, "/") == 0 ? "" : input->root;
     struct open_how how = {.flags = O_PATH | O_CLOEXEC, .resolve = RESOLVE_BENEATH | RESOLVE_NO_MAGICLINKS};
-    int root_fd = open(input->root, O_PATH | O_DIRECTORY | O_CLOEXEC), fd;
+    int root_fd = open(input->root, O_PATH | O_DIRECTORY | O_CLOEXEC), fd = -1;
     char *path = xasprintf("%s%s%s", input->folder, *input->folder ? "/" : "", name);
     struct stat status;
     bool ok = true;
 
-    fd = *root ? (int)syscall(SYS_openat2, root_fd, path, &how, sizeof how) : openat(root_fd, path, O_PATH | O_CLOEXEC);
+    if (root_fd >= 0 && *root) fd = (int)syscall(SYS_openat2, root_fd, path, &how, sizeof how);
+    if (root_fd >= 0 && !*root) fd = openat(root_fd, path, O_PATH | O_CLOEXEC);
     if (fd >= 0 && fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && !is_closed(fence, fd))
         ok = sandbox_landlock_allow(landlock, fd, SANDBOX_READ, error);
     if (fd >= 0) close(fd);

@@ -26,7 +26,7 @@ static void empty(int fd)
         return;
     }
     while ((entry = readdir(entries)))
-        if (entry->d_type != DT_DIR) (void)unlinkat(dirfd(entries), entry->d_name, 0);
+        if (entry->d_type != DT_DIR) (void)unlinkat(fd, entry->d_name, 0);
     closedir(entries);
 }
 
@@ -54,11 +54,12 @@ static const char *temporary_folder(void)
 void sandbox_scratch_sweep(void)
 {
     DIR *entries = opendir(temporary_folder());
+    int fd = entries ? dirfd(entries) : -1;
     struct dirent *entry;
 
     if (!entries) return;
     while ((entry = readdir(entries)))
-        if (fnmatch(pattern, entry->d_name, 0) == 0) remove_if_left_behind(dirfd(entries), entry->d_name);
+        if (fd >= 0 && fnmatch(pattern, entry->d_name, 0) == 0) remove_if_left_behind(fd, entry->d_name);
     closedir(entries);
 }
 
