@@ -258,6 +258,7 @@ const struct density_kind density_kind_glsl = {
     .field_type = "float",
     .takes_time = true,
     .takes_anchor = true,
+    .has_stated_majorant = true,
     .is_zero = is_zero,
     .add_values = add_values,
     .modules = modules,

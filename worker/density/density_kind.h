@@ -32,14 +32,15 @@ struct density_text {
 
 // A new kind is one file with one of these, called density_kind_KIND, and a line in density_kind.c's table.
 struct density_kind {
-    const char *name;       // as in the job
-    const char *field_type; // GLSL type of the field, made from one float by TYPE(0.0): "float", "vec2", ...
-    bool is_even;           // rho is the same wherever it is not 0: columns in closed form, no steps
-    bool has_support;       // `write` emits medium_I_support
-    bool is_zero_outside;   // the field itself makes density 0 outside the support
-    bool takes_time;        // `write` uses time_s, the frame's time
-    bool takes_anchor;      // and, where scene_anchor_is_used, scene_anchor: what to add to a place for the world's
-    bool takes_direction;   // medium_I_field has a second parameter, the unit direction of the ray it is asked along
+    const char *name;         // as in the job
+    const char *field_type;   // GLSL type of the field, made from one float by TYPE(0.0): "float", "vec2", ...
+    bool is_even;             // rho is the same wherever it is not 0: columns in closed form, no steps
+    bool has_support;         // `write` emits medium_I_support
+    bool is_zero_outside;     // the field itself makes density 0 outside the support
+    bool takes_time;          // `write` uses time_s, the frame's time
+    bool takes_anchor;        // and, where scene_anchor_is_used, scene_anchor: what to add to a place for the world's
+    bool takes_direction;     // medium_I_field has a second parameter, the unit direction of the ray it is asked along
+    bool has_stated_majorant; // the job states its majorant, which may be too low; `write` checks it
     // True when there is none at any time: the medium then costs nothing.
     bool (*is_zero)(const struct scene_density *density);
     // A transfer function: its density is the extinction coefficient itself, and `write` emits medium_I_color. NULL: never.

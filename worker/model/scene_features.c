@@ -4,6 +4,7 @@
 #include "core/job/job.h"
 #include "worker/density/density_kind.h"
 #include "worker/glsl/timeline_value.h"
+#include "worker/model/light_kind.h"
 
 static enum lobe_feature lobe_feature_of(const struct scene_phase_lobe *lobe)
 {
@@ -80,11 +81,6 @@ static void add_medium(struct scene_features *features, const struct scene_mediu
     features->extinction_is_rgb |= !extinction_is_grey(source, medium);
 }
 
-bool scene_light_is_inverse_square(const struct scene_light *light)
-{
-    return light->kind == SCENE_LIGHT_POINT && light->falloff == SCENE_FALLOFF_INVERSE_SQUARE;
-}
-
 static void add_object(struct scene_features *features, const struct scene_object *source, size_t i)
 {
     struct object_features *object = &features->objects[i];
@@ -155,7 +151,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     add_tracking(&features, &job->quality);
     features.is_rgb |= features.has_background && !timeline_value_is_grey(&scene->background);
     for (size_t i = 0; i < scene->light_count; ++i)
-        features.has_peaks |= features.light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]);
+        features.has_peaks |= features.light_is_seen[i] && light_kind_of(&scene->lights[i])->is_inverse_square;
     features.has_peaks &=
         features.marches && features.media_are_lit && !features.is_tracked && job->quality.method != JOB_METHOD_RIEMANN;
     features.has_throughput = features.has_extinction || (features.has_media && features.has_objects);

@@ -65,8 +65,6 @@ struct scene_features {
     bool is_random;         // something is drawn by lot
 };
 
-// True for a point light whose irradiance falls with the square of the distance.
-bool scene_light_is_inverse_square(const struct scene_light *light);
 // `is_unneeded` (SCENE_MEDIUM_LIMIT of them; NULL: none) says which media the picture does without.
 struct scene_features scene_features_of(const struct job *job, const bool *is_unneeded);
 // True when its picture can be drawn in slices.

@@ -5,6 +5,7 @@
 #include "worker/density/scene_bounds.h"
 #include "worker/glsl/scene_anchor.h"
 #include "worker/glsl/timeline_value.h"
+#include "worker/model/light_kind.h"
 #include "worker/model/object_values.h"
 #include "worker/model/scene_model.h"
 #include "worker/scene/camera_view.h"
@@ -36,13 +37,6 @@ static void evaluate_number(const void *source, double time, double value[static
 {
     (void)time;
     value[0] = *(const double *)source;
-}
-
-static void evaluate_toward_sun(const void *source, double time, double value[static 9])
-{
-    timeline_value_evaluate_unit(source, time, value);
-    for (int i = 0; i < 3; ++i)
-        value[i] = -value[i];
 }
 
 static void evaluate_camera_position(const void *source, double time, double value[static 9])
@@ -179,16 +173,7 @@ static void add_light(struct frame_uniforms *uniforms, const struct scene_light 
     frame_uniforms_add(uniforms,
                        timeline_value(&light->intensity, spectrum, value_range_not_negative, "lights.intensity"),
                        "light_%zu_intensity", index);
-    if (light->kind == SCENE_LIGHT_SUN) {
-        struct frame_value direction =
-            timeline_value(&light->direction, FRAME_VALUE_VEC3, value_range_any, "lights.direction");
-
-        direction.evaluate = evaluate_toward_sun;
-        frame_uniforms_add(uniforms, direction, "light_%zu_direction", index);
-    } else {
-        frame_uniforms_add(uniforms, timeline_value_place(&light->position, "lights.position"), "light_%zu_position",
-                           index);
-    }
+    light_kind_of(light)->add_value(uniforms, light, index);
 }
 
 // Whole numbers that a float holds exactly.
@@ -275,12 +260,6 @@ void scene_values_add_places(struct frame_uniforms *uniforms, const struct scene
 
         if (model->features.media[i].is_seen) add_place(uniforms, &site);
     }
-}
-
-void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light)
-{
-    frame_uniforms_add(uniforms, timeline_value_place(&job->scene.lights[light].position, "lights.position"),
-                       "light_%zu_position", light);
 }
 
 void scene_values_add(struct frame_uniforms *uniforms, const struct scene_model *model)

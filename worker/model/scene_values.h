@@ -15,5 +15,3 @@ struct scene_model;
 void scene_values_add(struct frame_uniforms *uniforms, const struct scene_model *model);
 // Of these, time_s where some seen medium takes it, and what the densities and bounds of seen media add.
 void scene_values_add_places(struct frame_uniforms *uniforms, const struct scene_model *model);
-// light_I_position of a point light.
-void scene_values_add_position(struct frame_uniforms *uniforms, const struct job *job, size_t light);

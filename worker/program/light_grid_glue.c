@@ -6,9 +6,11 @@
 #include "worker/glsl/scene_cache.h"
 #include "worker/glsl/texture_units.h"
 #include "worker/model/light_grid.h"
+#include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
 #include "worker/model/scene_values.h"
 #include "worker/program/scene_glue_media.h"
+#include "worker/scene/scene_inputs.h"
 
 static const char channels[] = "xyzw";
 
@@ -144,9 +146,10 @@ static bool make_columns(struct scene_cache *cache, const struct light_grid *gri
     cache->is_step = true;
     snprintf(cache->name, sizeof cache->name, "light_%zu_marched", grid->light);
     for (size_t k = 0; k < grid->medium_count; ++k)
-        cache->reads_files |= grid->job->scene.media[grid->media[k]].density.kind == SCENE_DENSITY_GRID;
+        cache->reads_files |= marched.inputs && marched.inputs->media[grid->media[k]].source;
     scene_values_add_places(&cache->uniforms, &marched);
-    if (grid->kind == LIGHT_GRID_ROUND) scene_values_add_position(&cache->uniforms, grid->job, grid->light);
+    if (grid->kind == LIGHT_GRID_ROUND)
+        light_kind_add_position(&cache->uniforms, &grid->job->scene.lights[grid->light], grid->light);
     light_grid_add_values(&cache->uniforms, grid);
     return assemble(cache, grid, &marched, shader_dir, error);
 }

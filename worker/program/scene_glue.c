@@ -3,6 +3,7 @@
 
 #include "core/job/job.h"
 #include "worker/glsl/pixel_mark.h"
+#include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
 #include "worker/program/scene_glue_gather.h"
 #include "worker/program/scene_glue_path.h"
@@ -31,15 +32,12 @@ static void write_phase(FILE *out, const struct scene_medium *medium, const stru
     fputs(";\n}\n", out);
 }
 
-static void write_light(FILE *out, const struct scene_light *light, const struct scene_model *model, size_t i)
+static void write_light(FILE *out, const struct scene_light *light, size_t i)
 {
-    bool is_sun = light->kind == SCENE_LIGHT_SUN;
-    const char *type = is_sun                                 ? "sun(LightSun"
-                       : light->falloff == SCENE_FALLOFF_NONE ? "point_even(LightPointEven"
-                                                              : "point(LightPoint";
+    const struct light_kind *kind = light_kind_of(light);
 
-    fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return light_%s(light_%zu_intensity, light_%zu_%s;\n}\n", i,
-            type, i, i, is_sun ? "direction))" : "position), point)");
+    fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return %slight_%zu_intensity, light_%zu_%s)%s);\n}\n", i,
+            kind->call, i, i, kind->value, kind->takes_point ? ", point" : "");
 }
 
 void scene_glue_write_reach(FILE *out, const struct scene_model *model)
@@ -52,7 +50,7 @@ void scene_glue_write_reach(FILE *out, const struct scene_model *model)
     }
     fputs("float march_reach(vec3 point, float step)\n{\n    float away = FAR_AWAY;\n", out);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (model->features.light_is_seen[i] && scene_light_is_inverse_square(&scene->lights[i]))
+        if (model->features.light_is_seen[i] && light_kind_of(&scene->lights[i])->is_inverse_square)
             fprintf(out, "    away = min(away, distance(point, light_%zu_position));\n", i);
     fputs("    return clamp(LIGHT_POINT_REACH * away, step / 1024.0, step);\n}\n", out);
 }
@@ -64,7 +62,7 @@ void scene_glue_write_lights(FILE *out, const struct scene_model *model)
     for (size_t i = 0; i < scene->medium_count; ++i)
         if (model->features.media[i].scatters) write_phase(out, &scene->media[i], &model->features.media[i], i);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (model->features.light_is_seen[i]) write_light(out, &scene->lights[i], model, i);
+        if (model->features.light_is_seen[i]) write_light(out, &scene->lights[i], i);
 }
 
 static void write_interval(FILE *out, const struct scene_camera *camera)
@@ -141,7 +139,8 @@ static bool majorant_mark_is_needed(const struct scene_model *model)
     bool is_stated = false;
 
     for (size_t i = 0; i < model->features.medium_count; ++i)
-        is_stated |= model->features.media[i].is_seen && model->job->scene.media[i].density.kind == SCENE_DENSITY_GLSL;
+        is_stated |= model->features.media[i].is_seen &&
+                     density_kind_of(&model->job->scene.media[i].density)->has_stated_majorant;
     return is_stated && model->features.has_majorants;
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/job/job.h"
 #include "worker/glsl/gauss_legendre.h"
+#include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
 #include "worker/program/integrators.h"
 #include "worker/program/scene_glue_media.h"
@@ -91,7 +92,7 @@ static void write_sample(FILE *out, const struct scene_model *model, size_t i)
 {
     const struct scene_features *features = &model->features;
 
-    if (features->has_peaks && scene_light_is_inverse_square(&model->job->scene.lights[i]))
+    if (features->has_peaks && light_kind_of(&model->job->scene.lights[i])->is_inverse_square)
         fprintf(out,
                 "light_point_segment(LightPoint(light_%zu_intensity, light_%zu_position), point, direction, length, "
                 "%s, %s);\n",
@@ -151,7 +152,7 @@ static void write_scattering(FILE *out, const struct scene_model *model)
 static void write_placed_scattering(FILE *out, const struct scene_light *light, const struct scene_model *model,
                                     size_t i)
 {
-    bool is_by_angle = scene_light_is_inverse_square(light);
+    bool is_by_angle = light_kind_of(light)->is_inverse_square;
 
     fputs("    {\n", out);
     if (is_by_angle)

@@ -8,6 +8,7 @@
 #include "worker/density/density_modules.h"
 #include "worker/glsl/shader_sources.h"
 #include "worker/model/light_grid.h"
+#include "worker/model/light_kind.h"
 #include "worker/model/scene_values.h"
 #include "worker/program/integrators.h"
 #include "worker/program/light_grid_glue.h"
@@ -112,7 +113,7 @@ static void add_placement(struct assembly *assembly)
     add_module(assembly, "placement/share.glsl");
     if (assembly->model->features.extinction_is_rgb) add_module(assembly, "placement/cut.glsl");
     for (size_t i = 0; i < scene->light_count; ++i) {
-        bool is_by_angle = scene_light_is_inverse_square(&scene->lights[i]);
+        bool is_by_angle = light_kind_of(&scene->lights[i])->is_inverse_square;
 
         if (!assembly->model->features.light_is_seen[i]) continue;
         if (is_by_angle) add_module(assembly, "math/arc.glsl");
@@ -141,10 +142,7 @@ static void add_lights(struct assembly *assembly)
         if (features->media[i].scatters) add_phase(assembly, &scene->media[i], &features->media[i]);
     add_module(assembly, "light/sample.glsl");
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i])
-            add_module(assembly, scene->lights[i].kind == SCENE_LIGHT_SUN         ? "light/sun.glsl"
-                                 : scene->lights[i].falloff == SCENE_FALLOFF_NONE ? "light/point_even.glsl"
-                                                                                  : "light/point.glsl");
+        if (features->light_is_seen[i]) add_module(assembly, light_kind_of(&scene->lights[i])->module);
     if (features->has_peaks) {
         add_module(assembly, "math/arc.glsl");
         add_module(assembly, "light/point_segment.glsl");

@@ -1,0 +1,23 @@
+// How each kind of light enters a scene's shader: a row a kind.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/scene/scene.h"
+
+#include <stdbool.h>
+
+struct frame_uniforms;
+
+// A new kind is a row in light_kind.c and its module.
+struct light_kind {
+    const char *module;     // below shaders/
+    const char *call;       // its function and its struct, up to where the struct's first member goes: the intensity
+    const char *value;      // the frame value that is the second, light_I_VALUE
+    bool takes_point;       // the function asks for the point that is lit
+    bool is_inverse_square; // its irradiance falls with the square of the distance
+    void (*add_value)(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index);
+};
+
+const struct light_kind *light_kind_of(const struct scene_light *light);
+// Adds light_I_position of a light that has one.
+void light_kind_add_position(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index);
