@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr.h"
 
@@ -13,8 +14,6 @@
 #include <string.h>
 
 enum { SIZE_LIMIT = 256 * 1024 * 1024 };
-
-static const double BLACK = 1e-6; // below it everywhere a picture counts as black
 
 void chart_truth_finish(struct chart_truth *truth)
 {
@@ -108,6 +107,6 @@ struct chart_error chart_truth_compare(const struct chart_truth *truth, const st
         }
         apart += at->weight * square;
     }
-    if (weights > 0) error.relative_rmse = sqrt(fmax(apart, 0) / (brightest < BLACK ? weights : light));
+    if (weights > 0) error.relative_rmse = sqrt(fmax(apart, 0) / (brightest < AUDIT_BLACK ? weights : light));
     return error;
 }

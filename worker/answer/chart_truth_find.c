@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 
 #include <math.h>
@@ -19,7 +20,7 @@ enum {
 };
 
 // How dark a pixel is, beside the picture's RMS, whose relative error is no longer seen; what is black for certain.
-static const double DARK_SHARE = 0.1, BLACK = 1e-6;
+static const double DARK_SHARE = 0.1;
 // As audits count it: the picture's own lot, and half of that for the reference, which is a mean of two.
 static const double LOTS = 1.5;
 
@@ -187,7 +188,7 @@ bool chart_truth_find(struct chart_truth *truth, const struct chart_truth_params
                                                                .finer = params->finer,
                                                                .coarser = params->coarser});
         rms = sqrt(search.map.mean_square);
-        search.accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, BLACK) : BLACK;
+        search.accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, AUDIT_BLACK) : AUDIT_BLACK;
         search.draws =
             xcalloc((size_t)params->finer->width_px * (size_t)params->finer->height_px, sizeof *search.draws);
         ok = find(&search, error);

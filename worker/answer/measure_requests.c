@@ -93,12 +93,6 @@ static bool hash_scene(const struct request_tools *tools, const struct job *job,
     return true;
 }
 
-static bool is_image_ready(struct image *image, const struct job *job, struct error *error)
-{
-    return image_init(image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
-                      error);
-}
-
 // Relative RMS of the difference.
 static double find_change(const struct image *from, const struct image *to)
 {
@@ -129,7 +123,7 @@ static bool render_finest(const struct request_tools *tools, const struct job *j
 
     do {
         params.limit_s = has_finest ? left_s : SECONDS_MAX;
-        if (!is_image_ready(&image, job, error)) break;
+        if (!image_init_for_job(&image, job, error)) break;
         if (measure_render(&params, &image, &took_s, error) != MEASURE_DONE) break;
         change = find_change(finest, &image);
         image_finish(finest);
@@ -174,7 +168,8 @@ static bool find_truth(const struct truth_request *request, const struct request
     double finer_s, coarser_s;
     bool ok = false;
 
-    if (!is_image_ready(&finer, &request->job, error) || !is_image_ready(&coarser, &request->job, error)) goto out;
+    if (!image_init_for_job(&finer, &request->job, error) || !image_init_for_job(&coarser, &request->job, error))
+        goto out;
     if (measure_render(&params, &finer, &finer_s, error) != MEASURE_DONE) goto out;
     params.job = &request->coarser_job;
     if (measure_render(&params, &coarser, &coarser_s, error) != MEASURE_DONE) goto out;
@@ -267,7 +262,7 @@ static bool measure_setting(const struct setting *setting, const struct request_
     double seconds = setting->limit_s;
     int repeats = 0;
 
-    if (!is_image_ready(&image, &setting->job, error)) {
+    if (!image_init_for_job(&image, &setting->job, error)) {
         gl_timer_destroy(params.timer);
         return false;
     }

@@ -41,7 +41,7 @@ static bool render(struct strip_request *request, const struct json_node *node, 
     if (!json_read_string(&label, &picture->label, error) || !request_read_job(node, &job, error)) return false;
     *code = MESSAGE_CODE_INTERNAL;
     picture->image = image;
-    ok = image_init(image, job.width_px, job.height_px, job.output.has_depth, job.output.has_transmittance, error) &&
+    ok = image_init_for_job(image, &job, error) &&
          measure_render(&(struct measure_params){.renderer = request->tools->renderer,
                                                  .job = &job,
                                                  .frame = request->frame,

@@ -17,7 +17,7 @@ enum { BATCH = 64, RAY_MAX_FACTOR = 16 };
 static const double REFERENCE_SHARE = 0.5, DARK_SHARE = 0.1;
 // Beside the tolerance: what so accurate a reference is off.
 static const double RESOLUTION_SHARE = 0.05;
-static const double FINEST = 1e-4, COARSEST = 0.05, LEAST_FLOOR = 1e-6; // accuracies of the reference
+static const double FINEST = 1e-4, COARSEST = 0.05; // accuracies of the reference
 
 struct audit {
     const struct audit_params *params;
@@ -130,7 +130,7 @@ static void begin(struct audit *audit, const struct audit_params *params)
                                                            .is_own = params->is_own});
     rms = sqrt(audit->map.mean_square);
     audit->accuracy.relative = fmin(fmax(REFERENCE_SHARE * params->tolerance, FINEST), COARSEST);
-    audit->accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, LEAST_FLOOR) : LEAST_FLOOR;
+    audit->accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, AUDIT_BLACK) : AUDIT_BLACK;
 }
 
 bool audit_frame(const struct audit_params *params, struct audit_result *result)

@@ -2,14 +2,13 @@
 #include "worker/audit/audit_map.h"
 
 #include "core/base/alloc.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const float BLACK = 1e-6f;
 
 // Variances: of four standard errors.
 static const double LOT_LIMIT = 16.0;
@@ -271,7 +270,7 @@ static double step_at(const double *sums, size_t i)
 
 bool audit_map_is_black(const struct audit_map *map)
 {
-    return map->brightest < BLACK;
+    return map->brightest < (float)AUDIT_BLACK;
 }
 
 double audit_map_density(const struct audit_map *map, struct truth_place place)

@@ -6,6 +6,9 @@
 
 #include <stdbool.h>
 
+// A picture whose values are all below it counts as black: its errors are absolute.
+static const double AUDIT_BLACK = 1e-6;
+
 enum audit_kind {
     AUDIT_NONE,        // the job states no tolerance
     AUDIT_REFERENCE,   // against the converged integral, in double precision

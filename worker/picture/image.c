@@ -2,6 +2,7 @@
 #include "worker/picture/image.h"
 
 #include "core/base/error.h"
+#include "core/job/job.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -35,6 +36,12 @@ bool image_init(struct image *image, int width_px, int height_px, bool has_depth
         return false;
     }
     return true;
+}
+
+bool image_init_for_job(struct image *image, const struct job *job, struct error *error)
+{
+    return image_init(image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
+                      error);
 }
 
 void image_finish(struct image *image)

@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 struct error;
+struct job;
 
 enum { IMAGE_SIDE_LIMIT = 16384 }; // px
 
@@ -19,6 +20,8 @@ struct image {
 
 bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
                 struct error *error); // contents undefined
+// Of the size and channels of the job's frames.
+bool image_init_for_job(struct image *image, const struct job *job, struct error *error);
 void image_finish(struct image *image);
 bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance);
 // True if no value is NaN, infinite or, if `half`, over 65504 in size (depth apart: it is never written as half). Else

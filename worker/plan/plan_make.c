@@ -296,12 +296,7 @@ static void find_dearer(struct plan *plan, const struct plan_params *params, con
 static bool choose_plan(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
                         struct error *error)
 {
-    struct plan_pilot *pilot = plan_pilot_create(&(struct plan_pilot_params){.renderer = params->renderer,
-                                                                             .job = params->job,
-                                                                             .segment = params->segment,
-                                                                             .on_progress = params->on_progress,
-                                                                             .user = params->user},
-                                                 fault, error);
+    struct plan_pilot *pilot = plan_pilot_create(params, fault, error);
     struct choice choice;
     bool ok;
 

@@ -4,12 +4,11 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
-#include "worker/audit/audit.h"
-#include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
-#include "worker/picture/image.h"
-#include "worker/picture/image_exr.h"
 #include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_pilot_frame.h"
+#include "worker/plan/plan_small.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,34 +16,21 @@
 
 enum {
     PIXELS = 64 * 36, // of a small frame, at most
-    TRUE_PIXELS = 32, // of each that reference/ measures
     LEVEL_MIN = 2,    // two coarse renders may agree by accident
     LEVEL_LIMIT = 10
 };
 
-static const double BLACK = 1e-6, DARK_SHARE = 0.1;
 // How near two renders of steps that differ by half are, beside the tolerance: where reference/ has the last word, and else.
 static const double AGREEMENT = 0.5, AGREEMENT_ALONE = 0.15;
-static const double ACCURACY_SHARE = 0.05, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2; // of reference/
 // Looks for a finer render, at most, where reference/ says what the finest is off.
 static const double LOOKS_OF_A_LEVEL = 2e8;
 
-struct pilot_frame {
-    int32_t number;
-    struct image fine, before, seen; // the finest, the one before it, and the last that was measured
-    double mean_square;              // of the light
-    size_t true_count;
-    struct truth_place places[TRUE_PIXELS];
-    struct truth_pixel truth[TRUE_PIXELS];
-    double density[TRUE_PIXELS]; // of the pixel's draw
-};
-
 struct plan_pilot {
-    struct plan_pilot_params params;
-    struct job job; // a small copy, which owns nothing
+    const struct plan_params *params; // borrowed
+    struct job job;                   // a small copy, which owns nothing
     struct plan_scene scene;
     float *depths; // owned
-    struct pilot_frame frames[PLAN_PILOT_LIMIT];
+    struct plan_pilot_frame frames[PLAN_PILOT_LIMIT];
     int frame_count;
     bool has_truth;
     struct job_quality fine_quality; // of the finest render
@@ -61,11 +47,7 @@ static size_t pixel_count(const struct plan_pilot *pilot)
 
 static void init_job(struct plan_pilot *pilot, const struct job *job)
 {
-    double scale = fmin(1.0, sqrt(PIXELS / ((double)job->width_px * job->height_px)));
-
-    pilot->job = *job;
-    pilot->job.width_px = (int)fmax(1.0, round(scale * job->width_px));
-    pilot->job.height_px = (int)fmax(1.0, round(scale * job->height_px));
+    pilot->job = plan_small_job(job, plan_small_scale(job, PIXELS));
     pilot->job.quality.samples = 1;
 }
 
@@ -73,19 +55,6 @@ static void init_scene(struct plan_pilot *pilot, const struct job *job)
 {
     plan_scene_init(&pilot->scene, job);
     pilot->has_truth = truth_has_twin(job) && !pilot->scene.has_roughness;
-}
-
-static bool on_tile(void *user, double done)
-{
-    const struct plan_pilot *pilot = user;
-
-    (void)done;
-    return !pilot->params.on_progress || pilot->params.on_progress(pilot->params.user, 0.0);
-}
-
-static bool on_pixel(void *user)
-{
-    return on_tile(user, 0.0);
 }
 
 // Faults that another setting does not have end nothing but this one.
@@ -99,28 +68,9 @@ static enum plan_measured render(struct plan_pilot *pilot, const struct job_qual
     job.quality.samples = 1;
     pilot->error = (struct error){0};
     pilot->render_count++;
-    if (renderer_render(pilot->params.renderer, &job, frame, image, on_tile, pilot, &result, &pilot->error))
-        return PLAN_MEASURED;
+    if (plan_small_render(pilot->params, &job, frame, image, &result, &pilot->error)) return PLAN_MEASURED;
     pilot->fault = result.fault;
     return result.fault == RENDERER_FAULT_JOB || result.fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
-}
-
-static double squared_difference(const struct plan_pilot *pilot, const struct image *a, const struct image *b)
-{
-    double sum = 0.0;
-
-    for (size_t i = 0; i < pixel_count(pilot); i++)
-        for (size_t c = 0; c < 3; c++) {
-            double apart = (double)a->rgba[4 * i + c] - (b ? b->rgba[4 * i + c] : 0.0);
-
-            sum += apart * apart / 3.0;
-        }
-    return sum / (double)pixel_count(pilot);
-}
-
-static double relative(double square, double mean_square)
-{
-    return sqrt(mean_square > BLACK * BLACK ? square / mean_square : square);
 }
 
 // Of those whose error falls with the square of all steps and cells. Light is looked up where there is some: of n³ looks for
@@ -144,7 +94,7 @@ static struct job_quality quality_at(const struct plan_pilot *pilot, const struc
 {
     enum { POINTS_FIRST = 5, GRID_FIRST = 2, GRID_ENOUGH = 8, PATHS = 4 };
     static const double STRICT = 5e-3;
-    bool is_strict = pilot->params.job->quality.tolerance < STRICT;
+    bool is_strict = pilot->params->job->quality.tolerance < STRICT;
     enum plan_axis axes[PLAN_AXIS_LIMIT];
     struct plan_point point = {{0}};
     int count = plan_family_axes(family, &pilot->scene, axes);
@@ -167,30 +117,25 @@ static struct job_quality quality_at(const struct plan_pilot *pilot, const struc
 
 static void drop_frame(struct plan_pilot *pilot, int i)
 {
-    image_finish(&pilot->frames[i].fine);
-    image_finish(&pilot->frames[i].before);
-    image_finish(&pilot->frames[i].seen);
+    plan_pilot_frame_finish(&pilot->frames[i]);
     memmove(&pilot->frames[i], &pilot->frames[i + 1], (size_t)(pilot->frame_count - i - 1) * sizeof *pilot->frames);
     pilot->frame_count--;
-    pilot->frames[pilot->frame_count] = (struct pilot_frame){0};
+    pilot->frames[pilot->frame_count] = (struct plan_pilot_frame){0};
 }
 
 // Renders all frames into `fine`, what that held going to `before`. Frames without their files are dropped.
 static enum plan_measured render_finer(struct plan_pilot *pilot, const struct job_quality *quality)
 {
     for (int i = 0; i < pilot->frame_count; i++) {
-        struct pilot_frame *frame = &pilot->frames[i];
+        struct plan_pilot_frame *frame = &pilot->frames[i];
         enum plan_measured measured = render(pilot, quality, frame->number, &frame->seen);
-        struct image spare = frame->before;
 
         if (measured == PLAN_STOPPED && pilot->fault == RENDERER_FAULT_FRAME && pilot->frame_count > 1) {
             drop_frame(pilot, i--);
             continue;
         }
         if (measured != PLAN_MEASURED) return measured;
-        frame->before = frame->fine;
-        frame->fine = frame->seen;
-        frame->seen = spare;
+        plan_pilot_frame_keep(frame);
     }
     return PLAN_MEASURED;
 }
@@ -199,12 +144,8 @@ static double find_change(const struct plan_pilot *pilot)
 {
     double largest = 0.0;
 
-    for (int i = 0; i < pilot->frame_count; i++) {
-        const struct pilot_frame *frame = &pilot->frames[i];
-        double mean_square = squared_difference(pilot, &frame->fine, NULL);
-
-        largest = fmax(largest, relative(squared_difference(pilot, &frame->fine, &frame->before), mean_square));
-    }
+    for (int i = 0; i < pilot->frame_count; i++)
+        largest = fmax(largest, plan_pilot_frame_change(&pilot->frames[i]));
     return largest;
 }
 
@@ -250,7 +191,7 @@ static double looks_of(const struct plan_pilot *pilot, const struct job_quality 
 static bool make_fine(struct plan_pilot *pilot)
 {
     const struct plan_family *family = find_finest(pilot);
-    double tolerance = pilot->params.job->quality.tolerance;
+    double tolerance = pilot->params->job->quality.tolerance;
     double enough = (pilot->has_truth ? AGREEMENT : AGREEMENT_ALONE) * tolerance;
     int level = 0;
 
@@ -284,107 +225,26 @@ static bool make_fine(struct plan_pilot *pilot)
     return true;
 }
 
-static bool measure_frame(struct plan_pilot *pilot, struct pilot_frame *frame)
-{
-    struct truth *truth = truth_open(&(struct truth_params){.job = &pilot->job, .frame = frame->number}, &pilot->error);
-    double rms = sqrt(squared_difference(pilot, &frame->fine, NULL));
-    double wanted = ACCURACY_SHARE * pilot->params.job->quality.tolerance;
-    const struct integrate_accuracy accuracy = {.relative = fmin(fmax(wanted, ACCURACY_MIN), ACCURACY_MAX),
-                                                .floor = fmax(DARK_SHARE * rms, BLACK)};
-    struct audit_map map;
-    size_t count = TRUE_PIXELS;
-
-    if (!truth) {
-        pilot->fault = RENDERER_FAULT_FRAME;
-        return false;
-    }
-    audit_map_init(&map, &(struct audit_map_params){.image = &frame->fine,
-                                                    .pixel = JOB_PIXEL_FLOAT,
-                                                    .finer = &frame->fine,
-                                                    .coarser = &frame->before,
-                                                    .is_own = true});
-    audit_map_draw(&map, &pilot->job, frame->number, 0, count, frame->places);
-    for (size_t k = 0; k < count; k++)
-        frame->density[k] = audit_map_density(&map, frame->places[k]);
-    audit_map_finish(&map);
-    frame->true_count = truth_measure_many(truth, &(struct truth_many){.places = frame->places,
-                                                                       .pixels = frame->truth,
-                                                                       .count = count,
-                                                                       .accuracy = &accuracy,
-                                                                       .on_progress = on_pixel,
-                                                                       .user = pilot});
-    truth_close(truth);
-    if (frame->true_count == count) return true;
-    pilot->fault = RENDERER_FAULT_STOPPED;
-    error_set(&pilot->error, "the frame was stopped");
-    return false;
-}
-
-static const float *seen_at(const struct plan_pilot *pilot, const struct image *image, struct truth_place place)
-{
-    return &image->rgba[4 * ((size_t)place.y * (size_t)pilot->job.width_px + (size_t)place.x)];
-}
-
-// The mean of |I - R|^2: that of |I - F|^2 over all pixels, F being the finest render, and what the pixels of known light
-// say of the rest. Of F alone where none is known.
-static double square_error(const struct plan_pilot *pilot, const struct pilot_frame *frame, const struct image *image)
-{
-    double near = squared_difference(pilot, image, &frame->fine), rest = 0.0;
-
-    for (size_t k = 0; k < frame->true_count; k++) {
-        const float *seen = seen_at(pilot, image, frame->places[k]);
-        const float *fine = seen_at(pilot, &frame->fine, frame->places[k]);
-        double sum = 0.0;
-
-        for (int c = 0; c < 3; c++) {
-            double light = frame->truth[k].rgb[c];
-
-            sum += ((seen[c] - light) * (seen[c] - light) - (seen[c] - fine[c]) * (seen[c] - fine[c])) / 3.0;
-        }
-        rest += sum / frame->density[k];
-    }
-    if (frame->true_count == 0) return near;
-    // A few pixels may say that less is left than nothing.
-    return fmax(near + rest / (double)frame->true_count, 0.1 * near);
-}
-
-static bool init_frames(struct plan_pilot *pilot, const struct plan_segment *segment)
-{
-    const struct job *job = &pilot->job;
-
-    pilot->frame_count = segment->pilot_count;
-    for (int i = 0; i < segment->pilot_count; i++) {
-        struct pilot_frame *frame = &pilot->frames[i];
-        struct image *const images[] = {&frame->fine, &frame->before, &frame->seen};
-
-        frame->number = segment->pilot[i];
-        for (int k = 0; k < 3; k++)
-            if (!image_init(images[k], job->width_px, job->height_px, job->output.has_depth,
-                            job->output.has_transmittance, &pilot->error))
-                return false;
-    }
-    return true;
-}
-
 static bool prepare(struct plan_pilot *pilot)
 {
-    pilot->fault = RENDERER_FAULT_FRAME;
-    if (!init_frames(pilot, &pilot->params.segment) || !make_fine(pilot)) return false;
-    for (int i = 0; i < pilot->frame_count; i++) {
-        struct pilot_frame *frame = &pilot->frames[i];
+    const struct plan_segment *segment = &pilot->params->segment;
 
-        if (pilot->has_truth && !measure_frame(pilot, frame)) return false;
-        frame->mean_square = squared_difference(pilot, &frame->fine, NULL);
-    }
+    pilot->fault = RENDERER_FAULT_FRAME;
+    pilot->frame_count = segment->pilot_count;
+    for (int i = 0; i < segment->pilot_count; i++)
+        if (!plan_pilot_frame_init(&pilot->frames[i], &pilot->job, segment->pilot[i], &pilot->error)) return false;
+    if (!make_fine(pilot)) return false;
+    for (int i = 0; i < pilot->frame_count && pilot->has_truth; i++)
+        if (!plan_pilot_frame_measure(&pilot->frames[i], pilot->params, &pilot->job, &pilot->fault, &pilot->error))
+            return false;
     return true;
 }
 
-struct plan_pilot *plan_pilot_create(const struct plan_pilot_params *params, enum renderer_fault *fault,
-                                     struct error *error)
+struct plan_pilot *plan_pilot_create(const struct plan_params *params, enum renderer_fault *fault, struct error *error)
 {
     struct plan_pilot *pilot = xcalloc(1, sizeof *pilot);
 
-    pilot->params = *params;
+    pilot->params = params;
     init_job(pilot, params->job);
     init_scene(pilot, params->job);
     *fault = RENDERER_FAULT_NONE;
@@ -397,11 +257,8 @@ struct plan_pilot *plan_pilot_create(const struct plan_pilot_params *params, enu
 void plan_pilot_destroy(struct plan_pilot *pilot)
 {
     if (!pilot) return;
-    for (int i = 0; i < PLAN_PILOT_LIMIT; i++) {
-        image_finish(&pilot->frames[i].fine);
-        image_finish(&pilot->frames[i].before);
-        image_finish(&pilot->frames[i].seen);
-    }
+    for (int i = 0; i < PLAN_PILOT_LIMIT; i++)
+        plan_pilot_frame_finish(&pilot->frames[i]);
     free(pilot->depths);
     free(pilot);
 }
@@ -439,7 +296,7 @@ enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job
 
     *errors = (struct plan_errors){0};
     for (int i = 0; i < pilot->frame_count; i++) {
-        struct pilot_frame *frame = &pilot->frames[i];
+        struct plan_pilot_frame *frame = &pilot->frames[i];
         enum plan_measured measured;
         double error;
 
@@ -448,7 +305,7 @@ enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job
 
         if (measured != PLAN_MEASURED) return measured;
         pilot->looks += looks_of(pilot, quality);
-        error = relative(square_error(pilot, frame, &frame->seen), frame->mean_square);
+        error = plan_pilot_frame_error(frame);
         if (isnan(error)) error = INFINITY;
         if (error > errors->largest) errors->worst = i;
         errors->largest = fmax(errors->largest, error);
@@ -465,34 +322,12 @@ enum renderer_fault plan_pilot_fault(const struct plan_pilot *pilot, struct erro
     return pilot->fault;
 }
 
-static void fill_pool(const struct plan_pilot *pilot, const struct pilot_frame *frame, struct audit_pool *pool)
-{
-    double mean_square = squared_difference(pilot, &frame->seen, NULL);
-    double change = relative(squared_difference(pilot, &frame->seen, &frame->fine), frame->mean_square);
-
-    if (change > pool->change) pool->change = change;
-    for (size_t k = 0; k < frame->true_count; k++) {
-        const float *seen = seen_at(pilot, &frame->seen, frame->places[k]);
-        double weight = 1.0 / (3.0 * frame->density[k] * (mean_square > BLACK * BLACK ? mean_square : 1.0));
-        struct audit_sample sample = {0};
-
-        for (int c = 0; c < 3; c++) {
-            double value = image_exr_stored(seen[c], pilot->job.output.pixel);
-            double apart = value - frame->truth[k].rgb[c];
-
-            sample.square += weight * apart * apart;
-            sample.cross += weight * value * apart;
-        }
-        audit_samples_append(&pool->samples, &sample);
-    }
-}
-
 void plan_pilot_give(struct plan_pilot *pilot, struct plan_evidence *evidence)
 {
     for (int i = 0; i < pilot->frame_count; i++) {
-        struct pilot_frame *frame = &pilot->frames[i];
+        struct plan_pilot_frame *frame = &pilot->frames[i];
 
-        fill_pool(pilot, frame, &evidence->pool);
+        plan_pilot_frame_fill(frame, pilot->job.output.pixel, &evidence->pool);
         evidence->views[i] = (struct plan_view){.frame = frame->number, .finer = frame->fine, .coarser = frame->seen};
         frame->fine = frame->seen = (struct image){0};
     }

@@ -4,28 +4,18 @@
 
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_search.h"
-#include "worker/plan/plan_segment.h"
 #include "worker/render/renderer.h"
 
 #include <stdbool.h>
 
 struct plan_evidence;
 struct error;
-struct image;
+struct plan_params;
 struct plan_pilot;
-
-struct plan_pilot_params {
-    struct renderer *renderer; // borrowed; outlives the pilot
-    const struct job *job;     // borrowed; outlives the pilot; of method auto
-    struct plan_segment segment;
-    renderer_progress *on_progress; // may be NULL; called several times a second, with 0
-    void *user;
-};
 
 // Renders the frames in ever finer steps until two renders agree, and has reference/ measure some of their pixels. Frames
 // whose files cannot be read are left out, unless none can. NULL on failure, with `fault` as the renderer's.
-struct plan_pilot *plan_pilot_create(const struct plan_pilot_params *params, enum renderer_fault *fault,
-                                     struct error *error);
+struct plan_pilot *plan_pilot_create(const struct plan_params *params, enum renderer_fault *fault, struct error *error);
 void plan_pilot_destroy(struct plan_pilot *pilot); // accepts NULL
 
 const struct plan_scene *plan_pilot_scene(const struct plan_pilot *pilot);

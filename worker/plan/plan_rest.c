@@ -11,6 +11,7 @@
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_params.h"
+#include "worker/plan/plan_small.h"
 
 #include <math.h>
 #include <sys/mman.h>
@@ -37,25 +38,9 @@ struct rest {
     struct error *error;
 };
 
-static bool on_tile(void *user, double done)
-{
-    const struct plan_params *params = user;
-
-    (void)done;
-    return !params->on_progress || params->on_progress(params->user, 0.0);
-}
-
-static bool on_pixel(void *user)
-{
-    return on_tile(user, 0.0);
-}
-
 static bool render(struct rest *rest, const struct job *job, struct image *image)
 {
-    return image_init(image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
-                      rest->error) &&
-           renderer_render(rest->params->renderer, job, rest->frame, image, on_tile, (void *)rest->params,
-                           &rest->result, rest->error);
+    return plan_small_render(rest->params, job, rest->frame, image, &rest->result, rest->error);
 }
 
 // Each frame is written and read back once, as the gate does it.
@@ -89,7 +74,7 @@ static bool time_audit(struct rest *rest, double *seconds)
                                   .pool = rest->evidence->pool.samples.count > 0 ? &rest->evidence->pool : NULL,
                                   .tolerance = rest->params->job->quality.tolerance,
                                   .budget_s = AUDIT_SHARE * rest->plan->predicted_s,
-                                  .on_progress = on_pixel,
+                                  .on_progress = plan_small_on_pixel,
                                   .user = (void *)rest->params};
     struct audit_map_params map_params = {.image = &rest->image, .pixel = rest->job.output.pixel};
     struct audit_result result;
@@ -138,13 +123,11 @@ static bool time_halving(struct rest *rest, double *seconds)
 static void init(struct rest *rest)
 {
     const struct job *job = rest->params->job;
-    double all = (double)job->width_px * job->height_px, scale = fmin(1.0, sqrt(PIXELS / all));
+    struct job planned = plan_apply(rest->plan, job);
 
     rest->frame = rest->params->segment.pilot[rest->params->segment.pilot_count / 2];
-    rest->job = plan_apply(rest->plan, job);
-    rest->job.width_px = (int)fmax(1.0, round(scale * job->width_px));
-    rest->job.height_px = (int)fmax(1.0, round(scale * job->height_px));
-    rest->ratio = all / ((double)rest->job.width_px * rest->job.height_px);
+    rest->job = plan_small_job(&planned, plan_small_scale(job, PIXELS));
+    rest->ratio = (double)job->width_px * job->height_px / ((double)rest->job.width_px * rest->job.height_px);
     rest->clock = renderer_is_software(rest->params->renderer) ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC;
 }
 

@@ -4,11 +4,13 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "worker/audit/truth.h"
+#include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_scouting.h"
+#include "worker/plan/plan_small.h"
 
 #include <math.h>
 
@@ -23,7 +25,6 @@ enum {
 static const double SCALE_LEAST = 0.75, SCALE_MOST = 1.25;
 // Of the looks that the segment's frames take; looks at the least.
 static const double WORK_SHARE = 0.1, LOOKS_MIN = 3e6;
-static const double BLACK = 1e-6;
 
 struct scout {
     struct plan *plan;
@@ -33,35 +34,12 @@ struct scout {
     struct renderer_result result;
 };
 
-static bool on_tile(void *user, double done)
-{
-    const struct plan_params *params = user;
-
-    (void)done;
-    return !params->on_progress || params->on_progress(params->user, 0.0);
-}
-
 static struct job make_tiny(const struct plan *plan, const struct job *job)
 {
-    double scale = fmin(1.0, sqrt(PIXELS / ((double)job->width_px * job->height_px)));
-    struct job tiny = plan_apply(plan, job);
+    struct job planned = plan_apply(plan, job), tiny = plan_small_job(&planned, plan_small_scale(job, PIXELS));
 
-    tiny.width_px = (int)fmax(1.0, round(scale * job->width_px));
-    tiny.height_px = (int)fmax(1.0, round(scale * job->height_px));
     tiny.quality.samples = 1;
     return tiny;
-}
-
-static bool init_images(struct scout *scout, struct error *error)
-{
-    const struct job *job = &scout->coarser;
-    struct image *const images[] = {&scout->coarse, &scout->fine};
-
-    for (int i = 0; i < 2; i++)
-        if (!image_init(images[i], job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
-                        error))
-            return false;
-    return true;
 }
 
 static double find_change(const struct image *coarse, const struct image *fine)
@@ -76,17 +54,15 @@ static double find_change(const struct image *coarse, const struct image *fine)
         apart += difference * difference / (3.0 * (double)count);
         light += (double)fine->rgba[i] * fine->rgba[i] / (3.0 * (double)count);
     }
-    return sqrt(light > BLACK * BLACK ? apart / light : apart);
+    return sqrt(light > AUDIT_BLACK * AUDIT_BLACK ? apart / light : apart);
 }
 
 // Of a frame that cannot be rendered nothing is known: its own rendering says why.
 static bool look(struct scout *scout, int32_t frame, double *change, struct error *error)
 {
     const struct plan_params *params = scout->params;
-    bool ok = renderer_render(params->renderer, &scout->coarser, frame, &scout->coarse, on_tile, (void *)params,
-                              &scout->result, error) &&
-              renderer_render(params->renderer, &scout->finer, frame, &scout->fine, on_tile, (void *)params,
-                              &scout->result, error);
+    bool ok = plan_small_render(params, &scout->coarser, frame, &scout->coarse, &scout->result, error) &&
+              plan_small_render(params, &scout->finer, frame, &scout->fine, &scout->result, error);
 
     *change = ok ? find_change(&scout->coarse, &scout->fine) : 0.0;
     if (!isfinite(*change)) *change = 0.0;
@@ -149,14 +125,13 @@ bool plan_scout_look(struct plan *plan, const struct plan_params *params, const 
                                      .last = params->segment.first + params->segment.count - 1};
     struct scout scout = {.plan = plan, .params = params};
     struct plan finer = *plan;
-    bool ok;
+    bool ok = true;
 
     if (!is_of_use(params) || !plan_refine(&finer, params->job, FINER_RUNGS)) return true;
     scouting.count = count_scouts(plan, &finer, params, rays);
     if (scouting.count == 0) return true;
     scout.coarser = make_tiny(plan, params->job);
     scout.finer = make_tiny(&finer, params->job);
-    ok = init_images(&scout, error);
     for (int i = 0; ok && i < scouting.count; i++)
         ok = look(&scout, frame_range_at(&params->job->frames, plan_scouting_index(&scouting, i)), &scouting.error[i],
                   error);

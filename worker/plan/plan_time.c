@@ -6,6 +6,7 @@
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_params.h"
+#include "worker/plan/plan_small.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,39 +30,19 @@ struct timing {
     double parallel;  // processor seconds a second, when least was between
 };
 
-static int scaled(int size_px, double scale)
-{
-    return (int)fmax(1.0, round(scale * size_px));
-}
-
 static double pixels_at(const struct timing *timing, double scale)
 {
-    const struct job *job = timing->params->job;
+    struct job small = plan_small_job(timing->params->job, scale);
 
-    return (double)scaled(job->width_px, scale) * scaled(job->height_px, scale);
-}
-
-static bool on_tile(void *user, double done)
-{
-    const struct plan_params *params = user;
-
-    (void)done;
-    return !params->on_progress || params->on_progress(params->user, 0.0);
+    return (double)small.width_px * small.height_px;
 }
 
 static bool render(struct timing *timing, int32_t frame, double scale, struct renderer_result *result)
 {
-    struct job job = plan_apply(timing->plan, timing->params->job);
+    struct job planned = plan_apply(timing->plan, timing->params->job), small = plan_small_job(&planned, scale);
     struct image image = {0};
-    bool ok;
+    bool ok = plan_small_render(timing->params, &small, frame, &image, result, timing->error);
 
-    *result = (struct renderer_result){.fault = RENDERER_FAULT_JOB};
-    job.width_px = scaled(job.width_px, scale);
-    job.height_px = scaled(job.height_px, scale);
-    ok = image_init(&image, job.width_px, job.height_px, job.output.has_depth, job.output.has_transmittance,
-                    timing->error) &&
-         renderer_render(timing->params->renderer, &job, frame, &image, on_tile, (void *)timing->params, result,
-                         timing->error);
     if (!ok) *timing->fault = result->fault;
     image_finish(&image);
     return ok;
@@ -156,7 +137,7 @@ bool plan_time_predict(struct plan *plan, const struct plan_params *params, enum
                             .plan = plan,
                             .fault = fault,
                             .error = error,
-                            .scale = fmin(1.0, sqrt(PIXELS / ((double)job->width_px * job->height_px))),
+                            .scale = plan_small_scale(job, PIXELS),
                             .by_processor = renderer_is_software(params->renderer)};
     double seconds[REPEATS];
     int count = 0;

@@ -185,9 +185,7 @@ static bool render_small(const struct rendering *rendering, const struct plan *p
     job.height_px = size->height_px;
     job.quality.samples = 1;
     rendering->tolerance->shown_serial = 0;
-    if (!image_init(image, job.width_px, job.height_px, job.output.has_depth, job.output.has_transmittance,
-                    rendering->error))
-        return false;
+    if (!image_init_for_job(image, &job, rendering->error)) return false;
     if (renderer_render(rendering->tolerance->renderer, &job, params->frame, image, params->on_progress, params->user,
                         &result, rendering->error))
         return true;

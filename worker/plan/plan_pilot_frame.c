@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_pilot_frame.h"
+
+#include "core/base/error.h"
+#include "worker/audit/audit.h"
+#include "worker/audit/audit_map.h"
+#include "worker/picture/audit_result.h"
+#include "worker/picture/image_exr.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_small.h"
+
+#include <math.h>
+
+static const double DARK_SHARE = 0.1;
+static const double ACCURACY_SHARE = 0.05, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2; // of reference/
+
+bool plan_pilot_frame_init(struct plan_pilot_frame *frame, const struct job *job, int32_t number, struct error *error)
+{
+    *frame = (struct plan_pilot_frame){.number = number};
+    return image_init_for_job(&frame->fine, job, error) && image_init_for_job(&frame->before, job, error) &&
+           image_init_for_job(&frame->seen, job, error);
+}
+
+void plan_pilot_frame_finish(struct plan_pilot_frame *frame)
+{
+    image_finish(&frame->fine);
+    image_finish(&frame->before);
+    image_finish(&frame->seen);
+}
+
+static double squared_difference(const struct image *a, const struct image *b)
+{
+    size_t count = (size_t)a->width_px * (size_t)a->height_px;
+    double sum = 0.0;
+
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3; c++) {
+            double apart = (double)a->rgba[4 * i + c] - (b ? b->rgba[4 * i + c] : 0.0);
+
+            sum += apart * apart / 3.0;
+        }
+    return sum / (double)count;
+}
+
+static double relative(double square, double mean_square)
+{
+    return sqrt(mean_square > AUDIT_BLACK * AUDIT_BLACK ? square / mean_square : square);
+}
+
+void plan_pilot_frame_keep(struct plan_pilot_frame *frame)
+{
+    struct image spare = frame->before;
+
+    frame->before = frame->fine;
+    frame->fine = frame->seen;
+    frame->seen = spare;
+    frame->mean_square = squared_difference(&frame->fine, NULL);
+}
+
+double plan_pilot_frame_change(const struct plan_pilot_frame *frame)
+{
+    return relative(squared_difference(&frame->fine, &frame->before), frame->mean_square);
+}
+
+bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_params *params, const struct job *job,
+                              enum renderer_fault *fault, struct error *error)
+{
+    struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = frame->number}, error);
+    double rms = sqrt(frame->mean_square);
+    double wanted = ACCURACY_SHARE * params->job->quality.tolerance;
+    const struct integrate_accuracy accuracy = {.relative = fmin(fmax(wanted, ACCURACY_MIN), ACCURACY_MAX),
+                                                .floor = fmax(DARK_SHARE * rms, AUDIT_BLACK)};
+    struct audit_map map;
+    size_t count = PLAN_TRUE_PIXELS;
+
+    if (!truth) {
+        *fault = RENDERER_FAULT_FRAME;
+        return false;
+    }
+    audit_map_init(&map, &(struct audit_map_params){.image = &frame->fine,
+                                                    .pixel = JOB_PIXEL_FLOAT,
+                                                    .finer = &frame->fine,
+                                                    .coarser = &frame->before,
+                                                    .is_own = true});
+    audit_map_draw(&map, job, frame->number, 0, count, frame->places);
+    for (size_t k = 0; k < count; k++)
+        frame->density[k] = audit_map_density(&map, frame->places[k]);
+    audit_map_finish(&map);
+    frame->true_count = truth_measure_many(truth, &(struct truth_many){.places = frame->places,
+                                                                       .pixels = frame->truth,
+                                                                       .count = count,
+                                                                       .accuracy = &accuracy,
+                                                                       .on_progress = plan_small_on_pixel,
+                                                                       .user = (void *)params});
+    truth_close(truth);
+    if (frame->true_count == count) return true;
+    *fault = RENDERER_FAULT_STOPPED;
+    error_set(error, "the frame was stopped");
+    return false;
+}
+
+static const float *seen_at(const struct image *image, struct truth_place place)
+{
+    return &image->rgba[4 * ((size_t)place.y * (size_t)image->width_px + (size_t)place.x)];
+}
+
+// The mean of |I - R|^2: that of |I - F|^2 over all pixels, F being the finest render, and what the pixels of known light
+// say of the rest. Of F alone where none is known.
+static double square_error(const struct plan_pilot_frame *frame)
+{
+    double near = squared_difference(&frame->seen, &frame->fine), rest = 0.0;
+
+    for (size_t k = 0; k < frame->true_count; k++) {
+        const float *seen = seen_at(&frame->seen, frame->places[k]);
+        const float *fine = seen_at(&frame->fine, frame->places[k]);
+        double sum = 0.0;
+
+        for (int c = 0; c < 3; c++) {
+            double light = frame->truth[k].rgb[c];
+
+            sum += ((seen[c] - light) * (seen[c] - light) - (seen[c] - fine[c]) * (seen[c] - fine[c])) / 3.0;
+        }
+        rest += sum / frame->density[k];
+    }
+    if (frame->true_count == 0) return near;
+    // A few pixels may say that less is left than nothing.
+    return fmax(near + rest / (double)frame->true_count, 0.1 * near);
+}
+
+double plan_pilot_frame_error(const struct plan_pilot_frame *frame)
+{
+    return relative(square_error(frame), frame->mean_square);
+}
+
+void plan_pilot_frame_fill(const struct plan_pilot_frame *frame, enum job_pixel pixel, struct audit_pool *pool)
+{
+    double mean_square = squared_difference(&frame->seen, NULL);
+    double change = relative(squared_difference(&frame->seen, &frame->fine), frame->mean_square);
+
+    if (change > pool->change) pool->change = change;
+    for (size_t k = 0; k < frame->true_count; k++) {
+        const float *seen = seen_at(&frame->seen, frame->places[k]);
+        double weight = 1.0 / (3.0 * frame->density[k] * (mean_square > AUDIT_BLACK * AUDIT_BLACK ? mean_square : 1.0));
+        struct audit_sample sample = {0};
+
+        for (int c = 0; c < 3; c++) {
+            double value = image_exr_stored(seen[c], pixel);
+            double apart = value - frame->truth[k].rgb[c];
+
+            sample.square += weight * apart * apart;
+            sample.cross += weight * value * apart;
+        }
+        audit_samples_append(&pool->samples, &sample);
+    }
+}

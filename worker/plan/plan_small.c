@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_small.h"
+
+#include "worker/picture/image.h"
+#include "worker/plan/plan_params.h"
+
+#include <math.h>
+
+double plan_small_scale(const struct job *job, int pixel_limit)
+{
+    return fmin(1.0, sqrt(pixel_limit / ((double)job->width_px * job->height_px)));
+}
+
+struct job plan_small_job(const struct job *job, double scale)
+{
+    struct job small = *job;
+
+    small.width_px = (int)fmax(1.0, round(scale * job->width_px));
+    small.height_px = (int)fmax(1.0, round(scale * job->height_px));
+    return small;
+}
+
+bool plan_small_on_pixel(void *user)
+{
+    const struct plan_params *params = user;
+
+    return !params->on_progress || params->on_progress(params->user, 0.0);
+}
+
+bool plan_small_on_tile(void *user, double done)
+{
+    (void)done;
+    return plan_small_on_pixel(user);
+}
+
+bool plan_small_render(const struct plan_params *params, const struct job *job, int32_t frame, struct image *image,
+                       struct renderer_result *result, struct error *error)
+{
+    if (!image_fits(image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance)) {
+        *result = (struct renderer_result){.fault = RENDERER_FAULT_FRAME};
+        image_finish(image);
+        if (!image_init_for_job(image, job, error)) return false;
+    }
+    return renderer_render(params->renderer, job, frame, image, plan_small_on_tile, (void *)params, result, error);
+}
