@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/job/job.h"
 #include "core/json/json_write.h"
+#include "core/scene/density_rules.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -23,22 +24,11 @@ static const char *plural(size_t count)
     return count == 1 ? "" : "s";
 }
 
-static const char *density_name(const struct scene_density *density)
-{
-    static const char *const names[] = {[SCENE_DENSITY_FOLD_FRACTAL] = "fold_fractal",
-                                        [SCENE_DENSITY_HOMOGENEOUS] = "homogeneous",
-                                        [SCENE_DENSITY_NOISE] = "noise",
-                                        [SCENE_DENSITY_GRID] = "grid",
-                                        [SCENE_DENSITY_GLSL] = "glsl"};
-
-    return names[density->kind];
-}
-
 static void print_media(const struct scene *scene)
 {
     printf("%-10s %zu medi%s", "scene", scene->medium_count, scene->medium_count == 1 ? "um" : "a");
     for (size_t i = 0; i < scene->medium_count; i++)
-        printf("%s%s", i == 0 ? " (" : ", ", density_name(&scene->media[i].density));
+        printf("%s%s", i == 0 ? " (" : ", ", density_rules_of(&scene->media[i].density)->name);
     printf("%s", scene->medium_count > 0 ? ")" : "");
     if (scene->object_count > 0) printf(", %zu object%s", scene->object_count, plural(scene->object_count));
     printf(", %zu light%s%s%s\n", scene->light_count, plural(scene->light_count),

@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/json/json_read.h"
+#include "core/scene/density_rules.h"
 #include "core/scene/scene_nodes.h"
 
 #include <math.h>
@@ -17,21 +18,13 @@ struct check {
     struct error *error;
 };
 
-static double largest(const struct timeline *timeline, struct timeline_span span)
-{
-    double min[3], max[3];
-
-    timeline_find_bounds(timeline, span, min, max);
-    return max[0];
-}
-
 static double bounds_diameter(const struct scene_bounds *bounds, struct timeline_span span)
 {
     double min[3], size[3];
 
     switch (bounds->kind) {
     case SCENE_BOUNDS_SPHERE:
-        return 2.0 * largest(&bounds->radius, span);
+        return 2.0 * timeline_find_largest(&bounds->radius, span);
     case SCENE_BOUNDS_BOX:
         timeline_find_bounds(&bounds->size, span, min, size);
         return hypot(hypot(size[0], size[1]), size[2]);
@@ -48,7 +41,7 @@ static double shape_diameter(const struct scene_shape *shape, struct timeline_sp
 
     switch (shape->kind) {
     case SCENE_SHAPE_SPHERE:
-        return 2.0 * largest(&shape->radius, span);
+        return 2.0 * timeline_find_largest(&shape->radius, span);
     case SCENE_SHAPE_BOX:
         timeline_find_bounds(&shape->size, span, min, size);
         return hypot(hypot(size[0], size[1]), size[2]);
@@ -68,15 +61,13 @@ static double object_diameter(const struct scene *scene, const struct scene_obje
     return sum;
 }
 
-// The longest way through what a density fills, m; of a grid: of its bounds.
+// The longest straight line through what a density fills, m; of a grid: through its bounds.
 static double density_diameter(const struct scene_density *density, struct timeline_span span)
 {
-    const struct scene_fold_fractal *fold_fractal = &density->fold_fractal;
+    const struct density_rules *rules = density_rules_of(density);
     double bounds = bounds_diameter(&density->bounds, span);
 
-    if (density->kind != SCENE_DENSITY_FOLD_FRACTAL) return bounds;
-    return fmin(bounds, 2.0 * (largest(&fold_fractal->radius, span) +
-                               fold_fractal->iterations * sqrt(3.0) * largest(&fold_fractal->offset, span)));
+    return rules->find_diameter ? fmin(bounds, rules->find_diameter(density, span)) : bounds;
 }
 
 // The longest way through a medium, m.
@@ -102,7 +93,7 @@ static double slab_way(const struct scene_bounds *slab, const struct scene_light
         normal_square += normal[i] * normal[i];
         direction_square += direction[i] * direction[i];
     }
-    return largest(&slab->thickness, span) * sqrt(normal_square) * sqrt(direction_square) / fabs(dot);
+    return timeline_find_largest(&slab->thickness, span) * sqrt(normal_square) * sqrt(direction_square) / fabs(dot);
 }
 
 // The farthest that a point light may be from a sample, m: the camera is in between.

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/scene.h"
 
-#include "core/scene/input_path.h"
+#include "core/scene/density_rules.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-static void visit_bounds(struct scene_bounds *bounds, scene_visitor *visit, void *user)
+static void visit_bounds(struct scene_bounds *bounds, timeline_visitor *visit, void *user)
 {
     visit("center", &bounds->center, user);
     visit("radius", &bounds->radius, user);
@@ -17,48 +16,13 @@ static void visit_bounds(struct scene_bounds *bounds, scene_visitor *visit, void
     visit("falloff", &bounds->falloff, user);
 }
 
-static void visit_noise(struct scene_noise *noise, scene_visitor *visit, void *user)
-{
-    visit("frequency", &noise->frequency, user);
-    visit("lacunarity", &noise->lacunarity, user);
-    visit("hurst", &noise->hurst, user);
-    visit("bias", &noise->bias, user);
-    visit("offset", &noise->offset, user);
-    visit("axis", &noise->axis, user);
-    visit("angle", &noise->angle, user);
-    visit("scale", &noise->scale, user);
-}
-
-static void visit_density(struct scene_density *density, scene_visitor *visit, void *user)
+static void visit_density(struct scene_density *density, timeline_visitor *visit, void *user)
 {
     visit_bounds(&density->bounds, visit, user);
-    switch (density->kind) {
-    case SCENE_DENSITY_FOLD_FRACTAL:
-        visit("offset", &density->fold_fractal.offset, user);
-        visit("radius", &density->fold_fractal.radius, user);
-        visit("rotate_x", &density->fold_fractal.rotate_x_rad, user);
-        visit("rotate_y", &density->fold_fractal.rotate_y_rad, user);
-        visit("exponent", &density->fold_fractal.exponent, user);
-        visit("scale", &density->fold_fractal.scale, user);
-        break;
-    case SCENE_DENSITY_HOMOGENEOUS:
-        visit("scale", &density->homogeneous.scale, user);
-        break;
-    case SCENE_DENSITY_NOISE:
-        visit_noise(&density->noise, visit, user);
-        break;
-    case SCENE_DENSITY_GRID:
-        visit("center", &density->grid.center, user);
-        visit("scale", &density->grid.scale, user);
-        visit("unit_distance", &density->grid.unit_distance, user);
-        break;
-    case SCENE_DENSITY_GLSL:
-        visit("scale", &density->glsl.scale, user);
-        break;
-    }
+    density_rules_of(density)->visit(density, visit, user);
 }
 
-static void visit_medium(struct scene_medium *medium, scene_visitor *visit, void *user)
+static void visit_medium(struct scene_medium *medium, timeline_visitor *visit, void *user)
 {
     visit_density(&medium->density, visit, user);
     visit("sigma_s", &medium->sigma_s, user);
@@ -72,7 +36,7 @@ static void visit_medium(struct scene_medium *medium, scene_visitor *visit, void
     }
 }
 
-static void visit_object(struct scene_object *object, scene_visitor *visit, void *user)
+static void visit_object(struct scene_object *object, timeline_visitor *visit, void *user)
 {
     struct scene_material *material = &object->material;
 
@@ -85,7 +49,7 @@ static void visit_object(struct scene_object *object, scene_visitor *visit, void
     visit("roughness", &material->roughness, user);
 }
 
-static void visit_shape(struct scene_shape *shape, scene_visitor *visit, void *user)
+static void visit_shape(struct scene_shape *shape, timeline_visitor *visit, void *user)
 {
     visit("center", &shape->center, user);
     visit("radius", &shape->radius, user);
@@ -93,7 +57,7 @@ static void visit_shape(struct scene_shape *shape, scene_visitor *visit, void *u
     visit("normal", &shape->normal, user);
 }
 
-void scene_visit_timelines(struct scene *scene, scene_visitor *visit, void *user)
+void scene_visit_timelines(struct scene *scene, timeline_visitor *visit, void *user)
 {
     visit("position", &scene->camera.position, user);
     visit("target", &scene->camera.target, user);
@@ -122,15 +86,9 @@ static void finish_timeline(const char *name, struct timeline *timeline, void *u
 
 static void finish_medium(struct scene_medium *medium)
 {
-    if (medium->density.kind == SCENE_DENSITY_GRID) {
-        free(medium->density.grid.file);
-        free(medium->density.grid.grid_name);
-        free(medium->density.grid.points);
-    }
-    if (medium->density.kind == SCENE_DENSITY_GLSL) {
-        free(medium->density.glsl.file);
-        free(medium->density.glsl.source);
-    }
+    const struct density_rules *rules = density_rules_of(&medium->density);
+
+    if (rules->finish) rules->finish(&medium->density);
     free(medium->blackbody.grid_name);
 }
 
@@ -165,13 +123,9 @@ bool scene_is_constant(const struct scene *scene)
 
 bool scene_density_is_sequence(const struct scene_density *density)
 {
-    return density->kind == SCENE_DENSITY_GLSL ||
-           (density->kind == SCENE_DENSITY_GRID && input_path_is_sequence(density->grid.file));
-}
+    const struct density_rules *rules = density_rules_of(density);
 
-bool scene_grid_is_vdb(const struct scene_grid *grid)
-{
-    return input_path_has_ending(grid->file, ".nvdb") || input_path_has_ending(grid->file, ".vdb");
+    return rules->is_sequence && rules->is_sequence(density);
 }
 
 bool scene_density_is_even(const struct scene_density *density)
@@ -179,17 +133,9 @@ bool scene_density_is_even(const struct scene_density *density)
     const struct timeline *falloff = &density->bounds.falloff;
     double value[3] = {0};
 
-    if (density->kind != SCENE_DENSITY_HOMOGENEOUS || !timeline_is_constant(falloff)) return false;
+    if (!density_rules_of(density)->is_even || !timeline_is_constant(falloff)) return false;
     timeline_evaluate(falloff, 0.0, value);
     return value[0] == 0.0;
-}
-
-const char *scene_glsl_name(const struct scene_glsl *glsl)
-{
-    const char *slash = glsl->file ? strrchr(glsl->file, '/') : NULL;
-
-    if (!glsl->file) return "density.source";
-    return slash ? slash + 1 : glsl->file;
 }
 
 void scene_format_medium_place(const struct scene *scene, size_t medium, char *place, size_t size)

@@ -2,6 +2,7 @@
 #include "core/scene/scene_json.h"
 
 #include "core/base/error.h"
+#include "core/scene/light_json.h"
 #include "core/scene/medium_json.h"
 #include "core/scene/object_json.h"
 #include "core/scene/scene.h"
@@ -48,55 +49,6 @@ static bool read_camera(const struct scene_reader *job, struct scene_camera *cam
            (json_node_is_absent(&mirror) || json_read_bool(&mirror, &camera->mirror, job->error));
 }
 
-static bool read_point_light(const struct scene_reader *reader, struct scene_light *light)
-{
-    static const char *const keys[] = {"kind", "falloff", "intensity", "position", NULL};
-    static const char *const falloffs[] = {"inverse_square", "none", NULL};
-    int choice = SCENE_FALLOFF_INVERSE_SQUARE;
-
-    if (!json_check_keys(reader->object, keys, reader->error) ||
-        !scene_reader_read_choice(reader, "falloff", falloffs, &choice))
-        return false;
-    light->falloff = (enum scene_falloff)choice;
-    light->direction = (struct timeline){.component_count = 3};
-    return scene_reader_read(reader, "intensity", &SCENE_RADIANCE, &light->intensity) &&
-           scene_reader_read(reader, "position", &SCENE_POSITION, &light->position);
-}
-
-static bool read_sun_light(const struct scene_reader *reader, struct scene_light *light)
-{
-    static const char *const keys[] = {"kind", "intensity", "direction", NULL};
-
-    light->position = (struct timeline){.component_count = 3};
-    return json_check_keys(reader->object, keys, reader->error) &&
-           scene_reader_read(reader, "intensity", &SCENE_RADIANCE, &light->intensity) &&
-           scene_reader_read(reader, "direction", &SCENE_DIRECTION, &light->direction);
-}
-
-static bool read_light(const struct scene_reader *reader, struct scene_light *light)
-{
-    static const char *const kinds[] = {"point", "sun", NULL};
-    struct json_node kind = json_node_child(reader->object, "kind");
-    int choice;
-
-    if (!json_check_object(reader->object, reader->error) || !json_read_enum(&kind, kinds, &choice, reader->error))
-        return false;
-    light->kind = (enum scene_light_kind)choice;
-    return light->kind == SCENE_LIGHT_POINT ? read_point_light(reader, light) : read_sun_light(reader, light);
-}
-
-static bool read_lights(const struct scene_reader *job, struct scene *scene)
-{
-    struct json_node lights = json_node_child(job->object, "lights"), light = {0};
-    struct scene_reader reader = {&light, job->span, job->error};
-
-    if (json_node_is_absent(&lights)) return true;
-    if (!json_check_array(&lights, 0, SCENE_LIGHT_LIMIT, job->error)) return false;
-    while (json_node_next(&lights, &light))
-        if (!read_light(&reader, &scene->lights[scene->light_count++])) return false;
-    return true;
-}
-
 static bool read_media(const struct scene_reader *scene_reader, struct scene *scene)
 {
     struct json_node media = json_node_child(scene_reader->object, "media"), medium = {0};
@@ -138,7 +90,7 @@ bool scene_from_json(struct scene *scene, const struct json_node *job, const str
     if (!read_shutter(&reader, &scene->camera)) return false;
     reader.span.last += scene->camera.shutter * times->frame_s;
     scene->has_background = scene_reader_has_key(&reader, "background");
-    return read_camera(&reader, &scene->camera) && read_lights(&reader, scene) &&
+    return read_camera(&reader, &scene->camera) && lights_from_json(scene, &reader) &&
            scene_reader_read_or(&reader, "background", &SCENE_RADIANCE, 0.0, &scene->background) &&
            read_contents(&reader, scene);
 }

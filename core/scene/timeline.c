@@ -181,3 +181,11 @@ void timeline_find_bounds(const struct timeline *timeline, struct timeline_span 
     for (int i = 0; i < timeline->component_count; i++)
         find_component_bounds(timeline, span, i, &min[i], &max[i]);
 }
+
+double timeline_find_largest(const struct timeline *timeline, struct timeline_span span)
+{
+    double min[3], max[3];
+
+    timeline_find_bounds(timeline, span, min, max);
+    return max[0];
+}

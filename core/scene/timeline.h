@@ -59,6 +59,8 @@ struct timeline_span {
     double first, last;
 };
 
+typedef void timeline_visitor(const char *name, struct timeline *timeline, void *user);
+
 void timeline_finish(struct timeline *timeline);
 // Before the first key and after the last their values hold. Only the first component_count elements are written. An
 // orbit runs counter-clockwise seen from the axis' tip; a negative period turns it round.
@@ -68,3 +70,5 @@ bool timeline_is_constant(const struct timeline *timeline);
 // Bounds of each component within `span`. Exact for a constant and a linear one, else of all times.
 void timeline_find_bounds(const struct timeline *timeline, struct timeline_span span, double min[static 3],
                           double max[static 3]);
+// The largest value of a number within `span`, bounded as above.
+double timeline_find_largest(const struct timeline *timeline, struct timeline_span span);

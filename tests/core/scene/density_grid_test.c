@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scene/grid_json.h"
+#include "core/scene/density_rules.h"
 
 #include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scene/glsl_json.h"
+#include "core/scene/density_rules.h"
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scene/glsl_json.h"
+#include "core/scene/density_rules.h"
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/base/hash_text.h"
 #include "core/scene/input_path.h"
-#include "core/scene/scene.h"
 #include "core/scene/scene_reader.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const double LIPSCHITZ_MIN = 1e-9, LIPSCHITZ_MAX = 1e9;
@@ -78,12 +79,13 @@ static bool read_file(const struct scene_reader *reader, struct scene_glsl *glsl
     return true;
 }
 
-bool glsl_from_json(struct scene_glsl *glsl, const struct scene_reader *reader)
+static bool read(struct scene_density *density, const struct scene_reader *reader)
 {
     static const char *const keys[] = {"kind", "bounds", "file", "source", "lipschitz", "majorant", "scale", NULL};
     struct json_node bounds = json_node_child(reader->object, "bounds");
     struct json_node lipschitz = json_node_child(reader->object, "lipschitz");
     struct json_node majorant = json_node_child(reader->object, "majorant");
+    struct scene_glsl *glsl = &density->glsl;
 
     if (!json_check_keys(reader->object, keys, reader->error) || !read_file(reader, glsl) || !read_source(reader, glsl))
         return false;
@@ -95,3 +97,37 @@ bool glsl_from_json(struct scene_glsl *glsl, const struct scene_reader *reader)
             json_read_number(&majorant, MAJORANT_MIN, MAJORANT_MAX, &glsl->majorant, reader->error)) &&
            scene_reader_read_or(reader, "scale", &SCENE_SCALE, 1.0, &glsl->scale);
 }
+
+static void visit(struct scene_density *density, timeline_visitor *visit, void *user)
+{
+    visit("scale", &density->glsl.scale, user);
+}
+
+static void write_hash_text(const struct scene_density *density, FILE *text)
+{
+    hash_text_string(text, "source", density->glsl.source);
+    hash_text_numbers(text, "lipschitz", &density->glsl.lipschitz, 1);
+    if (density->glsl.majorant > 0.0) hash_text_numbers(text, "majorant", &density->glsl.majorant, 1);
+}
+
+static void finish(struct scene_density *density)
+{
+    free(density->glsl.file);
+    free(density->glsl.source);
+}
+
+// Its code is given the time.
+static bool is_sequence(const struct scene_density *density)
+{
+    (void)density;
+    return true;
+}
+
+const struct density_rules density_rules_glsl = {
+    .name = "glsl",
+    .read = read,
+    .visit = visit,
+    .write_hash_text = write_hash_text,
+    .finish = finish,
+    .is_sequence = is_sequence,
+};

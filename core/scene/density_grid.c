@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/scene/grid_json.h"
+#include "core/scene/density_rules.h"
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/base/hash_text.h"
 #include "core/scene/input_path.h"
-#include "core/scene/scene.h"
 #include "core/scene/scene_reader.h"
 
-#include <string.h>
+#include <inttypes.h>
+#include <stdlib.h>
 
 static const double SPACING_MIN = 1e-9, SPACING_MAX = 1e9; // m
 static const double VALUE_MAX = 1e15;
@@ -139,7 +140,7 @@ static bool read_transfer_function(const struct scene_reader *reader, struct sce
     return scene_reader_read(reader, "unit_distance", &SCENE_SIZE, &grid->unit_distance);
 }
 
-bool grid_from_json(struct scene_grid *grid, const struct scene_reader *reader)
+static bool read(struct scene_density *density, const struct scene_reader *reader)
 {
     static const char *const keys[] = {"kind",
                                        "bounds",
@@ -157,6 +158,7 @@ bool grid_from_json(struct scene_grid *grid, const struct scene_reader *reader)
                                        "unit_distance",
                                        NULL};
     static const char *const interpolations[] = {"linear", "nearest", NULL};
+    struct scene_grid *grid = &density->grid;
     int interpolation = 0;
 
     if (!json_check_keys(reader->object, keys, reader->error) || !read_file(reader, grid) ||
@@ -169,3 +171,48 @@ bool grid_from_json(struct scene_grid *grid, const struct scene_reader *reader)
            read_transfer_function(reader, grid) &&
            scene_reader_read_or(reader, "scale", &SCENE_SCALE, 1.0, &grid->scale);
 }
+
+static void visit(struct scene_density *density, timeline_visitor *visit, void *user)
+{
+    visit("center", &density->grid.center, user);
+    visit("scale", &density->grid.scale, user);
+    visit("unit_distance", &density->grid.unit_distance, user);
+}
+
+static void write_hash_text(const struct scene_density *density, FILE *text)
+{
+    const struct scene_grid *grid = &density->grid;
+    const struct scene_raw *raw = &grid->raw;
+
+    hash_text_string(text, "file", grid->file);
+    hash_text_string(text, "grid", grid->grid_name);
+    fprintf(text, " size %d %d %d type %d %d big %d skip %" PRId64 " nearest %d center %d points %zu", raw->size[0],
+            raw->size[1], raw->size[2], raw->has_type, (int)raw->type, raw->is_big_endian, raw->skip_bytes,
+            grid->is_nearest, grid->has_center, grid->point_count);
+    hash_text_numbers(text, "spacing", grid->spacing, 3);
+    for (size_t i = 0; i < grid->point_count; i++) {
+        hash_text_numbers(text, "value", &grid->points[i].value, 1);
+        hash_text_numbers(text, "rgba", grid->points[i].rgba, 4);
+    }
+}
+
+static void finish(struct scene_density *density)
+{
+    free(density->grid.file);
+    free(density->grid.grid_name);
+    free(density->grid.points);
+}
+
+static bool is_sequence(const struct scene_density *density)
+{
+    return input_path_is_sequence(density->grid.file);
+}
+
+const struct density_rules density_rules_grid = {
+    .name = "grid",
+    .read = read,
+    .visit = visit,
+    .write_hash_text = write_hash_text,
+    .finish = finish,
+    .is_sequence = is_sequence,
+};
