@@ -10,7 +10,7 @@
 #include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/scene_inputs.h"
-#include "worker/scene/scene_sight.h"
+#include "worker/scene/scene_visibility.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -129,7 +129,7 @@ static double text_kib(const struct job *job)
 
     scene_files_init(&files);
     if (!scene_inputs_open(&inputs, job, 0, &files, NULL, NULL)) goto out;
-    scene_sight_find(job, &inputs, 0, inputs.is_unneeded);
+    scene_visibility_find(job, &inputs, 0, inputs.is_unneeded);
     if (scene_program_init(&program, job, &inputs, NULL, NULL)) kib = (double)strlen(program.fragment) / 1024.0;
 out:
     scene_program_finish(&program);

@@ -15,8 +15,8 @@
 #include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
+#include "worker/scene/scene_extent.h"
 #include "worker/scene/scene_inputs.h"
-#include "worker/scene/scene_reach.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -156,7 +156,7 @@ static bool print_reach(const char *path, int32_t frame, struct error *error)
     bool ok = load_job(&job, path, error) && scene_inputs_open(&inputs, &job, frame, NULL, NULL, error);
 
     if (ok) {
-        struct scene_reach reach = scene_reach_find(&job, &inputs, frame);
+        struct scene_extent reach = scene_extent_find(&job, &inputs, frame);
 
         printf("%.9g %.9g\n", reach.near, reach.far);
     }

@@ -7,7 +7,7 @@
 #include "tests/support/shader_probe.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/volume_maker.h"
-#include "worker/density/grid_look.h"
+#include "worker/density/grid_lookup.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/render/gl_grid.h"
 
@@ -223,7 +223,7 @@ static void probe(void)
 {
     char body[sizeof BODY + 8];
 
-    snprintf(body, sizeof body, BODY, grid_look_sampler_prefix(stage.type));
+    snprintf(body, sizeof body, BODY, grid_lookup_sampler_prefix(stage.type));
     shader_probe_run(&(struct shader_probe_params){.modules = MODULES,
                                                    .body = body,
                                                    .inputs = (const float(*)[4])stage.inputs,

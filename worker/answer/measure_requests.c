@@ -13,8 +13,8 @@
 #include "worker/gl/gl_timer.h"
 #include "worker/picture/image.h"
 #include "worker/render/renderer.h"
+#include "worker/scene/scene_extent.h"
 #include "worker/scene/scene_inputs.h"
-#include "worker/scene/scene_reach.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -56,7 +56,7 @@ bool measure_answer_reach(const struct json_node *params, const struct request_t
 {
     struct job job = {0};
     struct scene_inputs inputs = {0};
-    struct scene_reach reach;
+    struct scene_extent reach;
     int32_t frame;
     bool ok = false;
 
@@ -64,7 +64,7 @@ bool measure_answer_reach(const struct json_node *params, const struct request_t
     if (!read_frame(params, &frame, error) || !request_read_job(params, &job, error)) return false;
     *code = MESSAGE_CODE_INTERNAL;
     if (!scene_inputs_open(&inputs, &job, frame, NULL, NULL, error)) goto out;
-    reach = scene_reach_find(&job, &inputs, frame);
+    reach = scene_extent_find(&job, &inputs, frame);
     json_write_begin_object(writer);
     json_write_number_member(writer, "near", reach.near);
     json_write_number_member(writer, "far", reach.far);

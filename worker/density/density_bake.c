@@ -64,7 +64,7 @@ static void write_vector(FILE *out, const char *name, const double vector[static
     fprintf(out, "const vec3 medium_%zu_%s = vec3(%.9e, %.9e, %.9e);\n", medium, name, vector[0], vector[1], vector[2]);
 }
 
-void density_bake_write_look(FILE *out, const struct density_site *site)
+void density_bake_write_lookup(FILE *out, const struct density_site *site)
 {
     const struct density_bake bake = density_bake_of(site);
     double scale[3], first[3];

@@ -24,4 +24,4 @@ struct density_bake density_bake_of(const struct density_site *site); // of a me
 // Half the sides of a box along the world's axes that holds the medium's bounds throughout the job; false where there is none.
 bool density_bake_find_bounds(double half_size[static 3], const struct density_site *site);
 // Emits float medium_I_baked(vec3 p), p as density_kind.write_baked has it: what the grid has there, between corners trilinear.
-void density_bake_write_look(FILE *out, const struct density_site *site);
+void density_bake_write_lookup(FILE *out, const struct density_site *site);

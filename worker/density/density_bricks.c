@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/density/affine.h"
-#include "worker/density/grid_look.h"
+#include "worker/density/grid_lookup.h"
 #include "worker/glsl/texture_units.h"
 #include "worker/glsl/timeline_value.h"
 #include "worker/scene/scene_inputs.h"
@@ -23,7 +23,7 @@ static void evaluate_shift(const void *source, double time, double value[static 
     const struct scene_input *input = source;
     double matrix[12], inverse[9];
 
-    scene_input_place(source, time, matrix);
+    scene_input_find_matrix(source, time, matrix);
     affine_invert(matrix, inverse, value);
     for (int axis = 0; axis < 3; ++axis)
         value[axis] -= SPARSE_BRICK_SIDE * input->bricks->atlas->brick_min[axis];
@@ -51,13 +51,13 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
         const char *name;
         enum frame_value_type type;
         frame_value_evaluate *evaluate;
-    } values[] = {{"to_lattice", FRAME_VALUE_MAT3, grid_look_evaluate_to_voxels},
+    } values[] = {{"to_lattice", FRAME_VALUE_MAT3, grid_lookup_evaluate_to_voxels},
                   {"shift", FRAME_VALUE_VEC3, evaluate_shift},
                   {"low", FRAME_VALUE_VEC3, evaluate_low},
                   {"high", FRAME_VALUE_VEC3, evaluate_high}};
     const struct scene_input *input = input_of(site);
     const struct scene_blackbody *blackbody = &site->source->blackbody;
-    bool is_still = grid_look_is_still(input->source);
+    bool is_still = grid_lookup_is_still(input->source);
 
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
         frame_uniforms_add(uniforms,
@@ -65,14 +65,14 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
                                                 .is_constant = !input->is_sequence && is_still,
                                                 .evaluate = values[i].evaluate,
                                                 .evaluate_linear = values[i].evaluate == evaluate_shift
-                                                                       ? grid_look_evaluate_to_voxels
+                                                                       ? grid_lookup_evaluate_to_voxels
                                                                        : NULL,
                                                 .source = input,
                                                 .min = value_range_any.min,
                                                 .max = value_range_any.max,
                                                 .meaning = "density.file"},
                            "medium_%zu_%s", site->medium, values[i].name);
-    grid_look_add_values(uniforms, site);
+    grid_lookup_add_values(uniforms, site);
     if (!blackbody->grid_name) return;
     frame_uniforms_add(uniforms,
                        timeline_value(&blackbody->kelvin, FRAME_VALUE_FLOAT, value_range_any, "blackbody.kelvin"),
@@ -169,7 +169,7 @@ static void write(FILE *out, const struct density_site *site)
             "vec2 medium_%zu_support(vec3 origin, vec3 direction)\n{\n"
             "    return density_bricks_span(medium_%zu_bricks(), origin, direction);\n}\n",
             i, i);
-    if (is_transfer) grid_look_write_transfer(out, &site->source->density.grid, i);
+    if (is_transfer) grid_lookup_write_transfer(out, &site->source->density.grid, i);
     fprintf(out,
             "// %s, how far ahead there is none, and the value.\n"
             "vec3 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
@@ -195,8 +195,8 @@ const struct density_kind density_kind_bricks = {
     .field_type = "vec3",
     .has_support = true,
     .takes_direction = true,
-    .is_zero = grid_look_is_zero,
-    .has_color = grid_look_has_color,
+    .is_zero = grid_lookup_is_zero,
+    .has_color = grid_lookup_has_color,
     .add_values = add_values,
     .modules = modules,
     .write = write,

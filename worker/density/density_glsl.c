@@ -182,7 +182,7 @@ static void write(FILE *out, const struct density_site *site)
     fprintf(out, "DensityOwn medium_%zu_settings()\n{\n    return DensityOwn(medium_%zu_scale, %.9e);\n}\n", i, i,
             site->source->density.glsl.lipschitz);
     if (is_baked) {
-        density_bake_write_look(out, site);
+        density_bake_write_lookup(out, site);
         fprintf(out,
                 "float medium_%zu_field(vec3 p)\n{\n    return medium_%zu_baked(p - medium_%zu_bounds_center);\n}\n", i,
                 i, i);
@@ -238,7 +238,7 @@ static void add_baked_values(struct frame_uniforms *uniforms, const struct densi
 {
     const struct scene_density *density = &site->source->density;
 
-    frame_uniforms_add(uniforms, timeline_value_place(&density->bounds.center, "bounds.center"),
+    frame_uniforms_add(uniforms, timeline_value_position(&density->bounds.center, "bounds.center"),
                        "medium_%zu_bounds_center", site->medium);
     if (uses_time(&density->glsl)) frame_uniforms_add(uniforms, timeline_value_time(), "time_s");
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "worker/density/affine.h"
-#include "worker/density/grid_look.h"
+#include "worker/density/grid_lookup.h"
 #include "worker/glsl/texture_units.h"
 #include "worker/glsl/timeline_value.h"
 #include "worker/scene/scene_inputs.h"
@@ -18,7 +18,7 @@ static void evaluate_shift(const void *source, double time, double value[static 
 {
     double matrix[12], inverse[9];
 
-    scene_input_place(source, time, matrix);
+    scene_input_find_matrix(source, time, matrix);
     affine_invert(matrix, inverse, value);
 }
 
@@ -49,30 +49,30 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
     static const struct {
         const char *name;
         enum frame_value_type type;
-        bool is_placed; // it moves with the grid's middle
+        bool is_shift; // it moves with the grid's middle
         frame_value_evaluate *evaluate;
-    } values[] = {{"to_index", FRAME_VALUE_MAT3, false, grid_look_evaluate_to_voxels},
+    } values[] = {{"to_index", FRAME_VALUE_MAT3, false, grid_lookup_evaluate_to_voxels},
                   {"shift", FRAME_VALUE_VEC3, true, evaluate_shift},
                   {"size", FRAME_VALUE_VEC3, false, evaluate_size},
                   {"slope", FRAME_VALUE_FLOAT, false, evaluate_slope},
                   {"intercept", FRAME_VALUE_FLOAT, false, evaluate_intercept}};
     const struct scene_input *input = input_of(site);
-    bool is_still = grid_look_is_still(input->source);
+    bool is_still = grid_lookup_is_still(input->source);
     size_t medium = site->medium;
 
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
         frame_uniforms_add(
             uniforms,
             (struct frame_value){.type = values[i].type,
-                                 .is_constant = !input->is_sequence && (is_still || !values[i].is_placed),
+                                 .is_constant = !input->is_sequence && (is_still || !values[i].is_shift),
                                  .evaluate = values[i].evaluate,
-                                 .evaluate_linear = values[i].is_placed ? grid_look_evaluate_to_voxels : NULL,
+                                 .evaluate_linear = values[i].is_shift ? grid_lookup_evaluate_to_voxels : NULL,
                                  .source = input,
                                  .min = value_range_any.min,
                                  .max = value_range_any.max,
                                  .meaning = "density.file"},
             "medium_%zu_%s", medium, values[i].name);
-    grid_look_add_values(uniforms, site);
+    grid_lookup_add_values(uniforms, site);
 }
 
 static bool has_table(const struct scene_density *density)
@@ -107,7 +107,7 @@ static void write_grid(FILE *out, const struct scene_input *input, size_t i)
     fprintf(out,
             "layout(binding = %u) uniform %ssampler2DArray medium_%zu_voxels;\n"
             "layout(binding = %u) uniform sampler3D medium_%zu_bricks;\n",
-            texture_unit_of_medium(i, MEDIUM_TEXTURE_VALUES), grid_look_sampler_prefix(input->header.type), i,
+            texture_unit_of_medium(i, MEDIUM_TEXTURE_VALUES), grid_lookup_sampler_prefix(input->header.type), i,
             texture_unit_of_medium(i, MEDIUM_TEXTURE_BRICKS), i);
     fprintf(out,
             "DensityGrid medium_%zu_grid()\n{\n    return DensityGrid(medium_%zu_to_index, medium_%zu_shift, "
@@ -127,7 +127,7 @@ static void write_grid(FILE *out, const struct scene_input *input, size_t i)
 
 static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
 {
-    grid_look_write_transfer(out, grid, i);
+    grid_lookup_write_transfer(out, grid, i);
     fprintf(out,
             "// Opacity, how far ahead the grid is empty, and the value.\n"
             "vec3 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
@@ -139,7 +139,7 @@ static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
 // A value beyond the outer voxel centres is that of the nearest one, as everywhere.
 static void write_table(FILE *out, const struct scene_grid *grid, size_t i)
 {
-    grid_look_write_table(out, grid, i);
+    grid_lookup_write_table(out, grid, i);
     fprintf(out,
             "TransferEnd medium_%zu_end(vec3 p)\n{\n"
             "    return medium_%zu_end_at(medium_%zu_place(medium_%zu_value(density_grid_index(medium_%zu_grid(), "
@@ -199,8 +199,8 @@ const struct density_kind density_kind_grid = {
     .field_type = "vec3",
     .has_support = true,
     .takes_direction = true,
-    .is_zero = grid_look_is_zero,
-    .has_color = grid_look_has_color,
+    .is_zero = grid_lookup_is_zero,
+    .has_color = grid_lookup_has_color,
     .has_table = has_table,
     .add_values = add_values,
     .modules = modules,

@@ -83,7 +83,7 @@ struct density_kind {
     // False when a look into such a grid is no cheaper than the field. NULL: it always is.
     bool (*pays_baked)(const struct density_site *site, const struct density_bake *bake);
     // Where the site fills a grid: the frame values that write_baked uses. The medium is baked, so that `add_values` and
-    // `write` are for programs that have density_bake_write_look.
+    // `write` are for programs that have density_bake_write_lookup.
     void (*add_baked_values)(struct frame_uniforms *uniforms, const struct density_site *site);
     // Emits float medium_I_baked(vec3 p): what is put into the grid; p is in metres from the bounds' centre along its axes.
     void (*write_baked)(FILE *out, const struct density_site *site);

@@ -16,7 +16,7 @@ static const double CELLS_PER_LATTICE_CELL = 3.5;
 
 // Where a point lies in the noise, in lattice cells: q = frequency R (p - center) + offset, taken apart into a linear part
 // and what is added, so that a centre costs the shader nothing.
-static bool is_turned(const struct scene_noise *noise)
+static bool is_rotated(const struct scene_noise *noise)
 {
     return !timeline_value_is_zero(&noise->angle);
 }
@@ -59,7 +59,7 @@ static void find_rotation(const struct scene_noise *noise, double time, double v
 }
 
 // frequency R.
-static void evaluate_turn(const void *source, double time, double value[static 9])
+static void evaluate_rotation(const void *source, double time, double value[static 9])
 {
     const struct scene_noise *noise = source;
     double frequency[9] = {0};
@@ -75,8 +75,8 @@ static void evaluate_linear(const void *source, double time, double value[static
 {
     const struct scene_density *density = source;
 
-    if (is_turned(&density->noise)) {
-        evaluate_turn(&density->noise, time, value);
+    if (is_rotated(&density->noise)) {
+        evaluate_rotation(&density->noise, time, value);
         return;
     }
     timeline_value_evaluate(&density->noise.frequency, time, value);
@@ -87,13 +87,14 @@ static void evaluate_linear(const void *source, double time, double value[static
 static void evaluate_shift(const void *source, double time, double value[static 9])
 {
     const struct scene_density *density = source;
-    double turn[9] = {0}, center[9] = {0}, offset[9] = {0};
+    double rotation[9] = {0}, center[9] = {0}, offset[9] = {0};
 
-    evaluate_linear(density, time, turn);
+    evaluate_linear(density, time, rotation);
     if (density->bounds.kind != SCENE_BOUNDS_NONE) timeline_value_evaluate(&density->bounds.center, time, center);
     timeline_value_evaluate(&density->noise.offset, time, offset);
     for (int row = 0; row < 3; ++row)
-        value[row] = offset[row] - turn[row] * center[0] - turn[3 + row] * center[1] - turn[6 + row] * center[2];
+        value[row] =
+            offset[row] - rotation[row] * center[0] - rotation[3 + row] * center[1] - rotation[6 + row] * center[2];
 }
 
 static void evaluate_gain(const void *source, double time, double value[static 9])
@@ -120,16 +121,17 @@ static void add_place(struct frame_uniforms *uniforms, const struct density_site
     const struct scene_density *density = &site->source->density;
     size_t i = site->medium;
     const struct scene_noise *noise = &density->noise;
-    bool turn_is_fixed = timeline_is_constant(&noise->frequency) && rotation_is_fixed(noise);
-    bool shift_is_fixed = timeline_is_constant(&noise->offset) &&
-                          ((is_centered(density) && !scene_anchor_is_used(site->job)) ||
-                           (turn_is_fixed && (is_centered(density) || timeline_is_constant(&density->bounds.center))));
+    bool linear_is_fixed = timeline_is_constant(&noise->frequency) && rotation_is_fixed(noise);
+    bool shift_is_fixed =
+        timeline_is_constant(&noise->offset) &&
+        ((is_centered(density) && !scene_anchor_is_used(site->job)) ||
+         (linear_is_fixed && (is_centered(density) || timeline_is_constant(&density->bounds.center))));
 
-    if (is_turned(noise))
+    if (is_rotated(noise))
         frame_uniforms_add(uniforms,
                            (struct frame_value){.type = FRAME_VALUE_MAT3,
-                                                .is_constant = turn_is_fixed,
-                                                .evaluate = evaluate_turn,
+                                                .is_constant = linear_is_fixed,
+                                                .evaluate = evaluate_rotation,
                                                 .source = noise,
                                                 .min = value_range_any.min,
                                                 .max = value_range_any.max,
@@ -218,18 +220,19 @@ static int count_baked(const struct density_site *site)
 static bool find_box(const struct density_site *site, double half_size[static 3])
 {
     const struct scene_density *density = &site->source->density;
-    double turn[9], half[3];
+    double rotation[9], half[3];
 
     if (!density_bake_find_bounds(half_size, site)) return false;
-    if (!is_turned(&density->noise) || density->bounds.kind == SCENE_BOUNDS_SPHERE) return true;
+    if (!is_rotated(&density->noise) || density->bounds.kind == SCENE_BOUNDS_SPHERE) return true;
     if (!rotation_is_fixed(&density->noise)) {
         half_size[0] = half_size[1] = half_size[2] = hypot(hypot(half_size[0], half_size[1]), half_size[2]);
         return true;
     }
     memcpy(half, half_size, sizeof half);
-    find_rotation(&density->noise, 0, turn);
+    find_rotation(&density->noise, 0, rotation);
     for (int row = 0; row < 3; ++row)
-        half_size[row] = fabs(turn[row]) * half[0] + fabs(turn[3 + row]) * half[1] + fabs(turn[6 + row]) * half[2];
+        half_size[row] =
+            fabs(rotation[row]) * half[0] + fabs(rotation[3 + row]) * half[1] + fabs(rotation[6 + row]) * half[2];
     return true;
 }
 
@@ -240,7 +243,7 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
     int baked = count_baked(site);
 
     add_place(uniforms, site);
-    if (baked > 0) add_lattice(uniforms, site, is_turned(noise));
+    if (baked > 0) add_lattice(uniforms, site, is_rotated(noise));
     if (noise->octaves > 1 && baked < noise->octaves) add_octaves(uniforms, noise, site->medium);
     if (!timeline_value_is_zero(&noise->bias))
         frame_uniforms_add(uniforms,
@@ -330,9 +333,9 @@ static void write_field(FILE *out, const struct density_site *site)
     int baked = count_baked(site);
     size_t i = site->medium;
 
-    if (baked > 0) density_bake_write_look(out, site);
+    if (baked > 0) density_bake_write_lookup(out, site);
     fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    vec3 q = medium_%zu_%s * p", i, i,
-            is_turned(noise) ? "turn" : "frequency");
+            is_rotated(noise) ? "turn" : "frequency");
     if (is_shifted(site)) fprintf(out, " + medium_%zu_shift", i);
     fputs(";\n", out);
     if (baked > 0)

@@ -54,7 +54,7 @@ static void add_slab(struct frame_uniforms *uniforms, const struct scene_bounds 
 void scene_bounds_add_values(struct frame_uniforms *uniforms, const struct scene_bounds *bounds, size_t medium)
 {
     if (bounds->kind == SCENE_BOUNDS_NONE) return;
-    frame_uniforms_add(uniforms, timeline_value_place(&bounds->center, "bounds.center"), "medium_%zu_bounds_center",
+    frame_uniforms_add(uniforms, timeline_value_position(&bounds->center, "bounds.center"), "medium_%zu_bounds_center",
                        medium);
     if (bounds->kind == SCENE_BOUNDS_SPHERE)
         frame_uniforms_add(

@@ -9,7 +9,7 @@
 enum { NODES = 16 };
 
 // All four components at a value between the points' ends.
-static void look_up(const struct scene_transfer_point *points, size_t count, double value, double rgba[static 4])
+static void evaluate(const struct scene_transfer_point *points, size_t count, double value, double rgba[static 4])
 {
     size_t after = 1;
     double share;
@@ -32,7 +32,7 @@ static void add_piece(const struct scene_transfer_point *points, size_t count, d
     for (int i = 0; i < NODES; i++) {
         double rgba[4], extinction;
 
-        look_up(points, count, low + nodes[i] * (high - low), rgba);
+        evaluate(points, count, low + nodes[i] * (high - low), rgba);
         extinction = -log1p(-rgba[3]) * weights[i] * (high - low);
         for (int c = 0; c < 3; c++)
             sums[c] += rgba[c] * extinction;

@@ -26,9 +26,9 @@ static size_t round_up(size_t bytes, size_t alignment)
     return (bytes + alignment - 1) & ~(alignment - 1);
 }
 
-static bool is_told_from(const struct frame_value *value)
+static bool is_relative(const struct frame_value *value)
 {
-    return value->is_place || value->evaluate_linear;
+    return value->is_position || value->evaluate_linear;
 }
 
 void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value value, const char *name_format, ...)
@@ -42,7 +42,7 @@ void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value valu
     uniforms->values = xgrow(uniforms->values, &uniforms->capacity, uniforms->count + 1, sizeof *uniforms->values);
     added = &uniforms->values[uniforms->count++];
     *added = value;
-    added->is_constant &= !is_told_from(added) || !uniforms->anchored || !scene_anchor_moves(uniforms->anchored);
+    added->is_constant &= !is_relative(added) || !uniforms->anchored || !scene_anchor_moves(uniforms->anchored);
     if (added->is_constant) return;
     added->offset_bytes = round_up(uniforms->end_bytes, alignments[added->type]);
     uniforms->end_bytes = added->offset_bytes + sizes_bytes[added->type];
@@ -50,15 +50,15 @@ void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value valu
 }
 
 // A (p + anchor) + shift = A p + (A anchor + shift).
-static void tell_from_anchor(const struct frame_value *value, const struct job *job, double time,
-                             double components[static 9])
+static void make_relative(const struct frame_value *value, const struct job *job, double time,
+                          double components[static 9])
 {
     double anchor[3], linear[9] = {0};
 
     scene_anchor_find(job, time, anchor);
     if (value->evaluate_linear) value->evaluate_linear(value->source, time, linear);
     for (int row = 0; row < 3; ++row)
-        components[row] += value->is_place
+        components[row] += value->is_position
                                ? -anchor[row]
                                : linear[row] * anchor[0] + linear[3 + row] * anchor[1] + linear[6 + row] * anchor[2];
 }
@@ -78,8 +78,7 @@ static void evaluate(const struct frame_uniforms *uniforms, const struct frame_v
         components[0] = moment->sample_index;
         break;
     }
-    if (uniforms->anchored && is_told_from(value))
-        tell_from_anchor(value, uniforms->anchored, moment->time, components);
+    if (uniforms->anchored && is_relative(value)) make_relative(value, uniforms->anchored, moment->time, components);
 }
 
 // Nine digits read back as the same float, so that a constant and a uniform give the same picture.

@@ -40,7 +40,7 @@ struct frame_value {
     enum frame_value_origin origin;
     bool is_constant; // of time 0, or seed and index 0
     frame_value_evaluate *evaluate;
-    bool is_place;                         // in the world, m: the shader has it from the anchor on
+    bool is_position;                      // in the world, m: the shader has it from the anchor on
     frame_value_evaluate *evaluate_linear; // of a shift: the matrix that goes with it, which takes places; else NULL
     const void *source;                    // borrowed from the job, which outlives us
     double min, max;                       // what a component may be at any time

@@ -28,7 +28,7 @@ void gauss_legendre(int count, double *points, double *weights)
         double x = -cos(pi * (i + 0.75) / (count + 0.5)), slope = 1;
 
         // From this start Newton's method doubles its digits; a handful of turns has them all.
-        for (int turn = 0; turn < 8; ++turn)
+        for (int iteration = 0; iteration < 8; ++iteration)
             x -= legendre(count, x, &slope) / slope;
         points[i] = 0.5 + 0.5 * x;
         weights[i] = 1 / ((1 - x * x) * slope * slope);

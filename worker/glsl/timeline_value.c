@@ -55,11 +55,11 @@ struct frame_value timeline_value_time(void)
                                 .meaning = "the frame's time"};
 }
 
-struct frame_value timeline_value_place(const struct timeline *timeline, const char *meaning)
+struct frame_value timeline_value_position(const struct timeline *timeline, const char *meaning)
 {
     struct frame_value value = timeline_value(timeline, FRAME_VALUE_VEC3, value_range_any, meaning);
 
-    value.is_place = true;
+    value.is_position = true;
     return value;
 }
 

@@ -18,7 +18,7 @@ extern const struct value_range value_range_any, value_range_not_negative, value
 struct frame_value timeline_value(const struct timeline *timeline, enum frame_value_type type, struct value_range range,
                                   const char *meaning);
 // The same of a place in the world, m.
-struct frame_value timeline_value_place(const struct timeline *timeline, const char *meaning);
+struct frame_value timeline_value_position(const struct timeline *timeline, const char *meaning);
 // The frame's time: "time_s" in shaders that ask for it.
 struct frame_value timeline_value_time(void);
 // What such a value is: `source` is the timeline; a single number fills three components.

@@ -73,12 +73,12 @@ static size_t find_extents(const struct light_grid *grid, double time,
 }
 
 // The largest dot(p, direction) of all media.
-static double reach_of(const struct media_extent *extents, size_t count, const double direction[3])
+static double support_of(const struct media_extent *extents, size_t count, const double direction[3])
 {
     double reach = -INFINITY;
 
     for (size_t i = 0; i < count; ++i)
-        reach = fmax(reach, media_extent_reach(&extents[i], direction));
+        reach = fmax(reach, media_extent_support(&extents[i], direction));
     return reach;
 }
 
@@ -99,9 +99,9 @@ static void find_middle(const struct media_extent *extents, size_t count, double
         double axis[3] = {0};
 
         axis[i] = 1;
-        middle[i] = reach_of(extents, count, axis);
+        middle[i] = support_of(extents, count, axis);
         axis[i] = -1;
-        middle[i] = 0.5 * (middle[i] - reach_of(extents, count, axis));
+        middle[i] = 0.5 * (middle[i] - support_of(extents, count, axis));
     }
 }
 
@@ -127,8 +127,8 @@ static void find_sun_beam(const struct media_extent *extents, size_t count, cons
         double back[3], at = dot(beam->middle, axes[i]);
 
         negate(axes[i], back);
-        beam->high[i] = reach_of(extents, count, axes[i]) - at;
-        beam->low[i] = -reach_of(extents, count, back) - at;
+        beam->high[i] = support_of(extents, count, axes[i]) - at;
+        beam->low[i] = -support_of(extents, count, back) - at;
     }
 }
 
@@ -155,8 +155,8 @@ static bool find_point_beam(const struct media_extent *extents, size_t count, co
         beam->low[i] *= beam->distance;
     }
     negate(axes[2], back);
-    beam->high[2] = reach_of(extents, count, axes[2]) - dot(beam->middle, axes[2]);
-    beam->low[2] = -reach_of(extents, count, back) - dot(beam->middle, axes[2]);
+    beam->high[2] = support_of(extents, count, axes[2]) - dot(beam->middle, axes[2]);
+    beam->low[2] = -support_of(extents, count, back) - dot(beam->middle, axes[2]);
     return beam->low[2] > -beam->distance * (1 - 1e-3);
 }
 
@@ -298,7 +298,7 @@ void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_g
                                (struct frame_value){.type = values[i].type,
                                                     .is_constant = grid->is_still,
                                                     .evaluate = values[i].evaluate,
-                                                    .is_place = values[i].evaluate == evaluate_center,
+                                                    .is_position = values[i].evaluate == evaluate_center,
                                                     .source = grid,
                                                     .min = value_range_any.min,
                                                     .max = value_range_any.max,

@@ -23,7 +23,7 @@ static void add_direction(struct frame_uniforms *uniforms, const struct scene_li
 
 void light_kind_add_position(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index)
 {
-    frame_uniforms_add(uniforms, timeline_value_place(&light->position, "lights.position"), "light_%zu_position",
+    frame_uniforms_add(uniforms, timeline_value_position(&light->position, "lights.position"), "light_%zu_position",
                        index);
 }
 

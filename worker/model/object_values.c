@@ -20,7 +20,7 @@ static void add_shape(struct frame_uniforms *uniforms, const struct scene_shape 
     const char *place = shape->kind == SCENE_SHAPE_PLANE ? "objects.point" : "objects.center";
     struct frame_value value;
 
-    frame_uniforms_add(uniforms, timeline_value_place(&shape->center, place), "shape_%zu_center", i);
+    frame_uniforms_add(uniforms, timeline_value_position(&shape->center, place), "shape_%zu_center", i);
     switch (shape->kind) {
     case SCENE_SHAPE_SPHERE:
         value = timeline_value(&shape->radius, FRAME_VALUE_FLOAT, value_range_not_negative, "objects.radius");

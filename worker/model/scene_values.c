@@ -100,7 +100,7 @@ static void add_camera(struct frame_uniforms *uniforms, const struct job *job)
                            (struct frame_value){.type = FRAME_VALUE_VEC3,
                                                 .is_constant = i == 0 ? position_is_fixed : view_is_fixed,
                                                 .evaluate = values[i].evaluate,
-                                                .is_place = i == 0,
+                                                .is_position = i == 0,
                                                 .source = job,
                                                 .min = value_range_any.min,
                                                 .max = value_range_any.max,
@@ -140,7 +140,7 @@ static struct frame_value sigma_t_of(const struct scene_medium *medium, const st
 }
 
 // Where a medium is and how dense.
-static void add_place(struct frame_uniforms *uniforms, const struct density_site *site)
+static void add_density(struct frame_uniforms *uniforms, const struct density_site *site)
 {
     density_kind_of(&site->source->density)->add_values(uniforms, site);
     scene_bounds_add_values(uniforms, &site->source->density.bounds, site->medium);
@@ -153,7 +153,7 @@ static void add_medium(struct frame_uniforms *uniforms, const struct scene_model
     const struct density_site site = scene_model_site(model, i);
     const struct scene_medium *medium = site.source;
 
-    add_place(uniforms, &site);
+    add_density(uniforms, &site);
     if (model->features.has_majorants && density_kind_of(&medium->density)->add_majorant)
         density_kind_of(&medium->density)->add_majorant(uniforms, &site);
     if (medium_features_have_column(features))
@@ -250,7 +250,7 @@ static void add_anchor(struct frame_uniforms *uniforms, const struct scene_model
                        "scene_anchor");
 }
 
-void scene_values_add_places(struct frame_uniforms *uniforms, const struct scene_model *model)
+void scene_values_add_densities(struct frame_uniforms *uniforms, const struct scene_model *model)
 {
     uniforms->anchored = model->job;
     if (model->features.takes_time) frame_uniforms_add(uniforms, timeline_value_time(), "time_s");
@@ -258,7 +258,7 @@ void scene_values_add_places(struct frame_uniforms *uniforms, const struct scene
     for (size_t i = 0; i < model->features.medium_count; ++i) {
         const struct density_site site = scene_model_site(model, i);
 
-        if (model->features.media[i].is_seen) add_place(uniforms, &site);
+        if (model->features.media[i].is_seen) add_density(uniforms, &site);
     }
 }
 

@@ -14,4 +14,4 @@ struct scene_model;
 // the sun). The model's job and inputs outlive `uniforms`.
 void scene_values_add(struct frame_uniforms *uniforms, const struct scene_model *model);
 // Of these, time_s where some seen medium takes it, and what the densities and bounds of seen media add.
-void scene_values_add_places(struct frame_uniforms *uniforms, const struct scene_model *model);
+void scene_values_add_densities(struct frame_uniforms *uniforms, const struct scene_model *model);

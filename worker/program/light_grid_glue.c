@@ -147,7 +147,7 @@ static bool make_columns(struct scene_cache *cache, const struct light_grid *gri
     snprintf(cache->name, sizeof cache->name, "light_%zu_marched", grid->light);
     for (size_t k = 0; k < grid->medium_count; ++k)
         cache->reads_files |= marched.inputs && marched.inputs->media[grid->media[k]].source;
-    scene_values_add_places(&cache->uniforms, &marched);
+    scene_values_add_densities(&cache->uniforms, &marched);
     if (grid->kind == LIGHT_GRID_ROUND)
         light_kind_add_position(&cache->uniforms, &grid->job->scene.lights[grid->light], grid->light);
     light_grid_add_values(&cache->uniforms, grid);

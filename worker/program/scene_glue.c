@@ -40,7 +40,7 @@ static void write_light(FILE *out, const struct scene_light *light, size_t i)
             kind->call, i, i, kind->value, kind->takes_point ? ", point" : "");
 }
 
-void scene_glue_write_reach(FILE *out, const struct scene_model *model)
+void scene_glue_write_step_limit(FILE *out, const struct scene_model *model)
 {
     const struct scene *scene = &model->job->scene;
 

@@ -15,7 +15,7 @@ static bool is_seen(const struct medium_features *medium)
 }
 
 // Its field is of places, not of a segment's ends.
-static bool is_placed(const struct medium_features *medium)
+static bool is_pointwise(const struct medium_features *medium)
 {
     return medium->is_seen && !medium->is_tabled;
 }
@@ -188,7 +188,7 @@ static void write_least_outside(FILE *out, const char *target, bool is_first, si
 static void write_field_part(FILE *out, const struct scene_model *model, size_t i)
 {
     const struct density_kind *kind = density_kind_of(&model->job->scene.media[i].density);
-    bool is_first = next(model, is_placed, 0) == i, is_tested = needs_test(model, is_seen, i);
+    bool is_first = next(model, is_pointwise, 0) == i, is_tested = needs_test(model, is_seen, i);
     const char *indent = begin_inside(out, is_tested, i);
     char bound[96];
 
@@ -272,7 +272,7 @@ static void write_ends(FILE *out, const struct scene_model *model, const char *d
 static void write_tables(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";
-    bool is_alone = next(model, is_placed, 0) >= model->features.medium_count;
+    bool is_alone = next(model, is_pointwise, 0) >= model->features.medium_count;
 
     fprintf(out, "const float MEDIA_CLEAR_END = %s;\nconst bool MEDIA_ARE_LIT = %s;\n", is_alone ? "FAR_AWAY" : "0.0",
             model->features.media_are_lit ? "true" : "false");
@@ -309,7 +309,7 @@ static void write_field(FILE *out, const struct scene_model *model)
     fputs(" float distance; };\nMediaField media_field(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n"
           "    MediaField field;\n",
           out);
-    if (next(model, is_placed, 0) >= model->features.medium_count) fputs("    field.distance = FAR_AWAY;\n", out);
+    if (next(model, is_pointwise, 0) >= model->features.medium_count) fputs("    field.distance = FAR_AWAY;\n", out);
     FOR_EACH_MEDIUM (model, is_seen) {
         if (model->features.media[i].is_tabled)
             write_tabled_part(out, model, i);

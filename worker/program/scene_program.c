@@ -178,7 +178,7 @@ static void add_integrator(struct assembly *assembly)
     scene_glue_write_gather(generate(assembly), assembly->model);
     if (assembly->model->features.marches) add_slices(assembly);
     if (assembly->model->features.marches && !assembly->model->features.is_tracked)
-        scene_glue_write_reach(generate(assembly), assembly->model);
+        scene_glue_write_step_limit(generate(assembly), assembly->model);
     add_module(assembly, integrator_of(assembly->model)->along_rays.module);
 }
 

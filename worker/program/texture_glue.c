@@ -28,7 +28,7 @@ const char *const *texture_glue_modules(const struct job *job, size_t object)
 }
 
 // The expression of where in the image p lies.
-static void write_place(FILE *out, const struct scene_shape *shape, const struct texture_input *input, size_t index)
+static void write_uv(FILE *out, const struct scene_shape *shape, const struct texture_input *input, size_t index)
 {
     double tile[2];
 
@@ -54,7 +54,7 @@ void texture_glue_write(FILE *out, const struct scene_model *model, size_t objec
     fprintf(out, "vec3 object_%zu_texture(vec3 p, int shape)\n{\n    vec2 uv = ", object);
     for (size_t i = source->first_shape + source->shape_count; i-- > source->first_shape;) {
         if (i > source->first_shape) fprintf(out, "shape == %zu ? ", i);
-        write_place(out, &scene->shapes[i], input, i);
+        write_uv(out, &scene->shapes[i], input, i);
         fputs(i > source->first_shape ? "\n            : " : ";\n", out);
     }
     fprintf(out, "    return texture_%s(object_%zu_image, uv);\n}\n", input->source->is_nearest ? "nearest" : "linear",

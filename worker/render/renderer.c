@@ -16,7 +16,7 @@
 #include "worker/scene/camera_view.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
-#include "worker/scene/scene_sight.h"
+#include "worker/scene/scene_visibility.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -241,7 +241,7 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
     if (!open_inputs(renderer, job, frame, &rendered.inputs, fault, error)) goto out;
     memcpy(result->picture_hash, rendered.inputs.picture_hash, sizeof result->picture_hash);
     result->step = rendered.inputs.quality.step;
-    scene_sight_find(job, &rendered.inputs, frame, rendered.inputs.is_unneeded);
+    scene_visibility_find(job, &rendered.inputs, frame, rendered.inputs.is_unneeded);
     ok = render_frame(renderer, &rendered, false, error);
     if (*fault == RENDERER_FAULT_ENDLESS && can_be_sliced(&rendered))
         ok = render_frame(renderer, &rendered, true, error);

@@ -78,6 +78,24 @@ struct media_extent media_extent_of(const struct job *job, const struct scene_in
     return extent;
 }
 
+struct scene_ball media_extent_ball(const struct job *job, const struct scene_inputs *inputs, size_t medium,
+                                    double time)
+{
+    struct media_extent extent = media_extent_of(job, inputs, medium, time);
+    struct scene_ball ball = {.radius = INFINITY}, around_box = {.radius = INFINITY};
+
+    if (extent.has_ball) {
+        memcpy(ball.center, extent.center, sizeof ball.center);
+        ball.radius = extent.radius;
+    }
+    if (!extent.has_box) return ball;
+    for (int axis = 0; axis < 3; ++axis)
+        around_box.center[axis] = 0.5 * (extent.low[axis] + extent.high[axis]);
+    around_box.radius = hypot(hypot(extent.high[0] - around_box.center[0], extent.high[1] - around_box.center[1]),
+                              extent.high[2] - around_box.center[2]);
+    return around_box.radius < ball.radius ? around_box : ball;
+}
+
 bool media_extent_is_still(const struct scene_density *density)
 {
     const struct scene_bounds *bounds = &density->bounds;
@@ -103,7 +121,7 @@ static void find_corner(const struct media_extent *extent, int index, double cor
         corner[i] = index >> i & 1 ? extent->high[i] : extent->low[i];
 }
 
-double media_extent_reach(const struct media_extent *extent, const double direction[static 3])
+double media_extent_support(const struct media_extent *extent, const double direction[static 3])
 {
     double reach = INFINITY, farthest = -INFINITY, corner[3];
 

@@ -151,7 +151,7 @@ bool scene_input_check(const struct scene_input *input, struct error *error)
     return true;
 }
 
-void scene_input_place(const struct scene_input *input, double time, double index_to_world[static 12])
+void scene_input_find_matrix(const struct scene_input *input, double time, double index_to_world[static 12])
 {
     const struct volume *header = &input->header;
     double center[9] = {0};
@@ -176,7 +176,7 @@ void scene_input_box(const struct scene_input *input, double time, double low[st
 {
     double matrix[12], middle[3], half[3];
 
-    scene_input_place(input, time, matrix);
+    scene_input_find_matrix(input, time, matrix);
     for (int axis = 0; axis < 3; ++axis) {
         const int *first = input->bricks ? input->bricks->atlas->voxel_min : NULL;
         double begin = first ? first[axis] - 1.0 : -0.5;

@@ -48,7 +48,7 @@ struct scene_inputs {
     struct brick_store *bricks;                        // borrowed; outlives us. NULL when only described
     struct scene_input media[SCENE_MEDIUM_LIMIT];      // by medium
     struct texture_input textures[SCENE_OBJECT_LIMIT]; // by object
-    bool is_unneeded[SCENE_MEDIUM_LIMIT]; // the frame shows nothing of the medium; scene_sight_find sets it
+    bool is_unneeded[SCENE_MEDIUM_LIMIT]; // the frame shows nothing of the medium; scene_visibility_find sets it
     // The job's quality with its steps in metres.
     struct job_quality quality;
     // Of all its files; empty when there are none, or when only described.
@@ -75,6 +75,6 @@ double scene_inputs_find_voxel(const struct scene_inputs *inputs);
 // Opens the input's voxels for reading.
 bool scene_input_open_volume(const struct scene_input *input, struct volume **volume, struct error *error);
 // Metres of voxel (i, j, k)'s centre at a time, row-major 3x4, with the grid's middle where the job wants it.
-void scene_input_place(const struct scene_input *input, double time, double index_to_world[static 12]);
+void scene_input_find_matrix(const struct scene_input *input, double time, double index_to_world[static 12]);
 // The smallest box along the world's axes, in metres, outside of which the grid has nothing at that time.
 void scene_input_box(const struct scene_input *input, double time, double low[static 3], double high[static 3]);

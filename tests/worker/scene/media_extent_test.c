@@ -23,10 +23,10 @@ static void reach_is_that_of_what_both_hold(void **state)
     const double oblique[3] = {0.6, 0.8, 0};
 
     (void)state;
-    assert_near(media_extent_reach(&ball, oblique), 0.6 + 1.6 + 0.5, 1e-12);
-    assert_near(media_extent_reach(&box, oblique), 1.8 + 1.6, 1e-12);
-    assert_near(media_extent_reach(&both, oblique), 2, 1e-12);
-    assert_near(media_extent_reach(&both, along), 6, 1e-12);
+    assert_near(media_extent_support(&ball, oblique), 0.6 + 1.6 + 0.5, 1e-12);
+    assert_near(media_extent_support(&box, oblique), 1.8 + 1.6, 1e-12);
+    assert_near(media_extent_support(&both, oblique), 2, 1e-12);
+    assert_near(media_extent_support(&both, along), 6, 1e-12);
 }
 
 static void distances_hold_every_point(void **state)

@@ -215,7 +215,7 @@ static void middle_is_put_where_the_job_wants_it(void **state)
     grid->has_center = true;
     grid->center = (struct timeline){.component_count = 3, .value = {1, 2, 3}};
     assert_true(scene_inputs_open(&inputs, &job, 0, NULL, NULL, NULL));
-    scene_input_place(&inputs.media[0], 0, matrix);
+    scene_input_find_matrix(&inputs.media[0], 0, matrix);
     for (int row = 0; row < 3; row++) {
         double middle = matrix[4 * row + 3];
 

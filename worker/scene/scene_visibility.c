@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/scene/scene_sight.h"
+#include "worker/scene/scene_visibility.h"
 
 #include "worker/scene/camera_view.h"
 #include "worker/scene/media_extent.h"
@@ -16,25 +16,10 @@ static double distance_of(const double a[3], const double b[3])
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
-struct scene_ball scene_sight_ball(const struct job *job, const struct scene_inputs *inputs, size_t medium, double time)
-{
-    struct media_extent extent = media_extent_of(job, inputs, medium, time);
-    struct scene_ball ball = {.radius = INFINITY}, around_box = {.radius = INFINITY};
-
-    if (extent.has_ball) {
-        memcpy(ball.center, extent.center, sizeof ball.center);
-        ball.radius = extent.radius;
-    }
-    if (!extent.has_box) return ball;
-    for (int axis = 0; axis < 3; ++axis)
-        around_box.center[axis] = 0.5 * (extent.low[axis] + extent.high[axis]);
-    around_box.radius = distance_of(around_box.center, extent.high);
-    return around_box.radius < ball.radius ? around_box : ball;
-}
-
 // Whether some camera ray comes within the ball where media are gathered: rays fill no more than the cone around the image's
 // corners.
-static bool is_passed(const struct scene_ball *ball, const struct camera_view *view, const struct scene_camera *camera)
+static bool meets_camera_ray(const struct scene_ball *ball, const struct camera_view *view,
+                             const struct scene_camera *camera)
 {
     double reach = ball->radius * (1.0 + MARGIN), distance = distance_of(ball->center, view->position), ahead = 0.0;
     double corner = atan(hypot(view->half_width, view->half_height));
@@ -48,7 +33,7 @@ static bool is_passed(const struct scene_ball *ball, const struct camera_view *v
 }
 
 // From `from` along `way`, to its end or, where it is a direction, for ever.
-static double distance_to_way(const double point[3], const double from[3], const double way[3], bool has_end)
+static double distance_to_ray(const double point[3], const double from[3], const double way[3], bool has_end)
 {
     double along = 0.0, square = 0.0, at, nearest[3];
 
@@ -64,8 +49,8 @@ static double distance_to_way(const double point[3], const double from[3], const
 }
 
 // Whether light may meet the ball on its way to somewhere in `lit`.
-static bool is_on_the_way(const struct scene_ball *ball, const struct scene_ball *lit, const struct scene_light *light,
-                          double time)
+static bool meets_shadow_ray(const struct scene_ball *ball, const struct scene_ball *lit,
+                             const struct scene_light *light, double time)
 {
     bool is_point = light->kind == SCENE_LIGHT_POINT;
     double way[3], reach = (ball->radius + lit->radius) * (1.0 + MARGIN);
@@ -75,7 +60,7 @@ static bool is_on_the_way(const struct scene_ball *ball, const struct scene_ball
     for (int axis = 0; axis < 3; ++axis)
         way[axis] = is_point ? way[axis] - lit->center[axis] : -way[axis];
     reach += MARGIN * 1e-2 * distance_of(ball->center, lit->center);
-    return !(distance_to_way(ball->center, lit->center, way, is_point) > reach);
+    return !(distance_to_ray(ball->center, lit->center, way, is_point) > reach);
 }
 
 static bool is_between(const struct scene *scene, const struct scene_ball *balls, const bool *is_seen, size_t medium,
@@ -83,11 +68,11 @@ static bool is_between(const struct scene *scene, const struct scene_ball *balls
 {
     for (size_t i = 0; i < scene->medium_count; ++i)
         for (size_t k = 0; is_seen[i] && k < scene->light_count; ++k)
-            if (is_on_the_way(&balls[medium], &balls[i], &scene->lights[k], time)) return true;
+            if (meets_shadow_ray(&balls[medium], &balls[i], &scene->lights[k], time)) return true;
     return false;
 }
 
-static void look(const struct job *job, const struct scene_inputs *inputs, double time, bool *is_unneeded)
+static void add_moment(const struct job *job, const struct scene_inputs *inputs, double time, bool *is_unneeded)
 {
     const struct scene *scene = &job->scene;
     struct scene_ball balls[SCENE_MEDIUM_LIMIT];
@@ -96,19 +81,19 @@ static void look(const struct job *job, const struct scene_inputs *inputs, doubl
     bool has_view = camera_view_init(&view, &scene->camera, time, job->width_px, job->height_px, NULL);
 
     for (size_t i = 0; i < scene->medium_count; ++i) {
-        balls[i] = scene_sight_ball(job, inputs, i, time);
-        is_seen[i] = !has_view || is_passed(&balls[i], &view, &scene->camera);
+        balls[i] = media_extent_ball(job, inputs, i, time);
+        is_seen[i] = !has_view || meets_camera_ray(&balls[i], &view, &scene->camera);
     }
     for (size_t i = 0; i < scene->medium_count; ++i)
         if (is_seen[i] || is_between(scene, balls, is_seen, i, time)) is_unneeded[i] = false;
 }
 
-void scene_sight_find(const struct job *job, const struct scene_inputs *inputs, int32_t frame,
-                      bool is_unneeded[static SCENE_MEDIUM_LIMIT])
+void scene_visibility_find(const struct job *job, const struct scene_inputs *inputs, int32_t frame,
+                           bool is_unneeded[static SCENE_MEDIUM_LIMIT])
 {
     for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
         is_unneeded[i] = i < job->scene.medium_count && job->scene.object_count == 0;
     if (job->scene.object_count > 0) return;
     for (int i = 0; i < pixel_samples_count(job); ++i)
-        look(job, inputs, pixel_samples_time(job, frame, i), is_unneeded);
+        add_moment(job, inputs, pixel_samples_time(job, frame, i), is_unneeded);
 }

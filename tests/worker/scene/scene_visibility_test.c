@@ -1,6 +1,6 @@
 // What a frame shows nothing of costs nothing, and nothing else is left out.
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/scene/scene_sight.h"
+#include "worker/scene/scene_visibility.h"
 
 #include "core/base/error.h"
 #include "core/job/job_json.h"
@@ -8,6 +8,7 @@
 #include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/camera_view.h"
+#include "worker/scene/media_extent.h"
 #include "worker/scene/scene_inputs.h"
 
 #include <math.h>
@@ -48,7 +49,7 @@ static char *text_of_frame(const struct job *job, int32_t frame)
 
     scene_files_init(&files);
     if (!scene_inputs_open(&inputs, job, frame, &files, NULL, &error)) fail_msg("%s", error.message);
-    scene_sight_find(job, &inputs, frame, inputs.is_unneeded);
+    scene_visibility_find(job, &inputs, frame, inputs.is_unneeded);
     if (!scene_program_init(&program, job, &inputs, NULL, &error)) fail_msg("%s", error.message);
     text = strdup(program.fragment);
     scene_program_finish(&program);
@@ -196,13 +197,13 @@ static void whatever_is_met_is_kept(void **state)
         bool is_unneeded[SCENE_MEDIUM_LIMIT], is_seen[3] = {false, false, false};
 
         parse_random(&job, &random);
-        scene_sight_find(&job, &inputs, 0, is_unneeded);
+        scene_visibility_find(&job, &inputs, 0, is_unneeded);
         assert_true(camera_view_init(&view, &job.scene.camera, 0, COLUMNS, ROWS, NULL));
         for (size_t i = 0; i < 3; ++i) {
             struct vector eye;
 
             memcpy(eye.at, view.position, sizeof eye.at);
-            balls[i] = scene_sight_ball(&job, &inputs, i, 0);
+            balls[i] = media_extent_ball(&job, &inputs, i, 0);
             for (int k = 0; k < COLUMNS * ROWS; ++k)
                 is_seen[i] |= meets(&balls[i], eye, ray_of(&view, k % COLUMNS, k / COLUMNS), INFINITY);
             if (is_seen[i]) assert_false(is_unneeded[i]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/density/grid_look.h"
+#include "worker/density/grid_lookup.h"
 
 #include "worker/density/affine.h"
 #include "worker/density/transfer_table.h"
@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-bool grid_look_is_zero(const struct scene_density *density)
+bool grid_lookup_is_zero(const struct scene_density *density)
 {
     const struct scene_grid *grid = &density->grid;
 
@@ -18,12 +18,12 @@ bool grid_look_is_zero(const struct scene_density *density)
     return transfer_function_max_opacity(grid->points, grid->point_count, -INFINITY, INFINITY) <= 0;
 }
 
-bool grid_look_has_color(const struct scene_density *density)
+bool grid_lookup_has_color(const struct scene_density *density)
 {
     return density->grid.point_count > 0;
 }
 
-const char *grid_look_sampler_prefix(enum volume_type type)
+const char *grid_lookup_sampler_prefix(enum volume_type type)
 {
     switch (type) {
     case VOLUME_UINT8:
@@ -37,20 +37,20 @@ const char *grid_look_sampler_prefix(enum volume_type type)
     return "";
 }
 
-void grid_look_evaluate_to_voxels(const void *source, double time, double value[static 9])
+void grid_lookup_evaluate_to_voxels(const void *source, double time, double value[static 9])
 {
     double matrix[12], shift[3];
 
-    scene_input_place(source, time, matrix);
+    scene_input_find_matrix(source, time, matrix);
     affine_invert(matrix, value, shift);
 }
 
-bool grid_look_is_still(const struct scene_grid *grid)
+bool grid_lookup_is_still(const struct scene_grid *grid)
 {
     return !grid->has_center || timeline_is_constant(&grid->center);
 }
 
-void grid_look_add_values(struct frame_uniforms *uniforms, const struct density_site *site)
+void grid_lookup_add_values(struct frame_uniforms *uniforms, const struct density_site *site)
 {
     const struct scene_grid *grid = &site->source->density.grid;
 
@@ -65,7 +65,7 @@ void grid_look_add_values(struct frame_uniforms *uniforms, const struct density_
                            "medium_%zu_scale", site->medium);
 }
 
-void grid_look_write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
+void grid_lookup_write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
 {
     char prefix[32];
 
@@ -78,7 +78,7 @@ void grid_look_write_transfer(FILE *out, const struct scene_grid *grid, size_t i
             i, i, i, i);
 }
 
-void grid_look_write_table(FILE *out, const struct scene_grid *grid, size_t i)
+void grid_lookup_write_table(FILE *out, const struct scene_grid *grid, size_t i)
 {
     double first = grid->points[0].value, last = grid->points[grid->point_count - 1].value;
 

@@ -7,11 +7,11 @@
 struct job;
 struct scene_inputs;
 
-struct scene_reach {
+struct scene_extent {
     double near, far; // m, from the camera: media and camera.clip both; far is INFINITY where they do not end
     double length;    // m: across the smallest medium, at most from near to far
     double voxel;     // m: the shortest edge of the finest grid; 0: there is none
 };
 
 // While the frame's shutter is open. `inputs` are the frame's. Where nothing has an end the length is 1.
-struct scene_reach scene_reach_find(const struct job *job, const struct scene_inputs *inputs, int32_t frame);
+struct scene_extent scene_extent_find(const struct job *job, const struct scene_inputs *inputs, int32_t frame);
