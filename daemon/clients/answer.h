@@ -1,4 +1,4 @@
-// An answer that a client gets later: it lives until it is sent, and keeps the client alive.
+// An answer that is sent after its request was handled. It keeps the client alive until then.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@ struct answer;
 struct client;
 struct json_writer;
 
-// The answer to the request `id`, which is copied; empty: none is wanted, and none is sent.
+// The answer to the request `id` (copied). An empty id means that the client wants no answer: nothing is sent.
 struct answer *answer_create(struct client *client, const char *id);
-// Each answer is sent once, which frees it.
+// Each answer is sent exactly once, by one of these, which frees it.
 void answer_send_result(struct answer *answer, const struct json_writer *value);
 void answer_send_error(struct answer *answer, enum message_code code, const char *text);

@@ -13,13 +13,13 @@
 #include <sys/socket.h>
 
 enum {
-    ITERATION_MESSAGE_LIMIT = 64,   // messages of one client in a turn of the loop
-    PENDING_LIMIT = 16,             // answers being made for it
-    FIRST_GROUPS = 64,              // of a peer; there may be more
-    BACKLOG_LIMIT = 1 * 1024 * 1024 // bytes it has not read, above which it is not heard
+    ITERATION_MESSAGE_LIMIT = 64,   // messages of one client in one iteration of the loop
+    PENDING_LIMIT = 16,             // pending answers of one client
+    FIRST_GROUPS = 64,              // room for groups of a peer at first; there may be more
+    BACKLOG_LIMIT = 1 * 1024 * 1024 // bytes the peer has not read, above which its messages wait
 };
 
-static const char no_id[] = "null"; // of an error that belongs to no request
+static const char no_id[] = "null"; // the id of an error that belongs to no request
 
 struct client_write {
     uv_write_t request;
@@ -35,7 +35,7 @@ static void on_shutdown(uv_shutdown_t *request, int status);
 static void on_handle_closed(uv_handle_t *handle);
 static void pump(struct client *client);
 
-// Its further groups, and its primary one, which is not among them unless it is there twice.
+// Supplementary groups of the peer, then its primary group, which SO_PEERGROUPS leaves out.
 static void read_groups(struct client *client, int fd, gid_t primary)
 {
     socklen_t size = FIRST_GROUPS * sizeof(gid_t);
@@ -152,11 +152,11 @@ static void handle_line(struct client *client, const char *line, size_t length)
         client->handlers->on_message(client->handlers->user, client, &message);
     else
         client_send_error(client, message.id[0] ? message.id : no_id, MESSAGE_CODE_INVALID,
-                          "expected a request: the daemon asks nothing");
+                          "expected a request: the daemon sends none");
     message_finish(&message);
 }
 
-// Sends what waits, then closes.
+// Sends what is waiting, then closes.
 static void end(struct client *client)
 {
     set_reading(client, false);
@@ -166,7 +166,7 @@ static void end(struct client *client)
         on_shutdown(&client->shutdown, 0);
 }
 
-// Takes messages while there are any and it may, and settles what to wait for next.
+// Handles messages as far as the limits allow, then decides what to wait for: bytes, the next iteration, or room.
 static void pump(struct client *client)
 {
     struct error error = {0};
@@ -304,6 +304,6 @@ void client_release(struct client *client)
     if (client->open_handles == 0)
         free_if_done(client);
     else if (!client->is_closing)
-        // In the next turn: whoever just answered is still at it, and the next message may be about the same things.
+        // The next message is handled in the next iteration: it may concern what the caller is still changing.
         uv_idle_start(&client->idle, on_idle);
 }

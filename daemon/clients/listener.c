@@ -23,7 +23,7 @@ struct listener {
     struct listener_handlers handlers;
     struct client_handlers client_handlers;
     struct client *clients; // list of those connected
-    char *path;             // owned; NULL: systemd's, not ours to remove
+    char *path;             // owned; NULL: systemd's socket, which stays
     ino_t inode;            // of the socket at `path`
     bool is_stopped, is_closing;
     bool is_pipe_closed;
@@ -59,7 +59,7 @@ static bool check_nobody_answers(const char *path, struct error *error)
     if (!fill_address(&address, path, "", error)) return false;
     if (lstat(path, &status) != 0) return true;
     if (!S_ISSOCK(status.st_mode)) {
-        error_set(error, "socket %s: something that is no socket is there", path);
+        error_set(error, "socket %s: the path exists and is not a socket", path);
         return false;
     }
     fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -69,7 +69,7 @@ static bool check_nobody_answers(const char *path, struct error *error)
     return !answers;
 }
 
-// The folder a service manager would have made.
+// The folder of the socket, which a service manager would have made.
 static void make_parent(const char *path)
 {
     char *folder = xstrdup(path);
@@ -82,7 +82,8 @@ static void make_parent(const char *path)
     free(folder);
 }
 
-// Bound beside its name and renamed, so that nobody meets it with the wrong mode and a stale one is replaced in one step.
+// The socket is bound beside its name and renamed: nobody sees it with the wrong mode, and a stale one is replaced
+// atomically.
 static int make_socket(const char *path, ino_t *inode, struct error *error)
 {
     struct sockaddr_un address;
@@ -107,7 +108,7 @@ fail:
     return -1;
 }
 
-// As many connections as the system lets us have: the soft limit is there for programs that use select().
+// The hard limit of descriptors becomes the soft one, which is low only for programs that use select().
 static void raise_file_limit(void)
 {
     struct rlimit limit;
@@ -137,14 +138,14 @@ struct listener *listener_open(uv_loop_t *loop, const char *path, const struct l
     listener->pipe.data = listener;
     if (uv_pipe_open(&listener->pipe, fd) != 0 ||
         uv_listen((uv_stream_t *)&listener->pipe, WAITING_LIMIT, on_connection) != 0) {
-        error_set(error, "socket %s: cannot be listened on", is_inherited ? "from systemd" : path);
+        error_set(error, "socket %s: cannot listen", is_inherited ? "from systemd" : path);
         listener_close(listener);
         return NULL;
     }
     return listener;
 }
 
-// Nobody takes all descriptors there are. Root and the daemon's own user could end the daemon just as well.
+// No user may take all descriptors. Root and the daemon's own user are exempt: they could kill the daemon anyway.
 static void check_connection_limit(const struct listener *listener, struct client *client)
 {
     int64_t uid = client->peer.uid;

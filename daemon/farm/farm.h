@@ -1,4 +1,4 @@
-// What the daemon's modules share: jobs, their queue, and everything that acts on them.
+// The state that the daemon's modules share: jobs, their queue, and the modules that act on them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,32 +19,32 @@ struct store_reader;
 struct sweeper;
 struct worker_pool;
 
-// All is borrowed from the daemon, which wires it, except the table.
+// All pointers are borrowed from the daemon, which connects the modules.
 struct farm {
     uv_loop_t *loop;
     const struct options *options;
     struct store_reader *reader; // for small reads on the loop
     struct queue *queue;
     struct job_table jobs; // owned
-    struct quota quota;    // owned; what users have
+    struct quota quota;    // owned; what each user has
     struct committer *committer;
     struct publisher *publisher;
     struct sweeper *sweeper;
     struct worker_pool *pool;
     struct events *events;
-    struct output_claim *claims;       // list of files that jobs on their way in write, or deletions remove
-    struct job_delete *deletions;      // list of those under way
-    struct job_retry *waiting_retries; // list of those that wait until their job is swept
+    struct output_claim *claims;       // list: files of jobs being submitted or deleted
+    struct job_delete *deletions;      // list: deletions that are not done
+    struct job_retry *waiting_retries; // list: retries that wait until their job is swept
     int64_t epoch;
     int64_t next_job_id;
     int64_t started_ms; // unix time
     struct rights rights;
-    bool wants_feed; // a worker may take frames: looked into at the end of the loop's turn
+    bool wants_feed; // a worker may take frames: they are assigned at the end of the iteration
 };
 
 int64_t farm_now_ms(const struct farm *farm); // monotonic
 int64_t farm_clock_ms(void);                  // unix time
 void farm_want_feed(struct farm *farm);
 
-// Stores what may change of the job.
+// Stores the part of the job that may change.
 void farm_store_job(struct farm *farm, const struct job_record *record);

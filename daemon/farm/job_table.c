@@ -34,7 +34,7 @@ static uint64_t add_to_hash(uint64_t hash, const char *text, size_t length)
     return hash;
 }
 
-// Of "ROOT/FOLDER", wherever the root ends. Fowler, Noll and Vo's, 1991.
+// Hash of "ROOT/FOLDER", which does not depend on where the root ends. FNV-1a: Fowler, Noll and Vo, 1991.
 static uint64_t hash_folder(const char *root, const char *folder)
 {
     uint64_t hash = UINT64_C(0xcbf29ce484222325);
@@ -140,7 +140,7 @@ struct job_files job_record_files(const struct job_record *record)
     return (struct job_files){record->root, &record->path, &record->queued->frames};
 }
 
-// Walks the range with fewer frames, for each could name a file of the other.
+// Walks the range with fewer frames: each frame may name a file of the other range.
 static bool ranges_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
 {
     bool is_smaller = frame_range_count(files->frames) <= frame_range_count(others->frames);
@@ -167,7 +167,7 @@ static char *folder_below(const char *root, const char *folder)
     return *folder ? xasprintf("%s/%s", root, folder) : xstrdup(root);
 }
 
-// Jobs of an earlier start may have had another root: then the folders are compared in full.
+// Full folders are compared when the roots differ: jobs of an earlier start may have had another root.
 static bool may_collide(const struct job_files *files, const struct job_files *others)
 {
     struct output_path path = *files->path, other = *others->path;

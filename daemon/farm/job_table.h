@@ -1,4 +1,4 @@
-// What the daemon knows of each job beside the states of its frames.
+// The record of each job: everything but the states of its frames, which the queue holds.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,56 +13,57 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Lives until it is deleted and nobody holds it, so that threads may read what never changes: id, root and path.
+// A record lives until it is removed from the table and nobody holds it. Threads may read what never changes: id, root,
+// path.
 struct job_record {
     int64_t id;
     struct queue_job *queued; // borrowed from the queue
     char *name, *owner;       // owned
     int64_t owner_uid;
-    char *root;                                    // owned; output root it was accepted under
+    char *root;                                    // owned; output root below which it was accepted
     struct output_path path;                       // owned
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; why it is paused or failed; NULL: none
-    char *code;                                    // owned; the name of a text by the user that it runs; NULL: none
-    int64_t frame_pixels;                          // of one picture
-    int64_t disk_bytes;                            // of its files, as they were published
+    char *code;                                    // owned; the name of GLSL by the user that it runs; NULL: none
+    int64_t frame_pixels;                          // pixels of one frame
+    int64_t disk_bytes;                            // size of its published files
     struct quota_user *user;                       // borrowed from the quota; the owner
-    struct quota_amounts share;                    // what is counted of it
+    struct quota_amounts share;                    // its share of what the owner has
     struct estimate estimate;
     int frames_in_flight;                    // frames that workers hold or that are being published
-    int failed_starts;                       // of its workers, in a row, that ended before they were ready
-    bool is_last_start;                      // others do start: the next of its own that does not is the last
-    int holds;                               // of those who outlive it on the table
+    int failed_starts;                       // consecutive workers for it that ended before they were ready
+    bool is_last_start;                      // workers for other jobs do start: one more failed start pauses the job
+    int holds;                               // users that keep it alive after its removal
     bool is_removed;                         // from the table
-    bool is_deleting;                        // it will be forgotten
-    bool is_retry_waiting;                   // it lives again once it is swept
-    bool is_ending;                          // it ended, and nobody holds a frame of it
-    bool is_sweeping;                        // its leftovers are being removed
-    bool is_swept;                           // they are: finished_ms may be written
-    enum job_state sent_state;               // what subscribers were told last
-    bool is_changed;                         // its counts changed since
-    bool restored_canceled, restored_failed; // while a store is loaded: what its row says
+    bool is_deleting;                        // a deletion is under way
+    bool is_retry_waiting;                   // a retry waits until it is swept
+    bool is_ending;                          // it is over, and no frame of it is in flight
+    bool is_sweeping;                        // its part files are being removed
+    bool is_swept;                           // they are removed: finished_ms may be stored
+    enum job_state sent_state;               // the state in the last event
+    bool is_changed;                         // its counts changed since the last event
+    bool restored_canceled, restored_failed; // while the store is loaded: the flags of its row
 };
 
-// The zero value is empty. Ascending by id.
+// Records by ascending id. The zero value is empty.
 struct job_table {
     struct job_record **records; // owned
-    uint64_t *folder_hashes;     // owned; of where each writes, so that few records are looked at among many
+    uint64_t *folder_hashes;     // owned; a hash of the folder of each record, for fast searches
     size_t count, capacity, hash_capacity;
 };
 
 void job_table_finish(struct job_table *table);
-// An id greater than any before; `root` (owned) and `path` move in.
+// `id` must be greater than any before. `root` (owned) and `path` move into the record.
 struct job_record *job_table_add(struct job_table *table, int64_t id, char *root, struct output_path *path);
-void job_table_remove(struct job_table *table, struct job_record *record);    // freed when nobody holds it
-struct job_record *job_table_find(const struct job_table *table, int64_t id); // NULL: there is none
+void job_table_remove(struct job_table *table, struct job_record *record);    // it is freed when nobody holds it
+struct job_record *job_table_find(const struct job_table *table, int64_t id); // NULL: none
 
-struct log_subject job_record_subject(const struct job_record *record); // job and owner; good as long as the record
+struct log_subject job_record_subject(const struct job_record *record); // job and owner; valid while the record lives
 void job_record_hold(struct job_record *record);
 void job_record_release(struct job_record *record);
 
 void job_record_set_reason(struct job_record *record, const char *reason); // copies; NULL: none
-// An op that stores what may change of the job.
+// An op that stores the part of the job that may change.
 struct store_op job_record_format_op(const struct job_record *record);
 
 // The files a job writes. Borrowed.
@@ -73,12 +74,12 @@ struct job_files {
 };
 
 struct job_files job_record_files(const struct job_record *record);
-// True when they have a file in common; `*frame` is its frame in `files`.
+// True when both write one file; `*frame` is its frame in `files`.
 bool job_files_collide(const struct job_files *files, const struct job_files *others, int32_t *frame);
-// The first job of another user that has files and collides with `files`; NULL: none.
+// The first job of another user with published files that collides with `files`; NULL: none.
 struct job_record *job_table_find_owned_files(const struct job_table *table, const struct job_files *files,
                                               int64_t owner_uid, int32_t *frame);
-// The first other job that is live or about to be, whose frames are still in hand or that is being deleted, and collides with `files`; NULL:
-// none.
+// The first other job that collides with `files` and is not over for good: it is live, is being deleted, has frames in
+// flight or a retry that waits. NULL: none.
 struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
                                             int32_t *frame);

@@ -1,4 +1,4 @@
-// Holds users to what they may have: counts what each job takes, asks before more is taken.
+// Limits of users: counts what each job takes, and checks before a job takes more.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,18 +12,18 @@ struct farm;
 struct job_record;
 struct rights_peer;
 
-// Looks up again who administers, at the start and after a reload.
+// Looks up which users are administrators; called at the start and after a reload.
 void limits_refresh(struct farm *farm);
 // To be called whenever frames of the job changed their states, or its files changed.
 void limits_count_job(struct farm *farm, struct job_record *record);
-void limits_forget_job(struct job_record *record); // it is known no more
+void limits_forget_job(struct job_record *record); // the job is removed
 
-// The owner of a job that is being submitted, as this connection shows them.
+// The owner of a job that is being submitted, with the rights of this connection.
 struct quota_user *limits_find_peer(struct farm *farm, const struct rights_peer *peer, const char *name);
 bool limits_check_submit(const struct farm *farm, const struct quota_user *user, const struct quota_amounts *job,
                          struct error *error);
-// Before `frames` of the job are queued again. Who administers is not refused for how much the owner has to render.
+// To be called before `frames` of the job are queued again. `by_admin` checks the owner's disk limit only.
 bool limits_check_retry(const struct farm *farm, const struct job_record *record, int64_t frames, bool by_admin,
                         struct error *error);
-// Before the job goes on: it would pause again with its next file.
+// To be called before a paused job goes on: over this limit it would pause again with its next file.
 bool limits_check_disk(const struct farm *farm, const struct job_record *record, struct error *error);

@@ -16,18 +16,18 @@ enum { SUBSCRIPTIONS_LIMIT = 64, INTERVAL_MS = 250, SUBSCRIBER_BACKLOG_LIMIT = 1
 
 struct subscription {
     struct client *client; // borrowed; events_forget comes before it is freed
-    int64_t job;           // 0: all
+    int64_t job;           // 0: all jobs
     bool wants_frames;
 };
 
 struct events {
     struct farm *farm;                  // borrowed; outlives us
-    uv_timer_t timer;                   // active while a job's counts have changed and were not told
+    uv_timer_t timer;                   // active while changed counts wait to be sent
     struct subscription *subscriptions; // owned
     size_t count, capacity;
     struct job_record **changed; // owned; records with is_changed
     size_t changed_count, changed_capacity;
-    struct json_writer writer; // scratch
+    struct json_writer writer; // reused for each event
 };
 
 static void on_interval(uv_timer_t *timer);
@@ -89,7 +89,7 @@ static struct json_writer *begin_event(struct events *events, const char *type)
     return &events->writer;
 }
 
-// `job` 0: to all. A client is closed later by its own callback, so the list stays as it is meanwhile.
+// `job` 0: to all subscribers. client_close only begins the end of a client, so the list does not change here.
 static void end_event(struct events *events, int64_t job, bool is_frame)
 {
     json_write_end_object(&events->writer);

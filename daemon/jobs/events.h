@@ -1,4 +1,4 @@
-// Tells subscribers what happens; who does not read is disconnected.
+// Sends events to subscribers. A client that does not read its events is disconnected.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,13 +16,13 @@ struct events *events_create(struct farm *farm);
 void events_close(struct events *events);
 void events_destroy(struct events *events); // after the loop closed its handles; accepts NULL
 
-// `job` 0: all. False when the client has too many subscriptions already.
+// `job` 0: all jobs. False when the client has too many subscriptions.
 bool events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames);
-void events_forget(struct events *events, const struct client *client); // it is gone
+void events_forget(struct events *events, const struct client *client); // removes its subscriptions
 
 void events_note_job(struct events *events,
-                     struct job_record *record); // a change of state at once, counts 4 times a second
-void events_send_deleted(struct events *events, struct job_record *record); // the last that is heard of it
+                     struct job_record *record); // sends a change of state at once, counts at most every 250 ms
+void events_send_deleted(struct events *events, struct job_record *record); // its last event
 void events_send_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
                        const char *error); // NULL: none
 void events_send_worker(struct events *events, int slot_index);

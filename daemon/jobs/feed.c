@@ -78,13 +78,13 @@ static void assign(struct farm *farm, struct worker_process *worker, const struc
     } else {
         for (size_t i = 0; i < count; i++)
             queue_return(farm->queue, &tickets[i]);
-        job_life_hold(farm, record, error.message); // it cannot go on without its document, but others can
+        job_life_hold(farm, record, error.message); // the job cannot go on without its document; other jobs can
     }
     json_writer_finish(&writer);
     job_life_note_change(farm, record);
 }
 
-// Splits what the worker has to render into frames of the job and the time that the others take.
+// Splits the frames that the worker has not rendered into a count for `job` and the time that the others take.
 static void add_load(struct farm *farm, const struct in_flight *in_flight, int64_t job, struct dispatch_load *load)
 {
     int64_t other_job = 0;
@@ -108,7 +108,7 @@ static void add_load(struct farm *farm, const struct in_flight *in_flight, int64
     }
 }
 
-// Returns false when the worker has enough, or there is nothing to give.
+// False when the worker has enough frames, or none can be assigned.
 static bool feed_worker(struct farm *farm, struct worker_process *worker, int workers)
 {
     struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];

@@ -1,4 +1,4 @@
-// Gives frames to the workers that have their hands free.
+// Assigns frames to the workers that can take some.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

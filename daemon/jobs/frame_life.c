@@ -21,14 +21,14 @@
 
 enum { EXIT_AFTER_FAULT_MS = 10000 };
 
-// An attempt that did not make its frame.
+// A failed attempt.
 struct attempt_end {
     struct job_record *record;
     struct queue_ticket ticket;
     enum retry_fault fault;
     bool is_started;
-    bool is_lost; // the worker went with it
-    bool has_row; // a publish intent is in the store
+    bool is_lost; // the worker is gone
+    bool has_row; // the store holds a publish intent for it
     int worker;
     const char *error;
     const char *log;
@@ -101,7 +101,7 @@ static bool is_hopeless(const struct queue_job *queued)
                               queued->counts[FRAME_SUCCEEDED] + queued->counts[FRAME_SKIPPED]);
 }
 
-// The ticket owns its frame.
+// The ticket must own its frame.
 static void end_attempt(struct farm *farm, const struct attempt_end *end)
 {
     int tries = end->record->queued->states[end->ticket.index].tries;
@@ -126,7 +126,7 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
         pause_job(farm, end);
         break;
     }
-    // A frame of a job that was canceled meanwhile is canceled, which takes no row.
+    // A frame of a job that was canceled in the meantime is canceled, which needs no row.
     state = (enum frame_state)end->record->queued->states[end->ticket.index].state;
     if (state == FRAME_FAILED)
         store_failed_frame(farm, end);
@@ -147,7 +147,7 @@ static void release_frame(struct job_record *record, struct worker_process *work
     record->frames_in_flight--;
 }
 
-// Since it began, or since the worker's answer before when it came without a beginning.
+// Seconds since the worker's previous answer, or since it got this frame when it had none.
 static double frame_seconds(struct worker_process *worker)
 {
     uint64_t now_ns = uv_hrtime();
@@ -213,7 +213,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
                               .error = error,
                               .log = log};
 
-    // They are shown to others, whose terminals must not obey them.
+    // Other users see these texts: control characters must not reach their terminals.
     log_disarm(error);
     log_disarm(log);
     if (report->fault == RETRY_FAULT_WORKER)
@@ -259,12 +259,12 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         release_frame(record, worker, frame);
         break;
     }
-    if (worker->in_flight.count == 0) worker_process_forget_log(worker); // it is nobody else's
+    if (worker->in_flight.count == 0) worker_process_forget_log(worker); // no frame is left that it could belong to
     farm_want_feed(farm);
     job_life_note_change(farm, record);
 }
 
-// Of what a worker held that was killed for a frame that did not end, only that frame is to blame.
+// True for the frame that a killed worker was rendering, when a clock killed it over code of the user.
 static bool is_suspect(const struct worker_process *worker, const struct in_flight_frame *frame)
 {
     return worker->suspect_code && frame->is_started && !frame->is_rendered;

@@ -1,4 +1,4 @@
-// What becomes of a frame after a worker answered for it, died with it, or its file was published.
+// What follows for a frame after a report of its worker, the end of its worker, or the publishing of its file.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,8 +7,9 @@ struct publish_request;
 struct worker_process;
 struct worker_report;
 
-// `report` is about a frame.
+// `report` must be about a frame.
 void frame_life_note_report(struct farm *farm, struct worker_process *worker, const struct worker_report *report);
-// The worker is gone: what it held is tried again, or failed when it had its attempts.
+// The worker is gone: its frames are queued again, or failed when they have no attempts left.
 void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, const char *reason);
-void frame_life_on_published(void *user, const struct publish_request *request); // the publisher's; `user` is the farm
+void frame_life_on_published(void *user,
+                             const struct publish_request *request); // callback of the publisher; `user` is the farm

@@ -19,7 +19,7 @@ struct job_retry {
     struct farm *farm;         // borrowed; outlives us
     struct job_record *record; // borrowed; outlives us
     unsigned states;
-    struct frame_range range; // owned; empty: all
+    struct frame_range range; // owned; empty: all frames
     struct answer *answer;    // owned
     bool by_admin;
     int64_t retried;
@@ -101,7 +101,7 @@ static void on_retry_committed(void *user, bool ok, const struct error *error)
     finish_retry(retry);
 }
 
-// The ascending `indices` without the ascending `others`, in place.
+// Removes `others` from `indices` in place; both ascend. Returns the new count.
 static size_t subtract(int32_t *indices, size_t count, const int32_t *others, size_t other_count)
 {
     size_t kept = 0, other = 0;
@@ -114,7 +114,7 @@ static size_t subtract(int32_t *indices, size_t count, const int32_t *others, si
     return kept;
 }
 
-// Frames that have no row because the whole job was canceled or failed keep their state when the job lives again.
+// STORE_MARK_FRAMES for the frames that a retry leaves as they are: a canceled or failed job has no rows for them.
 static void add_mark(const struct queue_job *queued, enum frame_state state, const struct store_op *reset,
                      struct store_op *op)
 {
@@ -134,7 +134,7 @@ static void revive(struct job_record *record)
     if (!record->queued->is_paused) job_record_set_reason(record, NULL);
 }
 
-// Files of frames that are to be rendered again are counted anew when they are there again.
+// Files of frames that are rendered again leave the disk count, which they join again when they are published.
 static void uncount_files(struct farm *farm, struct job_record *record, const int32_t *indices, size_t count)
 {
     const struct queue_frame *states = record->queued->states;

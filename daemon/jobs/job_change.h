@@ -1,4 +1,4 @@
-// What a client may do to a job it submitted: pause, resume, cancel, retry, give another priority.
+// Changes that a client asks for: pause, resume, cancel, retry, priority.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,21 +8,21 @@ struct answer;
 struct farm;
 struct job_record;
 
-// Each changes the job at once; the caller stores it. `user` is who asks.
+// Each changes the job at once; the caller stores it. `user` names the client.
 void job_change_pause(struct farm *farm, struct job_record *record, const char *user);
 void job_change_resume(struct farm *farm, struct job_record *record);
 void job_change_cancel(struct farm *farm, struct job_record *record, const char *user);
 void job_change_set_priority(struct farm *farm, struct job_record *record, int priority);
 
-// Which frames to queue again.
+// The frames to queue again.
 struct job_retry_params {
-    unsigned states;          // bits
-    struct frame_range range; // moves in; empty: all
-    bool by_admin;            // who asks has no limits
+    unsigned states;          // bits 1 << enum frame_state
+    struct frame_range range; // moves in; empty: all frames
+    bool by_admin;            // the client is an administrator, whom no limits hold
     struct answer *answer;    // owned
 };
 
-// Queues them, commits that, and sends the answer, which is a refusal when the owner would have too much. A job whose
-// leftovers are being removed is retried when that is done.
+// Queues the frames, commits that, and sends the answer: an error when the owner would exceed a limit. A job that is
+// being swept is retried after that.
 void job_change_retry(struct farm *farm, struct job_record *record, const struct job_retry_params *params);
-void job_change_retry_waiting(struct farm *farm, struct job_record *record); // its leftovers are removed
+void job_change_retry_waiting(struct farm *farm, struct job_record *record); // to be called when the job is swept

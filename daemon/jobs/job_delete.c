@@ -19,14 +19,14 @@
 
 struct job_delete {
     struct farm *farm;         // borrowed; outlives us
-    struct job_record *record; // borrowed; ours to remove
+    struct job_record *record; // borrowed until it is removed here
     struct answer *answer;     // owned
     uv_work_t work;
     bool with_files, has_begun;
     struct file_remover remover;
     bool ok;
     struct error error;
-    struct output_claim claim; // of its files, if they go too
+    struct output_claim claim; // of its files, with `with_files`
     struct job_delete *next;   // on the farm's list of deletions
 };
 
@@ -87,7 +87,7 @@ static void end(struct job_delete *deletion)
     job_delete_go_on(farm);
 }
 
-// The job stays as it is, but for files that are gone.
+// The job stays, without the files that were removed.
 static void give_up(struct job_delete *deletion, enum message_code code, const struct error *error)
 {
     struct job_record *record = deletion->record;
@@ -121,7 +121,7 @@ static bool is_used(const struct farm *farm, const struct job_record *record)
     return output_claims_use_folder(farm, &files);
 }
 
-// What rows say of the last files is on disk.
+// The rows of all published files are on disk.
 static void on_flushed(void *user, bool ok, const struct error *error)
 {
     struct job_delete *deletion = user;

@@ -1,4 +1,4 @@
-// Makes the daemon forget a job that is over, and removes its files if that is asked for.
+// Deletes a job that is over, with its files where the client asks for it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@ struct answer;
 struct farm;
 struct job_record;
 
-// The answer comes when the store knows the job no more, or could not. One at a time is worked on; a job whose leftovers
-// are still being removed waits for that. The job must be over, and neither being deleted nor about to live again.
+// The answer is sent when the deletion is committed, or failed. One deletion is worked on at a time, and only after its
+// job is swept. The job must be over, without another deletion or a waiting retry.
 void job_delete_start(struct farm *farm, struct job_record *record, bool with_files, struct answer *answer);
-void job_delete_go_on(struct farm *farm); // a job's leftovers are removed
+void job_delete_go_on(struct farm *farm); // to be called when a job is swept

@@ -11,7 +11,7 @@
 
 #include <stdlib.h>
 
-// Its end is stored only after its leftovers are gone, so that a restart removes what a crash left.
+// The end of the job is stored after it is swept, so that a restart sweeps it again after a crash.
 static void end_job(struct farm *farm, struct job_record *record)
 {
     struct log_subject subject = job_record_subject(record);
@@ -76,6 +76,6 @@ void job_life_refuse(struct farm *farm, struct job_record *record, bool is_job_f
         job_life_fail(farm, record, why);
     else
         job_life_hold(farm, record, why);
-    farm_want_feed(farm); // workers may have left its frames to the one that was started for it
+    farm_want_feed(farm); // other workers may have left its frames to the one that did not start
     job_life_note_change(farm, record);
 }

@@ -45,7 +45,7 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
     next = queue_next_job(farm->queue);
     if (next && next != record->queued)
         return xasprintf("waits behind job %lld (priority %d)", (long long)next->id, next->priority);
-    return xstrdup("waits for a worker that has its hands free");
+    return xstrdup("waits for a free worker");
 }
 
 char *job_view_format_reason(const struct farm *farm, const struct job_record *record)

@@ -21,7 +21,7 @@ struct removal {
     int folder_fd;
 };
 
-// By inode and size, as it was published, and not written to since: the file of a later job may have got the same inode.
+// Compares inode, size and time: the file of a later job may have got the same inode.
 static bool is_published(const struct stat *status, const struct store_frame *row, int64_t finished_ms)
 {
     int64_t written_ms = (int64_t)status->st_mtim.tv_sec * 1000 + status->st_mtim.tv_nsec / 1000000;
@@ -63,7 +63,7 @@ static bool remove_files(struct file_remover *remover, int folder_fd, struct err
     return ok && publish_sync(folder_fd, error);
 }
 
-// The root itself stays, and whatever is not empty.
+// Removes the folder when it is empty; the root itself stays.
 static void remove_folder(const struct file_remover *remover)
 {
     const char *folder = remover->path->folder, *slash = strrchr(folder, '/');

@@ -23,13 +23,13 @@ struct publisher {
     publisher_on_done *on_done;
     void *user; // borrowed
     uv_work_t work;
-    struct publish_list intended;  // on disk, to be renamed next
-    struct publish_list in_flight; // the working thread's
-    size_t uncommitted;            // whose intent is on its way to the disk
+    struct publish_list intended;  // intents on disk, to be renamed next
+    struct publish_list in_flight; // used by the working thread
+    size_t uncommitted;            // requests whose intent is being committed
     bool is_working;
 };
 
-// Carries the publisher beside the request while the intent is committed.
+// The publisher and the request while the intent is committed.
 struct publish_intent {
     struct publisher *publisher;
     struct publish_request *request;
@@ -146,7 +146,7 @@ static void rename_part(struct publish_request *request, int folder)
     if (!publish_file(folder, part, name, &request->file, &request->error)) request->outcome = PUBLISH_OUTCOME_BAD_FILE;
 }
 
-// All of one job, whose files share a folder.
+// `requests` are of one job, whose files share a folder.
 static void publish_group(struct publish_request **requests, size_t count)
 {
     const struct job_record *record = requests[0]->record;

@@ -1,4 +1,4 @@
-// Gives finished files their names: intent on disk first, then renames in batches off the loop, a sync a folder.
+// Publishes finished files: commits the intent, then renames in batches off the loop, with one sync per folder.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,16 +19,16 @@ struct publisher;
 
 enum publish_outcome {
     PUBLISH_OUTCOME_DONE,
-    PUBLISH_OUTCOME_BAD_FILE,  // the part is not what the worker said
-    PUBLISH_OUTCOME_BAD_FOLDER // it cannot be opened or synced: every frame would meet it
+    PUBLISH_OUTCOME_BAD_FILE,  // the part file differs from the report of the worker
+    PUBLISH_OUTCOME_BAD_FOLDER // the folder cannot be opened or synced: every frame would fail
 };
 
-// One frame to publish, and what became of it.
+// One frame to publish, and the outcome.
 struct publish_request {
     struct job_record *record; // borrowed; outlives us
     struct queue_ticket ticket;
-    int worker;    // that made it
-    int64_t epoch; // whose part file it is
+    int worker;    // id of the worker that rendered it
+    int64_t epoch; // of the part file
     struct published_file file;
     double render_s, encode_s;
     struct frame_accuracy accuracy;
@@ -36,7 +36,7 @@ struct publish_request {
     struct error error;
 };
 
-// Called on the loop once the file has its name, durably, or will not have it. The result is the callee's to commit.
+// Called on the loop when the file is published on disk, or cannot be. The callee commits the result.
 typedef void publisher_on_done(void *user, const struct publish_request *request);
 
 struct publisher *publisher_create(uv_loop_t *loop, struct committer *committer, publisher_on_done *on_done,
@@ -45,5 +45,5 @@ void publisher_destroy(struct publisher *publisher);                            
 void publisher_put(struct publisher *publisher, const struct publish_request *request); // copies
 bool publisher_is_idle(const struct publisher *publisher);
 
-// The frame's row for the store, in the given state.
+// An op that stores the frame's row in the given state.
 struct store_op publish_request_format_op(const struct publish_request *request, enum frame_state state);

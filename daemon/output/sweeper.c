@@ -15,7 +15,7 @@
 
 struct sweep_task {
     struct job_record *record;   // borrowed; outlives us
-    char part[OUTPUT_NAME_SIZE]; // empty: all parts of the job
+    char part[OUTPUT_NAME_SIZE]; // empty: all part files of the job
     struct sweep_task *next;     // on the sweeper's queue
 };
 
@@ -24,7 +24,7 @@ struct sweeper {
     sweeper_on_done *on_swept;
     void *user; // borrowed
     uv_work_t work;
-    struct sweep_task *first, *last; // waiting; the working thread has `in_flight`
+    struct sweep_task *first, *last; // waiting tasks; the working thread uses `in_flight`
     struct sweep_task *in_flight;
 };
 
@@ -92,7 +92,7 @@ static void start_next(struct sweeper *sweeper)
     uv_queue_work(sweeper->loop, &sweeper->work, on_sweep_run, on_sweep_done);
 }
 
-// Cuts ".<digits>" off the end of `name`; -1 when it does not end so.
+// Cuts ".<digits>" off the end of `name` and returns the number; -1: `name` ends otherwise.
 static int64_t cut_number(char *name)
 {
     char *dot = strrchr(name, '.');

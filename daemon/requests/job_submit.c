@@ -25,7 +25,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// A job on its way in.
+// A job between its request and its commit.
 struct job_submit {
     struct farm *farm;     // borrowed; outlives us
     struct answer *answer; // owned
@@ -34,10 +34,10 @@ struct job_submit {
     struct frame_range frames; // owned
     struct output_path path;   // owned
     struct job_inputs inputs;  // owned
-    char *code;                // owned; as in the job's record
+    char *code;                // owned; as in struct job_record
     int64_t frame_pixels;
     struct quota_user *user;    // borrowed; the owner
-    struct quota_amounts share; // what is counted of it on its way
+    struct quota_amounts share; // its share of what the owner has, until the record has one
     int failure;                // enum message_code of `error`; 0: none
     struct error error;
     struct output_claim claim; // of its files
@@ -82,7 +82,7 @@ static bool fail_collision(struct request *request, const struct output_path *pa
     return false;
 }
 
-// A picture that is done is its owner's as well as the job.
+// Published files belong to the owner of their job: only the owner and administrators may replace them.
 static bool check_owners(struct request *request, const struct job_files *files)
 {
     const struct rights_peer *peer = &request->client->peer;
@@ -94,8 +94,8 @@ static bool check_owners(struct request *request, const struct job_files *files)
     record = job_table_find_owned_files(&request->farm->jobs, files, peer->uid, &frame);
     if (!record) return true;
     output_path_format_name(files->path, frame, file);
-    request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "output.path: %s is of job %lld of %s", file, (long long)record->id,
-                 record->owner);
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "output.path: %s belongs to job %lld of %s", file,
+                 (long long)record->id, record->owner);
     return false;
 }
 
@@ -121,7 +121,8 @@ static bool check_collisions(struct request *request, const struct job *job, con
     return check_owners(request, &files);
 }
 
-// The root that the output goes below: the first, or the one that an absolute path names. NULL with the failure filled.
+// The root that the output goes below: the first, or the one that holds an absolute path. NULL, with the failure
+// filled.
 static const char *choose_root(struct request *request, const struct json_node *document)
 {
     const struct path_list *roots = &request->farm->options->output_roots;
@@ -129,7 +130,7 @@ static const char *choose_root(struct request *request, const struct json_node *
     const char *text, *root;
     char list[512];
 
-    // What is no path at all is told by whoever reads the document.
+    // A value that is no path is reported when the document is read.
     if (!json_read_string(&path, &text, NULL) || *text != '/') return roots->paths[0];
     root = path_list_find_root(roots, text);
     if (root) return root;
@@ -146,7 +147,7 @@ static struct quota_amounts job_amounts(const struct job *job)
     return (struct quota_amounts){.jobs = 1, .frames = frames, .pixels = frames * job->width_px * job->height_px};
 }
 
-// Those on their way in count as well.
+// Jobs that are being submitted count as well.
 static bool check_limits(struct request *request, const struct job *job)
 {
     struct farm *farm = request->farm;
@@ -157,7 +158,7 @@ static bool check_limits(struct request *request, const struct job *job)
     return limits_check_submit(farm, user, &amounts, &request->error);
 }
 
-// Takes over what it needs of `job`.
+// Moves the parts that it needs out of `job`.
 static struct job_submit *create_submit(const struct request *request, struct job *job, char *owned_document,
                                         const char *root)
 {
@@ -187,11 +188,11 @@ static bool check_peer(struct request *request)
 {
     if (rights_is_known(&request->client->peer)) return true;
     request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
-                 "the system does not say who you are (user %s): nobody could own the job", request->client->user);
+                 "the system does not say who you are (user %s): the job would have no owner", request->client->user);
     return false;
 }
 
-// Its worker may write to all that is below its folder: of the root itself, that would be everybody's pictures.
+// A worker may write to everything below its job's folder. In the root itself that would be the files of all users.
 static bool check_folder(struct request *request, const struct job *job, const char *root)
 {
     if (*job->output.path.folder || rights_is_admin(&request->farm->rights, &request->client->peer)) return true;

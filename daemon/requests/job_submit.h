@@ -1,4 +1,4 @@
-// Takes a job in: checks it, its folder and whose files it would write, commits it, queues it, answers.
+// Submits a job: checks the document, the limits and the output files, commits the job, queues it, answers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,5 +8,5 @@
 
 struct request;
 
-// False with request's code and error when the document is refused at once; else the answer comes later.
+// False, with the request's code and error filled, when the document is refused at once; else the answer comes later.
 bool job_submit_start(struct request *request, const struct json_node *document, bool paused);

@@ -1,4 +1,4 @@
-// One request while it is handled: who asks, what for, and what its parameters have in common.
+// One request while it is handled, and what several methods need to read it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,30 +17,31 @@ struct json_writer;
 enum request_outcome {
     REQUEST_ANSWERED, // the result is written
     REQUEST_FAILED,   // code and error are filled
-    REQUEST_DEFERRED  // an answer was made with request_defer_answer
+    REQUEST_DEFERRED  // the answer comes later, by request_defer_answer
 };
 
 // One request while it is handled; lives on the stack.
 struct request {
     struct farm *farm;
     struct client *client;
-    const char *id;             // as JSON text; empty: no answer is wanted
+    const char *id;             // as JSON text; empty: the client wants no answer
     struct json_node params;    // may be absent
-    struct json_writer *result; // takes one JSON value
+    struct json_writer *result; // for one JSON value
     enum message_code code;
     struct error error;
 };
 
+// Fills code and error; returns REQUEST_FAILED.
 enum request_outcome request_fail(struct request *request, enum message_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 // Reads params.id; NULL: REQUEST_FAILED, with code and error filled.
 struct job_record *request_find_job(struct request *request);
 bool request_may_change(const struct request *request, const struct job_record *record);
-// As request_find_job, for a job that the client may change.
+// As request_find_job; a job that the client may not change is a failure.
 struct job_record *request_find_own_job(struct request *request);
-// A set of names, as one string or an array of them: bit 1 << index for each. Absent: `fallback`.
+// Reads a set of names, one string or an array of them, as bits 1 << index. Absent: `fallback`.
 bool request_read_set(struct request *request, const char *key, const char *const names[], unsigned fallback,
                       unsigned *set);
 
-// An answer that comes later.
+// The answer is sent later.
 struct answer *request_defer_answer(const struct request *request);

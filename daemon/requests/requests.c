@@ -10,7 +10,7 @@
 static const struct method {
     const char *name;
     enum request_outcome (*handle)(struct request *request);
-    const char *keys[6]; // of its parameters; end in NULL
+    const char *keys[6]; // names of its parameters; end in NULL
 } methods[] = {
     {"daemon.status", requests_daemon_status, {NULL}},
     {"job.submit", requests_job_submit, {"document", "paused", NULL}},

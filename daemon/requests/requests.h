@@ -1,4 +1,4 @@
-// What clients ask of the daemon: finds the method, reads its parameters, answers.
+// Requests of clients: finds the method, checks the names of its parameters, answers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@ struct message;
 
 void requests_handle(struct farm *farm, struct client *client, const struct message *message);
 
-// The methods.
+// The methods of docs/protocol.md.
 enum request_outcome requests_daemon_status(struct request *request);
 enum request_outcome requests_worker_list(struct request *request);
 enum request_outcome requests_events_subscribe(struct request *request);

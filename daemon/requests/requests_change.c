@@ -17,7 +17,7 @@
 
 #include <stdlib.h>
 
-// A change that is answered with the job once it is on disk.
+// A change whose answer, the job, is sent when the change is on disk.
 struct pending_change {
     struct farm *farm;         // borrowed; outlives us
     struct answer *answer;     // owned
@@ -49,7 +49,7 @@ static enum request_outcome commit_change(struct request *request, struct job_re
     return REQUEST_DEFERRED;
 }
 
-// The client's own job that is not over yet, or NULL with the failure filled.
+// A live job that the client may change. NULL, with the failure filled: none.
 static struct job_record *find_live_job(struct request *request)
 {
     struct job_record *record = request_find_own_job(request);
@@ -118,7 +118,7 @@ static bool read_retry_range(struct request *request, struct frame_range *range)
     return false;
 }
 
-// While it was over, another job may have begun to write its files.
+// A job that is over does not protect its files: another job may write them.
 static bool check_files_are_free(struct request *request, const struct job_record *record)
 {
     const struct job_files files = job_record_files(record);
@@ -173,7 +173,8 @@ enum request_outcome requests_job_retry(struct request *request)
         return REQUEST_FAILED;
     if (states & ~allowed)
         return request_fail(request, MESSAGE_CODE_PARAMS,
-                            "params.state: expected failed, canceled, succeeded or skipped: the others are under way");
+                            "params.state: expected failed, canceled, succeeded or skipped: queued and running frames "
+                            "cannot be retried");
     if (!check_files_are_free(request, record) || !read_retry_range(request, &range)) return REQUEST_FAILED;
     job_change_retry(
         request->farm, record,

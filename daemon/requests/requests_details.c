@@ -15,7 +15,7 @@
 
 #include <uv.h>
 
-// What the queue does not keep is read from the store off the loop, by a connection of the task's own.
+// Details of frames and attempts are read from the store off the loop, with a connection per task.
 enum { FRAMES_DEFAULT = 1000, FRAMES_LIMIT = 10000, ATTEMPTS_DEFAULT = 100, RUN_GAP = 16 };
 
 struct listed_frame {
@@ -33,9 +33,9 @@ struct details_task {
     struct job_record *record;   // held: id, root and path never change
     const char *state_folder;    // borrowed; outlives us
     struct listed_frame *frames; // owned; by ascending index
-    size_t frame_count, next;    // next: not written yet
+    size_t frame_count, next;    // next: the first that is not written
     int64_t total;
-    int32_t attempts_of; // frame, or -1
+    int32_t attempts_of; // a frame; -1: all
     int limit;
     struct json_writer value;
     bool ok;
@@ -64,7 +64,7 @@ static void on_flushed(void *user, bool ok, const struct error *error)
     uv_queue_work(task->loop, &task->work, task->run, on_details_done);
 }
 
-// What the queue and the events have told already is on disk, if the store works, before it is read there.
+// The flush brings to disk what clients have seen already, if the store works, before the task reads it.
 static enum request_outcome start_task(struct request *request, struct details_task *task, uv_work_cb run)
 {
     task->answer = request_defer_answer(request);
@@ -180,7 +180,7 @@ static void write_path(const struct details_task *task, const struct listed_fram
     free(full);
 }
 
-// `row` may be NULL. A row of a frame that is under way again says nothing about it.
+// `row` may be NULL. The row of a frame that was queued again is outdated and not used.
 static void write_frame(struct details_task *task, const struct listed_frame *frame, const struct store_frame *row)
 {
     struct json_writer *writer = &task->value;
@@ -206,7 +206,7 @@ static void write_frame(struct details_task *task, const struct listed_frame *fr
     json_write_end_object(writer);
 }
 
-// Writes the frames before the row's that have none, then the row's if it is listed.
+// Writes the listed frames without a row before `row`, then the frame of `row` if it is listed.
 static bool on_frame_row(void *user, const struct store_frame *row, struct error *error)
 {
     struct details_task *task = user;
@@ -218,7 +218,7 @@ static bool on_frame_row(void *user, const struct store_frame *row, struct error
     return true;
 }
 
-// Neighbours are read together; a list with gaps does not read what lies between.
+// Runs of frames are read together. A gap of more than RUN_GAP frames ends a run.
 static bool write_frames(struct details_task *task, struct store_reader *reader)
 {
     size_t first = 0;

@@ -125,7 +125,7 @@ enum request_outcome requests_job_show(struct request *request)
 
     if (!record) return REQUEST_FAILED;
     request->code = MESSAGE_CODE_INTERNAL;
-    // It holds text of files that others may not be allowed to read.
+    // The document holds text of files that other users may not be allowed to read.
     if (request_may_change(request, record) &&
         !store_read_document(request->farm->reader, record->id, &document, &request->error))
         return REQUEST_FAILED;

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #define DEFAULT_OVERHEAD_S 1e-3
-// The farm may cost 1 % in all; handing out frames gets a fifth of it.
+// The share of time that assignments may cost: a fifth of the 1 % that all overhead of the farm may cost.
 #define OVERHEAD_SHARE 0.002
 
 static size_t chunk_for_overhead(double frame_s, double overhead_s)
@@ -26,7 +26,7 @@ size_t dispatch_count(const struct dispatch_load *load)
     if (load->left <= 0) return 0;
     if (load->frame_s > 0)
         chunk = chunk_for_overhead(load->frame_s, load->overhead_s > 0 ? load->overhead_s : DEFAULT_OVERHEAD_S);
-    // Halves of what is left, so that chunks shrink to single frames and all workers end together.
+    // A chunk is at most half of an equal share of what is left, so that chunks shrink and all workers end together.
     share = (load->left + 2 * (int64_t)load->workers - 1) / (2 * (int64_t)load->workers);
     if ((int64_t)chunk > share) chunk = (size_t)share;
     in_flight = (double)load->in_flight;

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-// Keeps a frame that took no measurable time apart from "unknown".
+// A frame of no measurable time counts as this, since 0 means "unknown".
 #define SHORTEST_S 1e-6f
 #define LONGEST_S 1e9
 
@@ -48,7 +48,7 @@ double estimate_median_s(struct estimate *estimate)
 
 double estimate_eta_s(struct estimate *estimate, int64_t left, int workers)
 {
-    int64_t rounds; // the last one takes as long as a full one
+    int64_t rounds; // the last round counts as a full one
 
     if (left <= 0) return 0;
     if (workers < 1 || estimate->count == 0) return -1;

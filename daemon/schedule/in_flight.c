@@ -19,7 +19,7 @@ void in_flight_add(struct in_flight *in_flight, const struct queue_ticket *ticke
     in_flight->frames[in_flight->count++] = (struct in_flight_frame){.ticket = *ticket};
 }
 
-// Answers come in the order the frames were given, so the first is nearly always it.
+// Reports come in the order of assignment, so the first frame matches nearly always.
 struct in_flight_frame *in_flight_find(const struct in_flight *in_flight, int64_t job, int32_t frame, int32_t attempt)
 {
     for (size_t i = 0; i < in_flight->count; i++) {

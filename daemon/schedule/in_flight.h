@@ -1,4 +1,4 @@
-// The frames a worker holds: given to it, begun, rendered and not yet answered for.
+// The frames in flight of one worker: assigned to it, and not finished, skipped, failed or dropped.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,24 +11,24 @@
 struct in_flight_frame {
     struct queue_ticket ticket;
     bool is_started;
-    bool is_rendered; // its picture exists and is being encoded
+    bool is_rendered; // it is rendered and being encoded
 };
 
-// The zero value is empty. In the order they were given.
+// Frames in the order of their assignment. The zero value is empty.
 struct in_flight {
     struct in_flight_frame *frames; // owned
     size_t count, capacity;
-    size_t rendered_count; // of them
+    size_t rendered_count; // count of frames with is_rendered
 };
 
 void in_flight_finish(struct in_flight *in_flight);
 void in_flight_add(struct in_flight *in_flight, const struct queue_ticket *ticket);
-// NULL: it does not hold that attempt. The pointer is good until the hand changes.
+// NULL: that attempt is not in flight. The pointer is valid until a frame is added or removed.
 struct in_flight_frame *in_flight_find(const struct in_flight *in_flight, int64_t job, int32_t frame, int32_t attempt);
 void in_flight_mark_rendered(struct in_flight *in_flight, struct in_flight_frame *frame);
 void in_flight_remove(struct in_flight *in_flight, struct in_flight_frame *frame);
-// The frame that is being rendered, or else would be next; NULL: none. The pointer is good until the hand changes.
+// The frame that is being rendered or is next, else the first being encoded; NULL: none. Valid as above.
 const struct in_flight_frame *in_flight_current(const struct in_flight *in_flight);
-// Its job; 0: none.
+// The job of that frame; 0: none.
 int64_t in_flight_current_job(const struct in_flight *in_flight);
 bool in_flight_has_job(const struct in_flight *in_flight, int64_t job);

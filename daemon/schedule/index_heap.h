@@ -1,4 +1,4 @@
-// A set of indices that gives the smallest first.
+// A binary heap of indices: the smallest is taken first.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,4 +14,4 @@ struct index_heap {
 
 void index_heap_finish(struct index_heap *heap);
 void index_heap_add(struct index_heap *heap, int32_t index);
-bool index_heap_take(struct index_heap *heap, int32_t *index); // false when it is empty
+bool index_heap_take(struct index_heap *heap, int32_t *index); // false when the heap is empty

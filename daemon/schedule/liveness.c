@@ -71,11 +71,11 @@ void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms)
 {
     if (is_busy && !liveness->is_busy) liveness->last_progress_ms = now_ms;
     liveness->is_busy = is_busy;
-    // What it rendered may have been dropped.
+    // A dropped frame ends without a message of its own.
     if (!is_busy) liveness->is_rendering = false;
 }
 
-// A caller that comes later than half a heartbeat was held up itself.
+// A call that comes more than half a heartbeat after the one before shows that the caller itself was delayed.
 static void forgive_own_delay(struct liveness *liveness, int64_t now_ms)
 {
     int64_t gap_ms = now_ms - liveness->checked_ms;

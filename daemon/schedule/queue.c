@@ -19,8 +19,8 @@ struct queue {
     int max_attempts;
     int64_t counts[FRAME_STATE_COUNT];
     struct queue_job *first;
-    struct queue_job *first_ready;                // no job before it has a frame to take; NULL: none has
-    struct queue_job *last[QUEUE_PRIORITY_LIMIT]; // of each priority, the one with the highest id
+    struct queue_job *first_ready;                // no job before it has a frame to take; NULL: no job has one
+    struct queue_job *last[QUEUE_PRIORITY_LIMIT]; // per priority: the job with the highest id
     struct queue_slot *slots;                     // owned; by ascending id
     size_t slot_count, slot_capacity;
 };
@@ -67,7 +67,7 @@ void queue_destroy(struct queue *queue)
     free(queue);
 }
 
-// Where the id is, or would be.
+// The index of the id, or where to insert it.
 static size_t find_slot(const struct queue *queue, int64_t id)
 {
     size_t low = 0;
@@ -183,7 +183,7 @@ void queue_remove_job(struct queue *queue, struct queue_job *job)
     destroy_job(job);
 }
 
-// Every change of a frame's state goes through here, so that the counts always add up.
+// Every change of a frame's state is made here, so that the counts are always right.
 static void set_state(struct queue_job *job, int64_t index, enum frame_state state)
 {
     struct queue_frame *frame = &job->states[index];
@@ -235,7 +235,7 @@ struct queue_job *queue_next_job(struct queue *queue)
     return queue->first_ready;
 }
 
-// The job has a queued frame.
+// The job must have a queued frame.
 static int32_t take_index(struct queue_job *job)
 {
     int32_t index;
@@ -279,7 +279,7 @@ bool queue_ticket_for(const struct queue *queue, int64_t job_id, int32_t frame, 
     return true;
 }
 
-// The ticket's job when it owns its frame, else NULL.
+// The ticket's job if the ticket owns its frame, else NULL.
 static struct queue_job *find_owned(const struct queue *queue, const struct queue_ticket *ticket)
 {
     struct queue_job *job = queue_find_job(queue, ticket->job);
@@ -323,7 +323,7 @@ bool queue_skip(struct queue *queue, const struct queue_ticket *ticket)
     return finish_frame(queue, ticket, FRAME_SKIPPED);
 }
 
-// What ends without success in a job that is over shares the job's end. Returns whether the frame is queued.
+// Queues the frame again; in a job that is canceled or failed it becomes that. Returns whether it is queued.
 static bool requeue(struct queue_job *job, int32_t index)
 {
     if (job->is_canceled || job->is_failed) {
@@ -450,7 +450,7 @@ int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states,
     job->is_canceled = false;
     job->is_failed = false;
     job->has_started = job->counts[FRAME_QUEUED] < job->frame_count;
-    // The scan from the front meets all of them, so none may be in the heap as well.
+    // The search starts at the front and finds all queued frames, so none may be in the heap as well.
     index_heap_finish(&job->returned);
     job->first_fresh = 0;
     note_ready(job);

@@ -1,4 +1,4 @@
-// Which frames wait, run and are done: states and answers, no clock, no file, no process.
+// The queue of frames: their states, and which is next. Pure: no clock, no file, no process.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -37,15 +37,15 @@ const char *frame_state_name(enum frame_state state);
 extern const char *const job_state_names[];   // end in NULL
 extern const char *const frame_state_names[]; // end in NULL
 
-enum { QUEUE_PRIORITY_LIMIT = 101 }; // a priority is in [0, QUEUE_PRIORITY_LIMIT), higher first
+enum { QUEUE_PRIORITY_LIMIT = 101 }; // priorities are in [0, QUEUE_PRIORITY_LIMIT); the highest is first
 
-// At most 16 bytes: a million of them are in memory.
+// At most 16 bytes, for a million of them are in memory.
 struct queue_frame {
-    int32_t attempt;    // number of the newest attempt; only grows, so it is never used again; 0: none yet
-    uint16_t tries;     // attempts that count against max_attempts: since the frame was last retried by a user
-    uint16_t worker;    // that runs it; 0: none
+    int32_t attempt;    // number of the latest attempt; it only grows; 0: none
+    uint16_t tries;     // attempts that count against max_attempts: those since the latest retry by a user
+    uint16_t worker;    // the worker that runs it; 0: none
     uint8_t state;      // enum frame_state
-    bool is_publishing; // its file is being published: no longer the worker's to lose
+    bool is_publishing; // its file is being published: the end of the worker no longer matters
 };
 
 struct queue_job {
@@ -56,17 +56,17 @@ struct queue_job {
     int priority;
     bool is_paused;
     bool is_canceled;
-    bool is_failed;   // a fault of the job itself
-    bool has_started; // some frame was taken since all were queued; the caller sets it for what a store restored
-    struct queue_job *next, *previous; // on the queue's list of all jobs: priority, highest first, then id
-    // The module's own.
+    bool is_failed;                    // by a fault of the job itself
+    bool has_started;                  // a frame was taken since all were queued; the caller sets it for a restored job
+    struct queue_job *next, *previous; // on the queue's list of all jobs: by priority, highest first, then by id
+    // For the module only.
     struct queue *queue; // borrowed; outlives us
     int64_t frame_count;
-    int64_t first_fresh;        // a queued frame is at or after this index, or in `returned`
-    struct index_heap returned; // owned; queued again after they were taken
+    int64_t first_fresh;        // every queued frame is at or after this index, or in `returned`
+    struct index_heap returned; // owned; frames that were queued again after they were taken
 };
 
-// One attempt at one frame. From queue_take or queue_ticket_for.
+// One attempt at one frame, from queue_take or queue_ticket_for.
 struct queue_ticket {
     int64_t job;
     int32_t frame; // number
@@ -74,59 +74,63 @@ struct queue_ticket {
     int32_t attempt;
 };
 
-struct queue *queue_create(int max_attempts); // attempts a frame has before it is failed, [1, 65535]
+struct queue *queue_create(int max_attempts); // attempts of a frame before it is failed, in [1, 65535]
 void queue_destroy(struct queue *queue);      // accepts NULL
-void queue_set_max_attempts(struct queue *queue, int max_attempts); // for what fails from now on
+void queue_set_max_attempts(struct queue *queue, int max_attempts); // holds for later failures
 
-// `frames` moves into the queue (left empty). The id must be new. Returns the job.
+// `frames` moves into the queue and is left empty. The id must be new. Returns the job.
 struct queue_job *queue_add_job(struct queue *queue, int64_t id, struct frame_range *frames, int priority, bool paused);
-struct queue_job *queue_find_job(const struct queue *queue, int64_t id); // NULL when there is none
-struct queue_job *queue_first_job(const struct queue *queue);            // then ->next
-// While loading a store, before the job's first frame is taken: sets one frame's state, not FRAME_RUNNING.
+struct queue_job *queue_find_job(const struct queue *queue, int64_t id); // NULL: none
+struct queue_job *queue_first_job(const struct queue *queue);            // the others follow by ->next
+// Sets one frame's state, other than FRAME_RUNNING, while the store is loaded, before a frame of the job is taken.
 void queue_restore_frame(struct queue_job *job, int64_t index, enum frame_state state, int attempts);
-// After its frames, for a job that was canceled or failed as a whole, even if its last frame was then published.
+// To be called after the frames, for a job that was canceled or failed as a whole, even if its last frame was published
+// then.
 void queue_restore_end(struct queue_job *job, bool canceled, bool failed);
 
 enum job_state queue_job_state(const struct queue_job *job);
 bool queue_job_is_live(const struct queue_job *job); // queued, running or paused
 
-// Takes up to `max` frames of one job for `worker` (1..65535): the first live, unpaused job by priority, then id.
-// They become FRAME_RUNNING and their attempt counts. Returns how many.
+// Takes up to `max` frames of one job for `worker` (1..65535): the first job by priority, then id, that is live and not
+// paused. The frames become FRAME_RUNNING and their attempt counts. Returns their number.
 size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tickets, size_t max);
-struct queue_job *queue_next_job(struct queue *queue); // whose frames queue_take would take; NULL: it would take none
+struct queue_job *queue_next_job(struct queue *queue); // the job whose frames queue_take would take; NULL: none
 
-// The ticket of a message that names a job, a frame's number and an attempt. False when the queue has no such job or
-// the job no such frame; that the attempt is the running one is queue_owns' to say.
+// The ticket for a job, a frame's number and an attempt. False when the queue has no such job or the job no such frame.
+// Whether the attempt is the running one is not checked: see queue_owns.
 bool queue_ticket_for(const struct queue *queue, int64_t job, int32_t frame, int32_t attempt,
                       struct queue_ticket *ticket);
 
-// True while that attempt of the frame is the running one. Everything below that takes a ticket does nothing and
-// returns false otherwise: a late answer harms nothing.
+// True while that attempt of the frame is the running one. Otherwise every function below that takes a ticket does
+// nothing and returns false, so that late reports have no effect.
 bool queue_owns(const struct queue *queue, const struct queue_ticket *ticket);
-bool queue_begin_publish(struct queue *queue, const struct queue_ticket *ticket); // false also when it is publishing
-bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket);       // also from publishing
+bool queue_begin_publish(struct queue *queue,
+                         const struct queue_ticket *ticket);                // false also when it is being published
+bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket); // also while it is being published
 bool queue_skip(struct queue *queue, const struct queue_ticket *ticket);
-// The attempt failed: the frame is queued again, or failed (*is_final, may be NULL) when it had its attempts, or when
-// `final` says so. A frame that was publishing when its job was canceled or failed becomes that; also in queue_return.
+// The attempt failed. The frame is queued again, or failed when it has no attempts left or `final` is true; `*is_final`
+// (may be NULL) says which. A frame that was being published when its job was canceled or failed becomes canceled or
+// failed; also in queue_return.
 bool queue_fail(struct queue *queue, const struct queue_ticket *ticket, bool final, bool *is_final);
-// The frame goes back and the attempt does not count against max_attempts, yet its number is not used again.
+// The frame is queued again and the attempt does not count against max_attempts; its number is not used again.
 bool queue_return(struct queue *queue, const struct queue_ticket *ticket);
 
 void queue_set_priority(struct queue *queue, struct queue_job *job, int priority);
 void queue_pause(struct queue *queue, struct queue_job *job);
 void queue_resume(struct queue *queue, struct queue_job *job);
-// Queued frames become canceled; running ones are the caller's to stop: their tickets no longer own anything.
-// Frames being published are left to succeed. Does nothing to a job that is not live.
+// Queued and running frames become canceled: tickets of running frames own them no more, and the caller stops the
+// workers. Frames that are being published may still succeed. Does nothing to a job that is not live.
 void queue_cancel(struct queue *queue, struct queue_job *job);
-// The job's own fault: like cancel, but its frames become failed.
+// As queue_cancel for a fault of the job: its frames become failed.
 void queue_fail_job(struct queue *queue, struct queue_job *job);
-// Frames in one of `states` (bit 1 << enum frame_state) and in `range` (NULL: all) are queued again with no attempts
-// counted; a canceled or failed job lives again. Queued and running frames are left alone. Returns how many.
+// Queues the frames again that are in one of `states` (bits 1 << enum frame_state) and in `range` (NULL: all), with no
+// attempts counted. A canceled or failed job is live again. Queued and running frames are not changed. Returns the
+// number of frames.
 int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states, const struct frame_range *range);
-// The indices of the frames that such a retry would queue, ascending; owned by the caller, NULL when there are none.
+// The ascending indices of the frames that queue_retry would queue; owned by the caller, NULL when there are none.
 size_t queue_find_frames(const struct queue_job *job, unsigned states, const struct frame_range *range,
                          int32_t **indices);
-// Takes the job out and frees it; its tickets no longer own anything.
+// Removes and frees the job; its tickets own nothing any more.
 void queue_remove_job(struct queue *queue, struct queue_job *job);
 
-int64_t queue_count(const struct queue *queue, enum frame_state state); // over all jobs
+int64_t queue_count(const struct queue *queue, enum frame_state state); // of all jobs

@@ -31,12 +31,12 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-enum { GIVE_UP_MS = 5000 }; // on a store that does not commit, when stopping
+enum { GIVE_UP_MS = 5000 }; // the wait for a store that does not commit, when stopping
 
 enum daemon_phase {
     DAEMON_RUNNING,
-    DAEMON_STOPPING, // workers finish what they began
-    DAEMON_FLUSHING, // what they made is published and committed
+    DAEMON_STOPPING, // workers finish the frames that they began
+    DAEMON_FLUSHING, // their frames are published and committed
     DAEMON_CLOSING   // handles are being closed
 };
 
@@ -45,13 +45,13 @@ struct daemon {
     struct farm farm;
     struct store *store;
     struct listener *listener;
-    struct watchdog *watchdog; // NULL: nobody waits for it
+    struct watchdog *watchdog; // NULL: the service manager wants none
     struct manager *manager;
     struct options *options; // borrowed; outlive us
     daemon_read_options *read_options;
     void *read_user; // borrowed; outlives us
     uv_signal_t terminate, interrupt, hang_up;
-    uv_prepare_t iteration; // at the end of each turn of the loop
+    uv_prepare_t iteration; // called at the end of each iteration of the loop
     enum daemon_phase phase;
     int64_t flushing_since_ms;
 };
@@ -186,7 +186,7 @@ void daemon_destroy(struct daemon *daemon)
     quota_finish(&farm->quota);
     store_reader_close(farm->reader);
     store_close(daemon->store);
-    // A handle that is left open is our mistake, and its memory is about to go.
+    // An open handle is a bug: its memory is about to be freed.
     if (uv_loop_close(&daemon->loop) != 0) abort();
     free(daemon);
 }
@@ -242,14 +242,14 @@ static void on_signal(uv_signal_t *handle, int signal_number)
 
 static void log_changes(const struct reload_changes *changes)
 {
-    if (changes->held[0])
-        log_info("settings: changed: %s", changes->held);
+    if (changes->applied[0])
+        log_info("settings: changed: %s", changes->applied);
     else
-        log_info("settings: read again, nothing else holds now");
+        log_info("settings: read again, none changed");
     if (changes->waiting[0]) log_warn("settings: changed, but need a restart: %s", changes->waiting);
 }
 
-static void hold_options(struct daemon *daemon, struct options *fresh)
+static void apply_options(struct daemon *daemon, struct options *fresh)
 {
     struct reload_changes changes;
     bool was_quiet = daemon->options->log_level > LOG_INFO;
@@ -263,7 +263,7 @@ static void hold_options(struct daemon *daemon, struct options *fresh)
     worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
 }
 
-// Settings that cannot be read, or do not hold here, change nothing.
+// Settings that cannot be read or applied change nothing.
 static void reload(struct daemon *daemon)
 {
     struct options fresh = {0};
@@ -272,9 +272,9 @@ static void reload(struct daemon *daemon)
     manager_notify_reloading(daemon->manager);
     if (daemon->read_options(daemon->read_user, &fresh, &error) &&
         folders_make(fresh.output_roots.paths[0], 0755, &error))
-        hold_options(daemon, &fresh);
+        apply_options(daemon, &fresh);
     else
-        log_error("settings: all as before: %s", error.message);
+        log_error("settings: not changed: %s", error.message);
     options_finish(&fresh);
     manager_notify_ready(daemon->manager);
 }
@@ -293,7 +293,7 @@ static bool is_flushed(const struct farm *farm)
            committer_is_idle(farm->committer);
 }
 
-// What is published has its intent on disk, so a restart brings its result back.
+// Files that are being published have their intent on disk: a restart finishes them.
 static void give_up_on_store(const struct daemon *daemon)
 {
     const char *trouble = committer_trouble(daemon->farm.committer);

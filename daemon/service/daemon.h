@@ -1,4 +1,4 @@
-// Wires the daemon's modules to one loop, and takes them apart in order.
+// Connects the daemon's modules to one loop, and ends them in order.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,14 +8,14 @@ struct daemon;
 struct error;
 struct options;
 
-// Reads the settings anew, for SIGHUP.
+// Reads the settings again, after SIGHUP.
 typedef bool daemon_read_options(void *user, struct options *options, struct error *error);
 
-// Opens the store, brings back what it holds and listens. `options` is lent until destroy, and changed by a reload. NULL on
-// failure.
+// Opens the store, restores its jobs and listens. `options` is borrowed until daemon_destroy and changed by a reload.
+// NULL on failure.
 struct daemon *daemon_create(struct options *options, daemon_read_options *read_options, void *user,
                              struct error *error);
-// Until SIGTERM or SIGINT: then running frames get their time, everything is committed, and it returns. SIGHUP reads the
-// settings again; a daemon that was started in a terminal takes it as SIGTERM, for the terminal is gone.
+// Returns after SIGTERM or SIGINT, when running frames had their time and everything is committed. SIGHUP reads the
+// settings again; in a daemon that was started in a terminal it acts as SIGTERM, for the terminal is gone.
 void daemon_run(struct daemon *daemon);
 void daemon_destroy(struct daemon *daemon); // after daemon_run; accepts NULL

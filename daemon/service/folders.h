@@ -1,4 +1,4 @@
-// Folders that must be there before anything else: made with their parents.
+// Makes the folders that the daemon needs at its start, with their parents.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,5 +8,5 @@
 
 struct error;
 
-// Parents get 0755, the folder itself `mode`; what is there stays as it is. `path` is absolute.
+// Missing parents get mode 0755, the folder itself `mode`; folders that exist stay as they are. `path` is absolute.
 bool folders_make(const char *path, mode_t mode, struct error *error);

@@ -13,8 +13,8 @@ enum { OWNER_LIMIT = 256 };
 
 const char journal_socket_path[] = "/run/systemd/journal/socket";
 
-// Lines come from anywhere in the daemon, its pool's threads too; a datagram each. The address is looked up for each, so
-// that a journal that was started anew is found.
+// Any thread of the daemon may log; each line is one datagram. The address is resolved for each datagram, so that a
+// restarted journal is found.
 static int journal_fd = -1;
 static struct sockaddr_un journal_address;
 static _Atomic long lost_count;
@@ -39,7 +39,7 @@ static void add_bytes(struct entry *entry, const void *bytes, size_t count)
     entry->length += count;
 }
 
-// By length, little-endian, because a value may hold line feeds, which would begin fields of its own.
+// The value is written with its length, little-endian, because a line feed in it would begin another field.
 static void add_text(struct entry *entry, const char *name, const char *value, size_t limit)
 {
     size_t length = strnlen(value, limit);
@@ -65,7 +65,7 @@ static void add_integer(struct entry *entry, const char *name, int64_t value)
 size_t journal_format_entry(char entry[static JOURNAL_ENTRY_SIZE], enum log_level level,
                             const struct log_subject *subject, const char *line)
 {
-    static const int priorities[] = {7, 6, 4, 3}; // syslog's
+    static const int priorities[] = {7, 6, 4, 3}; // of syslog
     struct entry made = {.bytes = entry};
 
     add_text(&made, "MESSAGE", line, LOG_LINE_SIZE);
@@ -96,7 +96,7 @@ static void report_lost(void)
     char line[64];
 
     if (lost == 0) return;
-    snprintf(line, sizeof line, "the journal did not take %ld lines", lost);
+    snprintf(line, sizeof line, "the journal lost %ld lines", lost);
     if (send_line(LOG_WARN, &(struct log_subject){0}, line)) lost_count -= lost;
 }
 

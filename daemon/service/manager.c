@@ -18,7 +18,7 @@ struct manager {
     struct farm *farm; // borrowed; outlives us
     uv_timer_t timer;
     bool is_stopping;
-    char told[LINE_SIZE];
+    char status[LINE_SIZE];
 };
 
 static void on_interval(uv_timer_t *timer);
@@ -35,7 +35,7 @@ static void format_line(const struct manager *manager, char line[static LINE_SIZ
              manager->is_stopping ? "stopping; " : "", jobs, queue_count(queue, FRAME_QUEUED),
              queue_count(queue, FRAME_RUNNING), trouble ? "; " : "", trouble ? trouble : "");
     free(trouble);
-    // A line feed would begin another assignment.
+    // A line feed would begin another assignment of the notification.
     for (char *at = line; *at; at++)
         if (*at == '\n') *at = ' ';
 }
@@ -57,15 +57,15 @@ static void on_interval(uv_timer_t *timer)
     char line[LINE_SIZE];
 
     format_line(manager, line);
-    if (strcmp(line, manager->told) == 0) return;
-    strcpy(manager->told, line);
+    if (strcmp(line, manager->status) == 0) return;
+    strcpy(manager->status, line);
     sd_notifyf(0, "STATUS=%s", line);
 }
 
 void manager_notify_ready(struct manager *manager)
 {
-    format_line(manager, manager->told);
-    sd_notifyf(0, "READY=1\nSTATUS=%s", manager->told);
+    format_line(manager, manager->status);
+    sd_notifyf(0, "READY=1\nSTATUS=%s", manager->status);
 }
 
 void manager_notify_reloading(const struct manager *manager)
@@ -77,8 +77,8 @@ void manager_notify_reloading(const struct manager *manager)
 void manager_notify_stopping(struct manager *manager, int64_t timeout_ms)
 {
     manager->is_stopping = true;
-    format_line(manager, manager->told);
-    sd_notifyf(0, "STOPPING=1\nSTATUS=%s\nEXTEND_TIMEOUT_USEC=%" PRId64, manager->told,
+    format_line(manager, manager->status);
+    sd_notifyf(0, "STOPPING=1\nSTATUS=%s\nEXTEND_TIMEOUT_USEC=%" PRId64, manager->status,
                (timeout_ms + WRITING_MS) * 1000);
 }
 

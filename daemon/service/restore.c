@@ -19,10 +19,10 @@
 
 struct restore_state {
     struct farm *farm;
-    struct job_record *record;   // of the newest frame row
-    struct store_frame *intents; // owned; rows of files on their way to their names
+    struct job_record *record;   // of the latest frame row
+    struct store_frame *intents; // owned; rows of frames that were being published
     size_t intent_count, intent_capacity;
-    struct store_op *ops; // owned; what came of them
+    struct store_op *ops; // owned; the results of the intents
     size_t op_count, op_capacity;
 };
 
@@ -39,7 +39,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     struct job job = {0};
     struct error cause;
 
-    // It stays in the store, untouched, for a daemon that can read it.
+    // The job stays in the store unchanged, for a version of the daemon that can read it.
     if (!job_parse(&job, row->document, strlen(row->document), row->root, &cause)) {
         log_about(LOG_ERROR, &(struct log_subject){.job = row->id, .owner = row->owner},
                   "job %lld of the store is left out: %s", (long long)row->id, cause.message);
@@ -82,8 +82,8 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
     return true;
 }
 
-// True when the file has its name, durably.
-static bool settle_file(const struct job_record *record, const struct store_frame *row)
+// Renames the part file if that was not done. True when the published file is on disk.
+static bool finish_file(const struct job_record *record, const struct store_frame *row)
 {
     struct published_file file = {.inode = row->inode, .size_bytes = row->size_bytes};
     int32_t frame = frame_range_at(&record->queued->frames, row->index);
@@ -103,10 +103,10 @@ static bool settle_file(const struct job_record *record, const struct store_fram
     return ok;
 }
 
-static void settle(struct restore_state *state, const struct store_frame *row)
+static void finish_publish(struct restore_state *state, const struct store_frame *row)
 {
     struct job_record *record = job_table_find(&state->farm->jobs, row->job);
-    bool is_published = settle_file(record, row);
+    bool is_published = finish_file(record, row);
     struct store_op op = {.kind = STORE_SET_FRAME, .frame = *row};
     struct log_subject subject = job_record_subject(record);
 
@@ -123,11 +123,11 @@ static void settle(struct restore_state *state, const struct store_frame *row)
     state->ops[state->op_count++] = op;
     subject.frame = frame_range_at(&record->queued->frames, row->index);
     subject.attempt = row->attempts;
-    log_about(LOG_INFO, &subject, "job %lld frame %d: its file was being published when the daemon ended: %s",
-              (long long)row->job, subject.frame, is_published ? "it has its name" : "it is rendered again");
+    log_about(LOG_INFO, &subject, "job %lld frame %d: its file was being published when the daemon ended: now %s",
+              (long long)row->job, subject.frame, is_published ? "published" : "queued again");
 }
 
-// A job that was stopped as a whole has no rows for the frames that went with it.
+// A job that was canceled or failed as a whole has no rows for the frames that ended with it.
 static void restore_ends(struct farm *farm)
 {
     for (size_t i = 0; i < farm->jobs.count; i++) {
@@ -145,7 +145,7 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
     bool ok = store_load(store, on_job, on_frame, &state, error);
 
     for (size_t i = 0; i < state.intent_count && ok; i++)
-        settle(&state, &state.intents[i]);
+        finish_publish(&state, &state.intents[i]);
     if (ok && state.op_count > 0) ok = store_commit(store, state.ops, state.op_count, error);
     restore_ends(farm);
     limits_refresh(farm);

@@ -1,4 +1,4 @@
-// Brings back what the store holds: jobs, their frames, and files whose publishing was cut short.
+// Restores jobs and frames from the store, and finishes files whose publishing was interrupted.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@ struct error;
 struct farm;
 struct store;
 
-// Blocking; before the loop runs and before anything is committed.
+// Blocking. To be called before the loop runs and before anything is committed.
 bool restore_farm(struct farm *farm, struct store *store, struct error *error);
-// Once the loop's modules exist: winds up the jobs that had ended but were not swept.
+// Sweeps the jobs that had ended but were not swept. To be called when the modules of the loop exist.
 void restore_end_jobs(struct farm *farm);

@@ -1,4 +1,4 @@
-// Tells the service manager that the loop turns, where it wants to be told (WatchdogSec= of systemd).
+// Feeds the watchdog of the service manager from the loop (WatchdogSec= of systemd).
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,9 +6,9 @@
 
 struct watchdog;
 
-// Feeds twice in the time that the manager waits, from a timer of `loop`: when a callback does not end or the process stops,
-// so does the feeding. Each turn of a loop reads its sockets, too: one that spins is slow, and still serves. NULL where
-// nobody waits.
+// Feeds the watchdog twice per interval, from a timer of `loop`: feeding ends when a callback does not return or the
+// process stops. A loop that is busy in every iteration still feeds: it is slow, but reads its sockets. NULL when there
+// is no watchdog.
 struct watchdog *watchdog_open(uv_loop_t *loop);
 // Frees itself when the loop has closed the timer; accepts NULL.
 void watchdog_close(struct watchdog *watchdog);

@@ -14,39 +14,39 @@
 const char options_help[] =
     "usage: marchd [options]\n"
     "\n"
-    "Takes jobs over a unix socket, keeps them in a durable queue and feeds their frames to workers.\n"
+    "Accepts jobs on a unix socket, keeps them in a durable queue and assigns their frames to workers.\n"
     "\n"
-    "  --config PATH           settings read from there: a line `KEY = VALUE` each, keys as the options below\n"
-    "                          (system: /etc/marchd/marchd.conf, if it is there)\n"
-    "  --system                the system's folders below, as root has them anyway\n"
-    "  --state DIR             where the queue is kept (system: /var/lib/marchd, else $XDG_STATE_HOME/marchd)\n"
-    "  --socket PATH           where clients connect (system: /run/marchd/marchd.sock, else "
+    "  --config PATH           file of settings: lines `KEY = VALUE`, with the options below as keys\n"
+    "                          (system: /etc/marchd/marchd.conf, if it exists)\n"
+    "  --system                use the system's defaults below; root always does\n"
+    "  --state DIR             folder of the queue (system: /var/lib/marchd, else $XDG_STATE_HOME/marchd)\n"
+    "  --socket PATH           socket for clients (system: /run/marchd/marchd.sock, else "
     "$XDG_RUNTIME_DIR/marchd.sock)\n"
-    "  --output-root DIR       a folder that output may go below; the first takes relative paths; may be given again\n"
+    "  --output-root DIR       output goes below this folder; repeatable, relative paths go below the first\n"
     "                          (system: /srv/marchd, else ~/marchd)\n"
-    "  --input-root DIR        a folder that jobs may read files below; may be given again\n"
+    "  --input-root DIR        jobs may read files below this folder; repeatable\n"
     "                          (system: /srv/marchd-input and /usr/share, else /)\n"
-    "  --workers N|auto        worker processes (auto: one a core)\n"
-    "  --threads N             threads one worker renders with (1)\n"
+    "  --workers N|auto        number of worker processes (auto: one per core)\n"
+    "  --threads N             threads of one worker (1)\n"
     "  --backend NAME          auto, egl or osmesa (auto)\n"
-    "  --worker-memory BYTES   what one worker may allocate: auto, none, or as in 4G (auto: its share of nine tenths)\n"
-    "  --sandbox yes|no        workers reach nothing but the files of the job they render (yes)\n"
-    "  --worker-program PATH   the worker (march-worker beside marchd)\n"
-    "  --shader-dir DIR        shaders read from there instead of the worker's own\n"
-    "  --max-attempts N        attempts a frame has before it is failed (3)\n"
-    "  --progress-limit SECONDS  a worker that makes no progress for so long is killed (120)\n"
-    "  --stop-timeout SECONDS  what running frames get to finish when the daemon stops (30)\n"
-    "  --admin-group NAME      its members may change any job and have no limits (marchd-admin)\n"
-    "  --user-jobs N           jobs that a user may have waiting or running, or none (1000)\n"
-    "  --user-frames N         their frames that are not done, or none for no limit (1M)\n"
-    "  --user-pixels N         pixels of those frames, as in 500G (none)\n"
-    "  --user-disk BYTES       published files of a user's jobs until they are deleted, as in 2T (none)\n"
+    "  --worker-memory BYTES   memory of one worker: auto, none, or a size like 4G\n"
+    "                          (auto: 90 % of the machine's memory, divided by the workers)\n"
+    "  --sandbox yes|no        workers reach only the files of the job that they render (yes)\n"
+    "  --worker-program PATH   program of the worker (march-worker beside marchd)\n"
+    "  --shader-dir DIR        folder of shaders, instead of those inside the worker\n"
+    "  --max-attempts N        attempts at a frame before it is failed (3)\n"
+    "  --progress-limit SECONDS  a worker without progress for so long is killed (120)\n"
+    "  --stop-timeout SECONDS  time for running frames when the daemon stops (30)\n"
+    "  --admin-group NAME      members may change every job and have no limits (marchd-admin)\n"
+    "  --user-jobs N           jobs of one user that are not over, or none for no limit (1000)\n"
+    "  --user-frames N         frames of those jobs that are not done, or none (1M)\n"
+    "  --user-pixels N         pixels of those frames, or none (none)\n"
+    "  --user-disk BYTES       published files of one user's jobs, like 2T, or none (none)\n"
     "  --log-level LEVEL       debug, info, warning or error (info)\n"
     "  --help, --version\n"
     "\n"
-    "The command line counts before the environment, that before the file. MARCHD_SOCKET in the environment stands for "
-    "--socket.\n"
-    "SIGTERM stops in order, a second one at once. SIGHUP reads the settings again.\n"
+    "The command line overrides the environment (MARCHD_SOCKET for --socket), which overrides the file.\n"
+    "SIGTERM stops the daemon after its running frames, a second one at once. SIGHUP reads the settings again.\n"
     "\n"
     "Examples:\n"
     "  marchd --state /tmp/farm --socket /tmp/farm.sock --output-root /tmp/pictures\n"
@@ -107,11 +107,11 @@ static const struct option long_options[] = {
     {NULL, 0, NULL, 0},
 };
 
-// Who sets options: one line of the command line, or one of the file.
+// A source of options: the command line or the file.
 struct setter {
     struct options *options;
     const char *current_folder;             // NULL: paths must be absolute
-    bool has_output_roots, has_input_roots; // it has given such: more are added to them
+    bool has_output_roots, has_input_roots; // the source has set such roots: it adds more to them
 };
 
 static char *make_path(const struct setter *setter, const char *name, const char *text, struct error *error)
@@ -142,7 +142,7 @@ static bool set_path(const struct setter *setter, char **path, const char *name,
     return true;
 }
 
-// The first that somebody gives puts away what those before have given.
+// The first path of a source replaces the paths of the sources before it.
 static bool add_path(const struct setter *setter, struct path_list *list, bool *has_given, const char *name,
                      const char *text, struct error *error)
 {
@@ -252,7 +252,7 @@ static bool set_defaults(struct options *options, const struct options_surroundi
     if (!options->worker_program) options->worker_program = xasprintf("%s/march-worker", surroundings->program_folder);
     if (!options->admin_group) options->admin_group = xstrdup("marchd-admin");
     if (!is_system && !home && (!options->state_folder || options->output_roots.count == 0)) {
-        error_set(error, "there is no HOME: expected --state and --output-root");
+        error_set(error, "HOME is not set: expected --state and --output-root");
         return false;
     }
     set_default_roots(options, is_system, home);
@@ -270,7 +270,7 @@ static bool set_defaults(struct options *options, const struct options_surroundi
     return true;
 }
 
-// As the option of that name would set it.
+// Sets the option that has the name `key`.
 static bool on_setting(void *user, const char *key, const char *value, struct error *error)
 {
     struct setter *setter = user;
@@ -284,7 +284,7 @@ static bool on_setting(void *user, const char *key, const char *value, struct er
 
 static bool read_file(struct options *options, const char *named, const char *path, struct error *error)
 {
-    // Whoever starts the daemon stands anywhere: paths must be absolute.
+    // Paths in a file must be absolute: the current folder may be any.
     struct setter setter = {.options = options};
 
     if (named) path = named;
@@ -292,14 +292,14 @@ static bool read_file(struct options *options, const char *named, const char *pa
     return options_file_read(path, on_setting, &setter, error);
 }
 
-// What goes before all else on the command line.
-struct first_look {
+// The options that are needed before the others.
+struct first_pass {
     const char *config;
     bool is_system;
 };
 
-// One pass over the command line: the first, with `look`, sets nothing.
-static bool parse_line(struct setter *setter, int argc, char **argv, struct first_look *look, struct error *error)
+// One pass over the command line. The first, with `first`, only fills that.
+static bool parse_line(struct setter *setter, int argc, char **argv, struct first_pass *first, struct error *error)
 {
     struct options *options = setter->options;
     int code;
@@ -315,9 +315,9 @@ static bool parse_line(struct setter *setter, int argc, char **argv, struct firs
                       argv[optind - 1]);
             return false;
         }
-        if (code == OPTION_CONFIG && look) look->config = optarg;
-        if (code == OPTION_SYSTEM && look) look->is_system = true;
-        if (code != OPTION_CONFIG && code != OPTION_SYSTEM && !look && !set_option(setter, code, optarg, error))
+        if (code == OPTION_CONFIG && first) first->config = optarg;
+        if (code == OPTION_SYSTEM && first) first->is_system = true;
+        if (code != OPTION_CONFIG && code != OPTION_SYSTEM && !first && !set_option(setter, code, optarg, error))
             return false;
     }
     if (optind == argc) return true;
@@ -329,15 +329,15 @@ static bool read_all(struct options *options, int argc, char **argv, const struc
                      struct error *error)
 {
     struct setter setter = {.options = options, .current_folder = surroundings->current_folder};
-    struct first_look look = {.is_system = surroundings->is_root};
+    struct first_pass first = {.is_system = surroundings->is_root};
     const char *socket = surroundings->marchd_socket;
 
-    if (!parse_line(&setter, argc, argv, &look, error)) return false;
+    if (!parse_line(&setter, argc, argv, &first, error)) return false;
     if (options->wants_help || options->wants_version) return true;
-    if (!read_file(options, look.config, look.is_system ? surroundings->config_path : NULL, error)) return false;
+    if (!read_file(options, first.config, first.is_system ? surroundings->config_path : NULL, error)) return false;
     if (socket && *socket && !set_path(&setter, &options->socket_path, "socket", socket, error)) return false;
     if (!parse_line(&setter, argc, argv, NULL, error)) return false;
-    return set_defaults(options, surroundings, look.is_system, error);
+    return set_defaults(options, surroundings, first.is_system, error);
 }
 
 bool options_parse(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,

@@ -1,4 +1,4 @@
-// How marchd is started: the command line over the environment over a file over defaults.
+// Options of marchd, from the command line, the environment, a file and defaults, in that order of precedence.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,39 +10,40 @@
 
 struct error;
 
-// What the defaults depend on. Borrowed; strings may be NULL.
+// The surroundings that the defaults depend on. Borrowed; strings may be NULL.
 struct options_surroundings {
     const char *home, *xdg_state_home, *xdg_runtime_dir, *marchd_socket; // environment variables
-    const char *config_path;    // the system's file: read for root and with --system, if it is there and none is named
-    const char *current_folder; // absolute; relative paths are taken from there
-    const char *program_folder; // absolute; where march-worker is looked for
+    const char
+        *config_path; // the system's file: read for root and with --system, if it exists and --config names no other
+    const char *current_folder; // absolute; relative paths start there
+    const char *program_folder; // absolute; the default folder of march-worker
     bool is_root;
 };
 
-// The zero value is empty. Strings are owned and paths absolute.
+// Strings are owned, paths are absolute. The zero value is empty.
 struct options {
     char *state_folder;
     char *socket_path;
-    struct path_list output_roots; // at least one: where relative paths go
+    struct path_list output_roots; // at least one; relative output paths go below the first
     struct path_list input_roots;  // at least one
     char *worker_program;
-    char *shader_folder; // NULL: the worker's own shaders
+    char *shader_folder; // NULL: the shaders inside the worker
     char *backend;       // "auto", "egl" or "osmesa"
-    char *admin_group;   // a group's name
-    int worker_count;    // 0: as many as there are cores
-    int thread_count;    // that one worker renders with
+    char *admin_group;   // name of a group
+    int worker_count;    // 0: one per core
+    int thread_count;    // of one worker
     int max_attempts;
     int64_t stop_timeout_ms;
-    int64_t progress_limit_ms; // a worker without progress is killed after it
-    // What a user may have at a time; 0: any number.
-    int64_t user_jobs;           // that are not over
-    int64_t user_frames;         // of those jobs, not done yet
-    int64_t user_pixels;         // of those frames
-    int64_t user_disk_bytes;     // of the files published for jobs that are still known
-    int64_t worker_memory_bytes; // that one worker may allocate; 0: its share of the machine's, -1: any amount
-    bool has_sandbox;            // workers fence themselves in
+    int64_t progress_limit_ms; // a worker without progress for so long is killed
+    // Limits of one user; 0: no limit.
+    int64_t user_jobs;           // jobs that are not over
+    int64_t user_frames;         // their frames that are not done
+    int64_t user_pixels;         // pixels of those frames
+    int64_t user_disk_bytes;     // published files of jobs that are not deleted
+    int64_t worker_memory_bytes; // memory of one worker; 0: its share of the machine's memory, -1: any amount
+    bool has_sandbox;            // workers run in the sandbox
     enum log_level log_level;
-    bool wants_help, wants_version; // then nothing else is filled
+    bool wants_help, wants_version; // when true, nothing else is filled
 };
 
 bool options_parse(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,

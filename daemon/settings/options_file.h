@@ -1,4 +1,4 @@
-// The daemon's configuration file: a setting a line, `key = value`, blank lines and lines that begin with `#` left out.
+// The configuration file: one setting `key = value` per line; blank lines and lines that begin with `#` are ignored.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,8 @@
 
 struct error;
 
-// Takes one setting; false with `error` set ends the reading.
+// Called for each setting; false, with `error` set, ends the reading.
 typedef bool options_file_on_setting(void *user, const char *key, const char *value, struct error *error);
 
-// Hands the settings of `path` to `on_setting` in their order. Errors, the callback's too, begin with file and line.
+// Calls `on_setting` for the settings of `path` in order. Errors, also of the callback, begin with file and line.
 bool options_file_read(const char *path, options_file_on_setting *on_setting, void *user, struct error *error);

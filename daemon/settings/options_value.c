@@ -66,7 +66,7 @@ bool options_value_limit(const char *name, const char *text, int64_t kilo, int64
 {
     *limit = none;
     if (strcmp(text, "none") == 0 || parse_amount(text, kilo, limit)) return true;
-    error_set(error, "--%s: expected \"none\" or a whole number from 1 on, with K, M, G or T behind it, got \"%s\"",
+    error_set(error, "--%s: expected \"none\" or a whole number from 1, which may end in K, M, G or T, got \"%s\"",
               name, text);
     return false;
 }

@@ -1,4 +1,4 @@
-// What the values of options mean: counts, seconds, sizes, names.
+// Values of options, read from text: counts, seconds, sizes, names.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,15 +9,16 @@
 
 struct error;
 
-// Each reads the value `text` of option --`name`. On failure the result is undefined and `error` says what was expected.
+// Each reads the value `text` of option --`name`. On failure the result is undefined and `error` says what was
+// expected.
 bool options_value_count(const char *name, const char *text, int max, int *count, struct error *error); // [1, max]
 bool options_value_seconds(const char *name, const char *text, double min, int64_t *ms, struct error *error);
 // "auto" is 0.
 bool options_value_workers(const char *text, int *count, struct error *error);
-// At least 1, with K, M, G or T behind it: powers of `kilo`. "none" is `none`.
+// At least 1, with a suffix K, M, G or T: powers of `kilo`. "none" is `none`.
 bool options_value_limit(const char *name, const char *text, int64_t kilo, int64_t none, int64_t *limit,
                          struct error *error);
 bool options_value_memory(const char *name, const char *text, int64_t *size_bytes, struct error *error); // "auto": 0
 bool options_value_switch(const char *name, const char *text, bool *is_on, struct error *error);         // yes or no
-bool options_value_backend(const char *text, char **backend, struct error *error); // replaces an owned text
+bool options_value_backend(const char *text, char **backend, struct error *error); // replaces an owned string
 bool options_value_level(const char *text, enum log_level *level, struct error *error);

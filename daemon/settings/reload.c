@@ -15,11 +15,11 @@ static void add_name(char names[static RELOAD_NAMES_SIZE], const char *name)
     strcat(names, name);
 }
 
-static void take_integer(int64_t *held, int64_t fresh, const char *name, struct reload_changes *changes)
+static void take_integer(int64_t *current, int64_t fresh, const char *name, struct reload_changes *changes)
 {
-    if (*held == fresh) return;
-    *held = fresh;
-    add_name(changes->held, name);
+    if (*current == fresh) return;
+    *current = fresh;
+    add_name(changes->applied, name);
 }
 
 static bool is_same_text(const char *a, const char *b)
@@ -27,14 +27,14 @@ static bool is_same_text(const char *a, const char *b)
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
-static void take_text(char **held, char **fresh, const char *name, struct reload_changes *changes)
+static void take_text(char **current, char **fresh, const char *name, struct reload_changes *changes)
 {
-    char *before = *held;
+    char *before = *current;
 
-    if (is_same_text(*held, *fresh)) return;
-    *held = *fresh;
+    if (is_same_text(*current, *fresh)) return;
+    *current = *fresh;
     *fresh = before;
-    add_name(changes->held, name);
+    add_name(changes->applied, name);
 }
 
 static bool is_same_list(const struct path_list *a, const struct path_list *b)
@@ -45,55 +45,56 @@ static bool is_same_list(const struct path_list *a, const struct path_list *b)
     return true;
 }
 
-static void take_list(struct path_list *held, struct path_list *fresh, const char *name, struct reload_changes *changes)
+static void take_list(struct path_list *current, struct path_list *fresh, const char *name,
+                      struct reload_changes *changes)
 {
-    struct path_list before = *held;
+    struct path_list before = *current;
 
-    if (is_same_list(held, fresh)) return;
-    *held = *fresh;
+    if (is_same_list(current, fresh)) return;
+    *current = *fresh;
     *fresh = before;
-    add_name(changes->held, name);
+    add_name(changes->applied, name);
 }
 
-// They say where the daemon itself is and what its workers are.
-static void note_waiting(const struct options *held, const struct options *fresh, struct reload_changes *changes)
+// These settings define where the daemon is and what its workers are.
+static void note_waiting(const struct options *current, const struct options *fresh, struct reload_changes *changes)
 {
     const struct {
         const char *name;
         bool is_same;
     } fixed[] = {
-        {"state", is_same_text(held->state_folder, fresh->state_folder)},
-        {"socket", is_same_text(held->socket_path, fresh->socket_path)},
-        {"workers", held->worker_count == fresh->worker_count},
-        {"threads", held->thread_count == fresh->thread_count},
-        {"backend", is_same_text(held->backend, fresh->backend)},
-        {"worker-program", is_same_text(held->worker_program, fresh->worker_program)},
-        {"shader-dir", is_same_text(held->shader_folder, fresh->shader_folder)},
-        {"sandbox", held->has_sandbox == fresh->has_sandbox},
+        {"state", is_same_text(current->state_folder, fresh->state_folder)},
+        {"socket", is_same_text(current->socket_path, fresh->socket_path)},
+        {"workers", current->worker_count == fresh->worker_count},
+        {"threads", current->thread_count == fresh->thread_count},
+        {"backend", is_same_text(current->backend, fresh->backend)},
+        {"worker-program", is_same_text(current->worker_program, fresh->worker_program)},
+        {"shader-dir", is_same_text(current->shader_folder, fresh->shader_folder)},
+        {"sandbox", current->has_sandbox == fresh->has_sandbox},
     };
 
     for (size_t i = 0; i < sizeof fixed / sizeof fixed[0]; i++)
         if (!fixed[i].is_same) add_name(changes->waiting, fixed[i].name);
 }
 
-void reload_take(struct options *held, struct options *fresh, struct reload_changes *changes)
+void reload_take(struct options *current, struct options *fresh, struct reload_changes *changes)
 {
-    int64_t level = held->log_level, attempts = held->max_attempts;
+    int64_t level = current->log_level, attempts = current->max_attempts;
 
     *changes = (struct reload_changes){0};
-    note_waiting(held, fresh, changes);
-    take_list(&held->output_roots, &fresh->output_roots, "output-root", changes);
-    take_list(&held->input_roots, &fresh->input_roots, "input-root", changes);
-    take_text(&held->admin_group, &fresh->admin_group, "admin-group", changes);
+    note_waiting(current, fresh, changes);
+    take_list(&current->output_roots, &fresh->output_roots, "output-root", changes);
+    take_list(&current->input_roots, &fresh->input_roots, "input-root", changes);
+    take_text(&current->admin_group, &fresh->admin_group, "admin-group", changes);
     take_integer(&attempts, fresh->max_attempts, "max-attempts", changes);
-    take_integer(&held->stop_timeout_ms, fresh->stop_timeout_ms, "stop-timeout", changes);
-    take_integer(&held->progress_limit_ms, fresh->progress_limit_ms, "progress-limit", changes);
-    take_integer(&held->user_jobs, fresh->user_jobs, "user-jobs", changes);
-    take_integer(&held->user_frames, fresh->user_frames, "user-frames", changes);
-    take_integer(&held->user_pixels, fresh->user_pixels, "user-pixels", changes);
-    take_integer(&held->user_disk_bytes, fresh->user_disk_bytes, "user-disk", changes);
-    take_integer(&held->worker_memory_bytes, fresh->worker_memory_bytes, "worker-memory", changes);
+    take_integer(&current->stop_timeout_ms, fresh->stop_timeout_ms, "stop-timeout", changes);
+    take_integer(&current->progress_limit_ms, fresh->progress_limit_ms, "progress-limit", changes);
+    take_integer(&current->user_jobs, fresh->user_jobs, "user-jobs", changes);
+    take_integer(&current->user_frames, fresh->user_frames, "user-frames", changes);
+    take_integer(&current->user_pixels, fresh->user_pixels, "user-pixels", changes);
+    take_integer(&current->user_disk_bytes, fresh->user_disk_bytes, "user-disk", changes);
+    take_integer(&current->worker_memory_bytes, fresh->worker_memory_bytes, "worker-memory", changes);
     take_integer(&level, (int64_t)fresh->log_level, "log-level", changes);
-    held->max_attempts = (int)attempts;
-    held->log_level = (enum log_level)level;
+    current->max_attempts = (int)attempts;
+    current->log_level = (enum log_level)level;
 }

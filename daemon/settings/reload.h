@@ -1,4 +1,4 @@
-// Settings that are read again while the daemon runs: which hold at once, and which wait for a restart.
+// Settings that were read again while the daemon runs: some are applied at once, others need a restart.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,11 +6,11 @@ struct options;
 
 enum { RELOAD_NAMES_SIZE = 512 };
 
-// Names of settings, as on the command line and with commas between; empty: none.
+// Names of changed settings, as on the command line, separated by commas; empty: none.
 struct reload_changes {
-    char held[RELOAD_NAMES_SIZE];    // they changed, and hold now
-    char waiting[RELOAD_NAMES_SIZE]; // they changed in the file, and need a restart
+    char applied[RELOAD_NAMES_SIZE]; // they hold now
+    char waiting[RELOAD_NAMES_SIZE]; // they need a restart
 };
 
-// Takes into `held` what may change while the daemon runs, and leaves in `fresh` what was there.
-void reload_take(struct options *held, struct options *fresh, struct reload_changes *changes);
+// Moves the settings that may change while the daemon runs from `fresh` to `current`, and the old ones back.
+void reload_take(struct options *current, struct options *fresh, struct reload_changes *changes);

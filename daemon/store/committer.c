@@ -12,7 +12,7 @@
 
 enum { RETRY_MS = 1000 };
 
-// Who is told about the ops [first, first + count) of a batch.
+// One call of committer_put: the ops [first, first + count) of a batch, and the callback.
 struct commit_entry {
     size_t first, count;
     enum commit_policy policy;
@@ -33,11 +33,11 @@ struct committer {
     uv_timer_t retry_timer;
     uv_work_t work;
     struct commit_batch gathering, in_flight;
-    bool is_working;    // `work` is queued: in_flight belongs to its thread
-    bool result;        // of the thread
-    struct error error; // the thread's
+    bool is_working;    // `work` is queued: its thread uses in_flight
+    bool result;        // set by the thread
+    struct error error; // set by the thread
     bool has_failed;
-    struct error trouble; // of the newest failure
+    struct error trouble; // the error of the latest failure
 };
 
 static void start_batch(struct committer *committer);
@@ -119,7 +119,7 @@ void committer_close(struct committer *committer)
     uv_close((uv_handle_t *)&committer->retry_timer, NULL);
 }
 
-// Behind what failed before, if anything did, so that who asks while the store fails is told so.
+// Appends the new ops to those that failed before, so that callers get an answer while the store fails.
 static void gather_into_flight(struct committer *committer)
 {
     struct commit_batch *kept = &committer->in_flight, *batch = &committer->gathering;
@@ -169,11 +169,11 @@ static void tell(const struct commit_entry *entry, bool ok, const struct error *
 
 static void end_success(struct committer *committer)
 {
-    // The callbacks put new ops, which start the next batch: this one steps aside first.
+    // The callbacks put new ops, which start the next batch: in_flight must be free before.
     struct commit_batch batch = committer->in_flight;
 
     committer->in_flight = (struct commit_batch){0};
-    if (batch.op_count > 0) { // no ops say nothing about the store
+    if (batch.op_count > 0) { // a batch without ops does not show that the store works
         if (committer->has_failed) log_info("store: commits again");
         committer->has_failed = false;
     }
@@ -183,7 +183,7 @@ static void end_success(struct committer *committer)
     batch_finish(&batch);
 }
 
-// Takes out what must not be tried again and says so; the rest waits for the retry timer.
+// Drops the ops that are not tried again and calls back; the others wait for the retry timer.
 static void end_failure(struct committer *committer)
 {
     struct commit_batch batch = committer->in_flight;

@@ -1,4 +1,4 @@
-// Commits store ops off the loop: one batch is in flight while the next gathers.
+// Commits store ops off the loop: one batch is in flight while the next is collected.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,24 +12,24 @@ struct error;
 struct store;
 struct store_op;
 
-// A batch that fails is tried again every second, for what is in it has happened and must get to the disk.
+// A failed batch is tried again every second: its changes have been made in memory and must be stored.
 enum commit_policy {
     COMMIT_SILENT,   // no callback
-    COMMIT_CERTAIN,  // the callback comes once the ops are on disk, not before
-    COMMIT_REPORTED, // the callback comes after the first try, good or bad; the ops are kept and tried again
-    COMMIT_OR_DROP   // the callback comes after the first try; if that failed the ops are gone
+    COMMIT_CERTAIN,  // the callback comes when the ops are on disk
+    COMMIT_REPORTED, // the callback comes after the first try, failed or not; failed ops are tried again
+    COMMIT_OR_DROP   // the callback comes after the first try; failed ops are dropped
 };
 
 typedef void committer_on_done(void *user, bool ok, const struct error *error);
 
-struct committer *committer_create(uv_loop_t *loop, struct store *store); // the store is lent until destroy
+struct committer *committer_create(uv_loop_t *loop, struct store *store); // `store` is borrowed until committer_destroy
 void committer_destroy(struct committer *committer); // after the loop closed its handles; accepts NULL
 // Moves `op_count` ops in. They are committed together, in the order of the calls. `on_done` is called on the loop.
 void committer_put(struct committer *committer, enum commit_policy policy, struct store_op *ops, size_t op_count,
                    committer_on_done *on_done, void *user);
-// Calls `on_done` when all ops that were put so far have been tried: at once if none waits.
+// Calls `on_done` when all ops that were put so far were tried; at once when there are none.
 void committer_flush(struct committer *committer, committer_on_done *on_done, void *user);
-size_t committer_waiting(const struct committer *committer); // ops that are not on disk yet
+size_t committer_waiting(const struct committer *committer); // count of ops that are not on disk
 bool committer_is_idle(const struct committer *committer);
-const char *committer_trouble(const struct committer *committer); // why the last try failed; NULL: it did not
+const char *committer_trouble(const struct committer *committer); // why the last try failed; NULL: it succeeded
 void committer_close(struct committer *committer);                // legal once idle

@@ -74,7 +74,7 @@ struct store {
     int64_t next_job_id;
 };
 
-// Nothing is written before the database is known to be ours; then the tables and the new epoch are one transaction.
+// Writes nothing before the database is known to be a store; then the tables and the new epoch are one transaction.
 static bool open_database(struct store *store, const char *path, struct error *error)
 {
     int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
@@ -85,7 +85,7 @@ static bool open_database(struct store *store, const char *path, struct error *e
         store_sql_set_error(error, store->db, "open queue.db");
         return false;
     }
-    // A store that is refused keeps its log as well.
+    // A store that is refused keeps its write-ahead log as well.
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     sqlite3_busy_timeout(store->db, BUSY_TIMEOUT_MS);
     if (!store_schema_check(store->db, &found, error)) return false;
@@ -177,7 +177,7 @@ static bool set_job(struct store *store, const struct store_job *job, struct err
     bind_job_changes(store->statements[SET_JOB], job);
     if (!store_sql_run(store->statements[SET_JOB], "change a job", error)) return false;
     if (sqlite3_changes(store->db) == 1) return true;
-    error_set(error, "store: cannot change job %" PRId64 ": it is not there", job->id);
+    error_set(error, "store: cannot change job %" PRId64 ": the store has no such job", job->id);
     return false;
 }
 
@@ -231,7 +231,7 @@ static bool add_attempt(struct store *store, const struct store_attempt *attempt
     return store_sql_run(add, "add an attempt", error) && store_sql_run(trim, "drop old attempts", error);
 }
 
-// Neighbours go by one statement.
+// Each run of consecutive indices is deleted by one statement.
 static bool reset_frames(struct store *store, int64_t job, const int32_t *indices, size_t count, struct error *error)
 {
     sqlite3_stmt *statement = store->statements[RESET_FRAMES];
@@ -301,7 +301,7 @@ bool store_commit(struct store *store, const struct store_op *ops, size_t op_cou
         if (!apply(store, &ops[i], error)) goto out;
     ok = store_sql_run(store->statements[COMMIT], "commit", error);
 out:
-    // Some failures have rolled back by themselves.
+    // After some failures SQLite has rolled back already.
     if (!ok && !sqlite3_get_autocommit(store->db)) sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
     for (size_t i = 0; ok && i < op_count; i++)
         if (ops[i].kind == STORE_ADD_JOB && ops[i].job.id >= store->next_job_id) store->next_job_id = ops[i].job.id + 1;
@@ -350,7 +350,7 @@ static bool load_jobs(struct store *store, store_on_job *on_job, void *user, str
     return ok;
 }
 
-// A publish intent is settled by all of its row.
+// A frame that was being published needs its whole row.
 static bool load_intent(struct store *store, int64_t job, int32_t index, store_on_frame *on_frame, void *user,
                         struct error *error)
 {

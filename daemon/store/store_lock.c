@@ -74,7 +74,7 @@ int store_lock_take(const char *folder, struct error *error)
             error_set_errno(error, errno, "store: cannot lock %s", path);
         goto fail;
     }
-    // The number only serves the message above: a disk too full for it takes nothing from the lock.
+    // The pid serves only the message above: the lock holds without it, as on a full disk.
     if (ftruncate(fd, 0) == 0) dprintf(fd, "%ld\n", (long)getpid());
     free(path);
     return fd;

@@ -1,4 +1,4 @@
-// The rows of the store, and what a commit does to them.
+// The rows of the store, and the operations on them that are committed.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,17 +13,17 @@ enum { STORE_ATTEMPT_LIMIT = 1000 };
 
 enum store_op_kind {
     STORE_ADD_JOB,
-    STORE_SET_JOB,      // priority, flags, times, reason; the rest of `job` may be empty
-    STORE_SET_FRAME,    // one frame's row, new or in place of the old one
-    STORE_ADD_ATTEMPT,  // an attempt ended; only the newest STORE_ATTEMPT_LIMIT of a job are kept
-    STORE_RESET_FRAMES, // delete frame rows of a job by index list: they are queued again (retry)
-    STORE_DELETE_JOB,   // and all rows of it; of `job` the id alone counts. Its id is not used again
-    STORE_MARK_FRAMES   // a row with just `state` for each frame of an index list that has none
+    STORE_SET_JOB,      // changes priority, flags, times and reason; the rest of `job` may be empty
+    STORE_SET_FRAME,    // writes one frame's row, new or in place of the old one
+    STORE_ADD_ATTEMPT,  // adds an ended attempt; only the newest STORE_ATTEMPT_LIMIT of a job are kept
+    STORE_RESET_FRAMES, // deletes frame rows of a job by index list: the frames are queued again
+    STORE_DELETE_JOB,   // deletes all rows of the job `job.id`, whose id is not used again
+    STORE_MARK_FRAMES   // adds a row with only `state` for each frame of an index list that has none
 };
 
-// A frame has a row once it left the queue for good or is being published; a queued or running frame has none, so a
-// million queued frames cost a line. The frames without a row of a canceled or failed job are as it is:
-// before a retry lets some of its frames live again, STORE_MARK_FRAMES writes down the others.
+// A frame has a row when it is done or is being published. A queued or running frame has none, so a million queued
+// frames take one row, that of their job. In a canceled or failed job the frames without a row are canceled or failed
+// too: before a retry queues some frames of the job, STORE_MARK_FRAMES stores the state of the others.
 struct store_job {
     int64_t id;
     char *document; // owned; the job file as JSON text
@@ -60,7 +60,7 @@ struct store_attempt {
     char *log;        // owned
 };
 
-// The op owns what its strings point to once it is in a batch.
+// An op owns its strings and lists once it is in a batch.
 struct store_op {
     enum store_op_kind kind;
     union {
@@ -81,4 +81,4 @@ struct store_op {
     };
 };
 
-void store_op_finish(struct store_op *op); // frees what it owns; the zero op is empty
+void store_op_finish(struct store_op *op); // frees what it owns; accepts the empty zero value

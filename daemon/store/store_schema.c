@@ -12,11 +12,11 @@
 
 enum { NO_VERSION = 0, FIRST_VERSION = 1 };
 
-#define APPLICATION_ID 1299342184 // "Mrch": tells the database from any other program's
+#define APPLICATION_ID 1299342184 // "Mrch": identifies the database as a store
 #define STRINGIFY(number) #number
 #define TEXT_OF(number) STRINGIFY(number)
 
-// The tables of the first version; each later one is reached from the one before it, by its own step alone.
+// The tables of the first version. Each later version is made from the one before it, by one step.
 static const char first_sql[] =
     "CREATE TABLE daemon (epoch INTEGER NOT NULL);"
     "INSERT INTO daemon VALUES (0);"
@@ -25,7 +25,7 @@ static const char first_sql[] =
     "    is_paused INTEGER NOT NULL, is_canceled INTEGER NOT NULL, is_failed INTEGER NOT NULL,"
     "    submitted_ms INTEGER NOT NULL, started_ms INTEGER NOT NULL, finished_ms INTEGER NOT NULL,"
     "    reason TEXT, root TEXT);"
-    // Apart from `job`, whose rows are rewritten whole at every change.
+    // A table apart from `job`, whose rows are rewritten whole at every change.
     "CREATE TABLE document (job INTEGER PRIMARY KEY, text TEXT NOT NULL);"
     "CREATE TABLE frame ("
     "    job INTEGER NOT NULL, frame_index INTEGER NOT NULL, state INTEGER NOT NULL,"
@@ -38,7 +38,7 @@ static const char first_sql[] =
     "    PRIMARY KEY (job, number)) WITHOUT ROWID;"
     "PRAGMA application_id = " TEXT_OF(APPLICATION_ID);
 
-// steps[N] makes version N + 1 of version N. Columns that a step adds are NULL in the rows that were there.
+// steps[N] upgrades version N to N + 1. Columns that a step adds are NULL in existing rows.
 static const char *const steps[STORE_SCHEMA_VERSION] = {
     [NO_VERSION] = first_sql,
     [1] = "ALTER TABLE frame ADD COLUMN audit TEXT;"
@@ -47,7 +47,7 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "ALTER TABLE frame ADD COLUMN audit_rays INTEGER;"
           "ALTER TABLE frame ADD COLUMN method TEXT;"
           "ALTER TABLE frame ADD COLUMN cut_share REAL;",
-    // Of jobs that are deleted; the others are in `job`.
+    // The highest id of deleted jobs; other ids are in `job`.
     [2] = "ALTER TABLE daemon ADD COLUMN last_job_id INTEGER NOT NULL DEFAULT 0;",
 };
 
@@ -95,8 +95,8 @@ bool store_schema_read_state(sqlite3_stmt *row, struct store_frame *frame, struc
                                   .state = sqlite3_column_int(row, 2),
                                   .attempts = sqlite3_column_int(row, 3)};
     if (index >= 0 && index < FRAME_COUNT_LIMIT && frame->state >= 0 && frame->state < FRAME_STATE_COUNT) return true;
-    error_set(error, "store: job %" PRId64 " has a frame of index %" PRId64 " in state %d, which cannot be", frame->job,
-              index, frame->state);
+    error_set(error, "store: job %" PRId64 " has a frame of index %" PRId64 " in state %d, which is invalid",
+              frame->job, index, frame->state);
     return false;
 }
 

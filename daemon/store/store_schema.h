@@ -1,4 +1,4 @@
-// The store's tables, their version, and a frame's row.
+// The store's tables, their version, and the reading of a frame's row.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,17 +11,17 @@ struct store_frame;
 
 #define STORE_SCHEMA_VERSION 3 // a macro because SQL text holds it
 
-// Whether this version may use the database, and which one wrote it (0: it is empty); changes nothing.
+// Whether this version can use the database; `*found` is the version that wrote it (0: it is empty). Changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);
-// Makes the tables, or what this version has beside those of the one found. Inside a transaction.
+// Makes the tables, or upgrades those of version `found`. To be called inside a transaction.
 bool store_schema_upgrade(struct sqlite3 *db, int found, struct error *error);
 
-// In the order of store_schema_read_frame.
+// The order that store_schema_read_frame expects.
 #define STORE_SCHEMA_FRAME_COLUMNS                                                                                     \
     "job, frame_index, state, attempts, epoch, inode, size_bytes, hash, render_s, encode_s, error, audit, "            \
     "measured_error, error95, audit_rays, method, cut_share"
 
-// From a row of the first four of those columns. False when the row cannot be.
+// Reads a row that starts with the first four of those columns. False for an invalid row.
 bool store_schema_read_state(struct sqlite3_stmt *row, struct store_frame *frame, struct error *error);
-// From a row of those columns; `frame->error` is lent until the next step.
+// Reads a row of those columns; `frame->error` is borrowed until the next step of the statement.
 bool store_schema_read_frame(struct sqlite3_stmt *row, struct store_frame *frame, struct error *error);

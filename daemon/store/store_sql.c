@@ -17,7 +17,7 @@ static int last_errno_of(sqlite3 *db, int file_opcode)
     return errnum;
 }
 
-// A failed COMMIT leaves no errno with the connection, only with the file it failed on.
+// A failed COMMIT leaves its errno not in the connection but in the file on which it failed.
 static int find_errno(sqlite3 *db)
 {
     int errnum = sqlite3_system_errno(db);

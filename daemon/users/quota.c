@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static_assert((int64_t)FRAME_COUNT_LIMIT <= INT64_MAX / JOB_PIXEL_LIMIT, "a job's pixels are a number");
+static_assert((int64_t)FRAME_COUNT_LIMIT <= INT64_MAX / JOB_PIXEL_LIMIT, "a job's pixels fit into int64_t");
 
 void quota_finish(struct quota *quota)
 {
@@ -22,8 +22,8 @@ void quota_finish(struct quota *quota)
     *quota = (struct quota){0};
 }
 
-// Where the user is, or would be.
-static size_t find_place(const struct quota *quota, int64_t uid)
+// The index of the user, or where to insert it.
+static size_t find_index(const struct quota *quota, int64_t uid)
 {
     size_t low = 0, high = quota->count;
 
@@ -40,17 +40,17 @@ static size_t find_place(const struct quota *quota, int64_t uid)
 
 struct quota_user *quota_find_user(struct quota *quota, int64_t uid, const char *name)
 {
-    size_t place = find_place(quota, uid);
+    size_t index = find_index(quota, uid);
     struct quota_user *user;
 
-    if (place == quota->count || quota->users[place]->uid != uid) {
+    if (index == quota->count || quota->users[index]->uid != uid) {
         quota->users = xgrow(quota->users, &quota->capacity, quota->count + 1, sizeof(struct quota_user *));
-        memmove(&quota->users[place + 1], &quota->users[place], (quota->count - place) * sizeof(struct quota_user *));
-        quota->users[place] = xcalloc(1, sizeof **quota->users);
-        quota->users[place]->uid = uid;
+        memmove(&quota->users[index + 1], &quota->users[index], (quota->count - index) * sizeof(struct quota_user *));
+        quota->users[index] = xcalloc(1, sizeof **quota->users);
+        quota->users[index]->uid = uid;
         quota->count++;
     }
-    user = quota->users[place];
+    user = quota->users[index];
     if (!user->name || strcmp(user->name, name) != 0) {
         free(user->name);
         user->name = xstrdup(name);
@@ -67,7 +67,7 @@ void quota_set(struct quota_user *user, struct quota_amounts *share, struct quot
     *share = now;
 }
 
-// Written so that no sum is made that might overflow.
+// Computes no sum that could overflow.
 static bool is_too_much(int64_t limit, int64_t has, int64_t added)
 {
     return limit > 0 && added > 0 && (has > limit || added > limit - has);

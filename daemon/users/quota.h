@@ -1,4 +1,4 @@
-// What each user has on the farm, and whether more would be too much: sums and words, nothing else.
+// Sums of what each user has on the farm, and checks against limits. Pure.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,37 +8,37 @@
 
 struct error;
 
-// As limits, 0 is none. No sum overflows: a frame takes 16 bytes of memory and has at most 2^26 pixels, so that 2^63
-// pixels are more memory than there is.
+// In limits 0 means no limit. Sums do not overflow: a frame takes 16 bytes of memory and has at most 2^26 pixels, so
+// 2^63 pixels do not fit into memory.
 struct quota_amounts {
-    int64_t jobs;       // that are not over
-    int64_t frames;     // of those, not done yet
-    int64_t pixels;     // of those frames
-    int64_t disk_bytes; // of files published for jobs that are known, over or not
+    int64_t jobs;       // jobs that are not over
+    int64_t frames;     // their frames that are not done
+    int64_t pixels;     // pixels of those frames
+    int64_t disk_bytes; // published files of all jobs, over or not
 };
 
 struct quota_user {
     int64_t uid;
-    char *name;               // owned; as it was last seen
-    bool is_unlimited;        // as it was last seen
-    struct quota_amounts has; // what all shares sum up to
+    char *name;               // owned; from the latest connection or job
+    bool is_unlimited;        // whether they were an administrator at the latest check
+    struct quota_amounts has; // the sum of all shares
 };
 
-// The zero value is empty. Ascending by uid.
+// Users by ascending uid. The zero value is empty.
 struct quota {
-    struct quota_user **users; // owned; each lives as long as this
+    struct quota_user **users; // owned; each lives until quota_finish
     size_t count, capacity;
 };
 
 void quota_finish(struct quota *quota);
-// Made when it is not there.
+// Finds or adds the user.
 struct quota_user *quota_find_user(struct quota *quota, int64_t uid, const char *name);
-// What one job has of the sums becomes `now`.
+// Sets one job's share of the user's sums to `now`.
 void quota_set(struct quota_user *user, struct quota_amounts *share, struct quota_amounts now);
 
-// Whether the user may have that much more; the message says of what, how much they may have, how much they have and how
-// much `what` ("this job") adds. Of what is not added nothing is asked.
+// Whether the user may have `added` more. The message names the amount, the limit, what the user has and what `what`
+// ("this job") adds. An amount that does not grow is not checked.
 bool quota_check(const struct quota_user *user, const struct quota_amounts *limits, const struct quota_amounts *added,
                  const char *what, struct error *error);
-// Whether there is room for another file.
+// Whether the user may publish another file.
 bool quota_check_disk(const struct quota_user *user, const struct quota_amounts *limits, struct error *error);

@@ -9,7 +9,7 @@
 #include <pwd.h>
 #include <stdlib.h>
 
-enum { ENTRY_SIZE_LIMIT = 1024 * 1024 }; // bytes of a group with all its members
+enum { ENTRY_SIZE_LIMIT = 1024 * 1024 }; // bytes of a group entry with all its members
 
 static int64_t find_group(const char *name)
 {
@@ -31,8 +31,7 @@ void rights_init(struct rights *rights, int64_t daemon_uid, const char *admin_gr
 {
     rights->daemon_uid = daemon_uid;
     rights->admin_gid = admin_group ? find_group(admin_group) : -1;
-    if (rights->admin_gid < 0 && admin_group)
-        log_debug("there is no group \"%s\": nobody administers by it", admin_group);
+    if (rights->admin_gid < 0 && admin_group) log_debug("the admin group \"%s\" does not exist", admin_group);
 }
 
 bool rights_is_known(const struct rights_peer *peer)
@@ -63,7 +62,7 @@ bool rights_user_is_admin(const struct rights *rights, int64_t uid, const char *
     gid_t *groups = NULL;
     bool is_admin;
 
-    // A number that another user has now is not who it was.
+    // A uid that belongs to another name today is not that user.
     if (getpwnam_r(user, &entry, text, sizeof text, &found) == 0 && found && (int64_t)found->pw_uid == uid) {
         groups = xcalloc((size_t)count, sizeof *groups);
         if (getgrouplist(user, found->pw_gid, groups, &count) < 0) {

@@ -9,27 +9,27 @@
 
 struct error;
 
-// Whoever is at the other end of a connection, as the kernel says it.
+// The user at the other end of a connection, from the kernel.
 struct rights_peer {
     int64_t uid;         // -1: unknown
-    const gid_t *groups; // borrowed; its primary group among them
+    const gid_t *groups; // borrowed; with the primary group
     size_t group_count;
 };
 
 struct rights {
     int64_t daemon_uid;
-    int64_t admin_gid; // -1: there is no such group
+    int64_t admin_gid; // -1: the group does not exist
 };
 
-// The user that stands for all whom a user namespace has no number for: nobody in particular.
+// The uid that stands for every user whom a user namespace does not map.
 enum { RIGHTS_OVERFLOW_UID = 65534 };
 
-// Looks the group up; legal again at any time, as at a reload. A group that does not exist is nobody's.
+// Looks up the group; may be called again, as at a reload. A group that does not exist has no members.
 void rights_init(struct rights *rights, int64_t daemon_uid, const char *admin_group);
-// Root, the daemon's own user, members of the admin group: they may change every job, and have no limits.
+// Administrators may change every job and have no limits: root, the daemon's own user, members of the admin group.
 bool rights_is_admin(const struct rights *rights, const struct rights_peer *peer);
 bool rights_may_change(const struct rights *rights, const struct rights_peer *peer, int64_t owner_uid);
-// Somebody who can own a job.
+// Whether the peer is a user who can own a job.
 bool rights_is_known(const struct rights_peer *peer);
-// What rights_is_admin would say of that user, who is not here. Asks the user database, which may take its time.
+// As rights_is_admin, for a user without a connection. Reads the user database, which may block.
 bool rights_user_is_admin(const struct rights *rights, int64_t uid, const char *user);

@@ -1,4 +1,4 @@
-// What a job's worker may reach: the message worker.fence, from the job's document and the daemon's options.
+// The message worker.fence: the files that a job's worker may reach, from the job's document and the daemon's options.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,6 +9,6 @@ struct farm;
 struct job_record;
 struct json_writer;
 
-// False when the document cannot be read, or reads what is below no input root any more; `*is_job_fault` tells which.
+// False when the document cannot be read (`*is_job_fault` is false) or names a file below no input root (it is true).
 bool job_fence_write(const struct farm *farm, const struct job_record *record, struct json_writer *writer,
                      bool *is_job_fault, struct error *error);

@@ -8,16 +8,17 @@
 #include <string.h>
 #include <unistd.h>
 
-// How variables begin that a worker gets: what names libraries, drivers and their settings, places and languages. All else
-// stays here, be it a way to the daemon (NOTIFY_SOCKET, LISTEN_FDS, CREDENTIALS_DIRECTORY) or a secret of whoever started
-// it.
+// Beginnings of the variables that a worker gets: those of libraries, drivers, folders and languages. No other variable
+// is passed on: it may lead to the daemon (NOTIFY_SOCKET, LISTEN_FDS, CREDENTIALS_DIRECTORY) or be a secret of the user
+// who started it.
 static const char *const kept_names[] = {
     "PATH=",  "HOME=",    "LANG=", "LC_",      "TZ=",    "TMPDIR=", "LD_",    "GLIBC_", "MALLOC_", "MESA_",
     "LIBGL_", "GALLIUM_", "LP_",   "EGL_",     "__EGL_", "__GL_",   "__GLX_", "DRI_",   "NVIDIA_", "CUDA_",
     "INTEL_", "RADEON_",  "AMD_",  "NOUVEAU_", "ASAN_",  "LSAN_",   "TSAN_",  "UBSAN_",
 };
 
-// What a driver compiled for one job it would load into the worker of another, as machine code: nothing is kept on disk.
+// Disk caches of drivers are off: a driver would load machine code that it compiled for one job into the worker of
+// another.
 static const char *const set_variables[] = {"MESA_SHADER_CACHE_DISABLE=true", "__GL_SHADER_DISK_CACHE=0",
                                             "CUDA_CACHE_DISABLE=1"};
 

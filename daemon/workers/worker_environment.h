@@ -1,4 +1,4 @@
-// The environment a worker is started with: of the daemon's own what it needs, no disk cache of shaders, llvmpipe's threads.
+// The environment of a worker: needed variables of the daemon, no disk cache of shaders, llvmpipe's threads.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

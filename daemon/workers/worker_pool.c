@@ -18,7 +18,7 @@
 enum {
     TICK_MS = 250,
     EXIT_MS = 5000,
-    START_LIMIT = 3 // workers of a job that end before they are ready, until it is seen whether others do start
+    START_LIMIT = 3 // failed starts for a job; further ones wait until a worker for another job starts
 };
 
 struct worker_pool {
@@ -54,7 +54,7 @@ static struct worker_slot *slot_of(struct worker_pool *pool, const struct worker
     return &pool->slots[worker->id - 1];
 }
 
-// Workers that are about to take a frame of the job, or as good as.
+// Number of workers that will soon take a frame of the job: idle, starting, or making room for it.
 static int64_t count_waiting_for(const struct worker_pool *pool, int64_t job)
 {
     int64_t count = 0;
@@ -71,7 +71,7 @@ static int64_t count_waiting_for(const struct worker_pool *pool, int64_t job)
     return count;
 }
 
-// The job that a worker is started for; NULL: for any, or for none yet.
+// The job that the next worker serves; NULL: it serves any job, or none for now.
 static struct job_record *find_job_to_serve(const struct worker_pool *pool)
 {
     const struct queue_job *next = pool->farm->options->has_sandbox ? queue_next_job(pool->farm->queue) : NULL;
@@ -90,7 +90,7 @@ static int64_t find_memory_limit(const struct worker_pool *pool)
     return (int64_t)((double)uv_get_total_memory() * 0.9 / pool->slot_count);
 }
 
-// False: the job cannot be served, and is not tried again.
+// False when the job cannot be served: it is refused.
 static bool write_fence(struct worker_pool *pool, struct job_record *record, struct json_writer *fence)
 {
     struct error error = {0};
@@ -190,7 +190,7 @@ static void note_start(const struct worker_pool *pool, const struct worker_proce
     record->is_last_start = false;
 }
 
-// Where workers start, but not with the fence of this job, it is held: else no other's frames would be rendered.
+// Pauses a job whose workers do not start while others do: it would keep the frames of other jobs waiting.
 static void note_failed_start(const struct worker_pool *pool, const struct worker_process *worker, const char *reason)
 {
     struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
@@ -203,7 +203,7 @@ static void note_failed_start(const struct worker_pool *pool, const struct worke
     }
     record->failed_starts = 0;
     record->is_last_start = false;
-    why = xasprintf("workers start, but not those for this job: %s", reason);
+    why = xasprintf("workers start for other jobs, but not for this one: %s", reason);
     pool->handlers->on_job_refused(pool->farm, record, false, why);
     free(why);
 }
@@ -220,7 +220,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     worker->device_uuid = copy_text(report->device_uuid);
     worker->sandbox = copy_text(report->sandbox);
     note_start(pool, worker);
-    // One comes with each job: news only where it is the farm's.
+    // A worker for one job starts often, so its start is logged at debug level only.
     log_about(worker->job ? LOG_DEBUG : LOG_INFO,
               &(struct log_subject){.worker = worker->id, .job = worker->job > 0 ? worker->job : 0},
               "worker %d: ready: %s on %s (%s)", worker->id, report->backend, report->renderer, report->version);
@@ -229,7 +229,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     farm_want_feed(pool->farm);
 }
 
-// That the job cannot be fenced in says nothing about the worker.
+// A worker that cannot be fenced in for its job is not at fault itself.
 static void note_unable(struct worker_pool *pool, struct worker_process *worker, const struct worker_report *report,
                         int64_t now_ms)
 {
@@ -253,7 +253,7 @@ static void note_clocks(struct worker_process *worker, const struct worker_repor
     case WORKER_REPORT_PLANNED:
         liveness_begin_frame(&worker->liveness, now_ms);
         break;
-    case WORKER_REPORT_PLANNING: // for many frames: no other frame's time says how long it may take
+    case WORKER_REPORT_PLANNING: // planning is for many frames: the time of one frame does not limit it
     case WORKER_REPORT_RENDERED:
     case WORKER_REPORT_SKIPPED:
     case WORKER_REPORT_FAILED:
@@ -295,7 +295,7 @@ static void on_gone(void *user, struct worker_process *worker)
     if (!worker->backend && !is_replaced) note_failed_start(pool, worker, reason);
     slot->done += worker->done;
     slot->worker = NULL;
-    // Code that does not end says nothing about the slot.
+    // GLSL of the user that does not end is no fault of the slot.
     if (worker->done == 0 && !worker->suspect_code && !is_replaced)
         retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
     if (is_replaced) {
@@ -305,7 +305,7 @@ static void on_gone(void *user, struct worker_process *worker)
     worker_slot_set_reason(slot, reason);
     pool->handlers->on_slot_changed(pool->farm, worker->id - 1);
     worker_process_close(worker);
-    farm_want_feed(pool->farm); // others may have left the next frames to it
+    farm_want_feed(pool->farm); // other workers may have left the next frames to it
     start_due(pool);
 }
 
@@ -373,7 +373,7 @@ bool worker_pool_suits(struct worker_pool *pool, struct worker_process *worker, 
     struct job_record *record = job_table_find(&pool->farm->jobs, job->id);
 
     if (!pool->farm->options->has_sandbox || worker->job == job->id) return true;
-    if (record->failed_starts == START_LIMIT) record->is_last_start = true; // for this one did start
+    if (record->failed_starts == START_LIMIT) record->is_last_start = true; // because this worker did start
     if (worker->in_flight.count > 0 || count_waiting_for(pool, job->id) >= job->counts[FRAME_QUEUED]) return false;
     worker->is_replaced = true;
     worker->next_job = job->id;
@@ -399,7 +399,7 @@ char *worker_pool_format_trouble(const struct worker_pool *pool)
         if (worker_pool_ready_at(pool, i)) return NULL;
         if (!reason) reason = pool->slots[i].reason;
     }
-    return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("no worker is ready: they are starting");
+    return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("no worker is ready: all are starting");
 }
 
 static void send_about_job(struct worker_process *worker, const char *method, int64_t job, bool has_running,
@@ -433,7 +433,7 @@ void worker_pool_forget_job(struct worker_pool *pool, int64_t job)
         struct worker_process *worker = pool->slots[i].worker;
 
         if (!worker) continue;
-        // Brought back, it may read other files: what was opened may be gone.
+        // A retried job needs a new worker: the files that this one opened may be gone.
         if (worker->job == job) worker->job = WORKER_NO_JOB;
         if (!worker_process_knows_job(worker, job)) continue;
         worker_process_forget_job(worker, job);

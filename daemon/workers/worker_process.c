@@ -17,9 +17,9 @@
 
 enum {
     CHANNEL_FD = 3,
-    LAST_WORDS_MS = 1000, // after its exit, for a grandchild may hold its pipes open
-    EXIT_MS = 5000,       // after it closed its channel
-    READS_LIMIT = 16      // of errors that wait, so that one that never stops writing does not hold the loop
+    LAST_WORDS_MS = 1000, // wait for output after its exit: a grandchild may hold its pipes open
+    EXIT_MS = 5000,       // wait for its exit after it closed its channel
+    READS_LIMIT = 16      // reads of waiting errors in a row, so that endless output does not hold the loop
 };
 
 struct worker_write {
@@ -42,16 +42,16 @@ static void init_pipes(uv_loop_t *loop, struct worker_process *worker)
     worker->channel.data = worker->errors.data = worker->process.data = worker;
 }
 
-// The worker is in a session of its own, so that a terminal's ctrl-C stops the daemon first, which stops it in order.
+// The worker gets a session of its own: Ctrl-C in a terminal reaches the daemon only, which stops its workers in order.
 static int spawn(uv_loop_t *loop, struct worker_process *worker, const struct worker_params *params, char **environment)
 {
     char memory[24];
-    // libuv takes them without const and changes none.
+    // libuv takes them without const but does not change them.
     const char *arguments[16] = {params->program, "--fd", "3", "--backend", params->backend};
     size_t count = 5;
     uv_stdio_container_t stdio[] = {
         {.flags = UV_IGNORE},
-        {.flags = UV_IGNORE}, // not to the daemon's log, where it could pass for the daemon
+        {.flags = UV_IGNORE}, // not the daemon's log, where its lines could pass for the daemon's
         {.flags = UV_CREATE_PIPE | UV_WRITABLE_PIPE, .data.stream = (uv_stream_t *)&worker->errors},
         {.flags = UV_CREATE_PIPE | UV_READABLE_PIPE | UV_WRITABLE_PIPE, .data.stream = (uv_stream_t *)&worker->channel},
     };
@@ -164,7 +164,7 @@ static void handle_lines(struct worker_process *worker)
         if (!handle_line(worker, line, length, &error)) break;
     }
     if (!error.message[0]) return;
-    error_prefix(&error, "it said what is no message");
+    error_prefix(&error, "it sent an invalid message");
     worker_process_kill(worker, error.message);
     uv_read_stop((uv_stream_t *)&worker->channel);
     worker->has_channel_ended = true;
@@ -283,7 +283,7 @@ void worker_process_send(struct worker_process *worker, const struct json_writer
     if (uv_write(&write->request, (uv_stream_t *)&worker->channel, &buffer, 1, on_written) != 0) free(write);
 }
 
-// A write fails only when the worker is dying, which the end of its channel tells.
+// A write fails only when the worker is dying; the end of its channel reports that.
 static void on_written(uv_write_t *request, int status)
 {
     free((struct worker_write *)request);
@@ -300,7 +300,7 @@ char *worker_process_describe_end(const struct worker_process *worker)
     return xasprintf("exit status %lld", (long long)worker->exit_status);
 }
 
-// What it wrote before a message may be read after it, being on another pipe.
+// Reads waiting errors: text from before a message may arrive after it, on another pipe.
 static void read_waiting_errors(struct worker_process *worker)
 {
     uv_os_fd_t pipe;
@@ -311,7 +311,7 @@ static void read_waiting_errors(struct worker_process *worker)
         uv_buf_t buffer;
 
         on_allocate_errors((uv_handle_t *)&worker->errors, 0, &buffer);
-        count = read(pipe, buffer.base, buffer.len); // it does not block; its end is seen by the loop
+        count = read(pipe, buffer.base, buffer.len); // it does not block; the loop sees its end
         if (count > 0) note_errors(worker, (size_t)count);
     }
 }

@@ -1,4 +1,4 @@
-// One worker process: its start, its messages both ways, what it holds, its last words and its end.
+// One worker process: its start, messages, frames in flight, log and end.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,12 +24,12 @@ enum { WORKER_LOG_BYTES = 8192, WORKER_ANY_JOB = 0, WORKER_NO_JOB = -1 };
 enum worker_state {
     WORKER_STARTING,
     WORKER_READY,
-    WORKER_STOPPING // it was told to exit, or said that it will
+    WORKER_STOPPING // it was told to exit, or announced it
 };
 
 struct worker_handlers {
     void (*on_report)(void *user, struct worker_process *worker, const struct worker_report *report);
-    // It is reaped and all it said is read; the callee closes it.
+    // The process is reaped and its output is read; the callee closes it.
     void (*on_gone)(void *user, struct worker_process *worker);
     void *user;
 };
@@ -38,36 +38,36 @@ struct worker_params {
     const char *program, *backend, *shader_folder; // borrowed during the call; shader_folder may be NULL
     int thread_count;
     int64_t progress_limit_ms;
-    int id; // of its slot
+    int id; // of the slot
     bool has_sandbox;
-    int64_t memory_bytes;            // that it may allocate; 0: any amount
-    int64_t job;                     // that alone it serves, fenced in; 0: any
-    const struct json_writer *fence; // of that job; borrowed during the call
+    int64_t memory_bytes;            // limit of its memory; 0: none
+    int64_t job;                     // the only job that it serves, inside its fence; 0: any job
+    const struct json_writer *fence; // the message worker.fence of that job; borrowed during the call
 };
 
-// Open for reading; changed by this module and by who hands it frames.
+// Read by others; changed by this module and the modules that assign frames.
 struct worker_process {
     int id;
     enum worker_state state;
-    int64_t job;                            // that alone it serves; WORKER_ANY_JOB, or WORKER_NO_JOB: that job is over
-    int64_t next_job;                       // that it makes room for; 0: none
-    bool is_replaced;                       // its end is no fault of its own: another takes its place
-    int64_t memory_bytes;                   // that it may allocate; 0: any amount
-    const struct worker_handlers *handlers; // borrowed; outlive us
+    int64_t job;          // the only job that it serves; WORKER_ANY_JOB; WORKER_NO_JOB: its job is over
+    int64_t next_job;     // the job that it makes room for; 0: none
+    bool is_replaced;     // it exits to make room: its end is no fault
+    int64_t memory_bytes; // limit of its memory; 0: none
+    const struct worker_handlers *handlers;                              // borrowed; outlive us
     char *backend, *vendor, *renderer, *version, *device_uuid, *sandbox; // owned; NULL until ready
     struct in_flight in_flight;
-    int64_t *known_jobs; // owned; whose worker.job it was sent
+    int64_t *known_jobs; // owned; jobs whose worker.job was sent
     size_t known_count, known_capacity;
     struct liveness liveness;
-    uint64_t answered_ns;           // when it last answered for a frame, or got one with empty hands
-    int64_t done;                   // frames it finished or skipped
-    int64_t stop_by_ms;             // monotonic; killed after it while stopping
-    const char *suspect_code;       // borrowed; the user's code whose frame a clock killed it for; NULL: none
-    char *end_reason;               // owned; why it was killed or says it cannot work; NULL: not known
-    char log[WORKER_LOG_BYTES + 1]; // the end of what it wrote to standard error and no attempt has been told
+    uint64_t answered_ns;           // its latest report on a frame, or the assignment of a frame when it had none
+    int64_t done;                   // count of frames that it finished or skipped
+    int64_t stop_by_ms;             // monotonic; it is killed then; 0: never
+    const char *suspect_code;       // borrowed; the GLSL of the user whose frame it was killed over; NULL: none
+    char *end_reason;               // owned; why it was killed or reported to be unable; NULL: unknown
+    char log[WORKER_LOG_BYTES + 1]; // the end of its standard error, since the latest attempt took it
     size_t log_length;
 
-    // The module's own.
+    // For the module only.
     uv_process_t process;
     uv_pipe_t channel, errors;
     int open_handles;
@@ -75,26 +75,26 @@ struct worker_process {
     bool has_exited, has_channel_ended, has_errors_ended, is_gone;
     int64_t exit_status;
     int exit_signal;
-    int64_t ended_ms; // when its exit, or the end of its channel, was seen first
+    int64_t ended_ms; // time of its exit or of the end of its channel; 0: neither
 };
 
 // NULL on failure, with the cause.
 struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker_params *params,
                                             const struct worker_handlers *handlers, struct error *error);
-struct log_subject worker_process_subject(const struct worker_process *worker); // it, and the frame that it renders
+struct log_subject worker_process_subject(const struct worker_process *worker); // its id, and the frame that it renders
 int worker_process_pid(const struct worker_process *worker);
-// Ends it with SIGKILL; `reason` goes into the log of the attempts it held.
+// Kills it with SIGKILL; `reason` goes into the log of its attempts.
 void worker_process_kill(struct worker_process *worker, const char *reason);
 void worker_process_exit(struct worker_process *worker,
-                         int64_t stop_by_ms); // worker.exit, and killed if it has not by then
-void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_ms); // the same without a word to it
-void worker_process_check(struct worker_process *worker, int64_t now_ms);           // to be called now and then
-void worker_process_close(struct worker_process *worker); // frees itself once its handles are closed
+                         int64_t stop_by_ms); // sends worker.exit; it is killed at `stop_by_ms`
+void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_ms); // the same without the message
+void worker_process_check(struct worker_process *worker, int64_t now_ms); // to be called several times a second
+void worker_process_close(struct worker_process *worker);                 // it frees itself when its handles are closed
 
 void worker_process_send(struct worker_process *worker, const struct json_writer *messages);
 // "exit status 1", "killed: no message for 10 s", ... ; owned by the caller.
 char *worker_process_describe_end(const struct worker_process *worker);
-// The reason, if any, and the last lines it wrote, which are then forgotten; owned by the caller.
+// Takes the log, after the line `reason` (may be NULL); owned by the caller.
 char *worker_process_take_log(struct worker_process *worker, const char *reason);
 void worker_process_forget_log(struct worker_process *worker);
 bool worker_process_knows_job(const struct worker_process *worker, int64_t job);

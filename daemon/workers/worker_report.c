@@ -16,7 +16,7 @@ static bool read_text(const struct json_node *body, const char *key, const char 
     return json_read_string(&node, text, error);
 }
 
-// A member that may be null or missing.
+// Reads a member that may be null or missing.
 static bool read_maybe_text(const struct json_node *body, const char *key, const char **text, struct error *error)
 {
     struct json_node node = json_node_child(body, key);
@@ -69,7 +69,7 @@ static bool read_frame(struct worker_report *report, const struct json_node *bod
     return true;
 }
 
-// Text, for some file systems number their files beyond what a JSON number holds.
+// An inode is text: some file systems use numbers beyond the range of JSON numbers.
 static bool read_inode(const struct json_node *body, uint64_t *inode, struct error *error)
 {
     struct json_node node = json_node_child(body, "inode");
@@ -99,7 +99,7 @@ static bool read_file(struct published_file *file, const struct json_node *body,
     return true;
 }
 
-// A worker that compares no pixels says nothing of it.
+// A worker that compares no pixels leaves audit_s out.
 static bool read_audit_seconds(const struct json_node *body, double *seconds, struct error *error)
 {
     struct json_node node = json_node_child(body, "audit_s");

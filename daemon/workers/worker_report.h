@@ -1,4 +1,4 @@
-// What a worker says about itself and its frames, read from its messages.
+// Reports of a worker about itself and its frames, read from its messages.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -16,7 +16,7 @@ enum worker_report_kind {
     WORKER_REPORT_READY,
     WORKER_REPORT_UNABLE, // worker.failed
     WORKER_REPORT_BEAT,
-    WORKER_REPORT_STARTED, // from here on: of a frame
+    WORKER_REPORT_STARTED, // from here on: about a frame
     WORKER_REPORT_PLANNING,
     WORKER_REPORT_PLANNED,
     WORKER_REPORT_RENDERED,
@@ -24,20 +24,20 @@ enum worker_report_kind {
     WORKER_REPORT_SKIPPED,
     WORKER_REPORT_FAILED,
     WORKER_REPORT_DROPPED,
-    WORKER_REPORT_UNKNOWN // a method this daemon does not know; not an error
+    WORKER_REPORT_UNKNOWN // a method that the daemon does not know; not an error
 };
 
 // Strings are borrowed from the message.
 struct worker_report {
     enum worker_report_kind kind;
     const char *backend, *vendor, *renderer, *version, *device_uuid; // ready; device_uuid may be NULL
-    const char *sandbox;                                             // ready; what keeps it in; may be NULL
+    const char *sandbox;                                             // ready; the sandbox in force; may be NULL
     double progress;                                                 // beat
-    int64_t job;                                                     // of a frame
+    int64_t job;                                                     // kinds about a frame
     int32_t frame, attempt;
-    struct published_file file; // finished; skipped without inode
+    struct published_file file; // finished; skipped, without inode
     double render_s, encode_s;
-    double audit_s;                 // beside both
+    double audit_s;                 // in addition to both
     struct frame_accuracy accuracy; // finished, skipped
     enum retry_fault fault;         // failed
     const char *error;              // failed, unable

@@ -1,4 +1,4 @@
-// One place for a worker: who runs in it, or why nobody does.
+// One worker slot: its worker, or why it has none.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,13 +11,13 @@ struct worker_process;
 
 // The zero value is empty.
 struct worker_slot {
-    struct worker_process *worker; // NULL: none runs
+    struct worker_process *worker; // NULL: none
     struct retry_backoff backoff;
-    char *reason; // owned; why the worker before could not work; NULL: it could
-    int64_t done; // frames, by the workers before
+    char *reason; // owned; why the latest worker ended or did not start; NULL: no fault
+    int64_t done; // count of frames by earlier workers
 };
 
-void worker_slot_finish(struct worker_slot *slot);                   // once no worker runs
-void worker_slot_set_reason(struct worker_slot *slot, char *reason); // takes it over; NULL: none
+void worker_slot_finish(struct worker_slot *slot);                   // legal when no worker runs
+void worker_slot_set_reason(struct worker_slot *slot, char *reason); // takes ownership; NULL: none
 // The object *worker* of docs/protocol.md.
 void worker_slot_write(const struct worker_slot *slot, int id, struct json_writer *writer);

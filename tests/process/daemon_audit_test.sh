@@ -1,5 +1,5 @@
 #!/bin/bash
-# What workers say of a frame's error reaches who asks, outlives the daemon, and a frame over its tolerance has one try.
+# Errors of frames that workers report: clients get them, the store keeps them, and a frame over its tolerance has one attempt.
 . "$(dirname "$0")/farm.sh"
 
 accuracy_of()
@@ -17,7 +17,7 @@ row=$("$bin/march" frames "$id" --socket "$socket" | tr -s ' ' | sed -n 2p)
 "$bin/march" frames "$id" --socket "$socket" | head -n 1 | grep -q 'METHOD  *ERROR %  ERR95 %    CUT %  FILE' || fail "the titles"
 stop_daemon
 
-# Another daemon reads it from the store; of frames of a worker that audits nothing it knows nothing.
+# The next daemon reads them from the store; frames of a worker that audits nothing have none.
 start_daemon --worker-program "$(stub write:0)"
 expect "accuracy after a restart" "$(accuracy_of "$id")" "[$whole,$whole]"
 plain=$(submit "$(job 0 '.output.path = "b/b.####.exr"')")
@@ -38,7 +38,7 @@ tries=$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')
 [ "$tries" -lt 20 ] || fail "too many frames were tried: $tries"
 stop_daemon
 
-# Plans are made between a frame's begin and its end, once; the frame is one attempt.
+# A plan is made once, between the start and the end of a frame, within its attempt.
 start_daemon --worker-program "$(stub plan:10)"
 listen "$scratch/events"
 id=$(submit "$(job 0-1 '.output.path = "e/e.####.exr"')")
@@ -48,7 +48,7 @@ expect "attempts of planned frames" "$(ask job.frames "{\"id\":$id}" | jq -c '[.
 expect "beginnings" "$(grep -c '"frame":[01],"state":"running"' "$scratch/events")" 2
 stop_daemon
 
-# The real worker: what it says of each frame is what is in its file, and all of it is within the tolerance.
+# The real worker: its report on each frame matches the file, and every frame is within the tolerance.
 start_daemon --backend osmesa --workers 1
 cd "$scratch" || exit 1
 listen "$scratch/real"

@@ -1,5 +1,5 @@
 #!/bin/bash
-# What may be done to a job: pause, resume, cancel, retry, priority; and what a waiting job says.
+# Changes to a job: pause, resume, cancel, retry, priority; and the reason of a waiting job.
 . "$(dirname "$0")/farm.sh"
 
 start_daemon --workers 1 --worker-program "$(stub write:50)"
@@ -27,7 +27,7 @@ files=$(find "$scratch/out/cloud" -name '*.exr' | wc -l)
 expect "frames" "$(field "$first" '.succeeded + .canceled')" 100
 expect "files" "$(field "$first" .succeeded)" "$files"
 
-# A retry of some lets the job live; the others stay canceled, also over a restart.
+# A retry of some frames makes the job live; the others stay canceled, also after a restart.
 expect "retried" "$(ask job.retry "{\"id\":$first,\"state\":\"canceled\",\"range\":\"95-100\"}" | jq .result.retried)" 6
 wait_until "they are done" eval '[ "$(field "$first" .queued)" = 0 ]'
 kill_daemon
@@ -40,12 +40,12 @@ expect "retried" "$(ask job.retry "{\"id\":$first,\"state\":[\"canceled\",\"succ
 wait_state "$first" succeeded
 expect_files cloud 100
 
-# A finished job may be retried only while nobody else writes its files.
+# A job that is over may be retried only while no other job writes its files.
 expect "the same output again" "$(submit "$(job 1-100)" true)" $((second + 1))
 expect_error "$(ask job.retry "{\"id\":$first,\"state\":\"succeeded\"}")" 3 "writes its frame"
 expect_error "$(ask job.retry "{\"id\":$first,\"state\":\"queued\"}")" -32602 "params.state"
 
-# Everything is as it was after a restart.
+# A restart changes nothing.
 list=$(ask job.list | jq -c '[.result.jobs[] | {id, name, state, priority, owner, submitted, succeeded, finished}]')
 stop_daemon
 start_daemon --workers 1 --worker-program "$(stub write:50)"

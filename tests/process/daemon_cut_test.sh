@@ -1,6 +1,6 @@
 #!/bin/bash
-# Two mirrors that face each other: no ray gets out, all end at a limit. A frame that loses too much that way costs itself,
-# in one try, and says which limit to move; files that are there are held to the job's max_cut, too.
+# Two mirrors that face each other: no path leaves, all are cut at a limit. A frame that loses too much light fails
+# in one attempt and names the limit to raise; existing files must keep the job's max_cut, too.
 . "$(dirname "$0")/farm.sh"
 
 # hall NAME FRAMES REFLECTANCE QUALITY: prints a job document; a camera ray is black after max_depth reflections.
@@ -30,7 +30,7 @@ frames_of()
 
 start_daemon --backend osmesa --max-attempts 3
 
-# (1/2)^4 of the throughput is left when a ray would be reflected for the fourth time.
+# The throughput is (1/2)^4 when a path would be reflected for the fourth time.
 id=$(submit "$(hall few 0 0.5 '{"max_depth":3}')")
 wait_state "$id" failed
 expect "its frame" "$(frames_of "$id" failed)" "[[0,1]]"
@@ -43,14 +43,14 @@ wait_state "$id" failed
 reason=$(ask job.frames "{\"id\":$id}" | jq -r '.result.frames[0].error')
 [[ $reason == *"taken 12.5 % of"*"expected a smaller min_throughput, or"* ]] || fail "the reason: $reason"
 
-# Who is told that a job failed can ask why at once.
+# The reason is known when the event of the failed job arrives.
 for _ in {1..20}; do
     id=$(submit "$(hall few 0 0.5 '{"max_depth":3}')")
     MARCHD_SOCKET=$socket "$bin/march" wait "$id" >/dev/null 2>&1 && fail "the job did not fail"
     expect "reasons" "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[] | select(.error)] | length')" 1
 done
 
-# Allowed, or little enough, the frame is made; its header says what was cut.
+# When the cut is allowed or small enough, the frame is published; its header holds the cut.
 id=$(submit "$(hall few 0 0.5 '{"max_depth":3,"max_cut":1}')")
 wait_state "$id" succeeded
 expect "rays" "$(number "$scratch/out/few/h.0000.exr" raysPerPixel)" 4
@@ -62,7 +62,7 @@ wait_state "$id" succeeded
 expect "rays of the deep one" "$(number "$scratch/out/deep/h.0000.exr" raysPerPixel)" 7
 expect "its share" "$(number "$scratch/out/deep/h.0000.exr" cutShare)" 0.0078125
 
-# max_cut changes no pixel: a file within it is kept, one beyond is not.
+# max_cut changes no pixel: a file within it is kept, a file beyond it is rendered again.
 id=$(submit "$(hall few 0 0.5 '{"max_depth":3,"max_cut":0.0625}')")
 wait_state "$id" succeeded
 expect "frames kept" "$(field "$id" .skipped)" 1
@@ -72,7 +72,7 @@ expect "the frame that was there" "$(frames_of "$id" failed)" "[[0,1]]"
 ask job.log "{\"id\":$id}" | jq -r '.result.attempts[].log' |
     grep -q "h.0000.exr is rendered again: marchd:cutShare: expected at most 0.0624" || fail "why it was rendered again"
 
-# Only the frames that lose too much fail, the copies of one that passes do not.
+# Only frames that lose too much fail; copies of a frame that passes do not.
 id=$(submit "$(hall some 0-5 '{"keys":[[0,0.25],[2,0.5],[4,0.25]],"interpolation":"hold"}' '{"max_depth":3}')")
 wait_state "$id" failed
 expect "frames that failed" "$(frames_of "$id" failed)" "[[2,1],[3,1]]"
@@ -82,7 +82,7 @@ for frame in 0 1 4 5; do
     expect "share of frame $frame" "$(number "$scratch/out/some/h.000$frame.exr" cutShare)" 0.00390625
 done
 
-# When all do, the job is given up.
+# When all frames fail, the job is failed.
 id=$(submit "$(hall all 0-199 0.5 '{"max_depth":3}')")
 wait_state "$id" failed
 field "$id" .reason | grep -qF "expected a larger max_depth" || fail "the job's reason: $(field "$id" .reason)"

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Jobs that the daemon is told to forget: with their files or without, of their owner, once they are over, whatever happens meanwhile.
+# Deletion of jobs that are over: with their files or without, by their owner, whatever else happens in the meantime.
 . "$(dirname "$0")/farm.sh"
 
 delete() { ask job.delete "{\"id\":$1,\"files\":${2:-false}}"; }
@@ -8,7 +8,7 @@ rows() { sqlite3 "$scratch/state/queue.db" "SELECT (SELECT count(*) FROM job WHE
 
 start_daemon --worker-program "$(stub write:5)"
 
-# Without files they stay; the job is gone, also after a restart, and its number is not given again.
+# Without files: the files stay; the job is gone, also after a restart, and its id is not used again.
 id=$(done_job "$(job 1-5 '.output.path = "stay/s.####.exr"')")
 listen "$scratch/events"
 expect "deleted" "$(delete "$id" | jq -c .result)" '{"files_removed":0,"files_kept":0}'
@@ -24,7 +24,7 @@ expect_error "$(delete $((id + 1)))" 3 "job $((id + 1)) is not over: cancel it f
 ask job.cancel "{\"id\":$((id + 1))}" >/dev/null
 expect "a canceled job" "$(delete $((id + 1)) | jq -c .result)" '{"files_removed":0,"files_kept":0}'
 
-# With files: those that still are what was published, and the folder when nothing is left in it.
+# With files: unchanged published files are removed, and the folder when it is empty.
 id=$(done_job "$(job 1-9 '.output.path = "a/gone/g.####.exr"')")
 expect "deleted with its files" "$(delete "$id" true | jq -c .result)" '{"files_removed":9,"files_kept":0}'
 [ ! -e "$scratch/out/a/gone" ] || fail "the folder is there: $(ls "$scratch/out/a/gone")"
@@ -44,7 +44,7 @@ id=$(done_job "$(job 1-3 '.output.path = "top.####.exr"')")
 expect "in the root" "$(delete "$id" true | jq -c .result)" '{"files_removed":3,"files_kept":0}'
 [ -d "$scratch/out" ] || fail "the root is gone"
 
-# What a later job made is that job's, and so is a folder that it writes into.
+# Files of a later job stay, and so does a folder that it writes into.
 first=$(done_job "$(job 1-4 '.output.path = "c/g.####.exr"')")
 second=$(done_job "$(job 3-6 '.output.path = "c/g.####.exr" | .output.existing = "overwrite"')")
 third=$(submit "$(job 50 '.output.path = "c/g.####.exr"')" true)
@@ -52,12 +52,12 @@ expect "a later job's files" "$(delete "$first" true | jq -c .result)" '{"files_
 expect "the later job's" "$(delete "$second" true | jq -c .result)" '{"files_removed":4,"files_kept":0}'
 [ -d "$scratch/out/c" ] || fail "the folder of a job that waits is gone"
 ask job.cancel "{\"id\":$third}" >/dev/null
-# A folder that is gone already keeps no job.
+# A folder that is gone does not hinder the deletion.
 id=$(done_job "$(job 1-3 '.output.path = "d/g.####.exr"')")
 rm -r "$scratch/out/d"
 expect "with a folder that is gone" "$(delete "$id" true | jq -c .result)" '{"files_removed":0,"files_kept":0}'
 
-# One that is still being wound up is deleted then; a second delete and a retry meanwhile are told so.
+# A job that is still being swept is deleted after that; a second deletion and a retry in the meantime are refused.
 id=$(submit "$(job 1-400 '.output.path = "e/g.####.exr"')")
 wait_until "it runs" eval '[ "$(field "$id" .succeeded)" -gt 3 ]'
 answers=$(printf '{"jsonrpc":"2.0","id":%s,"method":"%s","params":%s}\n' 1 job.cancel "{\"id\":$id}" \
@@ -68,14 +68,14 @@ expect "the answers" "$(jq -c '[.id, .error.code]' <<<"$answers" | sort | xargs)
 expect "its rows" "$(rows "$id")" "0 0 0"
 expect "frames of the farm" "$(ask daemon.status | jq -c '[.result.frames.canceled, .result.frames.running]')" "[1,0]"
 
-# march says it.
+# march prints the result.
 id=$(done_job "$(job 1-2 '.output.path = "f/g.####.exr"')")
 expect "march delete" "$("$bin/march" delete "$id" --files --socket "$socket")" "job $id: deleted, with 2 files"
 id=$(done_job "$(job 1-2 '.output.path = "f/g.####.exr"')")
 expect "march delete --json" "$("$bin/march" delete "$id" 9999 --json --socket "$socket" 2>/dev/null | jq -c .)" \
     "{\"deleted\":[{\"id\":$id,\"files_removed\":0,\"files_kept\":0}],\"errors\":[{\"id\":9999,\"error\":\"job 9999: there is no such job\"}]}"
 
-# What was there before the job is not its own.
+# Files that were there before the job are not removed.
 id=$(done_job "$(job 1-2 '.output.path = "g/g.####.exr"')")
 stop_daemon
 start_daemon --worker-program "$(stub skip)"
@@ -86,7 +86,7 @@ expect "whose they are" "$(delete "$id" true | jq -c .result)" '{"files_removed"
 stop_daemon
 start_daemon --worker-program "$(stub write:5)"
 
-# Killed anywhere on the way: the job is there, whole, and can be deleted again, or nothing of it is.
+# A daemon killed during a deletion: either the whole job is there and can be deleted again, or nothing of it is left.
 for delay in 0 2 5 10 20 35; do
     id=$(done_job "$(job 1-150 '.output.path = "k/g.####.exr"')")
     delete "$id" true >"$scratch/answer" &

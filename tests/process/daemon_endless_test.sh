@@ -1,6 +1,6 @@
 #!/bin/bash
-# A density of the user's that does not end: the attempt is stopped by its deadline and costs its frame, not the job's other
-# frames, not other jobs, and not the workers.
+# GLSL of the user that does not end: the attempt ends at a time limit and fails its frame, not the job's other
+# frames, other jobs or workers.
 . "$(dirname "$0")/farm.sh"
 
 limit_s=6
@@ -45,7 +45,7 @@ again=$(submit "$(job 20-31)")
 wait_state "$again" succeeded
 wait_until "two workers are ready" eval '[ "$(ask worker.list | jq "[.result.workers[] | select(.state == \"idle\")] | length")" = 2 ]'
 
-# No frame of another job waits behind one of which nobody knows how long it takes.
+# No frame waits behind a frame of another job whose duration is unknown.
 alone=$(submit "$(endless alone 0 -1)")
 wait_until "it is begun" eval '[ "$(field "$alone" .state)" = running ]'
 other=$(submit "$(job 40-41)")
@@ -53,7 +53,7 @@ wait_state "$other" succeeded
 expect "the endless one, after the other job" "$(field "$alone" .state)" running
 wait_state "$alone" failed
 
-# Software GL cuts loops by itself, at once: that too costs its frame alone, in one try.
+# Software GL limits loops by itself, at once: that fails the frame too, in one attempt.
 cut=$(submit "$(endless cut 0-3 9 | jq -c '.scene.media[0].density.source = "float density(vec3 p, float t)\n{\n    float sum = 0.0;\n    if (t > 1.5 && t < 2.5) while (sum >= 0.0) sum += 1.0;\n    return 0.8 + 1e-9 * min(sum, 1.0) - length(p);\n}\n"')")
 wait_state "$cut" failed
 expect "frames beside the cut one" "$(field "$cut" .succeeded)" 3
@@ -62,7 +62,7 @@ frames=$(ask job.frames "{\"id\":$cut,\"state\":[\"failed\"]}")
 expect "the cut frame" "$(jq -c '[.result.frames[] | select(.state == "failed") | [.frame, .attempts]]' <<<"$frames")" "[[2,1]]"
 grep -qF "more turns of its loops" <<<"$frames" || fail "the reason: $frames"
 
-# When no frame ends, the job is given up after a few.
+# When no frame ends, the job is failed after three.
 all=$(submit "$(endless all 0-99 -1)")
 wait_state "$all" failed
 field "$all" .reason | grep -qF "does density in endless.glsl end?" || fail "the job's reason: $(field "$all" .reason)"

@@ -1,5 +1,5 @@
 #!/bin/bash
-# What subscribers are told, and that one who does not read is left behind.
+# Events of subscribers, and the end of a subscriber that does not read.
 . "$(dirname "$0")/farm.sh"
 
 start_daemon --worker-program "$(stub write:20)"
@@ -26,7 +26,7 @@ told=$($all | jq --argjson id "$id" 'select(.type == "job" and .job.id == $id) |
 [ "$told" -le 20 ] || fail "a job of a second was told $told times"
 stop_daemon
 
-# A subscriber that stops reading: 16 MiB later it is cut off; others never notice.
+# A subscriber that stops reading is disconnected after 16 MiB; others are not affected.
 start_daemon --worker-program "$(stub skip)"
 listen "$scratch/stopped"
 kill -STOP $!

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Wrong input over the socket: an error that names the place, and nothing lost for anybody else.
+# Invalid input on the socket: an error that names the member, and no effect on other clients.
 . "$(dirname "$0")/farm.sh"
 
 start_daemon --worker-program "$(stub write:5)"
@@ -18,7 +18,7 @@ expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.resolution = [1e9, 2]'
 expect_error "$(ask job.submit "{\"document\":$(job 0-9999999)}")" -32602 "frames"
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "../up.####.exr"')}")" -32602 "output.path"
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "/etc/up.####.exr"')}")" 2 "output.path: expected a path below $scratch/out"
-# The daemon stands in no job file's folder.
+# The daemon does not know the folder of a job file, so relative paths are refused.
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.scene.media[0].density = {"kind": "grid", "file": "head.nii"} | del(.scene.media[0].phase)')}")" \
     -32602 'scene.media[0].density.file: expected an absolute path, got "head.nii"'
 glsl='.scene.media[0].density = {"kind": "glsl", "file": "/a.glsl", "bounds": {"kind": "sphere", "radius": 1}}'
@@ -30,12 +30,12 @@ deep=$(printf '%0.s[' $(seq 40))$(printf '%0.s]' $(seq 40))
 expect_error "$(ask job.submit "{\"document\":$deep}")" -32700 "deep"
 expect_error "$(ask_raw <<<'{"jsonrpc":"2.0","id":1,"method":"job.priority","params":{"id":NaN}}')" -32700 ""
 
-# Several in one go, good after bad: each is answered.
+# Several requests in one write, valid after invalid: each is answered.
 answers=$(printf '%s\n' '{"jsonrpc":"2.0","id":"a","method":"nothing"}' 'rubbish' '' \
     '{"jsonrpc":"2.0","id":2,"method":"daemon.status"}' | ask_raw)
 expect "answers" "$(jq -c '[.id, has("result")]' <<<"$answers" | xargs)" '[a,false] [null,false] [2,true]'
 
-# A link on the way out of the root.
+# A link that leads out of the root.
 mkdir -p "$scratch/elsewhere"
 ln -s "$scratch/elsewhere" "$scratch/out/link"
 expect_error "$(ask job.submit "{\"document\":$(job 1-2 '.output.path = "link/x.####.exr"')}")" -32602 "output.path"
@@ -60,24 +60,24 @@ expect "a submit of the same file beside a cancel and a retry" "$(
     printf '{"jsonrpc":"2.0","id":1,"method":"job.cancel","params":{"id":%s}}\n{"jsonrpc":"2.0","id":2,"method":"job.retry","params":{"id":%s,"state":"canceled"}}\n{"jsonrpc":"2.0","id":3,"method":"job.submit","params":{"paused":true,"document":%s}}\n' \
         "$again" "$again" "$(job 41)" | ask_raw | jq -c '[.id, .error.code]' | sort | xargs)" "[1,null] [2,null] [3,3]"
 
-# More submits in one breath than are worked on at a time.
+# More submits in one write than are handled at a time.
 for n in $(seq 60); do
     printf '{"jsonrpc":"2.0","id":%s,"method":"job.submit","params":{"paused":true,"document":%s}}\n' "$n" "$(job 1 ".output.path = \"many$n/m.####.exr\"")"
 done | ask_raw >"$scratch/many"
 expect "answers to many submits" "$(jq -c 'has("result")' "$scratch/many" | sort | uniq -c | xargs)" "60 true"
 
-# Events are not told a thousandfold.
+# A connection has at most 64 subscriptions.
 yes '{"jsonrpc":"2.0","id":1,"method":"events.subscribe"}' | head -n 100 | ask_raw >"$scratch/subscribed"
 expect "subscriptions that are refused" "$(grep -c 'a connection may subscribe 64 times' "$scratch/subscribed")" 36
 
-# Lines without end, half lines, floods.
+# Lines without end, incomplete lines, floods.
 head -c 104857600 /dev/zero | tr '\0' 'x' | ask_raw >"$scratch/long" 2>/dev/null
 expect_error "$(cat "$scratch/long")" -32600 ""
 printf '{"jsonrpc":"2.0","id":1,"method":"job.cancel","params":{"id":%s' "$first" | ask_raw >"$scratch/half"
 expect "the answer to half a line" "$(cat "$scratch/half")" ""
 expect "the job that half a line named" "$(field "$first" .state)" paused
 expect "answers to a flood" "$(yes '{"jsonrpc":"2.0","id":1,"method":"daemon.status"}' | head -n 20000 | ask_raw | wc -l)" 20000
-# One without end keeps nobody waiting: another is answered while it goes on.
+# An endless line does not delay other clients.
 yes '{"jsonrpc":"2.0","id":1,"method":"daemon.status"}' | ask_raw >/dev/null &
 flood=$!
 expect "another's request in a flood" "$(ask daemon.status | jq 'has("result")')" true
@@ -86,7 +86,7 @@ kill "$flood"
 memory=$(sed -n 's/^VmRSS:[^0-9]*\([0-9]*\) kB/\1/p' "/proc/$daemon_pid/status")
 [ "$memory" -lt 1000000 ] || fail "the daemon holds $memory kB after a long line and a flood"
 
-# Another user may look, not touch.
+# Another user may read, but not change.
 if [ "$(id -u)" = 0 ]; then
     run_for_others
     chmod 666 "$socket"

@@ -1,5 +1,5 @@
 #!/bin/bash
-# A job's whole life with workers that write small files: each frame once, states, events, orderly stop.
+# The life of a job with workers that write small files: each frame once, states, events, stop of the daemon.
 . "$(dirname "$0")/farm.sh"
 
 start_daemon --worker-program "$(stub write:5)"

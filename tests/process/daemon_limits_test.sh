@@ -1,5 +1,5 @@
 #!/bin/bash
-# What one user may have: jobs, frames, pixels, bytes of files; the message says it, nobody else pays, nothing that was made is lost.
+# Limits of one user: jobs, frames, pixels, bytes of files. The message names them, other users are not affected, no frame is lost.
 . "$(dirname "$0")/farm.sh"
 
 [ "$(id -u)" = 0 ] || { echo "skip: other users can be played by root only"; exit 77; }
@@ -27,7 +27,7 @@ expect "an administrator's job" "$([ -n "$(id_of "$(give "${chief[@]}" e 1-500)"
 expect "root's job" "$([ -n "$(id_of "$(give 0 0 f 1-500)")" ] && echo taken)" taken
 expect "the daemon's own user's job" "$([ -n "$(id_of "$(give 8 8 g 1-500)")" ] && echo taken)" taken
 
-# What is canceled counts no more, what is rendered neither, and a retry counts again.
+# Canceled and rendered frames do not count; a retry counts again.
 ask_as "${ann[@]}" job.cancel "{\"id\":$second}" >/dev/null
 third=$(id_of "$(give "${ann[@]}" c 1-40)")
 expect_error "$(ask_as "${ann[@]}" job.retry "{\"id\":$second,\"state\":\"canceled\"}")" 2 \
@@ -44,17 +44,17 @@ expect_error "$(give "${ann[@]}" p 1-20 '.resolution = [64, 48]')" 2 "resolution
 fourth=$(id_of "$(give "${ann[@]}" p 1-10 '.resolution = [64, 48]')")
 [ -n "$fourth" ] || fail "the pixels fit"
 expect_error "$(give "${ann[@]}" q 1 '.resolution = [1, 1]')" 2 "jobs: games may have 3 that are not over, has 3, and this job adds 1"
-# The largest pictures there are, as many as there may be: no sum overflows.
+# The largest pictures and the most frames: no sum overflows.
 expect_error "$(give "${bob[@]}" q 0-3999999 '.resolution = [8192, 8192]')" 2 "frames: man may have 100"
 
-# Many at once, before the first is on disk.
+# Many submits at once, before the first is on disk.
 line() { printf '{"jsonrpc":"2.0","id":%s,"method":"job.submit","params":{"paused":true,"document":%s}}\n' "$1" "$(job 1 ".output.path = \"r$1/x.####.exr\"")"; }
 for n in 1 2 3 4 5 6; do line "$n"; done >"$scratch/six"
 as 9 13 "$bin/socket-client" "$socket" <"$scratch/six" >"$scratch/rush"
 expect "of six at once" "$(jq -c .error.code "$scratch/rush" | sort | uniq -c | xargs)" "3 2 3 null"
 kill_daemon
 
-# Everything counts after a restart as before, also with other limits, which a reload may change.
+# All amounts count after a restart as before, also with other limits, which a reload may change.
 export NOTIFY_SOCKET=$scratch/none # a service manager's daemon reads its settings again
 settings() { printf '%s\n' "user-frames = none" "user-pixels = none" "$@" >"$scratch/conf"; }
 settings "user-jobs = 4" "admin-group = operator"
@@ -72,7 +72,7 @@ expect_error "$(ask_as "${chief[@]}" job.priority "{\"id\":$fifth,\"priority\":8
 stop_daemon
 unset NOTIFY_SOCKET
 
-# Bytes of files: a job whose owner has used them up pauses, and goes on when there is room.
+# Bytes of files: a job is paused when its owner reaches the limit, and goes on when there is room.
 rm -rf "$scratch/state" "$scratch/out"
 install -d -o 8 -g 8 "$scratch/state" "$scratch/out"
 start --user-disk 1K
@@ -98,7 +98,7 @@ expect_error "$(give "${ann[@]}" d 1)" 2 "output: games may have $limit bytes"
 kill_daemon
 start --user-disk "$limit"
 expect_error "$(ask_as "${ann[@]}" job.resume "{\"id\":$big}")" 2 "has $(bytes "$scratch/out/a" "$scratch/out/b")"
-# A retry that renders files again counts them when they are there again, not twice.
+# Files that a retry renders again count once, when they are published.
 expect_error "$(ask_as "${ann[@]}" job.retry "{\"id\":$small,\"state\":\"succeeded\"}")" 2 "output: games may have"
 stop_daemon
 start --user-disk "$((size * 30))"

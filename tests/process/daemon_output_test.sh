@@ -1,5 +1,5 @@
 #!/bin/bash
-# An output that cannot be written: the job waits with the reason, no frame pays for it, and it goes on when told.
+# An output that cannot be written: the job is paused with the reason, no frame loses an attempt, and resume works.
 . "$(dirname "$0")/farm.sh"
 
 [ "$(id -u)" = 0 ] || { echo "skip: a small file system can be mounted by root only"; exit 77; }
@@ -17,7 +17,7 @@ wait_state "$id" succeeded
 wait_until "leftovers are gone" eval '[ -z "$(find "$scratch/disk" -name "*.part")" ]'
 expect "files" "$(find "$scratch/disk" -name '*.exr' | wc -l)" 40
 
-# A folder that went read-only.
+# A folder that became read-only.
 id=$(submit "$(job 41-60)" true)
 mount -o remount,ro "$scratch/disk"
 ask job.resume "{\"id\":$id}" >/dev/null
@@ -30,7 +30,7 @@ wait_state "$id" succeeded
 stop_daemon
 umount "$scratch/disk"
 
-# A store on a full disk: the submit is refused with the cause, and taken when there is room.
+# A store on a full disk: a submit is refused with the cause, and accepted when there is room.
 mount -t tmpfs -o size=600k tmpfs "$scratch/disk"
 start_daemon --worker-program "$(stub skip)" --state "$scratch/disk/state"
 dd if=/dev/zero of="$scratch/disk/filler" bs=1k 2>/dev/null
@@ -44,7 +44,7 @@ rm "$scratch/disk/filler"
 wait_until "it takes jobs again" eval 'ask job.submit "{\"paused\":true,\"document\":$big}" | grep -q result'
 stop_daemon
 
-# Jobs canceled while their only frame is between its file and its name: what they are after, they are after a restart.
+# Jobs canceled while their only frame is being published: a restart does not change their state.
 fill_store()
 {
     dd if=/dev/zero of="$scratch/disk/filler" bs=1k 2>/dev/null

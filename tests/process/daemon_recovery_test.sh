@@ -1,5 +1,5 @@
 #!/bin/bash
-# Workers and daemons that die: no frame is lost, none is published twice, no part file stays.
+# Workers and daemons that die: no frame is lost, none is published twice, no part file is left.
 . "$(dirname "$0")/farm.sh"
 
 published_once()
@@ -18,7 +18,7 @@ frames_done()
     [ "$(field "$1" .succeeded)" -ge "$2" ]
 }
 
-# A worker killed in mid-frame: its frame is tried again, in a new worker.
+# A worker killed while it renders: its frame is tried again by a new worker.
 start_daemon --worker-program "$(stub write:100)"
 listen "$scratch/events"
 id=$(submit "$(job 1-30)")
@@ -31,7 +31,7 @@ expect "lost attempts" "$(ask job.log "{\"id\":$id}" | jq -r '[.result.attempts[
 [[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"signal 9"* ]] || fail "the log lacks the signal"
 stop_daemon
 
-# A worker that dies on every frame: three attempts each, then failed, with what it wrote.
+# A worker that dies on every frame: three attempts for each, then it is failed, with the output of the worker as its log.
 start_daemon --worker-program "$(stub crash)"
 id=$(submit "$(job 5 '.output.path = "crash/c.####.exr"')")
 wait_state "$id" failed
@@ -41,7 +41,7 @@ expect "logged" "$(ask job.log "{\"id\":$id,\"frame\":5}" | jq '.result.attempts
     fail "the log lacks what the worker wrote: $(ask job.log "{\"id\":$id}")"
 stop_daemon
 
-# When no frame at all can be made, the job is given up: its frames do not take the workers down one by one.
+# When no frame can be rendered, the job is failed as a whole, so that its frames do not kill the workers one by one.
 start_daemon --worker-program "$(stub crash)" --max-attempts 1
 id=$(submit "$(job 1-200 '.output.path = "hopeless/h.####.exr"')")
 wait_state "$id" failed
@@ -49,7 +49,7 @@ wait_state "$id" failed
 [ "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')" -le 5 ] || fail "too many frames were tried"
 stop_daemon
 
-# A daemon killed in mid-job, three times: the job goes on where it was.
+# A daemon killed during a job, three times: the job continues.
 worker=$(stub write:20)
 start_daemon --worker-program "$worker"
 id=$(submit "$(job 1-120 '.output.path = "killed/k.####.exr"')")
@@ -66,7 +66,7 @@ wait_until "leftovers are removed" eval '[ -z "$(find "$scratch/out/killed" -nam
 expect_files killed 120
 expect "whole files" "$(cat "$scratch"/out/killed/*.exr | sort -u | wc -l)" 120
 
-# SIGTERM in mid-job: what is begun is finished, the rest waits in the store.
+# SIGTERM during a job: begun frames are finished, the others stay queued in the store.
 id=$(submit "$(job 1-200 '.output.path = "stopped/s.####.exr"')")
 wait_until "some frames are done" frames_done "$id" 20
 stop_daemon
@@ -78,7 +78,7 @@ wait_state "$id" succeeded
 expect_files stopped 200
 stop_daemon
 
-# A worker that does not stop is killed when its time is over.
+# A worker that does not stop is killed after the stop timeout.
 start_daemon --worker-program "$(stub sleep:$((patience_s * 2000)))" --stop-timeout 1
 id=$(submit "$(job 1-9 '.output.path = "slow/s.####.exr"')")
 wait_until "a worker is busy" eval '[ -n "$(worker_in_hand)" ]'
@@ -86,7 +86,7 @@ stopping_at=$SECONDS
 stop_daemon
 [ $((SECONDS - stopping_at)) -lt $patience_s ] || fail "it was waited for"
 
-# A worker that falls silent is killed by its clock, and says so in the frame's log.
+# A worker that sends no heartbeat is killed, which the log of the frame says.
 start_daemon --worker-program "$(stub hang)" --workers 1 --max-attempts 1
 ask job.cancel "{\"id\":$id}" >/dev/null
 id=$(submit "$(job 3 '.output.path = "hung/h.####.exr"')")
@@ -95,14 +95,14 @@ wait_state "$id" failed
     fail "log: $(ask job.log "{\"id\":$id}")"
 stop_daemon
 
-# Nor does a client that asks on and on keep the daemon from stopping.
+# A client that sends requests without end does not keep the daemon from stopping.
 start_daemon --worker-program "$(stub skip)"
 id=$(submit "$(job 1 '.output.path = "asked/a.####.exr"')" true)
 yes "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"job.priority\",\"params\":{\"id\":$id,\"priority\":3}}" | ask_raw >"$scratch/asked" &
 wait_until "it asks" test -s "$scratch/asked"
 stop_daemon # it would not end
 
-# What a worker of a dead daemon still writes is in nobody's way, and goes with the job.
+# Files that a worker of a dead daemon still writes do no harm, and are removed when the job is swept.
 start_daemon --worker-program "$(stub write:10)"
 id=$(submit "$(job 1-3 '.output.path = "late/l.####.exr"')" true)
 epoch=$(sqlite3 "$scratch/state/queue.db" 'SELECT epoch FROM daemon')

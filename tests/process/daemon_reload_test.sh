@@ -1,5 +1,5 @@
 #!/bin/bash
-# SIGHUP: settings are read again, wrong ones change nothing, and the service manager hears of it.
+# SIGHUP: settings are read again, invalid ones change nothing, and the service manager is notified.
 . "$(dirname "$0")/farm.sh"
 
 conf=$scratch/marchd.conf
@@ -21,7 +21,7 @@ said()
     grep -qF -- "$1" "$scratch/daemon.log" || fail "expected the line \"$1\""
 }
 
-# A manager that writes down what it is told.
+# A service manager that records its notifications.
 "$bin/notify-listener" "$scratch/notify" >"$notes" &
 wait_until "the manager listens" test -S "$scratch/notify"
 export NOTIFY_SOCKET=$scratch/notify
@@ -30,7 +30,7 @@ printf '%s\n' "user-jobs = 5" >"$conf"
 start_daemon --config "$conf" --worker-program "$(stub write:700)" --max-attempts 2
 wait_until "ready is told" grep -q '^READY=1 STATUS=jobs: 0; frames: 0 queued, 0 running' "$notes"
 
-# A limit and a level that hold from then on; the command line stays.
+# A limit and a log level that are applied at once; the command line still overrides the file.
 reload "log-level = debug" "stop-timeout = 9" "progress-limit = 33" "max-attempts = 50"
 said "settings: changed: stop-timeout, progress-limit, user-jobs, log-level"
 wait_until "reloading is told" grep -q '^RELOADING=1 MONOTONIC_USEC=[0-9]' "$notes"
@@ -39,22 +39,22 @@ id=$(submit "$(job 1-2)")
 wait_state "$id" succeeded
 grep -q 'debug: job [0-9]* frame [12] attempt 1: published' "$scratch/daemon.log" || fail "log-level = debug shows no such line"
 
-# What needs a restart is named.
+# Settings that need a restart are named.
 reload "workers = 1" "threads = 4" "log-level = info"
 said "warning: settings: changed, but need a restart: threads"
 expect "workers" "$(ask worker.list | jq '.result.workers | length')" 2
 
-# Wrong ones: file and line, and all stays as it was.
+# Invalid settings: the error names file and line, and nothing changes.
 reload "stop-timeout = 1" "log-level = loud"
-said "error: settings: all as before: $conf:2: --log-level: expected debug, info, warning or error, got \"loud\""
+said "error: settings: not changed: $conf:2: --log-level: expected debug, info, warning or error, got \"loud\""
 reload "no-such = 1"
 said "$conf:1: no-such: there is no such setting"
 rm "$conf"
 kill -HUP "$daemon_pid"
-wait_until "a file that is gone is told of" grep -q "settings: all as before: $conf" "$scratch/daemon.log"
+wait_until "a file that is gone is told of" grep -q "settings: not changed: $conf" "$scratch/daemon.log"
 expect "its state" "$(ask daemon.status | jq -r .result.pid)" "$daemon_pid"
 
-# The stop gets the time that was read last, and the manager is asked for it, and a little more to write down.
+# The stop uses the timeout that was read last; the service manager is asked for it, and for some time to commit.
 reload "stop-timeout = 2"
 id=$(submit "$(job 1-40)")
 wait_until "it runs" has_state "$id" running

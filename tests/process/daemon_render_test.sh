@@ -1,5 +1,5 @@
 #!/bin/bash
-# The real worker: every frame rendered once, also when workers and the daemon are killed under it.
+# The real worker: every frame is rendered once, also when workers and the daemon are killed.
 . "$(dirname "$0")/farm.sh"
 
 start_daemon
@@ -14,7 +14,7 @@ expect "frames" "$(ask job.frames "{\"id\":$id}" |
 file=$(ask job.frames "{\"id\":$id}" | jq -r '.result.frames[1].path')
 expect "its first bytes" "$(head -c 4 "$file" | od -An -tx1 | xargs)" "76 2f 31 01"
 
-# The same again finds its own files and renders nothing.
+# The same job again finds its files and renders nothing.
 again=$(submit "$(job 0-239x40)")
 wait_state "$again" succeeded
 expect "frames found" "$(field "$again" .skipped)" 6

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Several people at once: who may look, who may touch, and what one of them can do to the others. The daemon is nobody special.
+# Several users: who may read, who may change, and how one can affect the others. The daemon runs as an ordinary user.
 . "$(dirname "$0")/farm.sh"
 
 [ "$(id -u)" = 0 ] || { echo "skip: other users can be played by root only"; exit 77; }
@@ -25,7 +25,7 @@ submit_as() { ask_as "$1" "$2" job.submit "{\"paused\":true,\"document\":$3}" | 
 id=$(submit_as "${ann[@]}" "$(job 1-4 '.output.path = "ann/a.####.exr"')")
 expect "its owner" "$(field "$id" '[.owner, .owner_uid] | join(" ")')" "games 5"
 
-# Everybody looks, nobody else touches, whatever the method.
+# All users may read; only some may change, whatever the method.
 for method in pause resume cancel retry; do
     expect_error "$(ask_as "${bob[@]}" "job.$method" "{\"id\":$id}")" 2 "job $id belongs to games"
 done
@@ -37,7 +37,7 @@ expect "its document, to its owner" "$(ask_as "${ann[@]}" job.show "{\"id\":$id}
 expect "its document, to who administers" "$(ask_as "${chief[@]}" job.show "{\"id\":$id}" | jq -r .result.document.name)" cloud
 expect "its state and priority" "$(field "$id" '[.state, .priority] | map(tostring) | join(" ")')" "paused 50"
 
-# The owner, the admin group, by its last of many groups or the primary one, root, and the daemon's own user.
+# These may change: the owner, members of the admin group (primary or last of many groups), root, the daemon's own user.
 many=$(seq -s, 2000 2200)
 for who in "${ann[*]}" "${chief[*]}" "7 37" "7 7,$many,37" "0 0" "${service[*]}"; do
     # shellcheck disable=SC2086 # two words
@@ -46,13 +46,13 @@ done
 expect "the priority by the primary group alone" "$(printf '{"jsonrpc":"2.0","id":1,"method":"job.priority","params":{"id":%s,"priority":60}}\n' "$id" |
     setpriv --reuid=7 --regid=37 --clear-groups "$bin/socket-client" "$socket" | jq .result.priority)" 60
 expect_error "$(ask_as 7 "7,$many" job.priority "{\"id\":$id,\"priority\":61}")" 2 "belongs to games"
-# Another who has the owner's group is not the owner.
+# A user in the owner's group is not the owner.
 expect_error "$(ask_as 6 60 job.cancel "{\"id\":$id}")" 2 "belongs to games"
-# Whom the system has no number for.
-expect_error "$(ask_as 65534 65534 job.submit "{\"document\":$(job 1)}")" 2 "nobody could own"
+# A user without a uid in this namespace.
+expect_error "$(ask_as 65534 65534 job.submit "{\"document\":$(job 1)}")" 2 "the job would have no owner"
 expect_error "$(ask_as 65534 37 job.cancel "{\"id\":$id}")" 2 "belongs to games"
 
-# What the program says, and its exit code.
+# Message and exit code of march.
 march_as() { as "$1" "$2" "$bin/march" "${@:3}" --socket "$socket" 2>"$scratch/err" >"$scratch/said"; }
 march_as "${bob[@]}" cancel "$id"
 expect "the exit code of a refusal" $? 4
@@ -67,16 +67,16 @@ march_as "${bob[@]}" show "$id" || fail "march show: $(cat "$scratch/err")"
 march_as "${ann[@]}" resume "$id" || fail "march resume: $(cat "$scratch/err")"
 wait_state "$id" succeeded
 expect_error "$(ask_as "${bob[@]}" job.retry "{\"id\":$id,\"state\":\"succeeded\"}")" 2 "belongs to games"
-# A finished picture is its owner's too: nobody else renders over it.
+# A published file belongs to its owner: no other user may overwrite it.
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 4-9 '.output.path = "ann/a.####.exr" | .output.existing = "overwrite"')}")" \
-    2 "output.path: a.0004.exr is of job $id of games"
+    2 "output.path: a.0004.exr belongs to job $id of games"
 
 # Files in the output root itself: their worker could write to everybody's folders.
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.output.path = "mine.####.exr"')}")" 2 "output.path: expected a folder below"
 [[ $(ask_as "${chief[@]}" job.submit "{\"document\":$(job 1 '.output.path = "theirs.####.exr"'),\"paused\":true}") == *'"id":'* ]] ||
     fail "an administrator may write there"
 
-# A folder that the daemon may not write to, and a file that it may not read: the job says so, nobody else pays.
+# A folder that the daemon may not write, and a file that it may not read: the job names it, others are not affected.
 install -d -o 5 -g 60 -m 755 "$scratch/out/private"
 expect_error "$(ask_as "${ann[@]}" job.submit "{\"document\":$(job 1 '.output.path = "private/sub/p.####.exr"')}")" -32602 "Permission denied"
 locked=$(ask_as "${ann[@]}" job.submit "{\"document\":$(job 1-2 '.output.path = "private/p.####.exr"')}" | jq .result.id)
@@ -101,13 +101,13 @@ expect "another's request" "$(ask_as "${ann[@]}" daemon.status | jq 'has("result
 kill "${holders[@]}" 2>/dev/null
 wait_until "connections are free again" eval 'ask_as "${bob[@]}" daemon.status | grep -q result'
 
-# Names and messages forge no lines of the log, nor what a terminal shows.
+# Names and messages cannot forge lines of the log, or control a terminal.
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.name = "a\n<3>forged: line"')}")" -32602 "name: expected 1 to 128 printable"
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.name = "a\u001b[2Jb"')}")" -32602 "name: expected"
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.output.path = "x\ny/a.####.exr"')}")" -32602 "output.path"
 grep -q "^<3>forged\|^forged" "$scratch/daemon.log" && fail "a forged line: $(grep forged "$scratch/daemon.log")"
 
-# Nor do words of a worker, which rendered strangers' code.
+# Nor can the output of a worker, which ran code of a user.
 stop_daemon
 printf '#!/bin/sh\nprintf "a\\033[2Jb\\n12:00:00.000 info: forged\\n" >&2\nexec "%s/stub-worker" --mode crash "$@"\n' "$bin" >"$scratch/loud"
 chmod 755 "$scratch/loud"
@@ -120,7 +120,7 @@ said=$(ask job.log "{\"id\":$loud}")
 grep -q "12:00:00.000 info: forged" "$scratch/daemon.log" || fail "the daemon's log should have the worker's words"
 grep -q "^12:00:00.000 info: forged" "$scratch/daemon.log" && fail "a forged line"
 
-# The largest requests: as many frames as there are numbers, the deepest JSON, the longest line.
+# The largest requests: the most frames, the deepest JSON, the longest line.
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 0-2147483647)}")" -32602 "frames"
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 0-9999999)}")" -32602 "frames"
 expect_error "$(ask_as "${bob[@]}" job.submit "{\"document\":$(job 1 '.resolution = [16384, 16384]')}")" -32602 "resolution: expected at most 67108864 pixels"
@@ -129,7 +129,7 @@ expect_error "$(printf '{"jsonrpc":"2.0","id":1,"method":"job.show","params":{"i
 expect "the daemon is there" "$(ask daemon.status | jq 'has("result")')" true
 stop_daemon
 
-# A file that the daemon's user may not read: its frames say which.
+# A file that the daemon's user may not read: the error of the frames names it.
 install -d -m 755 "$scratch/in"
 head -c 512 /dev/zero >"$scratch/in/v_8x8x8xuint8.raw"
 chmod 600 "$scratch/in/v_8x8x8xuint8.raw"
@@ -142,12 +142,12 @@ said=$(field "$locked" .reason)$(ask job.frames "{\"id\":$locked}" | jq -r '.res
 [[ $said == *"$scratch/in/v_8x8x8xuint8.raw: "*"Permission denied"* ]] || fail "a file that may not be read: $said"
 stop_daemon
 
-# Who owns what is as it was after a restart.
+# A restart changes no owner.
 start_daemon --worker-program "$(stub write:20)" --admin-group operator
 chmod 666 "$socket"
 expect_error "$(ask_as "${bob[@]}" job.retry "{\"id\":$id,\"state\":\"succeeded\"}")" 2 "belongs to games"
 stop_daemon
-# A group that does not exist keeps nobody from starting, and lets nobody in.
+# An admin group that does not exist: the daemon starts, and the group has no members.
 start_daemon --worker-program "$(stub write:20)" --admin-group no-such-group
 chmod 666 "$socket"
 expect_error "$(ask_as "${chief[@]}" job.retry "{\"id\":$id,\"state\":\"succeeded\"}")" 2 "belongs to games"

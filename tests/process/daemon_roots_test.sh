@@ -1,5 +1,5 @@
 #!/bin/bash
-# Where jobs may write and read: below the roots that the daemon was given, whatever links and paths say.
+# Jobs may write and read only below the roots of the daemon, whatever links and paths they use.
 . "$(dirname "$0")/farm.sh"
 
 first=$scratch/first second=$scratch/second inputs=$scratch/inputs
@@ -16,7 +16,7 @@ start_daemon --worker-program "$(stub write:5)" --output-root "$first" --output-
 expect "the roots it tells" "$(ask daemon.status | jq -c '.result | [.output_root, .output_roots, .input_roots]')" \
     "[\"$first\",[\"$first\",\"$second\"],[\"$inputs\",\"/usr/share\"]]"
 
-# Output: relative paths go below the first, absolute ones below the root that they name; others are refused.
+# Output: relative paths go below the first root, absolute ones below the root that holds them; others are refused.
 relative=$(submit "$(job 1-2 '.output.path = "a/r.####.exr"')")
 absolute=$(submit "$(job 1-2 ".output.path = \"$second/b/s.####.exr\"")")
 wait_state "$relative" succeeded
@@ -29,7 +29,7 @@ for path in "$scratch/third/x.####.exr" "$second" "/etc/x.####.exr" "${second}x/
 done
 expect_error "$(ask job.submit "{\"document\":$(job 1 ".output.path = \"$second/../secret/x.####.exr\"")}")" -32602 "output.path"
 expect_error "$(ask job.submit "{\"document\":$(job 1 ".output.path = \"$second/link/x.####.exr\"")}")" -32602 "symbolic link"
-# One file by two ways is one file.
+# One file by two paths is one file.
 held=$(submit "$(job 5 ".output.path = \"$first/a/r.####.exr\"")" true)
 expect_error "$(ask job.submit "{\"document\":$(job 5 '.output.path = "a/r.####.exr"')}")" 3 "job $held"
 expect "the files there" "$(ls "$scratch/secret")" v_8x8x8xuint8.raw
@@ -54,7 +54,7 @@ refused "$(grid /etc/shadow.raw)" 2 "$place: expected a file below"
 refused "$(texture /etc/secret.png)" 2 "scene.objects[0].material.texture.file: expected a file below"
 refused "$(texture "$inputs/outside/wood.png")" 2 "scene.objects[0].material.texture.file: \"outside\" leads out of"
 
-# What `march submit` says of it, and its exit code.
+# Message and exit code of `march submit`.
 grid "$scratch/secret/v_8x8x8xuint8.raw" >"$scratch/job.json"
 "$bin/march" submit "$scratch/job.json" --socket "$socket" 2>"$scratch/err" >/dev/null
 expect "the exit code" $? 4
@@ -63,7 +63,7 @@ grid "../inputs/inside/../ann/v_8x8x8xuint8.raw" >"$scratch/secret/job.json"
 "$bin/march" submit --wait "$scratch/secret/job.json" --socket "$socket" >/dev/null || fail "a way up that stays below a root"
 stop_daemon
 
-# A job keeps the root that it was taken with.
+# A job keeps the root with which it was accepted.
 start_daemon --worker-program "$(stub write:5)" --output-root "$scratch/third" --input-root "$inputs"
 expect "where the files are" "$(field "$absolute" .output)" "$second/b/s.####.exr"
 ask job.retry "{\"id\":$absolute,\"state\":\"succeeded\"}" >/dev/null

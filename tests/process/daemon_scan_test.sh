@@ -1,5 +1,5 @@
 #!/bin/bash
-# A scan that is cut is the job's fault: the job fails at once and names the file; whole again, it renders.
+# A truncated scan is a fault of the job: it fails at once and names the file. With the complete scan it renders.
 . "$(dirname "$0")/farm.sh"
 
 good=$PROJECT_ROOT/tests/fuzz/seeds/volume_nifti/gzip

@@ -1,5 +1,5 @@
 #!/bin/bash
-# A shader that does not compile is the job's fault: the job fails at once, with module and line, and the farm goes on.
+# A shader that does not compile is a fault of the job: it fails at once, with module and line; other jobs go on.
 . "$(dirname "$0")/farm.sh"
 
 cp -r "$PROJECT_ROOT/shaders" "$scratch/shaders"
@@ -16,7 +16,7 @@ expect "frames that failed" "$(field "$id" .failed)" 240
 [ "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[].attempts] | add')" -le 4 ] || fail "a frame was tried again in vain"
 expect "files" "$(find "$scratch/out" -type f | wc -l)" 0
 
-# Mended, the same workers render the same job.
+# When it is fixed, the same workers render the same job.
 cp "$PROJECT_ROOT/shaders/density/fold_fractal.glsl" "$scratch/shaders/density/fold_fractal.glsl"
 ask job.retry "{\"id\":$id,\"range\":\"48-50\"}" >/dev/null
 wait_until "three frames are done" eval '[ "$(field "$id" .succeeded)" = 3 ]'

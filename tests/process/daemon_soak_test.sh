@@ -1,13 +1,13 @@
 #!/bin/bash
-# Many jobs while workers, clients and the daemon die at random and users change their minds: in the end every frame of
-# every job is there once and whole, its row tells of that very file, nothing is left over, and a restart changes nothing.
+# Many jobs, while workers, clients and the daemon die at random and clients send random changes. In the end every frame of
+# every job has one complete file, its row describes that file, no other file is left, and a restart changes nothing.
 #   SOAK_ACTS=5000 SOAK_SEED=7 tests/process/daemon_soak_test.sh   longer, with other choices
 . "$(dirname "$0")/farm.sh"
 RANDOM=${SOAK_SEED:-1}
 acts=${SOAK_ACTS:-100} # not seconds: as much happens on a busy machine
 submitted=0
 
-# Workers by turns: most are well, some die, fall silent, break the protocol or fail their frames.
+# Kinds of workers: most work, some die, stop sending, break the protocol or fail their frames.
 mixed=$scratch/worker-mixed
 cat >"$mixed" <<END
 #!/bin/bash
@@ -18,7 +18,7 @@ exec "$bin/stub-worker" --mode "\${modes[turn % 10]}" "\$@"
 END
 chmod +x "$mixed"
 
-# What is seen under a final name, again and again: one file a name, and never an unfinished one.
+# Checks the final names repeatedly: one file per name, and never an incomplete one.
 watch_files()
 {
     while :; do
@@ -57,7 +57,7 @@ kill_worker()
     [ ${#pids[@]} = 0 ] || kill -KILL "${pids[RANDOM % ${#pids[@]}]}" 2>/dev/null
 }
 
-# change METHOD [MORE-PARAMS]: of some job; that it may be refused is the point.
+# change METHOD [MORE-PARAMS]: for a random job; it may be refused.
 change()
 {
     [ "$submitted" = 0 ] || ask "$1" "{\"id\":$((RANDOM % submitted + 1))${2-}}" >/dev/null
@@ -85,7 +85,7 @@ act()
     esac
 }
 
-# All that the daemon says about jobs and frames, but for what a restart begins anew.
+# All members of jobs and frames but those that a restart resets.
 tell_all()
 {
     local id
@@ -103,7 +103,7 @@ for _ in $(seq "$acts"); do
     act
 done
 
-# Peace: with workers that are well, all that may go on does.
+# With workers that work, all jobs that are not canceled or failed succeed.
 kill_daemon
 start_daemon --worker-program "$(stub write:0)"
 for id in $(ask job.list '{"state":["queued","running","paused"]}' | jq '.result.jobs[].id'); do
@@ -130,7 +130,7 @@ expect "succeeded jobs with other frames" \
 before=$(tell_all)
 stop_daemon
 
-# What the rows say against what is there. State 2 is "succeeded"; each file holds its own number.
+# Compares rows with files. State 2 is "succeeded"; each file holds its own number.
 jq -r 'arrays | select(.[2] == "succeeded") | .[4]' <<<"$before" | sort >"$scratch/told"
 find "$scratch/out" -type f | sort >"$scratch/there"
 diff "$scratch/told" "$scratch/there" || fail "the files told and the files there differ"

@@ -1,5 +1,5 @@
 #!/bin/bash
-# What keeps a daemon or its workers from starting, and what is said then.
+# Faults at the start of the daemon or its workers, and their messages.
 . "$(dirname "$0")/farm.sh"
 
 # refuse TEXT OPTION...: marchd ends at once, with an error that holds the text.
@@ -38,7 +38,7 @@ start_daemon --worker-program "$scratch/no-such-program"
 wait_until "the reason is known" eval '[[ $(field "$id" .reason) == *"no such file"* ]]'
 stop_daemon
 
-# On a socket that systemd made, which is systemd's to remove.
+# A socket of systemd, which the daemon does not remove.
 systemd-socket-activate -l "$scratch/activated" "$bin/marchd" --state "$scratch/state" --socket "$socket" \
     --output-root "$scratch/out" --worker-program "$(stub nocontext)" 2>>"$scratch/daemon.log" &
 daemon_pid=$!
@@ -50,13 +50,13 @@ stop_daemon
 [ -S "$socket" ] || fail "it removed a socket that is not its own"
 socket=$own_socket
 
-# Workers that break the protocol are killed, and the frame's attempts end.
+# Workers that break the protocol are killed, and their attempts end.
 start_daemon --worker-program "$(stub garbage)"
 wait_state "$id" failed
-[[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"it said what is no message"* ]] || fail "log: $(ask job.log "{\"id\":$id}")"
+[[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"it sent an invalid message"* ]] || fail "log: $(ask job.log "{\"id\":$id}")"
 stop_daemon
 
-# Workers that lie about a file, or about frames that are not theirs: no name is given to what is not as they say.
+# Workers that report a wrong file, or frames that are not theirs: such a file is not published.
 start_daemon --worker-program "$(stub lie:0)"
 id=$(submit "$(job 1-3 '.output.path = "lies/l.####.exr"')")
 wait_state "$id" failed
@@ -65,7 +65,7 @@ wait_until "leftovers are gone" eval '[ -z "$(find "$scratch/out/lies" -type f)"
 expect_files lies 0
 stop_daemon
 
-# The faults a worker may name.
+# The faults that a worker can report.
 for fault in job frame; do
     start_daemon --worker-program "$(stub fail:$fault)"
     id=$(submit "$(job 1-4 ".output.path = \"$fault/f.####.exr\"")")
@@ -79,7 +79,7 @@ for fault in job frame; do
     stop_daemon
 done
 
-# Where workers start, but not those for one job, that job is held and the others go on. Where none start, no job is held.
+# A job whose workers do not start is paused while workers for other jobs start. When none start, no job is paused.
 cat >"$scratch/no-start" <<EOF
 #!/bin/bash
 [ ! -e "$scratch/outage" ] || exit 1
@@ -98,10 +98,10 @@ wait_until "workers do not start" eval '[ "$(grep -c "ended: exit status 1" "$sc
 expect "a job when no worker starts" "$(field "$bad" .state)" queued
 rm "$scratch/outage"
 wait_state "$good" succeeded
-[[ $(field "$bad" '"\(.state): \(.reason)"') == "paused: paused: workers start, but not those for this job: exit status 1" ]] ||
+[[ $(field "$bad" '"\(.state): \(.reason)"') == "paused: paused: workers start for other jobs, but not for this one: exit status 1" ]] ||
     fail "a job whose workers do not start: $(field "$bad" '{state, reason}')"
 stop_daemon
 
-# A store that a newer version wrote is left alone.
+# A store of a newer version is not changed.
 sqlite3 "$scratch/state/queue.db" 'PRAGMA user_version = 1000'
 refuse "newer" --state "$scratch/state" --socket "$socket" --output-root "$scratch/out"

@@ -12,7 +12,7 @@ reload_holds()
     until_true 20 "a published frame is told, now that the level is debug" eval \
         '[ -n "$(journal MARCHD_JOB='"$id"' PRIORITY=7 | jq -r "select(.MESSAGE | endswith(\"published\")) | .MARCHD_FRAME")" ]'
     reload "user-jobs = 1000" "log-level = debug" "stop-timeout = soon"
-    grep -q 'settings: all as before: /etc/marchd/marchd.conf:3: .*stop-timeout' "$work/settings" || { cat "$work/settings"; fail "file and line"; }
+    grep -q 'settings: not changed: /etc/marchd/marchd.conf:3: .*stop-timeout' "$work/settings" || { cat "$work/settings"; fail "file and line"; }
     ends 4 "jobs: ann may have 1" as ann march submit job.json
     expect "service" "$(inside systemctl is-active marchd.service)" active
     reload "user-jobs = 3" "log-level = debug" "worker-memory = 1G"

@@ -107,7 +107,7 @@ static void another_root_is_compared_in_full(void **state)
     assert_int_equal(find(fixture, "/out/other", "c.#.exr", "9", &frame), 0);
 }
 
-static void a_job_that_is_over_keeps_nobody_out(void **state)
+static void a_job_that_is_over_does_not_collide(void **state)
 {
     struct fixture *fixture = *state;
     struct job_record *record = add(fixture, 1, "c.#.exr", "1-9");
@@ -120,7 +120,7 @@ static void a_job_that_is_over_keeps_nobody_out(void **state)
     assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 0);
 }
 
-static void a_job_that_is_being_deleted_keeps_others_out(void **state)
+static void a_job_that_is_being_deleted_collides(void **state)
 {
     struct fixture *fixture = *state;
     struct job_record *record = add(fixture, 1, "c.#.exr", "1-9");
@@ -131,8 +131,8 @@ static void a_job_that_is_being_deleted_keeps_others_out(void **state)
     assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 1);
 }
 
-// Reading it after job_table_remove is what the sanitizer would see.
-static void a_removed_job_lives_as_long_as_somebody_holds_it(void **state)
+// The sanitizer reports a record that is read after it was freed.
+static void a_removed_record_lives_while_it_is_held(void **state)
 {
     struct fixture *fixture = *state;
     struct job_record *first = add(fixture, 1, "a.#.exr", "1"), *second = add(fixture, 2, "b.#.exr", "1");
@@ -168,7 +168,7 @@ static struct job_record *find_owned(struct fixture *fixture, const char *patter
     return record;
 }
 
-static void pictures_are_their_owners(void **state)
+static void published_files_belong_to_the_owner_of_their_job(void **state)
 {
     struct fixture *fixture = *state;
     struct job_record *record = add(fixture, 1, "c.#.exr", "1-9");
@@ -176,7 +176,7 @@ static void pictures_are_their_owners(void **state)
 
     record->owner_uid = 1000;
     queue_cancel(fixture->queue, record->queued);
-    assert_null(find_owned(fixture, "c.#.exr", 1001, &frame)); // it made none
+    assert_null(find_owned(fixture, "c.#.exr", 1001, &frame)); // this job published none
     record->queued->counts[FRAME_SUCCEEDED] = 1;
     assert_ptr_equal(find_owned(fixture, "c.#.exr", 1001, &frame), record);
     assert_int_equal(frame, 5);
@@ -206,10 +206,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(ranges_that_meet_in_one_file_collide, create, destroy),
         cmocka_unit_test_setup_teardown(a_wider_number_of_the_same_digits_is_the_same_file, create, destroy),
         cmocka_unit_test_setup_teardown(another_root_is_compared_in_full, create, destroy),
-        cmocka_unit_test_setup_teardown(a_job_that_is_over_keeps_nobody_out, create, destroy),
-        cmocka_unit_test_setup_teardown(a_job_that_is_being_deleted_keeps_others_out, create, destroy),
-        cmocka_unit_test_setup_teardown(a_removed_job_lives_as_long_as_somebody_holds_it, create, destroy),
-        cmocka_unit_test_setup_teardown(pictures_are_their_owners, create, destroy),
+        cmocka_unit_test_setup_teardown(a_job_that_is_over_does_not_collide, create, destroy),
+        cmocka_unit_test_setup_teardown(a_job_that_is_being_deleted_collides, create, destroy),
+        cmocka_unit_test_setup_teardown(a_removed_record_lives_while_it_is_held, create, destroy),
+        cmocka_unit_test_setup_teardown(published_files_belong_to_the_owner_of_their_job, create, destroy),
         cmocka_unit_test_setup_teardown(only_the_jobs_own_parts_are_swept, create, destroy),
     };
 

@@ -20,7 +20,7 @@ static void unknown_duration_gives_one_frame(void **state)
     assert_int_equal(count_for(0, 1000000, 2, 1), 0);
 }
 
-static void long_frames_go_one_by_one(void **state)
+static void long_frames_are_assigned_one_by_one(void **state)
 {
     assert_int_equal(count_for(10, 1000, 2, 0), 1);
     assert_int_equal(count_for(10, 1000, 2, 1), 0);
@@ -38,7 +38,7 @@ static void chunk_keeps_overhead_under_one_percent(void **state)
     }
 }
 
-static void slower_handing_out_makes_larger_chunks(void **state)
+static void more_overhead_makes_larger_chunks(void **state)
 {
     struct dispatch_load load = {.frame_s = 1, .overhead_s = 0.02, .left = 1000, .workers = 1};
 
@@ -51,13 +51,13 @@ static void shortest_frames_reach_the_limit(void **state)
     assert_int_equal(count_for(1e-300, 1000000, 2, 0), DISPATCH_CHUNK_LIMIT);
 }
 
-static void worker_is_topped_up_when_half_is_gone(void **state)
+static void worker_gets_more_when_half_of_a_chunk_is_rendered(void **state)
 {
     assert_int_equal(count_for(1e-6, 1000000, 2, DISPATCH_CHUNK_LIMIT / 2 + 1), 0);
     assert_int_equal(count_for(1e-6, 1000000, 2, DISPATCH_CHUNK_LIMIT / 2), DISPATCH_CHUNK_LIMIT / 2);
 }
 
-static void end_of_a_job_is_shared(void **state)
+static void the_last_frames_of_a_job_are_shared(void **state)
 {
     assert_int_equal(count_for(1e-6, 100, 4, 0), 13); // a half of 25, rounded up
     assert_int_equal(count_for(1e-6, 2, 4, 0), 1);
@@ -94,7 +94,7 @@ static void frame_of_another_job_counts_by_its_length(void **state)
     assert_int_equal(count_behind(frame_s, 60), 0);
 }
 
-static void no_frame_waits_behind_another_job_s_of_unknown_length(void **state)
+static void no_frame_waits_behind_another_job_of_unknown_length(void **state)
 {
     assert_int_equal(count_behind(HUGE_VAL, 1e-6), 0);
     assert_int_equal(count_behind(HUGE_VAL, 10), 0);
@@ -106,16 +106,16 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(unknown_duration_gives_one_frame),
-        cmocka_unit_test(long_frames_go_one_by_one),
+        cmocka_unit_test(long_frames_are_assigned_one_by_one),
         cmocka_unit_test(chunk_keeps_overhead_under_one_percent),
-        cmocka_unit_test(slower_handing_out_makes_larger_chunks),
+        cmocka_unit_test(more_overhead_makes_larger_chunks),
         cmocka_unit_test(shortest_frames_reach_the_limit),
-        cmocka_unit_test(worker_is_topped_up_when_half_is_gone),
-        cmocka_unit_test(end_of_a_job_is_shared),
+        cmocka_unit_test(worker_gets_more_when_half_of_a_chunk_is_rendered),
+        cmocka_unit_test(the_last_frames_of_a_job_are_shared),
         cmocka_unit_test(no_worker_gets_more_than_is_left),
         cmocka_unit_test(idle_worker_always_gets_a_frame),
         cmocka_unit_test(frame_of_another_job_counts_by_its_length),
-        cmocka_unit_test(no_frame_waits_behind_another_job_s_of_unknown_length),
+        cmocka_unit_test(no_frame_waits_behind_another_job_of_unknown_length),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

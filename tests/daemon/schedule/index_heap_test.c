@@ -7,14 +7,14 @@
 
 #include <cmocka.h>
 
-static void indices_come_out_ascending(void **state)
+static void indices_are_taken_in_ascending_order(void **state)
 {
     enum { COUNT = 1000 };
     struct index_heap heap = {0};
     int32_t index;
 
     for (int32_t i = 0; i < COUNT; i++)
-        index_heap_add(&heap, (int32_t)((int64_t)i * 617 % COUNT)); // 617 and 1000 share no factor: each once
+        index_heap_add(&heap, (int32_t)((int64_t)i * 617 % COUNT)); // coprime to 1000: each index once
     for (int32_t i = 0; i < COUNT; i++) {
         assert_true(index_heap_take(&heap, &index));
         assert_int_equal(index, i);
@@ -44,7 +44,7 @@ static void adding_between_taking_keeps_the_order(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(indices_come_out_ascending),
+        cmocka_unit_test(indices_are_taken_in_ascending_order),
         cmocka_unit_test(adding_between_taking_keeps_the_order),
     };
 

@@ -10,7 +10,7 @@
 
 static char reason[LIVENESS_REASON_SIZE];
 
-// Checks every second up to `until_ms`, as the daemon does, with a beat of unchanged progress when `beats`.
+// Checks every second until `until_ms`; with `beats` a heartbeat of unchanged progress comes before each check.
 static enum liveness_verdict run_until(struct liveness *liveness, int64_t until_ms, bool beats, double median_s,
                                        size_t known)
 {
@@ -101,7 +101,7 @@ static void staying_busy_does_not_count_as_progress(void **state)
     assert_int_equal(run_until(&liveness, 122000, true, 0, 0), LIVENESS_STUCK);
 }
 
-// A worker whose progress grows while its frame never ends.
+// Simulates a worker whose progress grows while its frame does not end.
 static enum liveness_verdict render_for(int64_t duration_ms, double median_s, size_t known)
 {
     struct liveness liveness = ready_worker();
@@ -129,7 +129,7 @@ static void frame_may_always_take_a_minute(void **state)
     assert_int_equal(render_for(61000, 0.001, 63), LIVENESS_OVERLONG);
 }
 
-static void median_of_four_frames_judges_none(void **state)
+static void median_of_four_frames_limits_none(void **state)
 {
     assert_int_equal(render_for(1000000, 0.001, 4), LIVENESS_ALIVE);
 }
@@ -143,7 +143,7 @@ static void ended_frame_has_no_run_time(void **state)
     assert_int_equal(run_until(&liveness, 100000, true, 0.001, 63), LIVENESS_ALIVE);
 }
 
-static void emptied_hands_have_no_run_time(void **state)
+static void an_idle_worker_has_no_run_time(void **state)
 {
     struct liveness liveness = ready_worker();
 
@@ -155,7 +155,7 @@ static void emptied_hands_have_no_run_time(void **state)
     assert_int_equal(run_until(&liveness, 110000, true, 0.001, 63), LIVENESS_ALIVE);
 }
 
-static void late_check_is_not_the_workers_silence(void **state)
+static void a_late_check_does_not_count_against_the_worker(void **state)
 {
     struct liveness liveness = ready_worker();
 
@@ -188,10 +188,10 @@ int main(void)
         cmocka_unit_test(staying_busy_does_not_count_as_progress),
         cmocka_unit_test(frame_may_take_twenty_medians),
         cmocka_unit_test(frame_may_always_take_a_minute),
-        cmocka_unit_test(median_of_four_frames_judges_none),
+        cmocka_unit_test(median_of_four_frames_limits_none),
         cmocka_unit_test(ended_frame_has_no_run_time),
-        cmocka_unit_test(emptied_hands_have_no_run_time),
-        cmocka_unit_test(late_check_is_not_the_workers_silence),
+        cmocka_unit_test(an_idle_worker_has_no_run_time),
+        cmocka_unit_test(a_late_check_does_not_count_against_the_worker),
         cmocka_unit_test(limits_can_be_set),
     };
 

@@ -1,4 +1,4 @@
-// The queue against a model that keeps no cursor, heap or count: random operations, then everything compared.
+// Compares the queue with a model that has no cursor, heap or counts, over random operations.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/schedule/queue.h"
 
@@ -27,8 +27,8 @@ struct model_job {
 
 struct world {
     struct queue *queue;
-    struct model_job jobs[JOB_LIMIT];          // of id index + 1
-    struct queue_ticket tickets[TICKET_LIMIT]; // ever given; the oldest are written over
+    struct model_job jobs[JOB_LIMIT];          // the job of id index + 1
+    struct queue_ticket tickets[TICKET_LIMIT]; // all tickets taken; the oldest are overwritten
     size_t ticket_count;
     uint64_t random;
 };
@@ -115,7 +115,7 @@ static void give_back(const struct model_job *job, struct model_frame *frame)
     end(frame, job->is_failed ? FRAME_FAILED : job->is_canceled ? FRAME_CANCELED : FRAME_QUEUED);
 }
 
-// Any ticket ever given: most of them are late.
+// Any ticket ever taken: most of them own nothing any more.
 static void answer(struct world *world)
 {
     size_t held = world->ticket_count < TICKET_LIMIT ? world->ticket_count : TICKET_LIMIT;
@@ -240,7 +240,7 @@ static void command(struct world *world)
         break;
     default:
         if (is_live(job)) break;
-        // Attempt numbers of a removed job start again, so its tickets must be gone.
+        // Attempt numbers of a removed job start again: its tickets are removed here too.
         for (size_t i = 0; i < TICKET_LIMIT; i++)
             if (world->tickets[i].job == at + 1)
                 world->tickets[i] = (struct queue_ticket){.job = at + 1, .attempt = -1};
@@ -288,7 +288,7 @@ static void compare(const struct world *world)
         assert_int_equal(queue_count(world->queue, (enum frame_state)state), totals[state]);
 }
 
-// What still runs is lost, every job is resumed: then each frame must come to an end.
+// Running frames are lost and every job is resumed: then each frame must end.
 static void drain(struct world *world)
 {
     struct queue_ticket tickets[FRAME_LIMIT];

@@ -81,7 +81,7 @@ static void one_take_is_of_one_job(void **state)
     queue_destroy(queue);
 }
 
-static void raised_job_overtakes(void **state)
+static void a_job_of_raised_priority_is_next(void **state)
 {
     struct queue *queue = new_queue();
 
@@ -95,7 +95,7 @@ static void raised_job_overtakes(void **state)
     queue_destroy(queue);
 }
 
-static void paused_job_is_passed_over_until_resumed(void **state)
+static void paused_job_is_skipped_until_resumed(void **state)
 {
     struct queue *queue = new_queue();
     struct queue_job *job = add_job(queue, 1, "1-2", 50);
@@ -190,7 +190,7 @@ static void returned_frames_come_before_later_ones(void **state)
     queue_destroy(queue);
 }
 
-static void late_answer_owns_nothing(void **state)
+static void late_report_owns_nothing(void **state)
 {
     struct queue *queue = new_queue();
     struct queue_job *job = add_job(queue, 1, "5", 50);
@@ -245,7 +245,7 @@ static void ticket_is_found_by_number(void **state)
     queue_destroy(queue);
 }
 
-static void cancel_takes_all_but_what_is_publishing(void **state)
+static void cancel_takes_all_frames_but_those_being_published(void **state)
 {
     struct queue *queue = new_queue();
     struct queue_job *job = add_job(queue, 1, "1-4", 50);
@@ -324,7 +324,7 @@ static void retry_gives_failed_frames_all_their_attempts(void **state)
     queue_destroy(queue);
 }
 
-static void retry_brings_a_canceled_job_back(void **state)
+static void a_retried_canceled_job_is_live_again(void **state)
 {
     struct queue *queue = new_queue();
     struct queue_job *job = add_job(queue, 1, "1-10", 50);
@@ -393,7 +393,7 @@ static void restored_cancel_holds_for_a_job_whose_frames_all_succeeded(void **st
     queue_destroy(queue);
 }
 
-static void removed_job_takes_its_counts_along(void **state)
+static void counts_of_a_removed_job_are_subtracted(void **state)
 {
     struct queue *queue = new_queue();
     struct queue_job *job = add_job(queue, 1, "1-3", 50);
@@ -411,7 +411,7 @@ static void removed_job_takes_its_counts_along(void **state)
 
 static void hundred_thousand_jobs_are_quick_to_use(void **state)
 {
-    // The test ends by its time limit when adding, finding or taking walks all jobs.
+    // The test exceeds its time limit if adding, finding or taking visits all jobs.
     enum { JOB_COUNT = 100 * 1000 };
     struct queue *queue = new_queue();
 
@@ -448,26 +448,26 @@ int main(void)
         cmocka_unit_test(frames_are_taken_in_the_users_order),
         cmocka_unit_test(higher_priority_goes_first_then_lower_id),
         cmocka_unit_test(one_take_is_of_one_job),
-        cmocka_unit_test(raised_job_overtakes),
-        cmocka_unit_test(paused_job_is_passed_over_until_resumed),
+        cmocka_unit_test(a_job_of_raised_priority_is_next),
+        cmocka_unit_test(paused_job_is_skipped_until_resumed),
         cmocka_unit_test(job_runs_from_queued_to_succeeded),
         cmocka_unit_test(failed_frame_is_tried_three_times),
         cmocka_unit_test(final_failure_needs_no_further_attempt),
         cmocka_unit_test(returned_frame_keeps_its_tries_but_not_its_number),
         cmocka_unit_test(returned_frames_come_before_later_ones),
-        cmocka_unit_test(late_answer_owns_nothing),
+        cmocka_unit_test(late_report_owns_nothing),
         cmocka_unit_test(frame_is_published_once),
         cmocka_unit_test(ticket_is_found_by_number),
-        cmocka_unit_test(cancel_takes_all_but_what_is_publishing),
+        cmocka_unit_test(cancel_takes_all_frames_but_those_being_published),
         cmocka_unit_test(failed_publishing_ends_with_its_canceled_job),
         cmocka_unit_test(failed_job_fails_its_frames),
         cmocka_unit_test(ended_job_cannot_be_canceled),
         cmocka_unit_test(retry_gives_failed_frames_all_their_attempts),
-        cmocka_unit_test(retry_brings_a_canceled_job_back),
+        cmocka_unit_test(a_retried_canceled_job_is_live_again),
         cmocka_unit_test(retry_of_nothing_changes_nothing),
         cmocka_unit_test(restored_frames_are_not_taken_again),
         cmocka_unit_test(restored_cancel_holds_for_a_job_whose_frames_all_succeeded),
-        cmocka_unit_test(removed_job_takes_its_counts_along),
+        cmocka_unit_test(counts_of_a_removed_job_are_subtracted),
         cmocka_unit_test(hundred_thousand_jobs_are_quick_to_use),
         cmocka_unit_test(million_frames_need_little_memory),
         cmocka_unit_test(state_names_follow_the_enumerations),

@@ -14,7 +14,7 @@ static void frame_is_tried_until_its_attempts_are_used(void **state)
     assert_int_equal(retry_decide(RETRY_FAULT_FRAME, true, 3, 3), RETRY_FAIL_FRAME);
 }
 
-static void lost_worker_costs_its_started_frame_an_attempt(void **state)
+static void the_started_frame_of_a_lost_worker_loses_an_attempt(void **state)
 {
     assert_int_equal(retry_decide(RETRY_FAULT_LOST, true, 1, 3), RETRY_FRAME);
     assert_int_equal(retry_decide(RETRY_FAULT_LOST, true, 3, 3), RETRY_FAIL_FRAME);
@@ -27,7 +27,7 @@ static void frames_not_started_are_not_to_blame(void **state)
     assert_int_equal(retry_decide(RETRY_FAULT_WORKER, false, 3, 3), RETRY_FREE);
 }
 
-static void users_code_that_does_not_end_gets_one_try(void **state)
+static void code_of_the_user_that_does_not_end_gets_one_attempt(void **state)
 {
     assert_int_equal(retry_decide(RETRY_FAULT_ENDLESS, true, 1, 3), RETRY_FAIL_FRAME);
     assert_int_equal(retry_decide(RETRY_FAULT_ENDLESS, false, 1, 3), RETRY_FREE);
@@ -36,7 +36,7 @@ static void users_code_that_does_not_end_gets_one_try(void **state)
     assert_int_equal(retry_decide(RETRY_FAULT_MISSED, false, 1, 3), RETRY_FREE);
 }
 
-static void a_job_of_endless_frames_alone_is_given_up(void **state)
+static void a_job_of_endless_frames_only_is_failed(void **state)
 {
     assert_false(retry_gives_up_job(RETRY_HOPELESS_LIMIT - 1, 0));
     assert_true(retry_gives_up_job(RETRY_HOPELESS_LIMIT, 0));
@@ -101,10 +101,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frame_is_tried_until_its_attempts_are_used),
-        cmocka_unit_test(lost_worker_costs_its_started_frame_an_attempt),
+        cmocka_unit_test(the_started_frame_of_a_lost_worker_loses_an_attempt),
         cmocka_unit_test(frames_not_started_are_not_to_blame),
-        cmocka_unit_test(users_code_that_does_not_end_gets_one_try),
-        cmocka_unit_test(a_job_of_endless_frames_alone_is_given_up),
+        cmocka_unit_test(code_of_the_user_that_does_not_end_gets_one_attempt),
+        cmocka_unit_test(a_job_of_endless_frames_only_is_failed),
         cmocka_unit_test(job_fault_fails_the_job_at_once),
         cmocka_unit_test(output_fault_pauses_and_never_uses_up_a_frame),
         cmocka_unit_test(fault_names_follow_the_enumeration),

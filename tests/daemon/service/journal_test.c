@@ -1,4 +1,4 @@
-// What the journal gets of a line, when it gets it, and that nothing waits for it.
+// The entries that the journal gets, and that logging never blocks on it.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/service/journal.h"
 #include "tests/support/temp_folder.h"
@@ -23,7 +23,7 @@ static int listen_as_journal(const char *path)
     return fd;
 }
 
-// What JOURNAL_STREAM would say if standard error were the journal's.
+// The value of JOURNAL_STREAM for the present standard error.
 static const char *own_stream(void)
 {
     static char text[64];
@@ -34,7 +34,7 @@ static const char *own_stream(void)
     return text;
 }
 
-// One entry, read as the protocol says: NAME=VALUE lines, or NAME, a line feed, eight bytes of length, and the value.
+// Finds a field of an entry: NAME=VALUE lines, or NAME, a line feed, eight bytes of length, and the value.
 struct field {
     char name[32], value[LOG_LINE_SIZE];
 };
@@ -103,7 +103,7 @@ static void a_line_comes_with_its_fields(void **state)
     close(fd);
 }
 
-static void what_is_not_known_is_no_field(void **state)
+static void an_unknown_value_has_no_field(void **state)
 {
     const char *path = temp_folder_path(state, "journal");
     int fd = listen_as_journal(path);
@@ -141,7 +141,7 @@ static void no_text_adds_a_field_or_an_entry(void **state)
     close(fd);
 }
 
-static void the_longest_of_all_fits(void **state)
+static void the_longest_entry_fits(void **state)
 {
     char entry[JOURNAL_ENTRY_SIZE], line[2 * LOG_LINE_SIZE], owner[4096];
     struct log_subject subject = {
@@ -153,7 +153,7 @@ static void the_longest_of_all_fits(void **state)
     assert_in_range(journal_format_entry(entry, LOG_DEBUG, &subject, line), LOG_LINE_SIZE, JOURNAL_ENTRY_SIZE);
 }
 
-static void another_stderr_stays(void **state)
+static void another_standard_error_is_kept(void **state)
 {
     const char *path = temp_folder_path(state, "journal");
     int fd = listen_as_journal(path);
@@ -167,7 +167,7 @@ static void another_stderr_stays(void **state)
     close(fd);
 }
 
-static void a_journal_that_does_not_read_is_not_waited_for(void **state)
+static void logging_does_not_wait_for_a_journal_that_does_not_read(void **state)
 {
     const char *path = temp_folder_path(state, "journal");
     int fd = listen_as_journal(path), taken = 0;
@@ -180,7 +180,7 @@ static void a_journal_that_does_not_read_is_not_waited_for(void **state)
         taken++;
     assert_in_range(taken, 1, 4999);
     log_info("one more");
-    snprintf(entry, sizeof entry, "the journal did not take %d lines", 5000 - taken);
+    snprintf(entry, sizeof entry, "the journal lost %d lines", 5000 - taken);
     assert_string_equal(receive(fd, "MESSAGE"), entry);
     assert_string_equal(receive(fd, "MESSAGE"), "one more");
     log_info("and another");
@@ -189,7 +189,7 @@ static void a_journal_that_does_not_read_is_not_waited_for(void **state)
     close(fd);
 }
 
-static void a_journal_that_was_started_anew_is_found(void **state)
+static void a_restarted_journal_is_found(void **state)
 {
     const char *path = temp_folder_path(state, "journal");
     int fd = listen_as_journal(path);
@@ -200,7 +200,7 @@ static void a_journal_that_was_started_anew_is_found(void **state)
     log_info("lost");
     fd = listen_as_journal(path);
     log_info("heard");
-    assert_string_equal(receive(fd, "MESSAGE"), "the journal did not take 1 lines");
+    assert_string_equal(receive(fd, "MESSAGE"), "the journal lost 1 lines");
     assert_string_equal(receive(fd, "MESSAGE"), "heard");
     journal_close();
     close(fd);
@@ -210,14 +210,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_line_comes_with_its_fields, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(what_is_not_known_is_no_field, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(an_unknown_value_has_no_field, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(no_text_adds_a_field_or_an_entry, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test(the_longest_of_all_fits),
-        cmocka_unit_test_setup_teardown(another_stderr_stays, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(a_journal_that_does_not_read_is_not_waited_for, temp_folder_create,
+        cmocka_unit_test(the_longest_entry_fits),
+        cmocka_unit_test_setup_teardown(another_standard_error_is_kept, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(logging_does_not_wait_for_a_journal_that_does_not_read, temp_folder_create,
                                         temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(a_journal_that_was_started_anew_is_found, temp_folder_create,
-                                        temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_restarted_journal_is_found, temp_folder_create, temp_folder_destroy),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,4 @@
-// What a service manager hears of a loop that turns, and of one that does not.
+// Feeding of the watchdog by a loop that runs, and by one that hangs.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/service/watchdog.h"
 #include "tests/support/temp_folder.h"
@@ -46,7 +46,7 @@ static void block(uv_timer_t *timer)
     on_end(timer);
 }
 
-static void a_loop_that_turns_is_heard_of(void **state)
+static void a_running_loop_feeds_the_watchdog(void **state)
 {
     int fd = listen_as_manager(state), fed = 0;
     struct watchdog *watchdog;
@@ -60,7 +60,7 @@ static void a_loop_that_turns_is_heard_of(void **state)
     assert_non_null(watchdog);
     while ((fed += count_fed(fd)) < 4)
         uv_run(&loop, UV_RUN_ONCE);
-    // Every half of the time that the manager waits, and not more often.
+    // The watchdog is fed twice per interval, and not more often.
     uv_update_time(&loop);
     assert_true(uv_now(&loop) - start_ms >= 3 * 100);
     watchdog_close(watchdog);
@@ -69,7 +69,7 @@ static void a_loop_that_turns_is_heard_of(void **state)
     close(fd);
 }
 
-static void a_loop_that_hangs_is_not(void **state)
+static void a_loop_that_hangs_does_not(void **state)
 {
     int fd = listen_as_manager(state);
     uv_loop_t loop;
@@ -100,8 +100,8 @@ static void without_a_manager_nothing_is_fed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_loop_that_turns_is_heard_of, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(a_loop_that_hangs_is_not, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_running_loop_feeds_the_watchdog, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_loop_that_hangs_does_not, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(without_a_manager_nothing_is_fed),
     };
 

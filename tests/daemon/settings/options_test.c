@@ -74,7 +74,7 @@ static void a_user_gets_folders_of_their_own(void **state)
     options_finish(&options);
 }
 
-static void the_command_line_beats_the_environment(void **state)
+static void the_command_line_overrides_the_environment(void **state)
 {
     struct options_surroundings surroundings = user;
     struct options options;
@@ -149,7 +149,7 @@ static char *write_config(void **state, const char *text)
     return path;
 }
 
-static void a_file_comes_after_all_that_is_said(void **state)
+static void a_file_is_overridden_by_all_else(void **state)
 {
     char *path =
         write_config(state, "# a farm\n\n  workers = 7\r\nthreads=3\nsocket = /file.sock\n\tlog-level = debug");
@@ -171,7 +171,7 @@ static void a_file_comes_after_all_that_is_said(void **state)
     options_finish(&options);
 }
 
-static void only_a_file_that_was_named_must_be_there(void **state)
+static void only_a_named_file_must_exist(void **state)
 {
     struct options_surroundings surroundings = root;
     struct options options;
@@ -182,7 +182,7 @@ static void only_a_file_that_was_named_must_be_there(void **state)
     REFUSE("/no/such/file", (char[]){"--config"}, (char[]){"/no/such/file"});
 }
 
-static void a_files_mistakes_have_a_line(void **state)
+static void errors_of_a_file_name_the_line(void **state)
 {
     static const char *const cases[][2] = {
         {"workers = 2\nwokers = 3\n", "marchd.conf:2: wokers: there is no such setting"},
@@ -198,7 +198,7 @@ static void a_files_mistakes_have_a_line(void **state)
         REFUSE(cases[i][1], (char[]){"--config"}, write_config(state, cases[i][0]));
 }
 
-// Takes the mark of a comment from each setting, and counts them.
+// Uncomments each setting, and counts them.
 static size_t uncomment(char *text)
 {
     size_t count = 0;
@@ -219,7 +219,7 @@ static void assert_same_paths(const struct path_list *told, const struct path_li
         assert_string_equal(told->paths[i], held->paths[i]);
 }
 
-static void the_file_that_is_shipped_tells_the_defaults(void **state)
+static void the_shipped_file_has_the_defaults(void **state)
 {
     struct options told, held;
     char *text, *path;
@@ -256,7 +256,7 @@ static void the_file_that_is_shipped_tells_the_defaults(void **state)
     free(text);
 }
 
-static void amounts_have_letters(void **state)
+static void amounts_have_suffixes(void **state)
 {
     struct options options;
 
@@ -300,7 +300,7 @@ static void roots_add_up_within_one_source(void **state)
     options_finish(&options);
 }
 
-static void a_system_daemon_needs_not_be_root(void **state)
+static void a_system_daemon_need_not_be_root(void **state)
 {
     char *path = write_config(state, "workers = 3\n");
     struct options_surroundings surroundings = user;
@@ -313,7 +313,7 @@ static void a_system_daemon_needs_not_be_root(void **state)
     assert_string_equal(options.output_roots.paths[0], "/srv/marchd");
     assert_int_equal(options.worker_count, 3);
     options_finish(&options);
-    // A user's own daemon leaves the system's file alone.
+    // The daemon of a user does not read the system's file.
     assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
     assert_int_equal(options.worker_count, 0);
     assert_string_equal(options.input_roots.paths[0], "/");
@@ -338,19 +338,18 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(root_gets_the_system_folders),
         cmocka_unit_test(a_user_gets_folders_of_their_own),
-        cmocka_unit_test(the_command_line_beats_the_environment),
+        cmocka_unit_test(the_command_line_overrides_the_environment),
         cmocka_unit_test(relative_paths_are_taken_from_the_current_folder),
         cmocka_unit_test(every_value_is_read),
         cmocka_unit_test(wrong_values_are_named),
         cmocka_unit_test(help_and_version_need_nothing_else),
-        cmocka_unit_test_setup_teardown(a_file_comes_after_all_that_is_said, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test(only_a_file_that_was_named_must_be_there),
-        cmocka_unit_test_setup_teardown(a_files_mistakes_have_a_line, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(the_file_that_is_shipped_tells_the_defaults, temp_folder_create,
-                                        temp_folder_destroy),
-        cmocka_unit_test(amounts_have_letters),
+        cmocka_unit_test_setup_teardown(a_file_is_overridden_by_all_else, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test(only_a_named_file_must_exist),
+        cmocka_unit_test_setup_teardown(errors_of_a_file_name_the_line, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(the_shipped_file_has_the_defaults, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test(amounts_have_suffixes),
         cmocka_unit_test_setup_teardown(roots_add_up_within_one_source, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(a_system_daemon_needs_not_be_root, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_system_daemon_need_not_be_root, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(without_a_home_the_folders_must_be_given),
     };
 

@@ -1,4 +1,4 @@
-// Which settings hold as soon as they are read again, and which are only told of.
+// Settings that are applied when they are read again, and settings that need a restart.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "daemon/settings/options.h"
@@ -16,7 +16,7 @@
 static const struct options_surroundings user = {
     .home = "/home/ann", .current_folder = "/srv", .program_folder = "/opt/bin"};
 
-// The options given, up to NULL, and the defaults of others.
+// Parses the given arguments, up to NULL; the other options have their defaults.
 static struct options read_options(const char *const *given)
 {
     char *argv[16] = {(char[]){"marchd"}};
@@ -33,7 +33,7 @@ static struct options read_options(const char *const *given)
 
 #define OPTIONS(...) read_options((const char *const[]){__VA_ARGS__, NULL})
 
-static void what_may_change_holds_and_is_named(void **state)
+static void a_setting_that_may_change_is_applied_and_named(void **state)
 {
     struct options held = OPTIONS("--log-level=info"),
                    fresh = OPTIONS("--log-level=debug", "--progress-limit=9", "--stop-timeout=4", "--max-attempts=7",
@@ -44,7 +44,7 @@ static void what_may_change_holds_and_is_named(void **state)
 
     reload_take(&held, &fresh, &changes);
     assert_string_equal(changes.waiting, "");
-    assert_string_equal(changes.held,
+    assert_string_equal(changes.applied,
                         "admin-group, max-attempts, stop-timeout, progress-limit, worker-memory, log-level");
     assert_int_equal(held.log_level, LOG_DEBUG);
     assert_int_equal(held.progress_limit_ms, 9000);
@@ -60,7 +60,7 @@ static void what_may_change_holds_and_is_named(void **state)
     assert_int_equal(held.output_roots.count, 2);
     assert_string_equal(held.output_roots.paths[1], "/b");
     assert_string_equal(held.input_roots.paths[0], "/c");
-    // What the file no longer says is as without it.
+    // A setting removed from the file gets its default again.
     assert_int_equal(held.log_level, LOG_INFO);
     assert_string_equal(held.admin_group, "marchd-admin");
     options_finish(&limits);
@@ -68,7 +68,7 @@ static void what_may_change_holds_and_is_named(void **state)
     options_finish(&held);
 }
 
-static void what_needs_a_restart_is_named_and_stays(void **state)
+static void a_setting_that_needs_a_restart_is_named_and_kept(void **state)
 {
     struct options held = OPTIONS("--workers=1", "--shader-dir=/s"),
                    fresh = OPTIONS("--workers=2", "--threads=3", "--state=/x", "--socket=/y", "--backend=egl",
@@ -76,7 +76,7 @@ static void what_needs_a_restart_is_named_and_stays(void **state)
     struct reload_changes changes;
 
     reload_take(&held, &fresh, &changes);
-    assert_string_equal(changes.held, "");
+    assert_string_equal(changes.applied, "");
     assert_string_equal(changes.waiting,
                         "state, socket, workers, threads, backend, worker-program, shader-dir, sandbox");
     assert_int_equal(held.worker_count, 1);
@@ -90,14 +90,14 @@ static void what_needs_a_restart_is_named_and_stays(void **state)
     options_finish(&held);
 }
 
-static void the_same_again_changes_nothing(void **state)
+static void the_same_settings_change_nothing(void **state)
 {
     struct options held = OPTIONS("--input-root=/c", "--user-disk=4"),
                    fresh = OPTIONS("--input-root=/c", "--user-disk=4");
     struct reload_changes changes;
 
     reload_take(&held, &fresh, &changes);
-    assert_string_equal(changes.held, "");
+    assert_string_equal(changes.applied, "");
     assert_string_equal(changes.waiting, "");
     options_finish(&fresh);
     options_finish(&held);
@@ -106,9 +106,9 @@ static void the_same_again_changes_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_may_change_holds_and_is_named),
-        cmocka_unit_test(what_needs_a_restart_is_named_and_stays),
-        cmocka_unit_test(the_same_again_changes_nothing),
+        cmocka_unit_test(a_setting_that_may_change_is_applied_and_named),
+        cmocka_unit_test(a_setting_that_needs_a_restart_is_named_and_kept),
+        cmocka_unit_test(the_same_settings_change_nothing),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

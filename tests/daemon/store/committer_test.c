@@ -2,7 +2,7 @@
 #include "daemon/store/committer.h"
 #include "tests/daemon/store/store_fixture.h"
 
-// What the callbacks were told, in order: "3+" for ops tagged 3 that are on disk, "3-" for a failure.
+// The results of the callbacks, in order: "3+" when ops tagged 3 are on disk, "3-" for a failure.
 static char told[256];
 
 static void on_done(void *user, bool ok, const struct error *error)
@@ -71,8 +71,8 @@ static void callbacks_come_in_order_after_the_commit(void **state)
     finish(&loop, committer, store);
 }
 
-// A job id that is taken makes the batch fail as a whole, like a full disk does.
-static void a_failed_batch_is_reported_dropped_or_kept_as_its_ops_wish(void **state)
+// A job id that is in use makes the whole batch fail, as a full disk does.
+static void a_failed_batch_is_reported_dropped_or_kept_by_policy(void **state)
 {
     static const int ten = 10, certain = 1, reported = 2, dropped = 3, taken = 4;
     struct store *store = open_store(*state);
@@ -100,8 +100,8 @@ static void a_failed_batch_is_reported_dropped_or_kept_as_its_ops_wish(void **st
     finish(&loop, committer, store);
 }
 
-// While older ops wait for the store to work again, who asks now is told now.
-static void a_lasting_failure_is_told_to_who_comes_later(void **state)
+// While failed ops wait for the next try, a new op is answered at once.
+static void a_lasting_failure_is_reported_to_later_ops(void **state)
 {
     static const int kept = 1, dropped = 2, reported = 3;
     struct store *store = open_store(*state);
@@ -114,7 +114,7 @@ static void a_lasting_failure_is_told_to_who_comes_later(void **state)
     put(committer, COMMIT_CERTAIN, 1, &kept);
     while (!committer_is_idle(committer))
         uv_run(&loop, UV_RUN_ONCE);
-    // The id is taken for good.
+    // The id stays in use.
     put(committer, COMMIT_CERTAIN, 1, &kept);
     while (!committer_trouble(committer))
         uv_run(&loop, UV_RUN_ONCE);
@@ -125,7 +125,7 @@ static void a_lasting_failure_is_told_to_who_comes_later(void **state)
     assert_string_equal(told, "1+ 2- 3-");
     assert_int_equal(committer_waiting(committer), 2);
     assert_int_equal(count_jobs(store), 1);
-    // Nothing frees the id, so what waits is left where it is.
+    // The ops that wait can never be committed, so the committer is destroyed with them.
     committer_close(committer);
     uv_run(&loop, UV_RUN_DEFAULT);
     committer_destroy(committer);
@@ -133,8 +133,8 @@ static void a_lasting_failure_is_told_to_who_comes_later(void **state)
     store_close(store);
 }
 
-// Who settles is told after the ops before, and nobody else's.
-static void settling_waits_for_what_was_put(void **state)
+// The callback of a flush comes after the ops before it.
+static void a_flush_waits_for_the_ops_before_it(void **state)
 {
     static const int idle = 1, put_one = 2, behind = 3, later = 4;
     struct store *store = open_store(*state);
@@ -152,7 +152,7 @@ static void settling_waits_for_what_was_put(void **state)
     while (!committer_is_idle(committer) || !strchr(told, '3'))
         uv_run(&loop, UV_RUN_ONCE);
     assert_string_equal(told, "1+ 2+ 3+");
-    // The id is taken: the batch fails, what asked is told, and no commit of nothing hides the trouble.
+    // The id is in use: the batch fails, the flush is called back, and an empty commit does not hide the trouble.
     put(committer, COMMIT_OR_DROP, 1, &put_one);
     committer_flush(committer, on_done, (void *)&behind);
     while (!committer_trouble(committer) || !strchr(told + 8, '3'))
@@ -172,10 +172,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(callbacks_come_in_order_after_the_commit, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(settling_waits_for_what_was_put, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(a_failed_batch_is_reported_dropped_or_kept_as_its_ops_wish, make_folder,
+        cmocka_unit_test_setup_teardown(a_flush_waits_for_the_ops_before_it, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(a_failed_batch_is_reported_dropped_or_kept_by_policy, make_folder,
                                         remove_folder),
-        cmocka_unit_test_setup_teardown(a_lasting_failure_is_told_to_who_comes_later, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(a_lasting_failure_is_reported_to_later_ops, make_folder, remove_folder),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,4 @@
-// A store in a folder of its own for one test, and the rows it holds.
+// A store in a temporary folder for one test, and rows for it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -118,7 +118,7 @@ static inline void commit_one(struct store *store, struct store_op op)
     if (!commit(store, &op, 1, &error)) fail_msg("%s", error.message);
 }
 
-// The newest rows seen by a load.
+// The last rows of a load, and counts.
 struct loaded {
     int jobs, frames;
     struct store_job job;

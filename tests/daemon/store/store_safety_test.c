@@ -1,4 +1,4 @@
-// What the store does when the disk, the file or the process fails it, or a second daemon comes.
+// The store when the disk, the file or the process fails, or a second daemon starts.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/store/store.h"
 
@@ -16,7 +16,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// While it is not 0, every write through SQLite fails with it: the disk is full, or broken.
+// When not 0, every write of SQLite fails with this errno, as on a full or broken disk.
 static int write_errno;
 
 ssize_t pwrite64(int fd, const void *bytes, size_t size_bytes, off64_t offset);
@@ -96,7 +96,7 @@ static void failed_commit_leaves_nothing(void **state)
     store_close(store);
 }
 
-static void full_disk_is_named_and_survived(void **state)
+static void full_disk_is_named_and_later_commits_work(void **state)
 {
     const struct folder *folder = *state;
     struct store *store = open_store(folder);
@@ -109,7 +109,7 @@ static void full_disk_is_named_and_survived(void **state)
     write_errno = 0;
     assert_string_equal(error.message, "store: cannot commit: disk full");
     assert_int_equal(load(store).jobs, 1);
-    assert_true(commit(store, &op, 1, &error)); // the same op, when there is room again
+    assert_true(commit(store, &op, 1, &error)); // the same op, with room on the disk
     store_close(store);
 
     store = open_store(folder);
@@ -140,7 +140,7 @@ static void second_daemon_is_refused(void **state)
     snprintf(expected, sizeof expected, "another marchd (pid %ld) uses %s", (long)getpid(), folder->path);
     assert_null(store_open(folder->path, &error));
     assert_string_equal(error.message, expected);
-    commit_one(store, job_op(1)); // the first one is not disturbed
+    commit_one(store, job_op(1)); // the first daemon goes on
     store_close(store);
     store_close(open_store(folder));
 }
@@ -180,7 +180,7 @@ static void assert_refused(const struct folder *folder, const char *message)
     assert_true(checksum(path) == before);
 }
 
-static void newer_store_is_refused_and_left_alone(void **state)
+static void newer_store_is_refused_and_unchanged(void **state)
 {
     const struct folder *folder = *state;
     const unsigned char version[4] = {0, 0, 0, 4}; // the header's user_version, big-endian at byte 60
@@ -242,7 +242,7 @@ static void damaged_page_is_an_error_of_the_load(void **state)
     store_close(store);
 }
 
-static void folder_that_cannot_be_is_named(void **state)
+static void impossible_folder_is_named(void **state)
 {
     const struct folder *folder = *state;
     struct error error = {0};
@@ -255,7 +255,7 @@ static void folder_that_cannot_be_is_named(void **state)
     assert_string_equal(error.message, expected);
 }
 
-// Commits frame after frame and says each on the pipe once it is acknowledged.
+// Commits frame after frame and writes each to the pipe when it is acknowledged.
 static void commit_for_ever(const struct folder *folder, int pipe_fd)
 {
     struct store *store = store_open(folder->path, NULL);
@@ -294,14 +294,14 @@ static void acknowledged_commits_survive_sigkill(void **state)
         store = open_store(folder);
         loaded = load(store);
         assert_true(acknowledged >= 20 + 13 * round);
-        assert_int_equal(loaded.frames % 2, 0); // a commit is there whole or not at all
+        assert_int_equal(loaded.frames % 2, 0); // commits of two frames are atomic
         assert_true(loaded.frames >= 2 * (acknowledged + 1));
         assert_int_equal(loaded.index_sum, (int64_t)loaded.frames * (loaded.frames - 1) / 2);
         store_close(store);
     }
 }
 
-// Grows the store until the limit of a file's size ends it; 0 when all went as it should.
+// Grows the store until the limit of a file's size stops it; 0: as expected.
 static int fill_up(const struct folder *folder)
 {
     const struct rlimit limit = {.rlim_cur = 256 * 1024, .rlim_max = 256 * 1024};
@@ -344,14 +344,14 @@ int main(void)
         cmocka_unit_test_setup_teardown(commit_is_synced_before_it_is_acknowledged, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(failed_sync_fails_the_commit, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(failed_commit_leaves_nothing, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(full_disk_is_named_and_survived, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(full_disk_is_named_and_later_commits_work, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(broken_disk_is_named, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(second_daemon_is_refused, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(newer_store_is_refused_and_left_alone, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(newer_store_is_refused_and_unchanged, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(database_of_another_program_is_refused, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(file_that_is_no_database_is_refused, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(damaged_page_is_an_error_of_the_load, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(folder_that_cannot_be_is_named, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(impossible_folder_is_named, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(acknowledged_commits_survive_sigkill, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(size_limit_loses_nothing_committed, make_folder, remove_folder),
     };

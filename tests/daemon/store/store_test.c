@@ -12,7 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static void new_folder_is_closed_to_others(void **state)
+static void new_folder_is_private(void **state)
 {
     const struct folder *folder = *state;
     struct store *store = open_store(folder);
@@ -36,7 +36,7 @@ static void each_start_has_its_epoch(void **state)
     }
 }
 
-static void job_comes_back_as_it_was(void **state)
+static void job_is_loaded_as_it_was_stored(void **state)
 {
     const struct folder *folder = *state;
     struct store *store = open_store(folder);
@@ -75,7 +75,7 @@ static void change_of_an_unknown_job_is_an_error(void **state)
     struct error error = {0};
 
     assert_false(commit(store, &op, 1, &error));
-    assert_string_equal(error.message, "store: cannot change job 4: it is not there");
+    assert_string_equal(error.message, "store: cannot change job 4: the store has no such job");
     store_close(store);
 }
 
@@ -133,7 +133,7 @@ static void reset_frames_have_no_row(void **state)
     store_close(store);
 }
 
-static void marking_leaves_rows_that_are_there(void **state)
+static void marking_keeps_existing_rows(void **state)
 {
     struct store *store = open_store(*state);
     struct store_op op = {.kind = STORE_MARK_FRAMES, .mark = {.job = 1, .state = FRAME_CANCELED, .count = 2}};
@@ -260,7 +260,7 @@ static bool on_any_attempt(void *user, const struct store_attempt *attempt, stru
     return true;
 }
 
-static void nothing_of_a_deleted_job_is_left_nor_its_number_given_again(void **state)
+static void a_deleted_job_leaves_no_row_and_its_id_is_not_used_again(void **state)
 {
     const struct folder *folder = *state;
     struct store *store = open_store(folder);
@@ -314,17 +314,17 @@ static void bytes_of_a_jobs_files_are_summed_up(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(new_folder_is_closed_to_others, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(new_folder_is_private, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(each_start_has_its_epoch, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(job_comes_back_as_it_was, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(job_is_loaded_as_it_was_stored, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(change_of_an_unknown_job_is_an_error, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(intent_is_loaded_whole, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(result_takes_the_place_of_the_intent, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(reset_frames_have_no_row, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(marking_leaves_rows_that_are_there, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(marking_keeps_existing_rows, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(reader_sees_what_is_committed, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(attempts_are_read_newest_first, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(nothing_of_a_deleted_job_is_left_nor_its_number_given_again, make_folder,
+        cmocka_unit_test_setup_teardown(a_deleted_job_leaves_no_row_and_its_id_is_not_used_again, make_folder,
                                         remove_folder),
         cmocka_unit_test_setup_teardown(bytes_of_a_jobs_files_are_summed_up, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(only_the_newest_attempts_of_a_job_are_kept, make_folder, remove_folder),

@@ -7,7 +7,7 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 
-// What marchd of the first version wrote: a job whose frames are each in a state of its own.
+// A store of the first version: a job with one frame in each state.
 static const char first_version[] =
     "PRAGMA journal_mode = WAL; PRAGMA application_id = 1299342184; PRAGMA user_version = 1;"
     "CREATE TABLE daemon (epoch INTEGER NOT NULL);"
@@ -86,7 +86,7 @@ static void store_of_the_first_version_is_kept_whole(void **state)
     loaded = load(store);
     assert_string_equal(loaded.text, "{\"frames\": \"1-3\"} ash ada /films -");
     assert_int_equal(loaded.frames, 3);
-    assert_int_equal(loaded.frame.state, FRAME_RUNNING); // a publish intent, all of it
+    assert_int_equal(loaded.frame.state, FRAME_RUNNING); // a publish intent, with its whole row
     assert_true(loaded.frame.inode == 78 && loaded.frame.size_bytes == 124);
     rows = read_rows(folder);
     assert_int_equal(rows.frames[0].state, FRAME_SUCCEEDED);
@@ -100,7 +100,7 @@ static void store_of_the_first_version_is_kept_whole(void **state)
     store_close(store);
 }
 
-static void store_that_was_brought_up_takes_what_is_new(void **state)
+static void upgraded_store_takes_new_columns(void **state)
 {
     const struct folder *folder = *state;
     struct store *store;
@@ -121,7 +121,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(store_of_the_first_version_is_kept_whole, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(store_that_was_brought_up_takes_what_is_new, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(upgraded_store_takes_new_columns, make_folder, remove_folder),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -19,7 +19,7 @@ static void assert_refused(const struct quota_user *user, struct quota_amounts a
     assert_string_equal(error.message, message);
 }
 
-static void shares_sum_up_a_user_each(void **state)
+static void shares_are_summed_per_user(void **state)
 {
     struct quota quota = {0};
     struct quota_user *bob = quota_find_user(&quota, 1001, "bob"), *ann = quota_find_user(&quota, 1000, "ann");
@@ -60,7 +60,7 @@ static void users_are_found_among_many(void **state)
     quota_finish(&quota);
 }
 
-static void a_user_has_the_name_that_was_seen_last(void **state)
+static void a_user_has_the_latest_name(void **state)
 {
     struct quota quota = {0};
 
@@ -69,7 +69,7 @@ static void a_user_has_the_name_that_was_seen_last(void **state)
     quota_finish(&quota);
 }
 
-static void the_last_that_fits_is_taken_and_one_more_is_not(void **state)
+static void the_limit_itself_is_allowed_and_one_more_is_not(void **state)
 {
     struct quota_user user = {.name = (char *)"ann", .has = {.jobs = 2, .frames = 900, .pixels = 400000}};
     struct error error = {0};
@@ -86,8 +86,8 @@ static void the_last_that_fits_is_taken_and_one_more_is_not(void **state)
     assert_true(quota_check(&user, &limits, &(struct quota_amounts){0, 1, 1, 0}, "this retry", &error));
 }
 
-// A limit that was lowered below what there is.
-static void who_has_more_than_the_limit_gets_no_more(void **state)
+// The limit was lowered below what the user has.
+static void a_user_over_the_limit_gets_no_more(void **state)
 {
     struct quota_user user = {.name = (char *)"ann", .has = {.frames = INT64_MAX}};
 
@@ -113,7 +113,7 @@ static void a_full_disk_takes_no_more_frames(void **state)
     assert_false(quota_check_disk(&user, &limits, &error));
 }
 
-static void without_limits_anything_goes(void **state)
+static void without_limits_everything_is_allowed(void **state)
 {
     const struct quota_amounts none = {0}, much = {1, INT64_MAX, INT64_MAX, 0};
     struct quota_user user = {.name = (char *)"ann", .has = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX}};
@@ -129,13 +129,13 @@ static void without_limits_anything_goes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shares_sum_up_a_user_each),
+        cmocka_unit_test(shares_are_summed_per_user),
         cmocka_unit_test(users_are_found_among_many),
-        cmocka_unit_test(a_user_has_the_name_that_was_seen_last),
-        cmocka_unit_test(the_last_that_fits_is_taken_and_one_more_is_not),
-        cmocka_unit_test(who_has_more_than_the_limit_gets_no_more),
+        cmocka_unit_test(a_user_has_the_latest_name),
+        cmocka_unit_test(the_limit_itself_is_allowed_and_one_more_is_not),
+        cmocka_unit_test(a_user_over_the_limit_gets_no_more),
         cmocka_unit_test(a_full_disk_takes_no_more_frames),
-        cmocka_unit_test(without_limits_anything_goes),
+        cmocka_unit_test(without_limits_everything_is_allowed),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

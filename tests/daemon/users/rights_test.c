@@ -28,7 +28,7 @@ static struct rights_peer admin_peer(int64_t uid)
     return (struct rights_peer){.uid = uid, .groups = groups, .group_count = 3};
 }
 
-static void an_owner_changes_their_own_job_alone(void **state)
+static void an_owner_changes_only_their_own_jobs(void **state)
 {
     struct rights_peer ada = peer_of(ADA);
 
@@ -57,7 +57,7 @@ static void members_of_the_admin_group_change_any(void **state)
     assert_false(rights_may_change(&without_group, &bob, ADA));
 }
 
-// (gid_t)-1 is no group: it must not be the one that does not exist.
+// (gid_t)-1 is no group: it must not match the missing admin group.
 static void a_group_that_does_not_exist_has_no_members(void **state)
 {
     const gid_t groups[] = {(gid_t)-1};
@@ -69,7 +69,7 @@ static void a_group_that_does_not_exist_has_no_members(void **state)
     assert_false(rights_is_admin(&found, &peer));
 }
 
-static void whoever_is_unknown_changes_nothing(void **state)
+static void an_unknown_user_changes_nothing(void **state)
 {
     struct rights_peer unknown = admin_peer(-1), overflow = admin_peer(RIGHTS_OVERFLOW_UID);
 
@@ -81,7 +81,7 @@ static void whoever_is_unknown_changes_nothing(void **state)
     assert_false(rights_is_known(&overflow));
 }
 
-static void a_user_who_is_not_here_is_looked_up(void **state)
+static void a_user_without_a_connection_is_looked_up(void **state)
 {
     const struct passwd *me = getpwuid(getuid());
     struct rights found;
@@ -93,7 +93,7 @@ static void a_user_who_is_not_here_is_looked_up(void **state)
     assert_true(rights_user_is_admin(&found, getuid(), name));
     found.admin_gid = 0x7ffffff0;
     assert_int_equal(rights_user_is_admin(&found, getuid(), name), getuid() == 0);
-    // The name has another number now.
+    // The name belongs to another uid today.
     found.admin_gid = (int64_t)me->pw_gid;
     assert_false(rights_user_is_admin(&found, 54321, name));
     assert_false(rights_user_is_admin(&found, 54321, "nobody-of-that-name"));
@@ -102,12 +102,12 @@ static void a_user_who_is_not_here_is_looked_up(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_owner_changes_their_own_job_alone),
+        cmocka_unit_test(an_owner_changes_only_their_own_jobs),
         cmocka_unit_test(root_and_the_daemons_user_change_any),
         cmocka_unit_test(members_of_the_admin_group_change_any),
         cmocka_unit_test(a_group_that_does_not_exist_has_no_members),
-        cmocka_unit_test(whoever_is_unknown_changes_nothing),
-        cmocka_unit_test(a_user_who_is_not_here_is_looked_up),
+        cmocka_unit_test(an_unknown_user_changes_nothing),
+        cmocka_unit_test(a_user_without_a_connection_is_looked_up),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,7 +21,7 @@ static bool has(char *const environment[], const char *variable)
     return count == 1;
 }
 
-static void ways_to_the_daemon_and_secrets_stay_behind(void **state)
+static void variables_of_the_daemon_and_secrets_are_left_out(void **state)
 {
     static const char *const dropped[] = {
         "NOTIFY_SOCKET",      "LISTEN_FDS",     "LISTEN_PID",    "LISTEN_FDNAMES",           "WATCHDOG_USEC",
@@ -39,7 +39,7 @@ static void ways_to_the_daemon_and_secrets_stay_behind(void **state)
     worker_environment_destroy(environment);
 }
 
-static void what_drivers_need_is_handed_on(void **state)
+static void variables_of_drivers_are_passed_on(void **state)
 {
     static const char *const kept[] = {
         "PATH", "HOME", "TMPDIR", "LD_LIBRARY_PATH", "LC_ALL", "GALLIUM_DRIVER", "__EGL_VENDOR_LIBRARY_FILENAMES"};
@@ -53,7 +53,7 @@ static void what_drivers_need_is_handed_on(void **state)
     worker_environment_destroy(environment);
 }
 
-static void threads_and_caches_are_ours_to_say(void **state)
+static void threads_and_caches_are_set_by_the_daemon(void **state)
 {
     char **environment;
 
@@ -71,9 +71,9 @@ static void threads_and_caches_are_ours_to_say(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ways_to_the_daemon_and_secrets_stay_behind),
-        cmocka_unit_test(what_drivers_need_is_handed_on),
-        cmocka_unit_test(threads_and_caches_are_ours_to_say),
+        cmocka_unit_test(variables_of_the_daemon_and_secrets_are_left_out),
+        cmocka_unit_test(variables_of_drivers_are_passed_on),
+        cmocka_unit_test(threads_and_caches_are_set_by_the_daemon),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

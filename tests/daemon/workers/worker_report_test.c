@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-// The message stays decoded until `message` is finished, for the report borrows from it.
+// The report borrows from `message`, which the caller finishes.
 static bool read_line(struct worker_report *report, struct message *message, const char *method, const char *params,
                       struct error *error)
 {
@@ -59,7 +59,7 @@ static void a_finished_frame_keeps_a_file_number_beyond_2_to_the_53(void **state
     message_finish(&message);
 }
 
-static void a_fault_is_one_of_those_known(void **state)
+static void an_unknown_fault_is_an_error(void **state)
 {
     struct worker_report report;
     struct message message = {0};
@@ -72,7 +72,7 @@ static void a_fault_is_one_of_those_known(void **state)
     refuse("frame.failed", "{\"job\":1,\"frame\":0,\"attempt\":1,\"fault\":\"mood\",\"error\":\"x\"}", "fault");
 }
 
-static void planning_is_told_of_a_frame(void **state)
+static void planning_is_reported_for_a_frame(void **state)
 {
     struct worker_report report;
     struct message message = {0};
@@ -110,7 +110,7 @@ static void a_device_may_have_no_uuid(void **state)
     message_finish(&message);
 }
 
-static void what_is_missing_or_wrong_is_named(void **state)
+static void missing_and_wrong_members_are_named(void **state)
 {
     refuse("frame.started", "{\"job\":1,\"frame\":0}", "frame.started: params.attempt");
     refuse("frame.started", "{\"job\":0,\"frame\":0,\"attempt\":1}", "params.job");
@@ -131,11 +131,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_finished_frame_keeps_a_file_number_beyond_2_to_the_53),
-        cmocka_unit_test(a_fault_is_one_of_those_known),
-        cmocka_unit_test(planning_is_told_of_a_frame),
+        cmocka_unit_test(an_unknown_fault_is_an_error),
+        cmocka_unit_test(planning_is_reported_for_a_frame),
         cmocka_unit_test(an_unknown_method_is_no_error),
         cmocka_unit_test(a_device_may_have_no_uuid),
-        cmocka_unit_test(what_is_missing_or_wrong_is_named),
+        cmocka_unit_test(missing_and_wrong_members_are_named),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
