@@ -35,8 +35,8 @@ static void add_job(struct queue *queue, int64_t id, const char *frames)
     queue_add_job(queue, id, &range, 50, false);
 }
 
-// The life of every frame as the daemon leads it; `by_number`: tickets are found anew from each message's frame number.
-static void run_all(struct queue *queue, double frame_s, bool by_number)
+// Takes and publishes every frame, as the daemon does.
+static void run_all(struct queue *queue, double frame_s)
 {
     struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
     struct estimate estimate = {0};
@@ -47,26 +47,22 @@ static void run_all(struct queue *queue, double frame_s, bool by_number)
         size_t count = queue_take(queue, 1, tickets, dispatch_count(&load));
 
         for (size_t i = 0; i < count; i++) {
-            struct queue_ticket ticket = tickets[i];
-
-            if (by_number && !queue_ticket_for(queue, ticket.job, ticket.frame, ticket.attempt, &ticket)) abort();
-            if (!queue_begin_publish(queue, &ticket)) abort();
-            if (by_number && !queue_ticket_for(queue, ticket.job, ticket.frame, ticket.attempt, &ticket)) abort();
-            if (!queue_succeed(queue, &ticket)) abort();
+            if (!queue_begin_publish(queue, &tickets[i])) abort();
+            if (!queue_succeed(queue, &tickets[i])) abort();
             estimate_add(&estimate, frame_s);
         }
     }
     if (queue_count(queue, FRAME_SUCCEEDED) != FRAME_COUNT) abort();
 }
 
-static void measure(const char *what, const char *frames, double frame_s, bool by_number)
+static void measure(const char *what, const char *frames, double frame_s)
 {
     struct queue *queue = queue_create(MAX_ATTEMPTS);
     double start;
 
     add_job(queue, 1, frames);
     start = clock_now_s();
-    run_all(queue, frame_s, by_number);
+    run_all(queue, frame_s);
     print_row(what, clock_now_s() - start, ">= 500000/s");
     queue_destroy(queue);
 }
@@ -101,8 +97,8 @@ static void measure_jobs(void)
 
     for (int64_t id = 1; id <= JOBS; id++)
         add_job(queue, id, "0-9");
-    run_all(queue, 0.001, true);
-    snprintf(what, sizeof what, "%d jobs of %d frames, by message, adding included", JOBS, FRAME_COUNT / JOBS);
+    run_all(queue, 0.001);
+    snprintf(what, sizeof what, "%d jobs of %d frames, adding included", JOBS, FRAME_COUNT / JOBS);
     print_row(what, clock_now_s() - start, ">= 500000/s");
     queue_destroy(queue);
 }
@@ -131,10 +127,9 @@ int main(void)
 {
     printf("%-54s %9s %12s   %s\n", "1,000,000 frames, one core", "seconds", "frames/s", "target");
     measure_memory();
-    measure("take, publish, succeed; no-op frames", "0-999999", 0, false);
-    measure("the same, frames of 1 s handed out one by one", "0-999999", 1, false);
-    measure("no-op frames, tickets from messages", "0-999999", 0, true);
-    measure("the same, in two interleaved spans", "0-999998x2,1-999999x2", 0, true);
+    measure("take, publish, succeed; no-op frames", "0-999999", 0);
+    measure("the same, frames of 1 s assigned one by one", "0-999999", 1);
+    measure("no-op frames in two interleaved spans", "0-999998x2,1-999999x2", 0);
     measure_retries();
     measure_jobs();
     return 0;

@@ -23,9 +23,12 @@ void farm_want_feed(struct farm *farm)
     farm->wants_feed = true;
 }
 
+void farm_store(struct farm *farm, struct store_op op)
+{
+    committer_put(farm->committer, COMMIT_SILENT, &op, 1, NULL, NULL);
+}
+
 void farm_store_job(struct farm *farm, const struct job_record *record)
 {
-    struct store_op op = job_record_format_op(record);
-
-    committer_put(farm->committer, COMMIT_SILENT, &op, 1, NULL, NULL);
+    farm_store(farm, job_record_format_op(record));
 }

@@ -46,5 +46,7 @@ int64_t farm_now_ms(const struct farm *farm); // monotonic
 int64_t farm_clock_ms(void);                  // unix time
 void farm_want_feed(struct farm *farm);
 
+// Stores the op, with tries until it is on disk.
+void farm_store(struct farm *farm, struct store_op op);
 // Stores the part of the job that may change.
 void farm_store_job(struct farm *farm, const struct job_record *record);

@@ -46,11 +46,6 @@ static void log_attempt(enum log_level level, const struct job_record *record, c
               ticket->attempt, text, *outcome ? "; now " : "", outcome);
 }
 
-static void put_silent(struct farm *farm, struct store_op op)
-{
-    committer_put(farm->committer, COMMIT_SILENT, &op, 1, NULL, NULL);
-}
-
 static void store_attempt(struct farm *farm, const struct attempt_end *end, const char *outcome)
 {
     struct store_op op = {.kind = STORE_ADD_ATTEMPT,
@@ -62,27 +57,18 @@ static void store_attempt(struct farm *farm, const struct attempt_end *end, cons
                                       .log = xstrdup(end->log)}};
 
     strncpy(op.attempt.outcome, outcome, sizeof op.attempt.outcome - 1);
-    put_silent(farm, op);
+    farm_store(farm, op);
 }
 
 static void store_failed_frame(struct farm *farm, const struct attempt_end *end)
 {
-    put_silent(farm, (struct store_op){.kind = STORE_SET_FRAME,
+    farm_store(farm, (struct store_op){.kind = STORE_SET_FRAME,
                                        .frame = {.job = end->ticket.job,
                                                  .index = end->ticket.index,
                                                  .state = FRAME_FAILED,
                                                  .attempts = end->ticket.attempt,
                                                  .epoch = farm->epoch,
                                                  .error = xstrdup(end->error)}});
-}
-
-static void remove_row(struct farm *farm, const struct attempt_end *end)
-{
-    struct store_op op = {.kind = STORE_RESET_FRAMES, .reset = {.job = end->ticket.job, .count = 1}};
-
-    op.reset.indices = xmalloc(sizeof op.reset.indices[0]);
-    op.reset.indices[0] = end->ticket.index;
-    put_silent(farm, op);
 }
 
 static void pause_job(struct farm *farm, const struct attempt_end *end)
@@ -131,7 +117,7 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     if (state == FRAME_FAILED)
         store_failed_frame(farm, end);
     else if (end->has_row)
-        remove_row(farm, end);
+        farm_store(farm, store_op_reset_frame(end->ticket.job, end->ticket.index));
     if (end->is_started) {
         log_attempt(state == FRAME_FAILED ? LOG_WARN : LOG_INFO, end->record, &end->ticket, end->worker, end->error,
                     frame_state_name(state));
@@ -193,7 +179,7 @@ static void note_skipped(struct farm *farm, struct worker_process *worker, const
     worker->done++;
     estimate_add(&record->estimate, frame_seconds(worker));
     if (queue_skip(farm->queue, &frame->ticket)) {
-        put_silent(farm, publish_request_format_op(&request, FRAME_SKIPPED));
+        farm_store(farm, publish_request_format_op(&request, FRAME_SKIPPED));
         events_send_frame(farm->events, &frame->ticket, FRAME_SKIPPED, NULL);
     }
     release_frame(record, worker, frame);
@@ -325,7 +311,7 @@ void frame_life_on_published(void *user, const struct publish_request *request)
         note_unpublished(farm, request);
     } else if (queue_succeed(farm->queue, &request->ticket)) {
         log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
-        put_silent(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
+        farm_store(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
         request->record->disk_bytes += (int64_t)request->file.size_bytes;
         events_send_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/requests/request.h"
 
+#include "core/job/frame_range.h"
 #include "daemon/clients/answer.h"
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
@@ -75,6 +76,28 @@ bool request_read_set(struct request *request, const char *key, const char *cons
         if (!add_name(request, &name, names, set)) return false;
     }
     return true;
+}
+
+bool request_read_flag(struct request *request, const char *key, bool *flag)
+{
+    struct json_node node = json_node_child(&request->params, key);
+
+    request->code = MESSAGE_CODE_PARAMS;
+    return json_node_is_absent(&node) || json_read_bool(&node, flag, &request->error);
+}
+
+bool request_read_range(struct request *request, struct frame_range *range)
+{
+    struct json_node node = json_node_child(&request->params, "range");
+    const char *text;
+
+    *range = (struct frame_range){0};
+    request->code = MESSAGE_CODE_PARAMS;
+    if (json_node_is_absent(&node)) return true;
+    if (!json_read_string(&node, &text, &request->error)) return false;
+    if (frame_range_parse(range, text, &request->error)) return true;
+    error_prefix(&request->error, "params.range");
+    return false;
 }
 
 struct answer *request_defer_answer(const struct request *request)

@@ -11,6 +11,7 @@
 struct answer;
 struct client;
 struct farm;
+struct frame_range;
 struct job_record;
 struct json_writer;
 
@@ -42,6 +43,11 @@ struct job_record *request_find_own_job(struct request *request);
 // Reads a set of names, one string or an array of them, as bits 1 << index. Absent: `fallback`.
 bool request_read_set(struct request *request, const char *key, const char *const names[], unsigned fallback,
                       unsigned *set);
+
+// Read a parameter; absent: `*flag` is not changed, the range (owned by the caller) is empty. False with code and error
+// filled.
+bool request_read_flag(struct request *request, const char *key, bool *flag);
+bool request_read_range(struct request *request, struct frame_range *range);
 
 // The answer is sent later.
 struct answer *request_defer_answer(const struct request *request);

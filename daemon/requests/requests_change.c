@@ -104,20 +104,6 @@ enum request_outcome requests_job_priority(struct request *request)
     return commit_change(request, record);
 }
 
-static bool read_retry_range(struct request *request, struct frame_range *range)
-{
-    struct json_node node = json_node_child(&request->params, "range");
-    const char *text;
-
-    *range = (struct frame_range){0};
-    request->code = MESSAGE_CODE_PARAMS;
-    if (json_node_is_absent(&node)) return true;
-    if (!json_read_string(&node, &text, &request->error)) return false;
-    if (frame_range_parse(range, text, &request->error)) return true;
-    error_prefix(&request->error, "params.range");
-    return false;
-}
-
 // A job that is over does not protect its files: another job may write them.
 static bool check_files_are_free(struct request *request, const struct job_record *record)
 {
@@ -147,13 +133,11 @@ static bool check_stays(struct request *request, const struct job_record *record
 
 enum request_outcome requests_job_delete(struct request *request)
 {
-    struct json_node node = json_node_child(&request->params, "files");
     struct job_record *record = request_find_own_job(request);
     bool with_files = false;
 
-    if (!record || !check_stays(request, record)) return REQUEST_FAILED;
-    request->code = MESSAGE_CODE_PARAMS;
-    if (!json_node_is_absent(&node) && !json_read_bool(&node, &with_files, &request->error)) return REQUEST_FAILED;
+    if (!record || !check_stays(request, record) || !request_read_flag(request, "files", &with_files))
+        return REQUEST_FAILED;
     if (queue_job_is_live(record->queued) || record->is_retry_waiting)
         return request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is not over: cancel it first",
                             (long long)record->id);
@@ -175,7 +159,7 @@ enum request_outcome requests_job_retry(struct request *request)
         return request_fail(request, MESSAGE_CODE_PARAMS,
                             "params.state: expected failed, canceled, succeeded or skipped: queued and running frames "
                             "cannot be retried");
-    if (!check_files_are_free(request, record) || !read_retry_range(request, &range)) return REQUEST_FAILED;
+    if (!check_files_are_free(request, record) || !request_read_range(request, &range)) return REQUEST_FAILED;
     job_change_retry(
         request->farm, record,
         &(struct job_retry_params){.states = states,
@@ -188,12 +172,10 @@ enum request_outcome requests_job_retry(struct request *request)
 enum request_outcome requests_job_submit(struct request *request)
 {
     struct json_node document = json_node_child(&request->params, "document");
-    struct json_node paused_node = json_node_child(&request->params, "paused");
     bool paused = false;
 
     request->code = MESSAGE_CODE_PARAMS;
-    if (!json_check_object(&document, &request->error)) return REQUEST_FAILED;
-    if (!json_node_is_absent(&paused_node) && !json_read_bool(&paused_node, &paused, &request->error))
+    if (!json_check_object(&document, &request->error) || !request_read_flag(request, "paused", &paused))
         return REQUEST_FAILED;
     return job_submit_start(request, &document, paused) ? REQUEST_DEFERRED : REQUEST_FAILED;
 }

@@ -90,8 +90,7 @@ static void on_details_done(uv_work_t *work, int status)
 
 struct frames_filter {
     unsigned states;
-    struct frame_range range; // owned
-    bool has_range;
+    struct frame_range range; // owned; empty: all frames
     int64_t offset, limit;
 };
 
@@ -106,25 +105,18 @@ static bool read_count(struct request *request, const char *key, int64_t min, in
 
 static bool read_filter(struct request *request, struct frames_filter *filter)
 {
-    struct json_node range = json_node_child(&request->params, "range");
-    const char *text;
-
     *filter = (struct frames_filter){0};
-    if (!request_read_set(request, "state", frame_state_names, ~0U, &filter->states)) return false;
-    if (!read_count(request, "offset", 0, FRAME_COUNT_LIMIT, 0, &filter->offset)) return false;
-    if (!read_count(request, "limit", 0, FRAMES_LIMIT, FRAMES_DEFAULT, &filter->limit)) return false;
-    if (json_node_is_absent(&range)) return true;
-    filter->has_range = true;
-    if (!json_read_string(&range, &text, &request->error)) return false;
-    if (frame_range_parse(&filter->range, text, &request->error)) return true;
-    error_prefix(&request->error, "params.range");
-    return false;
+    return request_read_set(request, "state", frame_state_names, ~0U, &filter->states) &&
+           read_count(request, "offset", 0, FRAME_COUNT_LIMIT, 0, &filter->offset) &&
+           read_count(request, "limit", 0, FRAMES_LIMIT, FRAMES_DEFAULT, &filter->limit) &&
+           request_read_range(request, &filter->range);
 }
 
 static void list_frames(struct details_task *task, const struct frames_filter *filter)
 {
     const struct queue_job *queued = task->record->queued;
     int64_t count = frame_range_count(&queued->frames);
+    bool has_range = frame_range_count(&filter->range) > 0;
     size_t capacity = 0;
 
     for (int64_t i = 0; i < count; i++) {
@@ -133,7 +125,7 @@ static void list_frames(struct details_task *task, const struct frames_filter *f
 
         if (!(filter->states & 1U << state->state)) continue;
         frame = frame_range_at(&queued->frames, i);
-        if (filter->has_range && frame_range_index(&filter->range, frame) < 0) continue;
+        if (has_range && frame_range_index(&filter->range, frame) < 0) continue;
         if (task->total++ < filter->offset || (int64_t)task->frame_count >= filter->limit) continue;
         task->frames = xgrow(task->frames, &capacity, task->frame_count + 1, sizeof task->frames[0]);
         task->frames[task->frame_count++] = (struct listed_frame){.index = (int32_t)i,

@@ -84,14 +84,11 @@ enum request_outcome requests_worker_list(struct request *request)
 enum request_outcome requests_events_subscribe(struct request *request)
 {
     struct json_node id = json_node_child(&request->params, "id");
-    struct json_node frames = json_node_child(&request->params, "frames");
     struct job_record *record = NULL;
     bool wants_frames = true;
 
-    request->code = MESSAGE_CODE_PARAMS;
     if (!json_node_is_absent(&id) && !(record = request_find_job(request))) return REQUEST_FAILED;
-    if (!json_node_is_absent(&frames) && !json_read_bool(&frames, &wants_frames, &request->error))
-        return REQUEST_FAILED;
+    if (!request_read_flag(request, "frames", &wants_frames)) return REQUEST_FAILED;
     if (!events_subscribe(request->farm->events, request->client, record ? record->id : 0, wants_frames))
         return request_fail(request, MESSAGE_CODE_NOT_ALLOWED, "events: a connection may subscribe 64 times");
     json_write_begin_object(request->result);

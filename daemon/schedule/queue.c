@@ -268,17 +268,6 @@ size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tic
     return count;
 }
 
-bool queue_ticket_for(const struct queue *queue, int64_t job_id, int32_t frame, int32_t attempt,
-                      struct queue_ticket *ticket)
-{
-    const struct queue_job *job = queue_find_job(queue, job_id);
-    int64_t index = job ? frame_range_index(&job->frames, frame) : -1;
-
-    if (index < 0) return false;
-    *ticket = (struct queue_ticket){.job = job_id, .frame = frame, .index = (int32_t)index, .attempt = attempt};
-    return true;
-}
-
 // The ticket's job if the ticket owns its frame, else NULL.
 static struct queue_job *find_owned(const struct queue *queue, const struct queue_ticket *ticket)
 {

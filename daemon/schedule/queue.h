@@ -66,7 +66,7 @@ struct queue_job {
     struct index_heap returned; // owned; frames that were queued again after they were taken
 };
 
-// One attempt at one frame, from queue_take or queue_ticket_for.
+// One attempt at one frame, from queue_take.
 struct queue_ticket {
     int64_t job;
     int32_t frame; // number
@@ -95,11 +95,6 @@ bool queue_job_is_live(const struct queue_job *job); // queued, running or pause
 // paused. The frames become FRAME_RUNNING and their attempt counts. Returns their number.
 size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tickets, size_t max);
 struct queue_job *queue_next_job(struct queue *queue); // the job whose frames queue_take would take; NULL: none
-
-// The ticket for a job, a frame's number and an attempt. False when the queue has no such job or the job no such frame.
-// Whether the attempt is the running one is not checked: see queue_owns.
-bool queue_ticket_for(const struct queue *queue, int64_t job, int32_t frame, int32_t attempt,
-                      struct queue_ticket *ticket);
 
 // True while that attempt of the frame is the running one. Otherwise every function below that takes a ticket does
 // nothing and returns false, so that late reports have no effect.

@@ -115,9 +115,7 @@ static void finish_publish(struct restore_state *state, const struct store_frame
         record->disk_bytes += (int64_t)row->size_bytes;
         op.frame.state = FRAME_SUCCEEDED;
     } else {
-        op = (struct store_op){.kind = STORE_RESET_FRAMES, .reset = {.job = row->job, .count = 1}};
-        op.reset.indices = xmalloc(sizeof op.reset.indices[0]);
-        op.reset.indices[0] = row->index;
+        op = store_op_reset_frame(row->job, row->index);
     }
     state->ops = xgrow(state->ops, &state->op_capacity, state->op_count + 1, sizeof op);
     state->ops[state->op_count++] = op;

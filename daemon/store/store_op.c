@@ -1,7 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/store/store_op.h"
 
+#include "core/base/alloc.h"
+
 #include <stdlib.h>
+
+struct store_op store_op_reset_frame(int64_t job, int32_t index)
+{
+    struct store_op op = {.kind = STORE_RESET_FRAMES, .reset = {.job = job, .count = 1}};
+
+    op.reset.indices = xmalloc(sizeof op.reset.indices[0]);
+    op.reset.indices[0] = index;
+    return op;
+}
 
 static void finish_job(struct store_job *job)
 {

@@ -81,4 +81,5 @@ struct store_op {
     };
 };
 
-void store_op_finish(struct store_op *op); // frees what it owns; accepts the empty zero value
+struct store_op store_op_reset_frame(int64_t job, int32_t index); // STORE_RESET_FRAMES of one frame
+void store_op_finish(struct store_op *op);                        // frees what it owns; accepts the empty zero value

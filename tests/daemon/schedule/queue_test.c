@@ -227,24 +227,6 @@ static void frame_is_published_once(void **state)
     queue_destroy(queue);
 }
 
-static void ticket_is_found_by_number(void **state)
-{
-    struct queue *queue = new_queue();
-    struct queue_ticket ticket, taken;
-
-    add_job(queue, 1, "10-30x10", 50);
-    take_one(queue);
-    taken = take_one(queue);
-    assert_true(queue_ticket_for(queue, 1, 20, 1, &ticket));
-    assert_int_equal(ticket.index, taken.index);
-    assert_true(queue_owns(queue, &ticket));
-    assert_false(queue_ticket_for(queue, 1, 15, 1, &ticket));
-    assert_false(queue_ticket_for(queue, 2, 20, 1, &ticket));
-    assert_true(queue_ticket_for(queue, 1, 20, 2, &ticket));
-    assert_false(queue_owns(queue, &ticket));
-    queue_destroy(queue);
-}
-
 static void cancel_takes_all_frames_but_those_being_published(void **state)
 {
     struct queue *queue = new_queue();
@@ -457,7 +439,6 @@ int main(void)
         cmocka_unit_test(returned_frames_come_before_later_ones),
         cmocka_unit_test(late_report_owns_nothing),
         cmocka_unit_test(frame_is_published_once),
-        cmocka_unit_test(ticket_is_found_by_number),
         cmocka_unit_test(cancel_takes_all_frames_but_those_being_published),
         cmocka_unit_test(failed_publishing_ends_with_its_canceled_job),
         cmocka_unit_test(failed_job_fails_its_frames),
