@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "daemon/farm/job_table.h"
-#include "daemon/output/sweeper.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -185,20 +184,6 @@ static void published_files_belong_to_the_owner_of_their_job(void **state)
     record->queued->counts[FRAME_SUCCEEDED] = 0;
 }
 
-static void only_the_jobs_own_parts_are_swept(void **state)
-{
-    struct fixture *fixture = *state;
-    const struct job_record *record = add(fixture, 12, "c.##.exr", "1-9");
-
-    assert_true(sweeper_is_part_of(record, "c.07.exr.12.3.1.part"));
-    assert_false(sweeper_is_part_of(record, "c.07.exr.13.3.1.part"));
-    assert_false(sweeper_is_part_of(record, "c.07.exr.12.3.part"));
-    assert_false(sweeper_is_part_of(record, "d.07.exr.12.3.1.part"));
-    assert_false(sweeper_is_part_of(record, "c.07.exr"));
-    assert_false(sweeper_is_part_of(record, "c.07.exr.12.3.1x.part"));
-    assert_false(sweeper_is_part_of(record, ".part"));
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -210,7 +195,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_job_that_is_being_deleted_collides, create, destroy),
         cmocka_unit_test_setup_teardown(a_removed_record_lives_while_it_is_held, create, destroy),
         cmocka_unit_test_setup_teardown(published_files_belong_to_the_owner_of_their_job, create, destroy),
-        cmocka_unit_test_setup_teardown(only_the_jobs_own_parts_are_swept, create, destroy),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
