@@ -44,7 +44,7 @@ void limits_forget_job(struct job_record *record)
     if (record->user) quota_set(record->user, &record->share, (struct quota_amounts){0});
 }
 
-struct quota_user *limits_find_peer(struct farm *farm, const struct rights_peer *peer, const char *name)
+struct quota_user *limits_find_user(struct farm *farm, const struct rights_peer *peer, const char *name)
 {
     struct quota_user *user = quota_find_user(&farm->quota, peer->uid, name);
 

@@ -19,7 +19,7 @@ void limits_count_job(struct farm *farm, struct job_record *record);
 void limits_forget_job(struct job_record *record); // the job is removed
 
 // The owner of a job that is being submitted, with the rights of this connection.
-struct quota_user *limits_find_peer(struct farm *farm, const struct rights_peer *peer, const char *name);
+struct quota_user *limits_find_user(struct farm *farm, const struct rights_peer *peer, const char *name);
 bool limits_check_submit(const struct farm *farm, const struct quota_user *user, const struct quota_amounts *job,
                          struct error *error);
 // To be called before `frames` of the job are queued again. `by_admin` checks the owner's disk limit only.

@@ -117,7 +117,7 @@ static bool feed_worker(struct farm *farm, struct worker_process *worker, int wo
     struct dispatch_load load;
     size_t count;
 
-    if (!next || !worker_pool_suits(farm->pool, worker, next)) return false;
+    if (!next || !worker_pool_prepare(farm->pool, worker, next)) return false;
     record = job_table_find(&farm->jobs, next->id);
     load = (struct dispatch_load){
         .frame_s = estimate_median_s(&record->estimate), .left = next->counts[FRAME_QUEUED], .workers = workers};

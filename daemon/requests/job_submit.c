@@ -151,7 +151,7 @@ static struct quota_amounts job_amounts(const struct job *job)
 static bool check_limits(struct request *request, const struct job *job)
 {
     struct farm *farm = request->farm;
-    const struct quota_user *user = limits_find_peer(farm, &request->client->peer, request->client->user);
+    const struct quota_user *user = limits_find_user(farm, &request->client->peer, request->client->user);
     const struct quota_amounts amounts = job_amounts(job);
 
     request->code = MESSAGE_CODE_NOT_ALLOWED;

@@ -368,7 +368,7 @@ struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int 
     return worker && worker->state == WORKER_READY ? worker : NULL;
 }
 
-bool worker_pool_suits(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job)
+bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job)
 {
     struct job_record *record = job_table_find(&pool->farm->jobs, job->id);
 
