@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/density.h"
 
-#include "core/scene/input_path.h"
+#include "core/scene/file_format.h"
 
 #include <string.h>
 
-bool scene_grid_is_vdb(const struct scene_grid *grid)
+bool scene_grid_is_sparse(const struct scene_grid *grid)
 {
-    return input_path_has_ending(grid->file, ".nvdb") || input_path_has_ending(grid->file, ".vdb");
+    return file_format_is(grid->file, FILE_GRID_SPARSE);
 }
 
 const char *scene_glsl_name(const struct scene_glsl *glsl)

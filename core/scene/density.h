@@ -128,6 +128,6 @@ struct scene_density {
 };
 
 // True when its file is one of named, sparse grids.
-bool scene_grid_is_vdb(const struct scene_grid *grid);
+bool scene_grid_is_sparse(const struct scene_grid *grid);
 // The name of the user's text in messages: its file's, without folders.
 const char *scene_glsl_name(const struct scene_glsl *glsl);

@@ -2,8 +2,8 @@
 #include "core/scene/density_rules.h"
 
 #include "core/base/alloc.h"
-#include "core/base/error.h"
 #include "core/base/hash_text.h"
+#include "core/scene/file_format.h"
 #include "core/scene/input_path.h"
 #include "core/scene/scene_reader.h"
 
@@ -15,31 +15,18 @@ static const double VALUE_MAX = 1e15;
 static const double OPACITY_MAX = 1.0 - 1e-6;
 static const int64_t SKIP_MAX = INT64_C(1) << 50; // bytes
 
-static bool read_file(const struct scene_reader *reader, struct scene_grid *grid)
-{
-    static const char *const endings[] = {".raw", ".nrrd", ".nhdr", ".nii", ".nii.gz", ".nvdb", ".vdb"};
-    struct json_node node = json_node_child(reader->object, "file");
-    struct error cause = {0};
-    const char *path;
-
-    if (!json_read_string(&node, &path, reader->error)) return false;
-    if (!input_path_check(path, &cause)) return json_fail(&node, reader->error, "%s", cause.message);
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (!input_path_has_ending(path, endings[i])) continue;
-        grid->file = xstrdup(path);
-        return true;
-    }
-    return json_fail_expected(&node, reader->error,
-                              "a name that ends in .raw, .nrrd, .nhdr, .nii, .nii.gz, .nvdb or .vdb");
-}
-
 static bool read_grid_name(const struct scene_reader *reader, struct scene_grid *grid)
 {
     struct json_node node = json_node_child(reader->object, "grid");
+    char *endings;
 
     if (json_node_is_absent(&node)) return true;
     if (!scene_reader_read_grid_name(reader, &grid->grid_name)) return false;
-    return scene_grid_is_vdb(grid) || json_fail(&node, reader->error, "only .nvdb and .vdb files have named grids");
+    if (scene_grid_is_sparse(grid)) return true;
+    endings = file_format_list_endings(FILE_GRID_SPARSE, "and");
+    (void)json_fail(&node, reader->error, "only %s files have named grids", endings);
+    free(endings);
+    return false;
 }
 
 static bool read_size(const struct scene_reader *reader, struct scene_raw *raw)
@@ -70,7 +57,7 @@ static bool read_raw(const struct scene_reader *reader, struct scene_grid *grid)
     for (size_t i = 0; i < sizeof raw_keys / sizeof raw_keys[0]; i++) {
         struct json_node node = json_node_child(reader->object, raw_keys[i]);
 
-        if (!json_node_is_absent(&node) && !input_path_has_ending(grid->file, ".raw"))
+        if (!json_node_is_absent(&node) && !file_format_is(grid->file, FILE_GRID_RAW))
             return json_fail(&node, reader->error, "only for .raw files: others say it themselves");
     }
     grid->raw.has_type = scene_reader_has_key(reader, "type");
@@ -161,7 +148,8 @@ static bool read(struct scene_density *density, const struct scene_reader *reade
     struct scene_grid *grid = &density->grid;
     int interpolation = 0;
 
-    if (!json_check_keys(reader->object, keys, reader->error) || !read_file(reader, grid) ||
+    if (!json_check_keys(reader->object, keys, reader->error) ||
+        !scene_reader_read_file(reader, FILE_GRID_RAW | FILE_GRID_DENSE | FILE_GRID_SPARSE, &grid->file) ||
         !read_grid_name(reader, grid) || !read_raw(reader, grid) || !read_spacing(reader, grid) ||
         !scene_reader_read_choice(reader, "interpolation", interpolations, &interpolation))
         return false;

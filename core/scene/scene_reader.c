@@ -2,7 +2,11 @@
 #include "core/scene/scene_reader.h"
 
 #include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/scene/file_format.h"
+#include "core/scene/input_path.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const size_t GRID_NAME_LIMIT = 255; // bytes; what a NanoVDB file has room for
@@ -54,6 +58,30 @@ bool scene_reader_read_choice(const struct scene_reader *reader, const char *key
     struct json_node node = json_node_child(reader->object, key);
 
     return json_node_is_absent(&node) || json_read_enum(&node, names, choice, reader->error);
+}
+
+static bool fail_ending(const struct json_node *node, unsigned contents, struct error *error)
+{
+    char *endings = file_format_list_endings(contents, "or");
+    char *expected = xasprintf("a name that ends in %s", endings);
+
+    (void)json_fail_expected(node, error, expected);
+    free(expected);
+    free(endings);
+    return false;
+}
+
+bool scene_reader_read_file(const struct scene_reader *reader, unsigned contents, char **path)
+{
+    struct json_node node = json_node_child(reader->object, "file");
+    struct error cause = {0};
+    const char *text;
+
+    if (!json_read_string(&node, &text, reader->error)) return false;
+    if (!input_path_check(text, &cause)) return json_fail(&node, reader->error, "%s", cause.message);
+    if (!file_format_is(text, contents)) return fail_ending(&node, contents, reader->error);
+    *path = xstrdup(text);
+    return true;
 }
 
 bool scene_reader_read_grid_name(const struct scene_reader *reader, char **name)

@@ -37,5 +37,7 @@ bool scene_reader_read_direction(const struct scene_reader *reader, const char *
 // An absent one leaves `*choice` as it is.
 bool scene_reader_read_choice(const struct scene_reader *reader, const char *key, const char *const names[],
                               int *choice);
+// The key "file": the path of a file with one of these contents (enum file_content), owned by the caller.
+bool scene_reader_read_file(const struct scene_reader *reader, unsigned contents, char **path);
 // The key "grid": the name of a grid in a file, owned by the caller; NULL on failure.
 bool scene_reader_read_grid_name(const struct scene_reader *reader, char **name);

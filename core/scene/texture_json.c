@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/texture_json.h"
 
-#include "core/base/alloc.h"
-#include "core/base/error.h"
+#include "core/scene/file_format.h"
 #include "core/scene/input_path.h"
 #include "core/scene/scene.h"
 #include "core/scene/scene_reader.h"
@@ -12,16 +11,10 @@ static const double TILE_MIN = 1e-9, TILE_MAX = 1e9; // m
 static bool read_file(const struct scene_reader *reader, struct scene_texture *texture)
 {
     struct json_node node = json_node_child(reader->object, "file");
-    struct error cause = {0};
-    const char *path;
 
-    if (!json_read_string(&node, &path, reader->error)) return false;
-    if (!input_path_check(path, &cause)) return json_fail(&node, reader->error, "%s", cause.message);
-    if (input_path_is_sequence(path)) return json_fail(&node, reader->error, "expected one file, not one a frame");
-    if (!input_path_has_ending(path, ".png") && !input_path_has_ending(path, ".exr"))
-        return json_fail_expected(&node, reader->error, "a name that ends in .png or .exr");
-    texture->file = xstrdup(path);
-    return true;
+    if (!scene_reader_read_file(reader, FILE_IMAGE, &texture->file)) return false;
+    return !input_path_is_sequence(texture->file) ||
+           json_fail(&node, reader->error, "expected one file, not one a frame");
 }
 
 static bool read_size(const struct scene_reader *reader, struct scene_texture *texture, bool has_size)
@@ -56,7 +49,7 @@ bool texture_from_json(struct scene_texture *texture, const struct scene_reader 
     if (!json_check_object(&object, reader.error) || !json_check_keys(&object, keys, reader.error) ||
         !read_file(&reader, texture) || !read_size(&reader, texture, has_size))
         return false;
-    color_space = input_path_has_ending(texture->file, ".exr") ? 1 : 0;
+    color_space = file_format_find(texture->file)->is_linear ? 1 : 0;
     if (!scene_reader_read_choice(&reader, "filter", filters, &filter) ||
         !scene_reader_read_choice(&reader, "color_space", color_spaces, &color_space))
         return false;

@@ -7,7 +7,7 @@
 #include "core/job/job_json.h"
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
-#include "core/scene/input_path.h"
+#include "core/scene/file_format.h"
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
 #include "daemon/settings/options.h"
@@ -51,8 +51,11 @@ static void write_closed(const struct options *options, struct json_writer *writ
 
 static bool needs_converter(const struct job_inputs *inputs)
 {
-    for (size_t i = 0; i < inputs->count; i++)
-        if (input_path_has_ending(inputs->inputs[i].path, ".vdb")) return true;
+    for (size_t i = 0; i < inputs->count; i++) {
+        const struct file_format *format = file_format_find(inputs->inputs[i].path);
+
+        if (format && format->needs_converter) return true;
+    }
     return false;
 }
 

@@ -7,9 +7,8 @@
 #include "core/scene/input_path.h"
 #include "worker/picture/image.h"
 #include "worker/scene/texture_image.h"
-#include "worker/sparse/nanovdb_load.h"
+#include "worker/sparse/sparse_file.h"
 #include "worker/sparse/sparse_grid.h"
-#include "worker/sparse/volume_nanovdb.h"
 #include "worker/volume/volume.h"
 #include "worker/volume/volume_memory.h"
 
@@ -185,10 +184,10 @@ static bool unpack(struct truth_files *files, struct truth_file *file, struct st
 }
 
 static bool decode(struct truth_files *files, struct truth_file *file, struct still_grid *grid,
-                   const struct nanovdb_bytes *bytes, const char *name, const double spacing[static 3],
+                   const struct sparse_file *sparse_file, const char *name, const double spacing[static 3],
                    struct error *error)
 {
-    struct sparse_grid *sparse = volume_nanovdb_decode(bytes, name, error);
+    struct sparse_grid *sparse = sparse_file_decode(sparse_file, name, error);
     bool ok;
 
     if (!sparse) return false;
@@ -202,16 +201,15 @@ static bool load_sparse(struct truth_files *files, size_t m, const struct scene_
 {
     const struct scene_grid *source = &medium->density.grid;
     struct truth_file *file = &files->media[m];
-    struct nanovdb_bytes bytes;
-    bool ok = nanovdb_load_is_openvdb(file->path) ? nanovdb_load_converted(&bytes, file->path, error)
-                                                  : nanovdb_load(&bytes, file->path, error);
+    struct sparse_file sparse_file;
+    bool ok = sparse_file_load(&sparse_file, file->path, NULL, error);
 
     if (ok) {
-        ok = decode(files, file, &files->inputs.grids[m], &bytes, source->grid_name, source->spacing, error);
+        ok = decode(files, file, &files->inputs.grids[m], &sparse_file, source->grid_name, source->spacing, error);
         if (ok && medium->blackbody.grid_name)
-            ok = decode(files, file, &files->inputs.temperatures[m], &bytes, medium->blackbody.grid_name,
+            ok = decode(files, file, &files->inputs.temperatures[m], &sparse_file, medium->blackbody.grid_name,
                         source->spacing, error);
-        free((void *)(uintptr_t)bytes.bytes);
+        sparse_file_finish(&sparse_file);
     }
     if (!ok) error_prefix(error, "%s", file->path);
     return ok;
@@ -238,7 +236,7 @@ static bool load_medium(struct truth_files *files, size_t m, const struct scene_
     drop_medium(files, m);
     files->media[m].path = path;
     if (!file_version_find(path, &files->media[m].version, error)) return false;
-    if (scene_grid_is_vdb(source)) return load_sparse(files, m, medium, error);
+    if (scene_grid_is_sparse(source)) return load_sparse(files, m, medium, error);
     return load_volume(files, m, source, error);
 }
 

@@ -12,6 +12,6 @@ static const struct density_kind *const kinds[] = {
 const struct density_kind *density_kind_of(const struct scene_density *density)
 {
     // The grids of these files are sparse.
-    if (density->kind == SCENE_DENSITY_GRID && scene_grid_is_vdb(&density->grid)) return &density_kind_bricks;
+    if (density->kind == SCENE_DENSITY_GRID && scene_grid_is_sparse(&density->grid)) return &density_kind_bricks;
     return kinds[density->kind];
 }

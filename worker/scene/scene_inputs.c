@@ -93,7 +93,7 @@ static bool describe(struct scene_input *input, const struct scene_medium *mediu
     input->source = &density->grid;
     input->is_sequence = scene_density_is_sequence(density);
     input->path = input_path_format(density->grid.file, frame);
-    if (scene_grid_is_vdb(&density->grid)) return read_bricks(input, medium, store, error);
+    if (scene_grid_is_sparse(&density->grid)) return read_bricks(input, medium, store, error);
     if (!scene_input_open_volume(input, &volume, error)) return false;
     input->header = *volume;
     input->header.layout = NULL;
@@ -392,7 +392,7 @@ void scene_inputs_expect(const struct job *job, int32_t frame, const struct scen
         struct brick_source source;
         char *path;
 
-        if (medium->density.kind != SCENE_DENSITY_GRID || !scene_grid_is_vdb(&medium->density.grid)) continue;
+        if (medium->density.kind != SCENE_DENSITY_GRID || !scene_grid_is_sparse(&medium->density.grid)) continue;
         path = input_path_format(medium->density.grid.file, frame);
         source = brick_source_of(medium, path);
         brick_store_expect(files->bricks, &source);

@@ -21,37 +21,33 @@ enum {
     PIXEL_BYTES = 8 + 2 * 4 * sizeof(float) // at most in the file's own form, then in memory and in GL
 };
 
-enum kind { KIND_PNG, KIND_EXR };
+// Files are told apart by their first bytes, whatever their names.
+struct format {
+    const char *magic;
+    size_t magic_bytes; // at most MAGIC_LIMIT
+    bool (*find_size)(int fd, int *width_px, int *height_px, struct error *error);
+    bool (*read)(int fd, bool is_linear, struct image *image, struct error *error);
+};
 
-static bool find_kind(int fd, enum kind *kind, struct error *error)
+enum { MAGIC_LIMIT = 8 };
+
+static bool find_exr_size(int fd, int *width_px, int *height_px, struct error *error)
 {
-    static const unsigned char png[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'}, exr[] = {0x76, 0x2f, 0x31, 0x01};
-    unsigned char bytes[sizeof png] = {0};
+    struct image_exr_facts facts;
 
-    if (pread(fd, bytes, sizeof bytes, 0) < 0) {
-        error_set_errno(error, errno, "it cannot be read");
-        return false;
-    }
-    *kind = memcmp(bytes, exr, sizeof exr) == 0 ? KIND_EXR : KIND_PNG;
-    if (*kind == KIND_EXR || memcmp(bytes, png, sizeof png) == 0) return true;
-    error_set(error, "expected a PNG or EXR file");
-    return false;
+    if (!image_exr_read(fd, NULL, &facts, 1, error)) return false;
+    *width_px = facts.width_px;
+    *height_px = facts.height_px;
+    return true;
 }
 
-static bool find_size(int fd, enum kind kind, int *width_px, int *height_px, struct error *error)
+static bool find_png_size(int fd, int *width_px, int *height_px, struct error *error)
 {
-    struct image_exr_facts exr;
-    struct image_png_facts png;
+    struct image_png_facts facts;
 
-    if (kind == KIND_EXR) {
-        if (!image_exr_read(fd, NULL, &exr, 1, error)) return false;
-        *width_px = exr.width_px;
-        *height_px = exr.height_px;
-        return true;
-    }
-    if (!image_png_read(fd, true, NULL, &png, error)) return false;
-    *width_px = png.width_px;
-    *height_px = png.height_px;
+    if (!image_png_read(fd, true, NULL, &facts, error)) return false;
+    *width_px = facts.width_px;
+    *height_px = facts.height_px;
     return true;
 }
 
@@ -100,14 +96,42 @@ static bool read_exr(int fd, bool is_linear, struct image *image, struct error *
     return true;
 }
 
+static bool read_png(int fd, bool is_linear, struct image *image, struct error *error)
+{
+    return image_png_read(fd, is_linear, image, NULL, error);
+}
+
+// Each format with FILE_IMAGE in core/scene/file_format.c is a row.
+static const struct format formats[] = {
+    {"\x89PNG\r\n\x1a\n", 8, find_png_size, read_png},
+    {"\x76\x2f\x31\x01", 4, find_exr_size, read_exr},
+};
+
+enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
+
+// NULL on failure.
+static const struct format *find_format(int fd, struct error *error)
+{
+    char bytes[MAGIC_LIMIT] = {0};
+
+    if (pread(fd, bytes, sizeof bytes, 0) < 0) {
+        error_set_errno(error, errno, "it cannot be read");
+        return NULL;
+    }
+    for (size_t i = 0; i < FORMAT_COUNT; ++i)
+        if (memcmp(bytes, formats[i].magic, formats[i].magic_bytes) == 0) return &formats[i];
+    error_set(error, "expected a PNG or EXR file");
+    return NULL;
+}
+
 static bool read_image(int fd, struct image *image, bool is_linear, struct error *error)
 {
-    enum kind kind;
+    const struct format *format = find_format(fd, error);
     int width_px, height_px;
 
-    if (!find_kind(fd, &kind, error) || !find_size(fd, kind, &width_px, &height_px, error)) return false;
+    if (!format || !format->find_size(fd, &width_px, &height_px, error)) return false;
     if (!volume_memory_check((int64_t)width_px * height_px * PIXEL_BYTES, volume_memory_limit(), error)) return false;
-    return kind == KIND_EXR ? read_exr(fd, is_linear, image, error) : image_png_read(fd, is_linear, image, NULL, error);
+    return format->read(fd, is_linear, image, error);
 }
 
 static int open_file(const char *path, struct error *error)
@@ -128,11 +152,12 @@ static int open_file(const char *path, struct error *error)
 bool texture_image_find_size(const char *path, int *width_px, int *height_px, struct error *error)
 {
     int fd = open_file(path, error);
-    enum kind kind;
+    const struct format *format;
     bool ok;
 
     if (fd < 0) return false;
-    ok = find_kind(fd, &kind, error) && find_size(fd, kind, width_px, height_px, error);
+    format = find_format(fd, error);
+    ok = format && format->find_size(fd, width_px, height_px, error);
     if (!ok) error_prefix(error, "%s", path);
     close(fd);
     return ok;

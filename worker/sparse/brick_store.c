@@ -6,10 +6,9 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/sparse/brick_atlas.h"
-#include "worker/sparse/nanovdb_load.h"
+#include "worker/sparse/sparse_file.h"
 #include "worker/sparse/sparse_grid.h"
 #include "worker/sparse/transfer_function.h"
-#include "worker/sparse/volume_nanovdb.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -59,14 +58,14 @@ static bool is_empty(double min, double max, const void *user)
     return transfer_function_is_empty(source->points, source->point_count, min, max);
 }
 
-static struct brick_atlas *decode(const struct nanovdb_bytes *file, const struct brick_source *source,
+static struct brick_atlas *decode(const struct sparse_file *file, const struct brick_source *source,
                                   struct error *error)
 {
-    struct sparse_grid *density = volume_nanovdb_decode(file, source->density_name, error), *glow = NULL;
+    struct sparse_grid *density = sparse_file_decode(file, source->density_name, error), *glow = NULL;
     struct brick_atlas *atlas = NULL;
 
     if (!density) return NULL;
-    if (source->glow_name) glow = volume_nanovdb_decode(file, source->glow_name, error);
+    if (source->glow_name) glow = sparse_file_decode(file, source->glow_name, error);
     if (glow || !source->glow_name)
         atlas = brick_atlas_create(
             &(struct brick_atlas_params){.density = density, .glow = glow, .is_empty = is_empty, .user = source},
@@ -76,38 +75,26 @@ static struct brick_atlas *decode(const struct nanovdb_bytes *file, const struct
     return atlas;
 }
 
-static struct brick_atlas *decode_openvdb(const struct brick_source *source, struct error *error)
-{
-    struct brick_atlas *atlas = NULL;
-    struct nanovdb_bytes file;
-
-    if (!nanovdb_load_converted(&file, source->path, error)) return NULL;
-    atlas = decode(&file, source, error);
-    free((void *)file.bytes);
-    return atlas;
-}
-
 // A file that is written meanwhile is not taken: its bytes and their hash would be of no version.
 static bool read_entry(struct entry *entry, const struct brick_source *source, struct error *error)
 {
     struct file_version after;
-    struct nanovdb_bytes file;
+    struct sparse_file file;
     bool ok = false;
 
     if (!file_version_find(source->path, &entry->volume.version, NULL)) {
         error_set_errno(error, errno, "cannot open");
         return false;
     }
-    if (!nanovdb_load(&file, source->path, error)) return false;
-    hash_bytes(file.bytes, file.size_bytes, entry->volume.hash);
-    entry->atlas = nanovdb_load_is_openvdb(source->path) ? decode_openvdb(source, error) : decode(&file, source, error);
+    if (!sparse_file_load(&file, source->path, entry->volume.hash, error)) return false;
+    entry->atlas = decode(&file, source, error);
     if (entry->atlas && file_version_find(source->path, &after, error)) {
         ok = file_version_is_same(&entry->volume.version, &after);
         if (!ok) error_set(error, "it changed while it was read");
     }
     entry->is_settled = ok && file_version_is_settled(&after);
     entry->volume.atlas = entry->atlas;
-    free((void *)file.bytes);
+    sparse_file_finish(&file);
     if (ok) return true;
     brick_atlas_destroy(entry->atlas);
     entry->atlas = NULL;

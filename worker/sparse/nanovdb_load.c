@@ -9,17 +9,8 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <stdlib.h>
-#include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-bool nanovdb_load_is_openvdb(const char *path)
-{
-    size_t length = strlen(path);
-
-    return length > 4 && strcasecmp(path + length - 4, ".vdb") == 0;
-}
 
 static bool read_all(int fd, char *bytes, size_t size_bytes, struct error *error)
 {

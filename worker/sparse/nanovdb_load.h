@@ -8,7 +8,6 @@
 
 struct error;
 
-bool nanovdb_load_is_openvdb(const char *path); // by its ending
 // As they are in the file. `file->bytes` are the caller's to free; NULL on failure.
 bool nanovdb_load(struct nanovdb_bytes *file, const char *path, struct error *error);
 // The same of an OpenVDB file once it is converted.

@@ -3,6 +3,8 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/scene/file_format.h"
+#include "core/scene/input_path.h"
 #include "worker/volume/volume_layout.h"
 #include "worker/volume/volume_memory.h"
 #include "worker/volume/volume_placement.h"
@@ -19,6 +21,7 @@ enum { CHUNK_VALUES = 64 * 1024 };
 
 typedef bool open_format(struct volume_layout *layout, const struct volume_source *source, struct error *error);
 
+// Each format with FILE_GRID_RAW or FILE_GRID_DENSE in core/scene/file_format.c is a row.
 static const struct {
     const char *ending;
     open_format *open;
@@ -29,34 +32,36 @@ static const struct {
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 
-static bool has_ending(const char *path, const char *ending)
-{
-    size_t length = strlen(path), ending_length = strlen(ending);
-
-    return length > ending_length && strcasecmp(path + length - ending_length, ending) == 0;
-}
-
 static bool is_raw_given(const struct scene_raw *raw)
 {
     return raw->size[0] || raw->size[1] || raw->size[2] || raw->has_type || raw->is_big_endian || raw->skip_bytes;
 }
 
+// Fails for a name that no row of `formats` has.
+static bool fail_ending(const char *path, struct error *error)
+{
+    char *endings = file_format_list_endings(FILE_GRID_RAW | FILE_GRID_DENSE, "or");
+
+    if (input_path_has_ending(path, ".hdr") || input_path_has_ending(path, ".img"))
+        error_set(error, "header and voxels are in two files (.hdr and .img): join them into one .nii first");
+    else
+        error_set(error, "expected a name that ends in %s", endings);
+    free(endings);
+    return false;
+}
+
 static bool open_by_name(struct volume_layout *layout, const struct volume_source *source, struct error *error)
 {
     for (size_t i = 0; i < FORMAT_COUNT; i++) {
-        if (!has_ending(source->path, formats[i].ending)) continue;
-        if (formats[i].open != volume_raw_open && is_raw_given(&source->raw)) {
+        if (!input_path_has_ending(source->path, formats[i].ending)) continue;
+        if (!file_format_is(source->path, FILE_GRID_RAW) && is_raw_given(&source->raw)) {
             error_set(error, "size, type, byte_order and skip_bytes are for raw files; a %s file says them itself",
                       formats[i].ending);
             return false;
         }
         return formats[i].open(layout, source, error);
     }
-    if (has_ending(source->path, ".hdr") || has_ending(source->path, ".img"))
-        error_set(error, "header and voxels are in two files (.hdr and .img): join them into one .nii first");
-    else
-        error_set(error, "expected a name that ends in .raw, .nrrd, .nhdr, .nii or .nii.gz");
-    return false;
+    return fail_ending(source->path, error);
 }
 
 static bool check_memory(const struct volume_layout *layout, struct error *error)
