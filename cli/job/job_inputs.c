@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/job/job_inputs.h"
 
-#include "cli/job/job_document.h"
 #include "cli/job/json_set.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
