@@ -26,7 +26,7 @@ static bool read(struct scene_density *density, const struct scene_reader *reade
            scene_reader_read(reader, "scale", &SCENE_SCALE, &fold_fractal->scale);
 }
 
-static void visit(struct scene_density *density, timeline_visitor *visit, void *user)
+static void visit_timelines(struct scene_density *density, timeline_visitor *visit, void *user)
 {
     struct scene_fold_fractal *fold_fractal = &density->fold_fractal;
 
@@ -54,7 +54,7 @@ static double find_diameter(const struct scene_density *density, struct timeline
 const struct density_rules density_rules_fold_fractal = {
     .name = "fold_fractal",
     .read = read,
-    .visit = visit,
+    .visit = visit_timelines,
     .write_hash_text = write_hash_text,
     .find_diameter = find_diameter,
 };

@@ -98,7 +98,7 @@ static bool read(struct scene_density *density, const struct scene_reader *reade
            scene_reader_read_or(reader, "scale", &SCENE_SCALE, 1.0, &glsl->scale);
 }
 
-static void visit(struct scene_density *density, timeline_visitor *visit, void *user)
+static void visit_timelines(struct scene_density *density, timeline_visitor *visit, void *user)
 {
     visit("scale", &density->glsl.scale, user);
 }
@@ -126,7 +126,7 @@ static bool is_sequence(const struct scene_density *density)
 const struct density_rules density_rules_glsl = {
     .name = "glsl",
     .read = read,
-    .visit = visit,
+    .visit = visit_timelines,
     .write_hash_text = write_hash_text,
     .finish = finish,
     .is_sequence = is_sequence,

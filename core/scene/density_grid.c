@@ -160,7 +160,7 @@ static bool read(struct scene_density *density, const struct scene_reader *reade
            scene_reader_read_or(reader, "scale", &SCENE_SCALE, 1.0, &grid->scale);
 }
 
-static void visit(struct scene_density *density, timeline_visitor *visit, void *user)
+static void visit_timelines(struct scene_density *density, timeline_visitor *visit, void *user)
 {
     visit("center", &density->grid.center, user);
     visit("scale", &density->grid.scale, user);
@@ -199,7 +199,7 @@ static bool is_sequence(const struct scene_density *density)
 const struct density_rules density_rules_grid = {
     .name = "grid",
     .read = read,
-    .visit = visit,
+    .visit = visit_timelines,
     .write_hash_text = write_hash_text,
     .finish = finish,
     .is_sequence = is_sequence,

@@ -10,10 +10,10 @@ static bool read(struct scene_density *density, const struct scene_reader *reade
            scene_reader_read_or(reader, "scale", &SCENE_SCALE, 1.0, &density->homogeneous.scale);
 }
 
-static void visit(struct scene_density *density, timeline_visitor *visit, void *user)
+static void visit_timelines(struct scene_density *density, timeline_visitor *visit, void *user)
 {
     visit("scale", &density->homogeneous.scale, user);
 }
 
 const struct density_rules density_rules_homogeneous = {
-    .name = "homogeneous", .is_even = true, .read = read, .visit = visit};
+    .name = "homogeneous", .is_even = true, .read = read, .visit = visit_timelines};

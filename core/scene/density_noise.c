@@ -48,7 +48,7 @@ static bool read(struct scene_density *density, const struct scene_reader *reade
            scene_reader_read_or(reader, "scale", &SCENE_SCALE, 1.0, &noise->scale);
 }
 
-static void visit(struct scene_density *density, timeline_visitor *visit, void *user)
+static void visit_timelines(struct scene_density *density, timeline_visitor *visit, void *user)
 {
     struct scene_noise *noise = &density->noise;
 
@@ -68,4 +68,4 @@ static void write_hash_text(const struct scene_density *density, FILE *text)
 }
 
 const struct density_rules density_rules_noise = {
-    .name = "noise", .read = read, .visit = visit, .write_hash_text = write_hash_text};
+    .name = "noise", .read = read, .visit = visit_timelines, .write_hash_text = write_hash_text};

@@ -10,7 +10,7 @@ static const struct density_rules *const rules[] = {
 };
 
 enum { COUNT = sizeof rules / sizeof rules[0] };
-_Static_assert(COUNT < DENSITY_RULES_LIMIT, "a list has room for all names and NULL");
+_Static_assert((int)COUNT < (int)DENSITY_RULES_LIMIT, "a list has room for all names and NULL");
 
 const struct density_rules *density_rules_of(const struct scene_density *density)
 {
