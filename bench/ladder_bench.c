@@ -43,19 +43,19 @@ static bool load_job(struct job *job, const char *path, struct error *error)
     return ok;
 }
 
-static struct truth_place *list_places(const struct job *job, int stride, size_t *count)
+static struct truth_point *list_places(const struct job *job, int stride, size_t *count)
 {
     size_t limit = (size_t)job->width_px * (size_t)job->height_px;
-    struct truth_place *places = xcalloc(limit, sizeof *places);
+    struct truth_point *places = xcalloc(limit, sizeof *places);
 
     *count = 0;
     for (int y = stride / 2; y < job->height_px; y += stride)
         for (int x = stride / 2; x < job->width_px; x += stride)
-            places[(*count)++] = (struct truth_place){x, y};
+            places[(*count)++] = (struct truth_point){x, y};
     return places;
 }
 
-static bool measure_truth(const struct ladder *ladder, const struct job *job, const struct truth_place *places,
+static bool measure_truth(const struct ladder *ladder, const struct job *job, const struct truth_point *places,
                           size_t count, double *light, struct error *error)
 {
     static const struct integrate_accuracy rough = {.relative = 1e-3};
@@ -63,7 +63,7 @@ static bool measure_truth(const struct ladder *ladder, const struct job *job, co
     struct truth_pixel *pixels = xcalloc(count, sizeof *pixels);
 
     if (truth) {
-        truth_measure_many(truth, &(struct truth_many){.places = places,
+        truth_measure_many(truth, &(struct truth_many){.points = places,
                                                        .pixels = pixels,
                                                        .count = count,
                                                        .accuracy = ladder->is_once ? &rough : NULL});
@@ -75,7 +75,7 @@ static bool measure_truth(const struct ladder *ladder, const struct job *job, co
     return truth != NULL;
 }
 
-static bool load_truth(const struct ladder *ladder, const struct job *job, const struct truth_place *places,
+static bool load_truth(const struct ladder *ladder, const struct job *job, const struct truth_point *places,
                        size_t count, double *light, struct error *error)
 {
     const char *path = ladder->truth;
@@ -117,7 +117,7 @@ static bool render(const struct ladder *ladder, const struct job *job, struct im
 
 static bool print_job(const struct ladder *ladder, const char *path, struct error *error)
 {
-    struct truth_place *places = NULL;
+    struct truth_point *places = NULL;
     struct reference_error found;
     struct image image = {0};
     struct job job = {0};
@@ -133,7 +133,7 @@ static bool print_job(const struct ladder *ladder, const char *path, struct erro
     ok = load_truth(ladder, &job, places, count, light, error) && render(ladder, &job, &image, best, error);
     if (!ok) goto out;
     for (size_t i = 0; i < 3 * count; i++) {
-        const struct truth_place *place = &places[i / 3];
+        const struct truth_point *place = &places[i / 3];
 
         seen[i] = image.rgba[4 * ((size_t)place->y * (size_t)job.width_px + (size_t)place->x) + i % 3];
     }

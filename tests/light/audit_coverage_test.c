@@ -121,7 +121,7 @@ static struct job in_steps(const struct job *job, double factor)
 static void open_place(struct place *place, int32_t frame)
 {
     const struct integrate_accuracy accuracy = {.relative = 1e-3};
-    struct truth_place *all = xcalloc(PIXELS, sizeof *all);
+    struct truth_point *all = xcalloc(PIXELS, sizeof *all);
     struct error error = {{0}};
     struct truth *truth;
 
@@ -130,11 +130,11 @@ static void open_place(struct place *place, int32_t frame)
     place->job.output.has_depth = place->job.output.has_transmittance = false;
     place->light = xcalloc(PIXELS, sizeof *place->light);
     for (int i = 0; i < PIXELS; i++)
-        all[i] = (struct truth_place){i % WIDTH_PX, i / WIDTH_PX};
+        all[i] = (struct truth_point){i % WIDTH_PX, i / WIDTH_PX};
     truth = truth_open(&(struct truth_params){.job = &place->job, .frame = frame}, &error);
     if (!truth) fail_msg("%s", error.message);
     truth_measure_many(
-        truth, &(struct truth_many){.places = all, .pixels = place->light, .count = PIXELS, .accuracy = &accuracy});
+        truth, &(struct truth_many){.points = all, .pixels = place->light, .count = PIXELS, .accuracy = &accuracy});
     truth_close(truth);
     free(all);
 }
@@ -242,7 +242,7 @@ static double find_error(const struct place *place, const struct image *image)
 
     audit_map_init(&map, &(struct audit_map_params){.image = image, .pixel = JOB_PIXEL_HALF});
     for (int i = 0; i < PIXELS; i++) {
-        struct truth_place at = {i % WIDTH_PX, i / WIDTH_PX};
+        struct truth_point at = {i % WIDTH_PX, i / WIDTH_PX};
 
         errors += audit_map_compare(&map, at, &place->light[i]).square * audit_map_density(&map, at) * map.mean_square;
         for (int c = 0; c < 3; c++)
@@ -286,7 +286,7 @@ static void map_picture(struct audit_map *map, const struct picture *picture)
 static void draw_samples(const struct audit_map *map, const struct place *place, int seed, size_t count,
                          struct audit_samples *samples)
 {
-    struct truth_place places[RAYS];
+    struct truth_point places[RAYS];
 
     audit_map_draw(map, &place->job, seed, 0, count, places);
     for (size_t i = 0; i < count; i++) {

@@ -13,7 +13,7 @@
 struct error;
 struct image;
 struct truth_pixel;
-struct truth_place;
+struct truth_point;
 
 struct chart_truth_pixel {
     int x, y;

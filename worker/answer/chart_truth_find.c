@@ -43,47 +43,47 @@ static bool go_on(void *user)
            (!search->params->is_wanted || search->params->is_wanted(search->params->user));
 }
 
-static struct truth_pixel look_up(const struct image *image, struct truth_place place)
+static struct truth_pixel look_up(const struct image *image, struct truth_point point)
 {
-    const float *value = &image->rgba[4 * ((size_t)place.y * (size_t)image->width_px + (size_t)place.x)];
+    const float *value = &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
 
     return (struct truth_pixel){.rgb = {value[0], value[1], value[2]}, .is_converged = true};
 }
 
-static size_t measure(const struct search *search, const struct truth_place *places, struct truth_pixel *pixels,
+static size_t measure(const struct search *search, const struct truth_point *points, struct truth_pixel *pixels,
                       size_t count)
 {
     if (search->truth)
-        return truth_measure_many(search->truth, &(struct truth_many){.places = places,
+        return truth_measure_many(search->truth, &(struct truth_many){.points = points,
                                                                       .pixels = pixels,
                                                                       .count = count,
                                                                       .accuracy = &search->accuracy,
                                                                       .on_progress = go_on,
                                                                       .user = (void *)search});
     for (size_t i = 0; i < count; i++)
-        pixels[i] = look_up(search->params->finest, places[i]);
+        pixels[i] = look_up(search->params->finest, points[i]);
     return count;
 }
 
-static void note(struct search *search, struct truth_place place, const struct truth_pixel *pixel)
+static void note(struct search *search, struct truth_point point, const struct truth_pixel *pixel)
 {
     struct chart_truth *found = search->found;
     double variance = pixel->variance[0] + pixel->variance[1] + pixel->variance[2];
 
     found->pixels = xgrow(found->pixels, &search->capacity, found->count + 1, sizeof *found->pixels);
     found->pixels[found->count++] =
-        (struct chart_truth_pixel){place.x, place.y, 0, {pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]}, LOTS * variance};
+        (struct chart_truth_pixel){point.x, point.y, 0, {pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]}, LOTS * variance};
 }
 
-static size_t index_of(const struct search *search, struct truth_place place)
+static size_t index_of(const struct search *search, struct truth_point point)
 {
-    return (size_t)place.y * (size_t)search->params->finer->width_px + (size_t)place.x;
+    return (size_t)point.y * (size_t)search->params->finer->width_px + (size_t)point.x;
 }
 
 // Measures the next draws, each pixel once. Returns how many draws are known now.
 static size_t measure_draws(struct search *search, size_t first, size_t count)
 {
-    struct truth_place drawn[BATCH], fresh[BATCH];
+    struct truth_point drawn[BATCH], fresh[BATCH];
     struct truth_pixel pixels[BATCH];
     size_t fresh_count = 0, measured, known = 0, seen = 0;
 
@@ -110,10 +110,10 @@ static void weigh(struct search *search, size_t draw_count)
     double pixel_count = (double)search->params->finer->width_px * search->params->finer->height_px;
 
     for (size_t i = 0; i < found->count; i++) {
-        struct truth_place place = {found->pixels[i].x, found->pixels[i].y};
+        struct truth_point point = {found->pixels[i].x, found->pixels[i].y};
 
-        found->pixels[i].weight = search->draws[index_of(search, place)] * pixel_count /
-                                  ((double)draw_count * audit_map_density(&search->map, place));
+        found->pixels[i].weight = search->draws[index_of(search, point)] * pixel_count /
+                                  ((double)draw_count * audit_map_density(&search->map, point));
     }
 }
 
@@ -121,21 +121,21 @@ static void weigh(struct search *search, size_t draw_count)
 static bool measure_all(struct search *search)
 {
     int width = search->params->finer->width_px, height = search->params->finer->height_px;
-    struct truth_place *places = xcalloc((size_t)width, sizeof *places);
+    struct truth_point *points = xcalloc((size_t)width, sizeof *points);
     struct truth_pixel *pixels = xcalloc((size_t)width, sizeof *pixels);
     bool ok = true;
 
     search->found->count = 0;
     for (int y = 0; y < height && ok; y++) {
         for (int x = 0; x < width; x++)
-            places[x] = (struct truth_place){x, y};
-        ok = measure(search, places, pixels, (size_t)width) == (size_t)width;
+            points[x] = (struct truth_point){x, y};
+        ok = measure(search, points, pixels, (size_t)width) == (size_t)width;
         for (int x = 0; x < width && ok; x++) {
-            note(search, places[x], &pixels[x]);
+            note(search, points[x], &pixels[x]);
             search->found->pixels[search->found->count - 1].weight = 1;
         }
     }
-    free(places);
+    free(points);
     free(pixels);
     return ok;
 }

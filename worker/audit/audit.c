@@ -38,12 +38,12 @@ void audit_pool_finish(struct audit_pool *pool)
 static bool measure(struct audit *audit, size_t count)
 {
     const struct audit_params *params = audit->params;
-    struct truth_place places[BATCH];
+    struct truth_point points[BATCH];
     struct truth_pixel pixels[BATCH];
     size_t measured;
 
-    audit_map_draw(&audit->map, params->job, params->frame, audit->samples.count, count, places);
-    measured = truth_measure_many(params->truth, &(struct truth_many){.places = places,
+    audit_map_draw(&audit->map, params->job, params->frame, audit->samples.count, count, points);
+    measured = truth_measure_many(params->truth, &(struct truth_many){.points = points,
                                                                       .pixels = pixels,
                                                                       .count = count,
                                                                       .accuracy = &audit->accuracy,
@@ -51,7 +51,7 @@ static bool measure(struct audit *audit, size_t count)
                                                                       .on_progress = params->on_progress,
                                                                       .user = params->user});
     for (size_t i = 0; i < measured; i++) {
-        struct audit_sample sample = audit_map_compare(&audit->map, places[i], &pixels[i]);
+        struct audit_sample sample = audit_map_compare(&audit->map, points[i], &pixels[i]);
 
         audit_samples_append(&audit->samples, &sample);
     }

@@ -11,10 +11,10 @@
 #include <string.h>
 
 // Variances: of four standard errors.
-static const double LOT_LIMIT = 16.0;
+static const double NOISE_LIMIT = 16.0;
 
 // Of a map that has them all.
-static const double SHARES[AUDIT_WAY_COUNT] = {0.25, 0.15, 0.1, 0.3, 0.2};
+static const double SHARES[AUDIT_STRATEGY_COUNT] = {0.25, 0.15, 0.1, 0.3, 0.2};
 
 static double square_of(const struct audit_map *map, size_t i)
 {
@@ -28,7 +28,7 @@ static double square_of(const struct audit_map *map, size_t i)
     return sum;
 }
 
-// What stands out among pixels so near is an edge neither way: a thin line at most, or a mistake.
+// What stands out among pixels so near is an edge neither strategy: a thin line at most, or a mistake.
 static double spike_of(const struct audit_map *map, size_t i)
 {
     const struct image *image = map->image;
@@ -54,9 +54,9 @@ static double spike_of(const struct audit_map *map, size_t i)
     return sum;
 }
 
-static double weight_of(const struct audit_map *map, enum audit_way way, size_t pixel)
+static double weight_of(const struct audit_map *map, enum audit_strategy strategy, size_t pixel)
 {
-    return way == AUDIT_WAY_SPIKE ? spike_of(map, pixel) : square_of(map, pixel);
+    return strategy == AUDIT_STRATEGY_SPIKE ? spike_of(map, pixel) : square_of(map, pixel);
 }
 
 static void sum_rows(struct audit_map *map)
@@ -64,8 +64,8 @@ static void sum_rows(struct audit_map *map)
     size_t width = (size_t)map->image->width_px, height = (size_t)map->image->height_px;
     double squares = 0.0, spikes = 0.0;
 
-    map->sums[AUDIT_WAY_BRIGHT] = xcalloc(height, sizeof(double));
-    map->sums[AUDIT_WAY_SPIKE] = xcalloc(height, sizeof(double));
+    map->sums[AUDIT_STRATEGY_BRIGHT] = xcalloc(height, sizeof(double));
+    map->sums[AUDIT_STRATEGY_SPIKE] = xcalloc(height, sizeof(double));
     for (size_t y = 0; y < height; y++) {
         for (size_t i = y * width; i < (y + 1) * width; i++) {
             squares += square_of(map, i);
@@ -73,8 +73,8 @@ static void sum_rows(struct audit_map *map)
             for (size_t c = 0; c < 3; c++)
                 map->brightest = fmaxf(map->brightest, map->image->rgba[4 * i + c]);
         }
-        map->sums[AUDIT_WAY_BRIGHT][y] = squares;
-        map->sums[AUDIT_WAY_SPIKE][y] = spikes;
+        map->sums[AUDIT_STRATEGY_BRIGHT][y] = squares;
+        map->sums[AUDIT_STRATEGY_SPIKE][y] = spikes;
     }
     map->mean_square = squares / ((double)width * (double)height);
 }
@@ -182,16 +182,17 @@ static double weigh_odd(const struct audit_map *map, int column, int row, const 
 
 typedef double block_weight(const struct audit_map *map, int column, int row, const float *a, const float *b);
 
-static void sum_blocks(struct audit_map *map, enum audit_way way, block_weight *weigh, const float *a, const float *b)
+static void sum_blocks(struct audit_map *map, enum audit_strategy strategy, block_weight *weigh, const float *a,
+                       const float *b)
 {
     int columns = map->columns_count, rows = map->rows_count;
     double sum = 0.0;
 
-    map->sums[way] = xcalloc((size_t)columns * (size_t)rows, sizeof(double));
+    map->sums[strategy] = xcalloc((size_t)columns * (size_t)rows, sizeof(double));
     for (int row = 0; row < rows; row++) {
         for (int column = 0; column < columns; column++) {
             sum += weigh(map, column, row, a, b) * block_pixels(map, column, row);
-            map->sums[way][(size_t)row * (size_t)columns + (size_t)column] = sum;
+            map->sums[strategy][(size_t)row * (size_t)columns + (size_t)column] = sum;
         }
     }
 }
@@ -214,38 +215,38 @@ static void weigh_renders(struct audit_map *map, const struct audit_map_params *
 
     map->columns_count = finer->width_px;
     map->rows_count = finer->height_px;
-    sum_blocks(map, AUDIT_WAY_HALVING, weigh_halving, finer->rgba, coarser->rgba);
+    sum_blocks(map, AUDIT_STRATEGY_HALVING, weigh_halving, finer->rgba, coarser->rgba);
     map->change = square > 0.0 ? sqrt(mean_square_of(finer, coarser) / square) : 0.0;
     if (params->is_own) {
         float *means = find_block_means(map);
 
-        sum_blocks(map, AUDIT_WAY_ODD, weigh_odd, finer->rgba, means);
+        sum_blocks(map, AUDIT_STRATEGY_ODD, weigh_odd, finer->rgba, means);
         free(means);
     }
 }
 
-// Of a way's running sums.
-static double whole_of(const struct audit_map *map, enum audit_way way)
+// Of a strategy's running sums.
+static double whole_of(const struct audit_map *map, enum audit_strategy strategy)
 {
-    bool is_of_rows = way == AUDIT_WAY_BRIGHT || way == AUDIT_WAY_SPIKE;
+    bool is_of_rows = strategy == AUDIT_STRATEGY_BRIGHT || strategy == AUDIT_STRATEGY_SPIKE;
     size_t count = is_of_rows ? (size_t)map->image->height_px : (size_t)map->columns_count * (size_t)map->rows_count;
 
-    return map->sums[way] ? map->sums[way][count - 1] : 0.0;
+    return map->sums[strategy] ? map->sums[strategy][count - 1] : 0.0;
 }
 
 static void share_out(struct audit_map *map)
 {
     double sum = 0.0;
 
-    for (int way = 0; way < AUDIT_WAY_COUNT; way++) {
-        double whole = way == AUDIT_WAY_UNIFORM ? 1.0 : whole_of(map, (enum audit_way)way);
+    for (int strategy = 0; strategy < AUDIT_STRATEGY_COUNT; strategy++) {
+        double whole = strategy == AUDIT_STRATEGY_UNIFORM ? 1.0 : whole_of(map, (enum audit_strategy)strategy);
 
         // Nothing is drawn by sums that are 0 or, of a frame that is broken, not finite.
-        map->share[way] = whole > 0.0 && isfinite(whole) ? SHARES[way] : 0.0;
-        sum += map->share[way];
+        map->share[strategy] = whole > 0.0 && isfinite(whole) ? SHARES[strategy] : 0.0;
+        sum += map->share[strategy];
     }
-    for (int way = 0; way < AUDIT_WAY_COUNT; way++)
-        map->share[way] /= sum;
+    for (int strategy = 0; strategy < AUDIT_STRATEGY_COUNT; strategy++)
+        map->share[strategy] /= sum;
 }
 
 void audit_map_init(struct audit_map *map, const struct audit_map_params *params)
@@ -258,8 +259,8 @@ void audit_map_init(struct audit_map *map, const struct audit_map_params *params
 
 void audit_map_finish(struct audit_map *map)
 {
-    for (int way = 0; way < AUDIT_WAY_COUNT; way++)
-        free(map->sums[way]);
+    for (int strategy = 0; strategy < AUDIT_STRATEGY_COUNT; strategy++)
+        free(map->sums[strategy]);
     *map = (struct audit_map){0};
 }
 
@@ -273,55 +274,55 @@ bool audit_map_is_black(const struct audit_map *map)
     return map->brightest < (float)AUDIT_BLACK;
 }
 
-double audit_map_density(const struct audit_map *map, struct truth_place place)
+double audit_map_density(const struct audit_map *map, struct truth_point point)
 {
     const struct image *image = map->image;
-    size_t pixel = (size_t)place.y * (size_t)image->width_px + (size_t)place.x, block = 0;
-    double density = map->share[AUDIT_WAY_UNIFORM], count = (double)image->width_px * image->height_px;
+    size_t pixel = (size_t)point.y * (size_t)image->width_px + (size_t)point.x, block = 0;
+    double density = map->share[AUDIT_STRATEGY_UNIFORM], count = (double)image->width_px * image->height_px;
     int pixels = 1;
 
     if (map->columns_count > 0) {
-        int column = block_of(place.x, map->columns_count, image->width_px);
-        int row = block_of(place.y, map->rows_count, image->height_px);
+        int column = block_of(point.x, map->columns_count, image->width_px);
+        int row = block_of(point.y, map->rows_count, image->height_px);
 
         block = (size_t)row * (size_t)map->columns_count + (size_t)column;
         pixels = block_pixels(map, column, row);
     }
-    for (int way = AUDIT_WAY_BRIGHT; way < AUDIT_WAY_COUNT; way++) {
+    for (int strategy = AUDIT_STRATEGY_BRIGHT; strategy < AUDIT_STRATEGY_COUNT; strategy++) {
         double own;
 
-        if (map->share[way] == 0.0) continue;
-        if (way == AUDIT_WAY_BRIGHT || way == AUDIT_WAY_SPIKE)
-            own = weight_of(map, (enum audit_way)way, pixel);
+        if (map->share[strategy] == 0.0) continue;
+        if (strategy == AUDIT_STRATEGY_BRIGHT || strategy == AUDIT_STRATEGY_SPIKE)
+            own = weight_of(map, (enum audit_strategy)strategy, pixel);
         else
-            own = step_at(map->sums[way], block) / pixels;
-        density += map->share[way] * count * own / whole_of(map, (enum audit_way)way);
+            own = step_at(map->sums[strategy], block) / pixels;
+        density += map->share[strategy] * count * own / whole_of(map, (enum audit_strategy)strategy);
     }
     return density;
 }
 
 // What is not to be told from what lots leave, in the frame and in the reference, is no error.
-static double square_beyond_lot(double apart, const struct truth_pixel *pixel, int c)
+static double square_beyond_noise(double apart, const struct truth_pixel *pixel, int c)
 {
-    double lot = pixel->variance[c] * (1.0 + pixel->share), square = apart * apart;
+    double noise = pixel->variance[c] * (1.0 + pixel->share), square = apart * apart;
 
-    if (lot == 0.0) return square;
-    return square > LOT_LIMIT * lot ? square - lot : 0.0;
+    if (noise == 0.0) return square;
+    return square > NOISE_LIMIT * noise ? square - noise : 0.0;
 }
 
-struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_place place,
+struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_point point,
                                       const struct truth_pixel *pixel)
 {
     const struct image *image = map->image;
-    const float *seen = &image->rgba[4 * ((size_t)place.y * (size_t)image->width_px + (size_t)place.x)];
+    const float *seen = &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
     double unit = audit_map_is_black(map) ? 1.0 : map->mean_square;
-    double weight = 1.0 / (3.0 * audit_map_density(map, place) * unit);
+    double weight = 1.0 / (3.0 * audit_map_density(map, point) * unit);
     struct audit_sample sample = {0};
 
     for (int c = 0; c < 3; c++) {
         double value = image_exr_stored(seen[c], map->pixel), apart = value - pixel->rgb[c];
 
-        sample.square += weight * square_beyond_lot(apart, pixel, c);
+        sample.square += weight * square_beyond_noise(apart, pixel, c);
         sample.cross += weight * value * apart;
         sample.noise += weight * pixel->variance[c];
     }
@@ -372,71 +373,71 @@ static int draw_between(int begin, int end, uint64_t *state)
     return at < end ? at : end - 1;
 }
 
-static struct truth_place draw_bright(const struct audit_map *map, enum audit_way way, uint64_t *state)
+static struct truth_point draw_bright(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
-    const double *rows = map->sums[way];
+    const double *rows = map->sums[strategy];
     int width = map->image->width_px, row = find_step(rows, map->image->height_px, draw(state)), x = 0;
     double wanted = draw(state) * step_at(rows, (size_t)row), sum = 0.0;
 
     for (x = 0; x < width - 1; x++) {
-        sum += weight_of(map, way, (size_t)row * (size_t)width + (size_t)x);
+        sum += weight_of(map, strategy, (size_t)row * (size_t)width + (size_t)x);
         if (sum > wanted) break;
     }
-    return (struct truth_place){x, row};
+    return (struct truth_point){x, row};
 }
 
-static struct truth_place draw_in_block(const struct audit_map *map, enum audit_way way, uint64_t *state)
+static struct truth_point draw_in_block(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
     int width = map->image->width_px, height = map->image->height_px, columns = map->columns_count;
-    int block = find_step(map->sums[way], columns * map->rows_count, draw(state));
+    int block = find_step(map->sums[strategy], columns * map->rows_count, draw(state));
     int column = block % columns, row = block / columns;
     int left = block_begin(column, columns, width), right = block_begin(column + 1, columns, width);
     int top = block_begin(row, map->rows_count, height), bottom = block_begin(row + 1, map->rows_count, height);
 
-    return (struct truth_place){draw_between(left, right, state), draw_between(top, bottom, state)};
+    return (struct truth_point){draw_between(left, right, state), draw_between(top, bottom, state)};
 }
 
-static struct truth_place draw_place(const struct audit_map *map, enum audit_way way, uint64_t *state)
+static struct truth_point draw_point(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
-    struct truth_place place = {0};
+    struct truth_point point = {0};
 
-    switch (way) {
-    case AUDIT_WAY_BRIGHT:
-    case AUDIT_WAY_SPIKE:
-        return draw_bright(map, way, state);
-    case AUDIT_WAY_HALVING:
-    case AUDIT_WAY_ODD:
-        return draw_in_block(map, way, state);
+    switch (strategy) {
+    case AUDIT_STRATEGY_BRIGHT:
+    case AUDIT_STRATEGY_SPIKE:
+        return draw_bright(map, strategy, state);
+    case AUDIT_STRATEGY_HALVING:
+    case AUDIT_STRATEGY_ODD:
+        return draw_in_block(map, strategy, state);
     default:
         break;
     }
-    place.x = draw_between(0, map->image->width_px, state);
-    place.y = draw_between(0, map->image->height_px, state);
-    return place;
+    point.x = draw_between(0, map->image->width_px, state);
+    point.y = draw_between(0, map->image->height_px, state);
+    return point;
 }
 
 // The ways follow one another so that any run of draws has their shares nearly: multiples of the golden ratio fill the unit
 // interval evenly.
-static enum audit_way way_of(const struct audit_map *map, uint64_t seed, size_t i)
+static enum audit_strategy strategy_of(const struct audit_map *map, uint64_t seed, size_t i)
 {
     double whole, at = modf((double)(i + 1) * 0.6180339887498949 + (double)(seed >> 11) * 0x1p-53, &whole);
-    int way = 0;
+    int strategy = 0;
 
-    while (way < AUDIT_WAY_COUNT - 1 && at >= map->share[way])
-        at -= map->share[way++];
-    while (way > 0 && map->share[way] == 0.0)
-        way--;
-    return (enum audit_way)way;
+    while (strategy < AUDIT_STRATEGY_COUNT - 1 && at >= map->share[strategy])
+        at -= map->share[strategy++];
+    while (strategy > 0 && map->share[strategy] == 0.0)
+        strategy--;
+    return (enum audit_strategy)strategy;
 }
 
 void audit_map_draw(const struct audit_map *map, const struct job *job, int32_t frame, size_t first, size_t count,
-                    struct truth_place *places)
+                    struct truth_point *points)
 {
     uint64_t seed = seed_of(job, frame);
 
     for (size_t i = 0; i < count; i++) {
         uint64_t state = seed + (first + i) * 0xd1342543de82ef95u;
 
-        places[i] = draw_place(map, way_of(map, seed, first + i), &state);
+        points[i] = draw_point(map, strategy_of(map, seed, first + i), &state);
     }
 }

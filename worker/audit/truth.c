@@ -178,7 +178,7 @@ static bool measure_next(struct measuring *measuring)
     if (atomic_load(&measuring->is_stopped)) return false;
     i = atomic_fetch_add(&measuring->next, 1);
     if (i >= many->count) return false;
-    many->pixels[i] = truth_measure(measuring->truth, many->places[i].x, many->places[i].y, many->accuracy);
+    many->pixels[i] = truth_measure(measuring->truth, many->points[i].x, many->points[i].y, many->accuracy);
     return true;
 }
 

@@ -43,12 +43,12 @@ struct truth_pixel {
 // `accuracy` may be NULL. Any number of threads may measure at once.
 struct truth_pixel truth_measure(const struct truth *truth, int x, int y, const struct integrate_accuracy *accuracy);
 
-struct truth_place {
+struct truth_point {
     int x, y; // px, from the top left
 };
 
 struct truth_many {
-    const struct truth_place *places; // `count`
+    const struct truth_point *points; // `count`
     struct truth_pixel *pixels;       // `count`; filled from the first on
     size_t count;
     const struct integrate_accuracy *accuracy; // may be NULL

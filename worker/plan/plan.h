@@ -24,7 +24,7 @@ struct plan {
     double predicted_error;                       // relative RMSE, the quadratic mean of the segment's frames
     char reason[PLAN_REASON_SIZE];                // one sentence: why this and no other
     double work;                                  // evaluations of density a pixel, as plan_family_work counts them
-    double dearer; // work of all the segment's frames, of which some are rendered finer, beside that of `quality`
+    double work_ratio; // work of all the segment's frames, of which some are rendered finer, beside that of `quality`
     struct plan_scouting scouting; // which frames these are
     size_t family;                 // of plan_families
     struct plan_point point;

@@ -19,9 +19,9 @@ enum {
     UNBAKED_RUNG = 9 // beyond 128 cells, where filling takes longer than it saves
 };
 
-static const double VOXELS_FIRST = 8.0;      // rung 0
-static const double VOXELS_OF_A_WAY = 128.0; // about
-static const double DEPTH_FIRST = 4.0;       // optical depth
+static const double VOXELS_FIRST = 8.0;       // rung 0
+static const double VOXELS_OF_A_PATH = 128.0; // about
+static const double DEPTH_FIRST = 4.0;        // optical depth
 static const double TRANSMITTANCE_FIRST = 0.02;
 
 static const int points[] = {1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 180, 256, 362, 512, 724, 1000};
@@ -93,7 +93,7 @@ void plan_scene_init(struct plan_scene *scene, const struct job *job)
         scene->is_even &= scene_density_is_even(density);
         scene->counts_voxels |= density->kind == SCENE_DENSITY_GRID;
     }
-    scene->way = scene->counts_voxels ? VOXELS_OF_A_WAY : step_longest_way(job);
+    scene->path_length = scene->counts_voxels ? VOXELS_OF_A_PATH : step_longest_way(job);
 }
 
 // The cheaper a family is as a rule, the earlier it stands: what is dearer than what was found is not measured.
@@ -198,7 +198,7 @@ static double halved(double first, int rung)
 
 static void set_axis(struct job_quality *quality, enum plan_axis axis, const struct plan_scene *scene, int rung)
 {
-    double step = halved(scene->counts_voxels ? VOXELS_FIRST : scene->way / FIRST_STEPS, rung);
+    double step = halved(scene->counts_voxels ? VOXELS_FIRST : scene->path_length / FIRST_STEPS, rung);
 
     switch (axis) {
     case PLAN_AXIS_STEP:
@@ -258,8 +258,8 @@ bool plan_family_serves(const struct plan_family *family, const struct plan_scen
     return step_check(&planned, &nowhere, NULL);
 }
 
-// Of one look at a medium, beside that of the fractal's eight folds: by hand from timings on software GL.
-static double look_work(const struct scene_density *density)
+// Of one density at a medium, beside that of the fractal's eight folds: by hand from timings on software GL.
+static double density_work(const struct scene_density *density)
 {
     switch (density->kind) {
     case SCENE_DENSITY_HOMOGENEOUS:
@@ -275,7 +275,7 @@ static double look_work(const struct scene_density *density)
     return 1.0;
 }
 
-static double looks_of_all(const struct job *job, const struct job_quality *quality)
+static double sum_density_work(const struct job *job, const struct job_quality *quality)
 {
     static const double BAKED = 1.5; // a texel of a grid that is not the file's
     double work = 0.1;               // to step at all
@@ -284,38 +284,39 @@ static double looks_of_all(const struct job *job, const struct job_quality *qual
 
     planned.quality = *quality;
     for (size_t i = 0; i < job->scene.medium_count; i++)
-        work += density_bake_find(&bake, &planned, i) ? BAKED : look_work(&job->scene.media[i].density);
+        work += density_bake_find(&bake, &planned, i) ? BAKED : density_work(&job->scene.media[i].density);
     return work;
 }
 
 // What a step of each depth sees of the lights.
-static double light_work(const struct plan_scene *scene, const struct job_quality *quality, double look, double depth)
+static double light_work(const struct plan_scene *scene, const struct job_quality *quality, double density,
+                         double depth)
 {
-    static const double PHASE = 0.5, LOOK_UP = 1.5, SHARE_OF_WAY = 0.5;
+    static const double PHASE = 0.5, LOOKUP = 1.5, SHARE_OF_PATH = 0.5;
     double light_step = scene->counts_voxels ? quality->light_step_voxels : quality->light_step, steps;
 
     if (!scene->has_lights) return 0.0;
-    if (quality->method == JOB_METHOD_CACHED) return PHASE + LOOK_UP;
+    if (quality->method == JOB_METHOD_CACHED) return PHASE + LOOKUP;
     if (scene->is_even || light_step <= 0.0) return PHASE;
-    steps = SHARE_OF_WAY * scene->way / light_step;
-    if (quality->method == JOB_METHOD_ADAPTIVE) steps += SHARE_OF_WAY * depth / quality->depth_step;
+    steps = SHARE_OF_PATH * scene->path_length / light_step;
+    if (quality->method == JOB_METHOD_ADAPTIVE) steps += SHARE_OF_PATH * depth / quality->depth_step;
     if (quality->method == JOB_METHOD_GAUSS) steps *= quality->order;
-    return PHASE + steps * look;
+    return PHASE + steps * density;
 }
 
 // Of the camera ray that goes `depth` deep.
-static double ray_work(const struct plan_scene *scene, const struct job_quality *quality, double look, double depth)
+static double ray_work(const struct plan_scene *scene, const struct job_quality *quality, double density, double depth)
 {
-    double step = scene->counts_voxels ? quality->step_voxels : quality->step, reach = 1.0, steps;
+    double step = scene->counts_voxels ? quality->step_voxels : quality->step, share = 1.0, steps;
     double lights = (double)scene->job->scene.light_count;
 
-    if (quality->min_transmittance > 0.0 && depth > 0.0) reach = fmin(1.0, -log(quality->min_transmittance) / depth);
-    steps = reach * scene->way / step;
+    if (quality->min_transmittance > 0.0 && depth > 0.0) share = fmin(1.0, -log(quality->min_transmittance) / depth);
+    steps = share * scene->path_length / step;
     if (quality->method == JOB_METHOD_ADAPTIVE || (quality->method == JOB_METHOD_CACHED && quality->depth_step > 0.0))
-        steps += reach * depth / quality->depth_step;
+        steps += share * depth / quality->depth_step;
     if (quality->method == JOB_METHOD_GAUSS) steps *= quality->order;
-    if (quality->method == JOB_METHOD_PREINTEGRATED) look *= 1.5; // both ends' looks in the table
-    return steps * (look + lights * light_work(scene, quality, look, depth));
+    if (quality->method == JOB_METHOD_PREINTEGRATED) density *= 1.5; // both ends' looks in the table
+    return steps * (density + lights * light_work(scene, quality, density, depth));
 }
 
 static double points_work(const struct plan_scene *scene, const struct job_quality *quality)
@@ -327,28 +328,28 @@ static double points_work(const struct plan_scene *scene, const struct job_quali
 }
 
 // Of grids that are made for each frame, shared out among its pixels.
-static double grid_work(const struct plan_scene *scene, const struct job_quality *quality, double look)
+static double grid_work(const struct plan_scene *scene, const struct job_quality *quality, double density)
 {
     double lights = (double)scene->job->scene.light_count, samples = scene->pixels * quality->samples;
 
     if (quality->method != JOB_METHOD_CACHED || !scene->has_lights) return 0.0;
-    return lights * pow(quality->light_grid, 3) * (look + 0.5) / samples;
+    return lights * pow(quality->light_grid, 3) * (density + 0.5) / samples;
 }
 
 double plan_family_work(const struct plan_scene *scene, const struct job_quality *quality)
 {
     static const double PIXEL = 5.0;
-    double look = looks_of_all(scene->job, quality), sum = 0.0;
+    double density = sum_density_work(scene->job, quality), sum = 0.0;
 
     if (quality->method == JOB_METHOD_EQUIANGULAR) {
         sum = points_work(scene, quality);
     } else {
         for (size_t i = 0; i < scene->depth_count; i++)
-            sum += ray_work(scene, quality, look, scene->depths[i]);
+            sum += ray_work(scene, quality, density, scene->depths[i]);
         sum /= scene->depth_count > 0 ? (double)scene->depth_count : 1.0;
     }
     // Paths that go on cost a little more each time that fewer are cut.
     if (scene->has_paths)
         sum *= 1.0 + 0.02 * log2(scene->job->quality.min_throughput / fmax(quality->min_throughput, 1e-9));
-    return quality->samples * (PIXEL + scene->met * sum + grid_work(scene, quality, look));
+    return quality->samples * (PIXEL + scene->hit_share * sum + grid_work(scene, quality, density));
 }

@@ -23,13 +23,13 @@ enum plan_axis {
 struct plan_scene {
     const struct job *job; // borrowed
     bool counts_voxels;    // steps are in voxels: there is a grid
-    double way;            // m, or voxels where these are counted: the longest way that is marched
+    double path_length;    // m, or voxels where these are counted: the longest way that is marched
     bool is_even;          // all media are homogeneous without falloff
     bool has_media, has_lights, has_extinction, has_paths, has_roughness;
     // Shares of rays, by how deep they go: optical depths, one a measured ray that meets anything.
     const float *depths; // borrowed
     size_t depth_count;
-    double met; // the share of rays that meet a medium
+    double hit_share; // the share of rays that meet a medium
     double pixels;
 };
 

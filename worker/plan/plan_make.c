@@ -8,9 +8,9 @@
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_family.h"
+#include "worker/plan/plan_overhead.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_pilot.h"
-#include "worker/plan/plan_rest.h"
 #include "worker/plan/plan_scout.h"
 #include "worker/plan/plan_search.h"
 #include "worker/plan/plan_time.h"
@@ -23,11 +23,11 @@ enum { FINEST_RUNGS = 6, FAMILY_LIMIT = 16 };
 
 static const double SHARE = 0.5; // of the tolerance that a plan is to use
 // Once something is found, nothing is measured in a family beyond so many looks of the pilot's.
-static const double LOOKS_ENOUGH = 3e7;
+static const double EVALUATIONS_ENOUGH = 3e7;
 // Of the tolerance, what a frame of the pilot may be off that the walk did not see.
 static const double SHARE_UNSEEN = 0.75;
 // Nothing is tried that costs so many times as much as the render that the others are compared with.
-static const double DEAREST = 8.0;
+static const double WORK_LIMIT = 8.0;
 // Relative RMSE of rounding to half: of an even spread of digits, 2^-11 / sqrt(3) of the value's power of two.
 static const double HALF_ROUNDING = 2.0e-4;
 
@@ -39,8 +39,8 @@ struct attempt {
     bool is_half;
     int frame; // the pilot's that is measured: the worst
     double target;
-    double first_looks; // of the pilot, before
-    bool is_found;      // something that keeps the target, now or before
+    double first_evaluations; // of the pilot, before
+    bool is_found;            // something that keeps the target, now or before
 };
 
 static double find_work(void *user, const struct plan_point *point)
@@ -63,7 +63,8 @@ static enum plan_measured measure(void *user, const struct plan_point *point, do
     struct plan_errors errors;
     enum plan_measured measured;
 
-    if (attempt->is_found && plan_pilot_count_looks(attempt->pilot) - attempt->first_looks > LOOKS_ENOUGH)
+    if (attempt->is_found &&
+        plan_pilot_count_evaluations(attempt->pilot) - attempt->first_evaluations > EVALUATIONS_ENOUGH)
         return PLAN_CANNOT;
     measured = plan_pilot_measure(attempt->pilot, &quality, attempt->frame, &errors);
     if (attempt->frame == PLAN_ALL_FRAMES) attempt->frame = errors.worst;
@@ -208,7 +209,7 @@ static int sort_families(struct plan_pilot *pilot, size_t families[static FAMILY
 static bool choose(struct plan_pilot *pilot, const struct job *job, struct choice *choice)
 {
     size_t families[FAMILY_LIMIT];
-    double works[FAMILY_LIMIT], dearest = DEAREST * plan_pilot_fine_work(pilot);
+    double works[FAMILY_LIMIT], work_limit = WORK_LIMIT * plan_pilot_fine_work(pilot);
     int count = sort_families(pilot, families, works);
 
     *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count, .serve_count = count};
@@ -218,13 +219,13 @@ static bool choose(struct plan_pilot *pilot, const struct job *job, struct choic
                                   .pilot = pilot,
                                   .is_half = job->output.pixel == JOB_PIXEL_HALF,
                                   .target = SHARE * job->quality.tolerance,
-                                  .first_looks = plan_pilot_count_looks(pilot),
+                                  .first_evaluations = plan_pilot_count_evaluations(pilot),
                                   .is_found = choice->is_found};
         struct plan_finding finding;
 
         // What begins no cheaper rarely ends so, and where it does gains little.
         if (choice->is_found && works[i] >= choice->finding.work) break;
-        finding = search(&attempt, job->quality.tolerance, choice->is_found ? choice->finding.work : dearest);
+        finding = search(&attempt, job->quality.tolerance, choice->is_found ? choice->finding.work : work_limit);
         if (finding.found == PLAN_GAVE_UP) return false;
         note_tried(choice, attempt.family, &finding);
         if (!is_better(choice, &finding)) continue;
@@ -278,19 +279,19 @@ static bool finish(struct plan *plan, const struct plan_params *params, struct p
 }
 
 // As the job's frames are many, their work is that of the pilot's rays.
-static void find_dearer(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
+static void find_work_ratio(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
 {
     const struct plan_scouting *scouting = &plan->scouting;
     double sum = 0.0;
 
-    plan->dearer = 1.0;
+    plan->work_ratio = 1.0;
     if (scouting->count == 0) return;
     for (int64_t i = scouting->first; i <= scouting->last; i++) {
         struct plan of_frame = plan_of_frame(plan, params->job, frame_range_at(&params->job->frames, i));
 
         sum += plan_family_work(scene, &of_frame.quality) / plan_family_work(scene, &plan->quality);
     }
-    plan->dearer = sum / (double)(scouting->last - scouting->first + 1);
+    plan->work_ratio = sum / (double)(scouting->last - scouting->first + 1);
 }
 
 static bool choose_plan(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
@@ -310,14 +311,14 @@ static bool choose_plan(struct plan *plan, const struct plan_params *params, enu
                          "densities, numbers and files without NaN and infinity");
     }
     ok = ok && (params->choice != PLAN_CHOICE_CHEAPEST ||
-                plan_scout_look(plan, params, plan_pilot_scene(pilot), fault, error));
+                plan_scout_measure(plan, params, plan_pilot_scene(pilot), fault, error));
     if (ok) {
         plan->predicted_error = with_rounding(plan->predicted_error, params->job->output.pixel == JOB_PIXEL_HALF);
-        find_dearer(plan, params, plan_pilot_scene(pilot));
+        find_work_ratio(plan, params, plan_pilot_scene(pilot));
         log_debug("plan: segment %d: %s; predicted error %.2e of %g, %.2f times the work with frames that are finer, "
                   "%d small renders",
                   (int)params->segment.index, plan->reason, plan->predicted_error, params->job->quality.tolerance,
-                  plan->dearer, plan_pilot_count_renders(pilot));
+                  plan->work_ratio, plan_pilot_count_renders(pilot));
     }
     plan_pilot_destroy(pilot);
     return ok;
@@ -335,7 +336,7 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
     if (ok) plan->plan_s = clock_now_s() - start_s;
     if (params->is_timed)
         ok = ok && plan_time_predict(plan, params, fault, error) &&
-             plan_rest_predict(plan, params, chosen.evidence, fault, error);
+             plan_overhead_predict(plan, params, chosen.evidence, fault, error);
     plan_evidence_finish(&evidence);
     return ok;
 }

@@ -23,7 +23,7 @@ enum {
 // How near two renders of steps that differ by half are, beside the tolerance: where reference/ has the last word, and else.
 static const double AGREEMENT = 0.5, AGREEMENT_ALONE = 0.15;
 // Looks for a finer render, at most, where reference/ says what the finest is off.
-static const double LOOKS_OF_A_LEVEL = 2e8;
+static const double EVALUATIONS_OF_A_LEVEL = 2e8;
 
 struct plan_pilot {
     const struct plan_params *params; // borrowed
@@ -35,7 +35,7 @@ struct plan_pilot {
     bool has_truth;
     struct job_quality fine_quality; // of the finest render
     int start_level, render_count;
-    double looks;
+    double evaluations;
     enum renderer_fault fault;
     struct error error;
 };
@@ -160,7 +160,7 @@ static double transmittance_at(const struct plan_pilot *pilot, const struct imag
 static void note_depths(struct plan_pilot *pilot)
 {
     static const double CLEAR = 1e-4, DARKEST = 1e-9;
-    size_t count = pixel_count(pilot), met = 0;
+    size_t count = pixel_count(pilot), hit_count = 0;
 
     free(pilot->depths);
     pilot->depths = xcalloc((size_t)pilot->frame_count * count, sizeof *pilot->depths);
@@ -171,15 +171,15 @@ static void note_depths(struct plan_pilot *pilot)
             if (transmittance < 0.0) transmittance = exp(-1.0);
             if (!pilot->scene.has_extinction) transmittance = 1.0;
             if (pilot->scene.has_extinction && transmittance > 1.0 - CLEAR) continue;
-            pilot->depths[met++] = (float)-log(fmax(transmittance, DARKEST));
+            pilot->depths[hit_count++] = (float)-log(fmax(transmittance, DARKEST));
         }
     pilot->scene.depths = pilot->depths;
-    pilot->scene.depth_count = met;
-    pilot->scene.met = (double)met / ((double)pilot->frame_count * (double)count);
+    pilot->scene.depth_count = hit_count;
+    pilot->scene.hit_share = (double)hit_count / ((double)pilot->frame_count * (double)count);
 }
 
 // Of all frames with one quality, made anew.
-static double looks_of(const struct plan_pilot *pilot, const struct job_quality *quality)
+static double count_evaluations(const struct plan_pilot *pilot, const struct job_quality *quality)
 {
     struct plan_scene scene = pilot->scene;
 
@@ -206,7 +206,8 @@ static bool make_fine(struct plan_pilot *pilot)
         enum plan_measured measured;
         double change;
 
-        if (level > LEVEL_MIN && pilot->has_truth && pilot->frame_count * looks_of(pilot, &quality) > LOOKS_OF_A_LEVEL)
+        if (level > LEVEL_MIN && pilot->has_truth &&
+            pilot->frame_count * count_evaluations(pilot, &quality) > EVALUATIONS_OF_A_LEVEL)
             break;
         measured = render_finer(pilot, &quality);
         if (measured == PLAN_STOPPED || (measured == PLAN_CANNOT && level == 0)) return false;
@@ -216,7 +217,7 @@ static bool make_fine(struct plan_pilot *pilot)
         if (level == 0) continue;
         change = find_change(pilot);
         log_debug("plan: %s, halved %d times: changed by %.2e, %.2e looks", family->name, level, change,
-                  pilot->frame_count * looks_of(pilot, &quality));
+                  pilot->frame_count * count_evaluations(pilot, &quality));
         if (pilot->start_level < 0 && change <= tolerance) pilot->start_level = level - 1;
         if (level >= LEVEL_MIN && change <= enough) break;
     }
@@ -283,9 +284,9 @@ int plan_pilot_count_renders(const struct plan_pilot *pilot)
     return pilot->render_count;
 }
 
-double plan_pilot_count_looks(const struct plan_pilot *pilot)
+double plan_pilot_count_evaluations(const struct plan_pilot *pilot)
 {
-    return pilot->looks;
+    return pilot->evaluations;
 }
 
 enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job_quality *quality, int only,
@@ -304,7 +305,7 @@ enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job
         measured = render(pilot, quality, frame->number, &frame->seen);
 
         if (measured != PLAN_MEASURED) return measured;
-        pilot->looks += looks_of(pilot, quality);
+        pilot->evaluations += count_evaluations(pilot, quality);
         error = plan_pilot_frame_error(frame);
         if (isnan(error)) error = INFINITY;
         if (error > errors->largest) errors->worst = i;

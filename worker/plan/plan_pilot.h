@@ -36,7 +36,7 @@ enum { PLAN_ALL_FRAMES = -1 };
 enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job_quality *quality, int frame,
                                       struct plan_errors *errors);
 // What was looked up for measurements so far, as work is counted.
-double plan_pilot_count_looks(const struct plan_pilot *pilot);
+double plan_pilot_count_evaluations(const struct plan_pilot *pilot);
 // What the last measurement was stopped by.
 enum renderer_fault plan_pilot_fault(const struct plan_pilot *pilot, struct error *error);
 

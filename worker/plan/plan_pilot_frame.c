@@ -82,11 +82,11 @@ bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_
                                                     .finer = &frame->fine,
                                                     .coarser = &frame->before,
                                                     .is_own = true});
-    audit_map_draw(&map, job, frame->number, 0, count, frame->places);
+    audit_map_draw(&map, job, frame->number, 0, count, frame->points);
     for (size_t k = 0; k < count; k++)
-        frame->density[k] = audit_map_density(&map, frame->places[k]);
+        frame->density[k] = audit_map_density(&map, frame->points[k]);
     audit_map_finish(&map);
-    frame->true_count = truth_measure_many(truth, &(struct truth_many){.places = frame->places,
+    frame->true_count = truth_measure_many(truth, &(struct truth_many){.points = frame->points,
                                                                        .pixels = frame->truth,
                                                                        .count = count,
                                                                        .accuracy = &accuracy,
@@ -99,9 +99,9 @@ bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_
     return false;
 }
 
-static const float *seen_at(const struct image *image, struct truth_place place)
+static const float *seen_at(const struct image *image, struct truth_point point)
 {
-    return &image->rgba[4 * ((size_t)place.y * (size_t)image->width_px + (size_t)place.x)];
+    return &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
 }
 
 // The mean of |I - R|^2: that of |I - F|^2 over all pixels, F being the finest render, and what the pixels of known light
@@ -111,8 +111,8 @@ static double square_error(const struct plan_pilot_frame *frame)
     double near = squared_difference(&frame->seen, &frame->fine), rest = 0.0;
 
     for (size_t k = 0; k < frame->true_count; k++) {
-        const float *seen = seen_at(&frame->seen, frame->places[k]);
-        const float *fine = seen_at(&frame->fine, frame->places[k]);
+        const float *seen = seen_at(&frame->seen, frame->points[k]);
+        const float *fine = seen_at(&frame->fine, frame->points[k]);
         double sum = 0.0;
 
         for (int c = 0; c < 3; c++) {
@@ -139,7 +139,7 @@ void plan_pilot_frame_fill(const struct plan_pilot_frame *frame, enum job_pixel 
 
     if (change > pool->change) pool->change = change;
     for (size_t k = 0; k < frame->true_count; k++) {
-        const float *seen = seen_at(&frame->seen, frame->places[k]);
+        const float *seen = seen_at(&frame->seen, frame->points[k]);
         double weight = 1.0 / (3.0 * frame->density[k] * (mean_square > AUDIT_BLACK * AUDIT_BLACK ? mean_square : 1.0));
         struct audit_sample sample = {0};
 

@@ -22,7 +22,7 @@ struct plan_pilot_frame {
     struct image fine, before, seen; // the finest, the one before it, and the last that was measured
     double mean_square;              // of the light
     size_t true_count;
-    struct truth_place places[PLAN_TRUE_PIXELS];
+    struct truth_point points[PLAN_TRUE_PIXELS];
     struct truth_pixel truth[PLAN_TRUE_PIXELS];
     double density[PLAN_TRUE_PIXELS]; // of the pixel's draw
 };

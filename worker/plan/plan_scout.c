@@ -24,7 +24,7 @@ enum {
 // What an error is of that change: within these, by what the pilot's frames say.
 static const double SCALE_LEAST = 0.75, SCALE_MOST = 1.25;
 // Of the looks that the segment's frames take; looks at the least.
-static const double WORK_SHARE = 0.1, LOOKS_MIN = 3e6;
+static const double WORK_SHARE = 0.1, EVALUATIONS_MIN = 3e6;
 
 struct scout {
     struct plan *plan;
@@ -58,7 +58,7 @@ static double find_change(const struct image *coarse, const struct image *fine)
 }
 
 // Of a frame that cannot be rendered nothing is known: its own rendering says why.
-static bool look(struct scout *scout, int32_t frame, double *change, struct error *error)
+static bool measure_change(struct scout *scout, int32_t frame, double *change, struct error *error)
 {
     const struct plan_params *params = scout->params;
     bool ok = plan_small_render(params, &scout->coarser, frame, &scout->coarse, &scout->result, error) &&
@@ -113,13 +113,13 @@ static int count_scouts(const struct plan *plan, const struct plan *finer, const
     affordable = WORK_SHARE * (double)params->segment.count * scene.pixels * plan_family_work(&scene, &plan->quality);
     scene.pixels = fmin(scene.pixels, PIXELS);
     each = scene.pixels * (plan_family_work(&scene, &plan->quality) + plan_family_work(&scene, &finer->quality));
-    count = (int64_t)fmin((double)count, fmax(affordable, LOOKS_MIN) / each);
+    count = (int64_t)fmin((double)count, fmax(affordable, EVALUATIONS_MIN) / each);
     if (count < COUNT_MIN) count = truth_has_twin(params->job) ? 0 : COUNT_ALONE;
     return count > 0 ? (int)((count - 1) / 2 * 2 + 1) : 0;
 }
 
-bool plan_scout_look(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
-                     enum renderer_fault *fault, struct error *error)
+bool plan_scout_measure(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
+                        enum renderer_fault *fault, struct error *error)
 {
     struct plan_scouting scouting = {.first = params->segment.first,
                                      .last = params->segment.first + params->segment.count - 1};
@@ -133,8 +133,8 @@ bool plan_scout_look(struct plan *plan, const struct plan_params *params, const 
     scout.coarser = make_tiny(plan, params->job);
     scout.finer = make_tiny(&finer, params->job);
     for (int i = 0; ok && i < scouting.count; i++)
-        ok = look(&scout, frame_range_at(&params->job->frames, plan_scouting_index(&scouting, i)), &scouting.error[i],
-                  error);
+        ok = measure_change(&scout, frame_range_at(&params->job->frames, plan_scouting_index(&scouting, i)),
+                            &scouting.error[i], error);
     if (ok) {
         scale_errors(&scouting, plan->predicted_error, params->job);
         plan->predicted_error = plan_scouting_predict_error(&scouting, params->job->quality.tolerance);

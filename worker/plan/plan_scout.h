@@ -15,5 +15,5 @@ struct plan_scene;
 // becomes that of all, refined as plan_scouting_find_rungs says. `rays` are the pilot's. Without effect where it would tell nothing,
 // of a scene that stays, or cost too much: where each frame reads files of its own, or next to the frames themselves. On failure
 // `fault` is as the renderer's.
-bool plan_scout_look(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
-                     enum renderer_fault *fault, struct error *error);
+bool plan_scout_measure(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
+                        enum renderer_fault *fault, struct error *error);

@@ -16,7 +16,7 @@ struct walk {
         double error; // INFINITY: there is none
     } seen[PLAN_MEASURE_LIMIT];
     int seen_count;
-    bool is_stopped, is_too_dear;
+    bool is_stopped, is_over_limit;
 };
 
 static bool is_same(const struct walk *walk, const struct plan_point *a, const struct plan_point *b)
@@ -36,7 +36,7 @@ static double error_at(struct walk *walk, const struct plan_point *point)
     double error = INFINITY;
 
     if (work_of(walk, point) >= search->work_limit) {
-        walk->is_too_dear = true;
+        walk->is_over_limit = true;
         return INFINITY;
     }
     for (int i = 0; i < walk->seen_count; i++)
@@ -151,7 +151,7 @@ struct plan_finding plan_search_run(const struct plan_search *search)
     }
     finding.work = work_of(&walk, &finding.point);
     finding.measured = walk.seen_count;
-    if (finding.found != PLAN_FOUND && walk.is_too_dear) finding.found = PLAN_TOO_DEAR;
+    if (finding.found != PLAN_FOUND && walk.is_over_limit) finding.found = PLAN_OVER_LIMIT;
     if (walk.is_stopped) finding.found = PLAN_GAVE_UP;
     return finding;
 }

@@ -30,9 +30,9 @@ struct plan_search {
 
 enum plan_found {
     PLAN_FOUND,
-    PLAN_TOO_DEAR, // beyond the limit of work
-    PLAN_MISSED,   // the best it has is over the target
-    PLAN_GAVE_UP   // stopped
+    PLAN_OVER_LIMIT, // beyond the limit of work
+    PLAN_MISSED,     // the best it has is over the target
+    PLAN_GAVE_UP     // stopped
 };
 
 struct plan_finding {

@@ -148,7 +148,7 @@ bool plan_time_predict(struct plan *plan, const struct plan_params *params, enum
         if (seconds[count++] > LONG_S) break;
     }
     qsort(seconds, (size_t)count, sizeof *seconds, compare);
-    plan->predicted_s = seconds[count / 2] * timing.shown * plan->dearer;
+    plan->predicted_s = seconds[count / 2] * timing.shown * plan->work_ratio;
     if (!timing.by_processor) return true;
     plan->predicted_processor_s = plan->predicted_s;
     if (timing.parallel > 0.0) plan->predicted_s /= timing.parallel;

@@ -74,11 +74,11 @@ static void what_the_pilot_does_not_see_is_found(void **state)
     within = plan_of_frame(&plan, &job, 17);
     beyond = plan_of_frame(&plan, &job, 40);
     print_message("%s: step %g, of frame 17 %g, of frame 40 %g, %g of the work\n", plan.reason, plan.quality.step,
-                  within.quality.step, beyond.quality.step, plan.dearer);
+                  within.quality.step, beyond.quality.step, plan.work_ratio);
     assert_true(within.quality.step < 0.75 * plan.quality.step);
     assert_memory_equal(&beyond.quality, &plan.quality, sizeof plan.quality);
     // A fifth of the frames.
-    assert_true(plan.dearer > 1.05 && plan.dearer < 4.0);
+    assert_true(plan.work_ratio > 1.05 && plan.work_ratio < 4.0);
     assert_true(plan.predicted_error <= TOLERANCE);
     job_finish(&job);
     gl_stage_close(stage);

@@ -97,7 +97,7 @@ static void what_is_too_dear_is_not_measured(void **state)
     double least = least_work(&terrain);
     struct plan_finding finding = search(&terrain, (struct plan_point){{0, 0}}, 0.5 * least);
 
-    assert_int_equal(finding.found, PLAN_TOO_DEAR);
+    assert_int_equal(finding.found, PLAN_OVER_LIMIT);
     assert_true(finding.work < 0.5 * least);
 }
 

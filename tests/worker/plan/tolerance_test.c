@@ -119,7 +119,7 @@ static double work_of(const struct job *job, const struct job_quality *quality)
     plan_scene_init(&scene, job);
     scene.depths = &DEPTH;
     scene.depth_count = 1;
-    scene.met = 1.0;
+    scene.hit_share = 1.0;
     return plan_family_work(&scene, quality);
 }
 

@@ -13,5 +13,5 @@ struct plan_params;
 
 // Sets predicted_audit_s, predicted_encode_s and predicted_frame_s of a plan whose rendering is timed. On failure `fault` is as the
 // renderer's.
-bool plan_rest_predict(struct plan *plan, const struct plan_params *params, const struct plan_evidence *evidence,
-                       enum renderer_fault *fault, struct error *error);
+bool plan_overhead_predict(struct plan *plan, const struct plan_params *params, const struct plan_evidence *evidence,
+                           enum renderer_fault *fault, struct error *error);

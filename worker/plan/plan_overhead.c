@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_overhead.h"
+
+#include "core/base/clock.h"
+#include "core/base/error.h"
+#include "worker/audit/audit.h"
+#include "worker/audit/audit_map.h"
+#include "worker/audit/truth.h"
+#include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_small.h"
+
+#include <math.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    PIXELS = 480 * 270, // of the frame, at most
+    HALVED_RUNGS = 2    // that halve every step
+};
+
+static const double AUDIT_SHARE = 0.05; // of the rendering's time, as frames are audited
+
+struct overhead {
+    struct plan *plan;
+    const struct plan_params *params;
+    const struct plan_evidence *evidence;
+    struct job job; // small, as planned; owns nothing
+    int32_t frame;
+    struct image image;
+    clockid_t clock; // processors' where these render, whose time is shared with rendering
+    double ratio;    // of pixels of the job's frames to those of the small one
+    struct renderer_result result;
+    struct error *error;
+};
+
+static bool render(struct overhead *overhead, const struct job *job, struct image *image)
+{
+    return plan_small_render(overhead->params, job, overhead->frame, image, &overhead->result, overhead->error);
+}
+
+// Each frame is written and read back once, as the gate does it.
+static bool time_file(struct overhead *overhead, double *seconds)
+{
+    struct image_exr_header header = {.pixel = overhead->job.output.pixel,
+                                      .compression = overhead->job.output.compression,
+                                      .fps_numerator = 24,
+                                      .fps_denominator = 1,
+                                      .job_hash = overhead->job.hash};
+    double start_s = clock_read_s(overhead->clock);
+    int fd = memfd_create("frame", MFD_CLOEXEC);
+    bool is_finite;
+    bool ok = fd >= 0 && image_exr_write(fd, &overhead->image, &header, 1, overhead->error) &&
+              image_exr_scan(fd, &is_finite, 1, overhead->error);
+
+    *seconds = (clock_read_s(overhead->clock) - start_s) * overhead->ratio;
+    if (fd >= 0) close(fd);
+    return ok;
+}
+
+// Where pixels are looked at is found over the whole frame; how many are is not for their number to say.
+static bool time_audit(struct overhead *overhead, double *seconds)
+{
+    const struct plan_view *view = plan_evidence_find(overhead->evidence, overhead->frame);
+    struct truth *truth =
+        truth_open(&(struct truth_params){.job = &overhead->job, .frame = overhead->frame}, overhead->error);
+    struct audit_params params = {.job = &overhead->job,
+                                  .frame = overhead->frame,
+                                  .image = &overhead->image,
+                                  .truth = truth,
+                                  .pool = overhead->evidence->pool.samples.count > 0 ? &overhead->evidence->pool : NULL,
+                                  .tolerance = overhead->params->job->quality.tolerance,
+                                  .budget_s = AUDIT_SHARE * overhead->plan->predicted_s,
+                                  .on_progress = plan_small_on_pixel,
+                                  .user = (void *)overhead->params};
+    struct audit_map_params map_params = {.image = &overhead->image, .pixel = overhead->job.output.pixel};
+    struct audit_result result;
+    struct audit_map map;
+    double start_s = clock_read_s(overhead->clock), map_s;
+    bool ok;
+
+    if (!truth) return false;
+    if (view && view->finer.width_px <= overhead->job.width_px && view->finer.height_px <= overhead->job.height_px) {
+        params.finer = map_params.finer = &view->finer;
+        params.coarser = map_params.coarser = &view->coarser;
+    }
+    audit_map_init(&map, &map_params);
+    audit_map_finish(&map);
+    map_s = clock_read_s(overhead->clock) - start_s;
+    ok = audit_frame(&params, &result);
+    if (!ok) overhead->result.fault = RENDERER_FAULT_STOPPED;
+    *seconds = clock_read_s(overhead->clock) - start_s - 2.0 * map_s + map_s * overhead->ratio;
+    truth_close(truth);
+    return ok;
+}
+
+// Of code of the user's: two small renders.
+static bool time_halving(struct overhead *overhead, double *seconds)
+{
+    const struct plan_view *view = plan_evidence_find(overhead->evidence, overhead->frame);
+    struct plan halved = *overhead->plan;
+    double start_s = clock_read_s(overhead->clock);
+    bool ok = true;
+
+    (void)plan_refine(&halved, overhead->params->job, HALVED_RUNGS);
+    for (int i = 0; ok && view && i < 2; i++) {
+        struct job job = plan_apply(i == 0 ? overhead->plan : &halved, overhead->params->job);
+        struct image image = {0};
+
+        job.width_px = view->finer.width_px;
+        job.height_px = view->finer.height_px;
+        job.quality.samples = 1;
+        ok = render(overhead, &job, &image);
+        image_finish(&image);
+    }
+    *seconds = clock_read_s(overhead->clock) - start_s;
+    return ok;
+}
+
+static void init(struct overhead *overhead)
+{
+    const struct job *job = overhead->params->job;
+    struct job planned = plan_apply(overhead->plan, job);
+
+    overhead->frame = overhead->params->segment.pilot[overhead->params->segment.pilot_count / 2];
+    overhead->job = plan_small_job(&planned, plan_small_scale(job, PIXELS));
+    overhead->ratio =
+        (double)job->width_px * job->height_px / ((double)overhead->job.width_px * overhead->job.height_px);
+    overhead->clock = renderer_is_software(overhead->params->renderer) ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC;
+}
+
+bool plan_overhead_predict(struct plan *plan, const struct plan_params *params, const struct plan_evidence *evidence,
+                           enum renderer_fault *fault, struct error *error)
+{
+    struct overhead overhead = {.plan = plan, .params = params, .evidence = evidence, .error = error};
+    bool is_software = renderer_is_software(params->renderer);
+    double parallel = is_software && plan->predicted_s > 0.0 ? plan->predicted_processor_s / plan->predicted_s : 1.0;
+    bool ok;
+
+    init(&overhead);
+    ok = render(&overhead, &overhead.job, &overhead.image) && time_file(&overhead, &plan->predicted_encode_s) &&
+         (truth_has_twin(params->job) ? time_audit : time_halving)(&overhead, &plan->predicted_audit_s);
+    if (ok) {
+        // A copy has its original's audit.
+        if (scene_is_constant(&params->job->scene)) plan->predicted_audit_s /= (double)params->segment.count;
+        plan->predicted_audit_s /= parallel;
+        plan->predicted_encode_s /= parallel;
+        plan->predicted_frame_s = plan->predicted_s + plan->predicted_audit_s;
+        // The file of the frame before is made meanwhile: by the same processors, or beside the GPU.
+        plan->predicted_frame_s = is_software ? plan->predicted_frame_s + plan->predicted_encode_s
+                                              : fmax(plan->predicted_frame_s, plan->predicted_encode_s);
+    } else {
+        *fault = overhead.result.fault == RENDERER_FAULT_NONE ? RENDERER_FAULT_FRAME : overhead.result.fault;
+    }
+    image_finish(&overhead.image);
+    return ok;
+}
