@@ -90,7 +90,7 @@ static void depth_is_that_of_the_first_surface(void **state)
 // Extinction of ln 2 a metre halves the light after a metre: before the wall or behind it.
 static void a_medium_may_be_nearer_than_the_surface(void **state)
 {
-    static const char *const scene =
+    static const char scene[] =
         "\"media\": [{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_s\": 0, \"sigma_a\": 0.69314718}], "
         "\"objects\": [{\"kind\": \"plane\", \"point\": [0, 0, %g], \"normal\": [0, 0, 1], \"material\": {%s}}]";
     static const struct {

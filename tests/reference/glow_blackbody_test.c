@@ -82,11 +82,12 @@ static void lattices_that_differ_converge(void **state)
     float densities[VOXELS], temperatures[VOXELS];
     struct density_grid density = {.scale = 0.7};
     struct glow_blackbody field;
-    struct grid_params place = placed(densities, 0.0);
+    struct grid_params place;
     struct random random = {53};
 
     fill_randomly(densities, 54, 0.0, 1.0);
     fill_randomly(temperatures, 55, 0.5, 1.5);
+    place = placed(densities, 0.0);
     grid_init(&density.grid, &place);
     glow_blackbody_init(
         &field, &(struct glow_blackbody_params){.grid = placed(temperatures, 0.3), .kelvin = 2000.0, .intensity = 1.0});
