@@ -60,7 +60,7 @@ expect "frames beside the cut one" "$(field "$cut" .succeeded)" 3
 expect "why the job failed" "$(field "$cut" .reason)" "1 of its frames failed"
 frames=$(ask job.frames "{\"id\":$cut,\"state\":[\"failed\"]}")
 expect "the cut frame" "$(jq -c '[.result.frames[] | select(.state == "failed") | [.frame, .attempts]]' <<<"$frames")" "[[2,1]]"
-grep -qF "more turns of its loops" <<<"$frames" || fail "the reason: $frames"
+grep -qF "more iterations of its loops" <<<"$frames" || fail "the reason: $frames"
 
 # When no frame ends, the job is failed after three.
 all=$(submit "$(endless all 0-99 -1)")

@@ -9,7 +9,7 @@
 
 enum { TRY_LIMIT = 3 };
 
-// The order of tries. A device that is named is looked for by the first alone.
+// The order in which backends are tried. A device that the caller names is looked for by the first alone.
 static gl_context_backend_create *const tries[][TRY_LIMIT] = {
     [GL_BACKEND_AUTO] = {gl_context_egl_create_hardware, gl_context_osmesa_create, gl_context_egl_create_software},
     [GL_BACKEND_EGL] = {gl_context_egl_create_hardware, gl_context_egl_create_software},

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Names of GL_EXT_memory_object, which the core header lacks.
+// Names from GL_EXT_memory_object, which the core header lacks.
 enum { DEVICE_UUID = 0x9597, UUID_SIZE = 16 };
 typedef void(APIENTRY *get_unsigned_bytes_function)(GLenum name, GLuint index, GLubyte *bytes);
 

@@ -18,8 +18,8 @@ struct gl_context_trials {
 void gl_context_trials_add(struct gl_context_trials *trials, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-// Returns a current context with `function`, `destroy` and all facts, or NULL with its tries added. `device` is as for
-// gl_context_create.
+// Returns a current context with `function`, `destroy` and all facts, or NULL after adding what it tried to `trials`.
+// `device` is as for gl_context_create.
 typedef struct gl_context *gl_context_backend_create(const char *device, struct gl_context_trials *trials);
 
 // EGL on a GPU, or on `device` whatever it is.

@@ -26,23 +26,23 @@ struct egl_library {
     PFNEGLRELEASETHREADPROC release_thread;
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display;
     PFNEGLQUERYDEVICESEXTPROC query_devices;            // NULL without device enumeration
-    PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string; // likewise
+    PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string; // NULL without device enumeration
     PFNEGLQUERYDEVICEBINARYEXTPROC query_device_binary; // NULL without EGL_EXT_device_persistent_id
 };
 
 struct egl_context {
     struct gl_context base; // first: the base is this struct's address
     struct egl_library egl;
-    EGLDisplay display; // EGL's own; stays initialised, for drivers do not survive being unloaded
+    EGLDisplay display; // EGL owns it; it stays initialised, for drivers do not survive being unloaded
     EGLContext handle;  // owned
 };
 
-// Where a context is made, and the name it has in messages.
-struct egl_place {
+// A display that a context can be made on, and its name in messages.
+struct egl_target {
     EGLenum platform;
     void *native; // an EGLDeviceEXT, or EGL_DEFAULT_DISPLAY
     char name[48];
-    char uuid[40]; // empty when EGL does not tell
+    char uuid[40]; // empty when EGL does not report it
 };
 
 static bool has_word(const char *words, const char *wanted)
@@ -110,7 +110,7 @@ static void destroy(struct gl_context *context)
     free(made);
 }
 
-// A context that reports its loss is wanted, one that does not is taken.
+// Prefers a context that reports its loss and falls back to one that does not.
 static EGLContext create_handle(const struct egl_library *egl, EGLDisplay display)
 {
     static const EGLint robust[] = {EGL_CONTEXT_MAJOR_VERSION,
@@ -130,46 +130,46 @@ static EGLContext create_handle(const struct egl_library *egl, EGLDisplay displa
     return handle ? handle : egl->create_context(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, plain);
 }
 
-static bool open_display(struct egl_context *context, const struct egl_place *place, struct gl_context_trials *trials)
+static bool open_display(struct egl_context *context, const struct egl_target *target, struct gl_context_trials *trials)
 {
     const struct egl_library *egl = &context->egl;
-    EGLDisplay display = egl->get_platform_display(place->platform, place->native, NULL);
+    EGLDisplay display = egl->get_platform_display(target->platform, target->native, NULL);
     const char *extensions;
     EGLint major, minor;
 
     if (display == EGL_NO_DISPLAY || !egl->initialize(display, &major, &minor)) {
-        gl_context_trials_add(trials, "%s: no display (EGL error 0x%x)", place->name, (unsigned)egl->get_error());
+        gl_context_trials_add(trials, "%s: no display (EGL error 0x%x)", target->name, (unsigned)egl->get_error());
         return false;
     }
     context->display = display;
     extensions = egl->query_string(display, EGL_EXTENSIONS);
     if (!has_word(extensions, "EGL_KHR_surfaceless_context") || !has_word(extensions, "EGL_KHR_no_config_context")) {
         gl_context_trials_add(trials, "%s: lacks EGL_KHR_surfaceless_context or EGL_KHR_no_config_context",
-                              place->name);
+                              target->name);
         return false;
     }
     return true;
 }
 
-static struct gl_context *create_at(const struct egl_library *egl, const struct egl_place *place,
+static struct gl_context *create_at(const struct egl_library *egl, const struct egl_target *target,
                                     struct gl_context_trials *trials)
 {
     struct egl_context *context = xcalloc(1, sizeof *context);
 
     context->base = (struct gl_context){.function = find_function, .destroy = destroy, .facts.backend = "egl"};
-    memcpy(context->base.facts.device_uuid, place->uuid, sizeof place->uuid);
+    memcpy(context->base.facts.device_uuid, target->uuid, sizeof target->uuid);
     context->egl = *egl;
     context->display = EGL_NO_DISPLAY;
     context->handle = EGL_NO_CONTEXT;
-    if (!open_display(context, place, trials)) goto failed;
+    if (!open_display(context, target, trials)) goto failed;
     if (egl->bind_api(EGL_OPENGL_API)) context->handle = create_handle(egl, context->display);
     if (context->handle == EGL_NO_CONTEXT) {
-        gl_context_trials_add(trials, "%s: no OpenGL 4.5 core context (EGL error 0x%x)", place->name,
+        gl_context_trials_add(trials, "%s: no OpenGL 4.5 core context (EGL error 0x%x)", target->name,
                               (unsigned)egl->get_error());
         goto failed;
     }
     if (!egl->make_current(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context->handle)) {
-        gl_context_trials_add(trials, "%s: the context does not become current (EGL error 0x%x)", place->name,
+        gl_context_trials_add(trials, "%s: the context does not become current (EGL error 0x%x)", target->name,
                               (unsigned)egl->get_error());
         goto failed;
     }
@@ -179,18 +179,18 @@ failed:
     return NULL;
 }
 
-static struct egl_place device_place(const struct egl_library *egl, EGLDeviceEXT device, int index)
+static struct egl_target device_target(const struct egl_library *egl, EGLDeviceEXT device, int index)
 {
-    struct egl_place place = {.platform = EGL_PLATFORM_DEVICE_EXT, .native = device};
+    struct egl_target target = {.platform = EGL_PLATFORM_DEVICE_EXT, .native = device};
     const char *extensions = egl->query_device_string(device, EGL_EXTENSIONS);
     unsigned char uuid[UUID_SIZE];
     EGLint size = 0;
 
-    snprintf(place.name, sizeof place.name, "egl device %d", index);
+    snprintf(target.name, sizeof target.name, "egl device %d", index);
     if (egl->query_device_binary && has_word(extensions, "EGL_EXT_device_persistent_id") &&
         egl->query_device_binary(device, EGL_DEVICE_UUID_EXT, UUID_SIZE, uuid, &size) && size == UUID_SIZE)
-        gl_context_format_uuid(uuid, place.uuid);
-    return place;
+        gl_context_format_uuid(uuid, target.uuid);
+    return target;
 }
 
 static bool is_index(const char *device)
@@ -198,7 +198,7 @@ static bool is_index(const char *device)
     return device[0] && strlen(device) < 4 && strspn(device, "0123456789") == strlen(device);
 }
 
-// A UUID is compared without regard to case and to the "GPU-" that NVIDIA's tools put before it.
+// Compares without regard to case and to the "GPU-" that NVIDIA's tools put before a UUID.
 static bool is_uuid_equal(const char *wanted, const char *uuid)
 {
     if (strncasecmp(wanted, "GPU-", 4) == 0) wanted += 4;
@@ -208,17 +208,17 @@ static bool is_uuid_equal(const char *wanted, const char *uuid)
 static struct gl_context *create_on_device(const struct egl_library *egl, EGLDeviceEXT device, int index,
                                            const char *wanted, struct gl_context_trials *trials)
 {
-    struct egl_place place = device_place(egl, device, index);
+    struct egl_target target = device_target(egl, device, index);
     struct gl_context *context;
 
     if (wanted && is_index(wanted) && atoi(wanted) != index) return NULL;
-    if (wanted && !is_index(wanted) && place.uuid[0] && !is_uuid_equal(wanted, place.uuid)) {
-        gl_context_trials_add(trials, "%s: is %s", place.name, place.uuid);
+    if (wanted && !is_index(wanted) && target.uuid[0] && !is_uuid_equal(wanted, target.uuid)) {
+        gl_context_trials_add(trials, "%s: is %s", target.name, target.uuid);
         return NULL;
     }
-    context = create_at(egl, &place, trials);
+    context = create_at(egl, &target, trials);
     if (context && wanted && !is_index(wanted) && !is_uuid_equal(wanted, context->facts.device_uuid)) {
-        gl_context_trials_add(trials, "%s: is %s", place.name,
+        gl_context_trials_add(trials, "%s: is %s", target.name,
                               context->facts.device_uuid[0] ? context->facts.device_uuid : "without a UUID");
         destroy(context);
         context = NULL;
@@ -226,7 +226,8 @@ static struct gl_context *create_on_device(const struct egl_library *egl, EGLDev
     return context;
 }
 
-// The first device that works of those that render in software or do not; `wanted`, if given, whatever it is.
+// Returns a context on the first device that works: a software device or a GPU as `in_software` says, or the one that
+// `wanted` names, whichever it is.
 static struct gl_context *create_on_devices(const struct egl_library *egl, bool in_software, const char *wanted,
                                             struct gl_context_trials *trials)
 {
@@ -263,7 +264,7 @@ struct gl_context *gl_context_egl_create_hardware(const char *device, struct gl_
 
 struct gl_context *gl_context_egl_create_software(const char *device, struct gl_context_trials *trials)
 {
-    static const struct egl_place surfaceless = {
+    static const struct egl_target surfaceless = {
         .platform = EGL_PLATFORM_SURFACELESS_MESA, .native = EGL_DEFAULT_DISPLAY, .name = "egl surfaceless"};
     struct egl_library egl = {0};
     struct gl_context *context;

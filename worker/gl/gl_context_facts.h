@@ -1,4 +1,4 @@
-// What a GL context says of itself.
+// What a GL context reports about itself: its backend, driver and device.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

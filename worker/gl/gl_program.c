@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Reads "3:30012(5)" or "3(30012)" at `text`; returns the text after it, or NULL.
-static const char *parse_place(const char *text, unsigned long *line)
+// Reads a position like "3:30012(5)" or "3(30012)" at `text`; returns the text after it, or NULL.
+static const char *parse_position(const char *text, unsigned long *line)
 {
     char *end;
     char separator;
@@ -31,7 +31,7 @@ static const char *parse_place(const char *text, unsigned long *line)
     return end;
 }
 
-// Names that were made private to a medium get back what the user wrote.
+// Names that were made private to a medium become what the user wrote.
 static void remove_prefixes(char *text)
 {
     char *to = text;
@@ -59,7 +59,7 @@ char *gl_program_translate_log(const char *log, const char *const *module_names,
         size_t length = strcspn(log, "\n") + (strchr(log, '\n') ? 1 : 0);
         const char *start = strncmp(log, "ERROR: ", 7) == 0 ? log + 7 : log;
         unsigned long line = 0;
-        const char *rest = parse_place(start, &line);
+        const char *rest = parse_position(start, &line);
         unsigned long module = line / SHADER_ASSEMBLY_LINE_STRIDE;
 
         if (rest && module < module_count) {
@@ -75,7 +75,7 @@ char *gl_program_translate_log(const char *log, const char *const *module_names,
     return text ? text : xstrdup("");
 }
 
-// The first line that is an error rather than a warning; the whole log where none says so.
+// Sets the first line that is an error rather than a warning, or the first line where none says that it is an error.
 static void set_first_error(struct error *error, const char *log)
 {
     for (const char *line = log; *line; line += strcspn(line, "\n"), line += *line == '\n') {
@@ -110,7 +110,7 @@ static unsigned compile(const struct gl_functions *gl, GLenum stage, const char 
     return 0;
 }
 
-// Images that a shader samples, as its text declares them.
+// Counts the images that a shader samples, by the declarations in its text.
 static int count_samplers(const char *text)
 {
     int count = 0;
@@ -123,8 +123,8 @@ static int count_samplers(const char *text)
     return count;
 }
 
-// GL's words for too many images are the driver's, and say neither how many there are nor what they belong to.
-static void tell_link_failure(const struct gl_functions *gl, unsigned program, const char *text, struct error *error)
+// The driver's message about too many images says neither how many there are nor what they belong to, so this one does.
+static void set_link_error(const struct gl_functions *gl, unsigned program, const char *text, struct error *error)
 {
     int count = count_samplers(text);
     char log[4096] = "";
@@ -162,7 +162,7 @@ unsigned gl_program_create(const struct gl_functions *gl, const struct gl_progra
     gl->LinkProgram(program);
     gl->GetProgramiv(program, GL_LINK_STATUS, &ok);
     if (!ok) {
-        tell_link_failure(gl, program, text, error);
+        set_link_error(gl, program, text, error);
         gl->DeleteProgram(program);
         program = 0;
     }

@@ -12,7 +12,7 @@ enum { GL_PROGRAMS_LIMIT = 32 };
 
 struct kept_program {
     unsigned name; // GL's
-    int rows;      // of its work that are done at once; whoever runs it sets it, and begins with 0
+    int rows;      // rows or layers of its work that one call does; set by whoever runs it, 0 at first
 };
 
 struct gl_programs {
@@ -23,7 +23,7 @@ struct gl_programs {
 
 void gl_programs_init(struct gl_programs *programs, const struct gl_functions *gl);
 void gl_programs_finish(struct gl_programs *programs); // accepts the zero value
-// The program of that hash, linked from `params` unless it is here; NULL with the reason where that fails. Valid until
-// GL_PROGRAMS_LIMIT - 1 others have been asked for.
+// Returns the program with that hash, linked from `params` unless it is kept; NULL with the reason where linking fails.
+// The pointer is valid until GL_PROGRAMS_LIMIT - 1 other programs have been asked for.
 struct kept_program *gl_programs_find(struct gl_programs *programs, const char *hash,
                                       const struct gl_program_params *params, struct error *error);

@@ -1,4 +1,4 @@
-// Which of a few things to keep, by key: where room is needed, the one that was used longest ago is dropped.
+// Keeps a few things by key; where room is needed, the least recently used one is dropped.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,10 +9,10 @@
 
 enum { LRU_LIMIT = 96 };
 
-// The things themselves are their owner's: an array of the same order.
+// The owner has the things themselves, in an array with the same indices.
 struct lru {
-    int capacity;            // at most LRU_LIMIT, and more than what is in use at once
-    size_t idle_bytes_limit; // of all that is kept though it is not in use
+    int capacity;            // at most LRU_LIMIT, and more than are in use at once
+    size_t idle_bytes_limit; // the most bytes kept that are not in use
     uint64_t moment;
     struct {
         char key[HASH_TEXT_SIZE]; // empty: nothing is kept here
@@ -24,11 +24,11 @@ struct lru {
 // Releases the owner's thing at `index`.
 typedef void lru_drop(void *user, int index);
 
-// Begins a moment, a frame for example: nothing is in use yet.
+// Begins a moment, a frame for example, in which nothing is in use yet.
 void lru_begin(struct lru *lru);
-// The index of the thing with this key, which is in use from then on; -1 when it is not kept.
+// Returns the index of the thing with this key, which is then in use; -1 when it is not kept.
 int lru_find(struct lru *lru, const char *key);
-// The index of an empty entry, after idle things were dropped until `size_bytes` more fit beside the others.
+// Returns the index of an empty entry, after dropping things that are not in use until `size_bytes` more fit.
 int lru_make_room(struct lru *lru, size_t size_bytes, lru_drop *drop, void *user);
 // Keeps a thing at an index from lru_make_room, in use.
 void lru_put(struct lru *lru, int index, const char *key, size_t size_bytes);

@@ -44,7 +44,7 @@ void drawing_tools_finish(struct drawing_tools *tools)
     *tools = (struct drawing_tools){0};
 }
 
-// What GL says beside an error that has its reason already is dropped.
+// The error has its reason already, so what GL reports beside it is dropped.
 static bool fail(struct drawing *drawing, enum renderer_fault fault)
 {
     drawing->fault = fault;
@@ -119,10 +119,10 @@ bool drawing_fit_target(struct drawing *drawing, const struct gl_target_params *
 
 struct tile { // rows of the picture
     int row, row_count;
-    double seconds; // that its longest draw took
+    double seconds; // the time of its longest draw
 };
 
-// Only a tile that takes long is read: the rest of a frame that is cut may take hours.
+// Reads the tile only where it took long: the rest of a frame that GL cuts may take hours.
 static bool check_tile(struct drawing *drawing, const struct tile *tile)
 {
     const struct gl_target *target = &drawing->tools->target;
@@ -137,7 +137,7 @@ static bool check_tile(struct drawing *drawing, const struct tile *tile)
     return ok;
 }
 
-// Draws slices of the tile's marches until all pixels are done; pixels that never are end the frame.
+// Draws slices of the tile's marches until all pixels are done. Pixels that never finish fail the frame.
 static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error *error)
 {
     int width_px = drawing->tools->target.width_px;
@@ -194,7 +194,7 @@ static bool draw_tiles(struct drawing *drawing, int pass, struct error *error)
     return true;
 }
 
-// Fills the caches that the pass samples unless they are as it needs them, and binds them all.
+// Fills the caches that the pass samples, except those that are up to date, and binds them all.
 static bool bind_caches(struct drawing *drawing, int pass, struct error *error)
 {
     const struct scene_program *scene = drawing->scene;
@@ -245,7 +245,8 @@ bool drawing_run(struct drawing *drawing, struct error *error)
     struct drawing_tools *tools = drawing->tools;
 
     gl_target_begin(&tools->target);
-    if (drawing->scene->model.features.is_sliced) gl_target_clear(&tools->target); // of pixels that were cut
+    if (drawing->scene->model.features.is_sliced)
+        gl_target_clear(&tools->target); // removes the marks of pixels that were cut
     tools->gl.Enable(GL_SCISSOR_TEST);
     tools->gl.BindVertexArray(tools->vertex_array);
     for (int pass = 0; pass < drawing->passes->count; ++pass)

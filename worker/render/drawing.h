@@ -1,4 +1,4 @@
-// A frame is drawn tile by tile, so that it can be stopped, and a frame that GL cuts is noticed before all of it is drawn.
+// Draws a frame tile by tile, so that it can be stopped and a frame that GL cuts short is noticed early.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,7 +18,7 @@ struct gl_context;
 struct passes;
 struct scene_program;
 
-// What drawings take of GL, kept from frame to frame. GL keeps their address.
+// The GL objects that drawings use, kept from frame to frame. GL keeps the struct's address.
 struct drawing_tools {
     struct gl_functions gl;
     struct gl_debug debug;
@@ -29,14 +29,14 @@ struct drawing_tools {
     unsigned vertex_array, uniform_buffer;
 };
 
-// Leaves them empty, with the reason, where GL lacks a function.
+// Returns false, with the reason and empty tools, where GL lacks a function.
 bool drawing_tools_init(struct drawing_tools *tools, const struct gl_context *context, struct error *error);
 void drawing_tools_finish(struct drawing_tools *tools); // accepts empty ones
 
 // Called with the share done in [0, 1]; false stops the frame.
 typedef bool drawing_progress(void *user, double done);
 
-// All it points to is borrowed and outlives it.
+// One frame that is drawn. All that it points to is borrowed and outlives it.
 struct drawing {
     struct drawing_tools *tools;
     const struct scene_program *scene;
@@ -44,22 +44,22 @@ struct drawing {
     drawing_progress *on_progress; // may be NULL
     void *user;
     double done;                  // share of the frame, in [0, 1]
-    struct kept_program *program; // by drawing_find_program
-    // What went wrong, if anything did: set whenever a function here returns false.
+    struct kept_program *program; // set by drawing_find_program
+    // The fault is set whenever a function here returns false.
     enum renderer_fault fault;
     size_t marked_pixel; // the pixel that the shader marked as cut
-    int marked_medium;   // the medium whose majorant it found too small
+    int marked_medium;   // the medium whose majorant the shader found too small
 };
 
 bool drawing_find_program(struct drawing *drawing, struct error *error);
-// Makes the target one of `params`, unless it is.
+// Makes a target for `params`, unless the one there is fits.
 bool drawing_fit_target(struct drawing *drawing, const struct gl_target_params *params, struct error *error);
 // Fills the caches that the scene samples, then draws all passes into the target. The scene's files are bound.
 bool drawing_run(struct drawing *drawing, struct error *error);
 
 // Reports progress; false when the frame is to stop. `user` is the drawing.
 bool drawing_report(void *user);
-// False when GL complained since the last check.
+// Returns false when GL reported an error since the last check.
 bool drawing_check_gl(struct drawing *drawing, struct error *error);
-// False when a shader marked one of these pixels, rows of the picture from `first_row` on; 4 floats a pixel.
+// Returns false when a shader marked one of these pixels: rows of the picture from `first_row` on, 4 floats a pixel.
 bool drawing_check_marks(struct drawing *drawing, const float *rgba, int first_row, int row_count);

@@ -12,8 +12,8 @@ static void set_nearest(const struct gl_functions *gl, unsigned texture)
     gl->TextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
-// A side of at least `count` texels that is no power of two: software GL compiles a program anew for textures whose sides are,
-// and in a sequence some would be.
+// Returns a side of at least `count` texels that is no power of two. Software GL compiles a program again for textures
+// with such sides, and in a sequence of grids only some would have them.
 static GLsizei side_of(int count)
 {
     while ((count & (count - 1)) == 0)

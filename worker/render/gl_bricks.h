@@ -1,4 +1,4 @@
-// A sparse grid's bricks as GL textures.
+// Holds a sparse grid's bricks as GL textures.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,9 +12,9 @@ struct gl_functions;
 // The zero value is empty.
 struct gl_bricks {
     const struct gl_functions *gl; // borrowed; outlives us
-    unsigned index;                // RGBA16UI, a texel a brick
-    unsigned
-        values[BRICK_ATLAS_GRIDS]; // R32F, arrays of layers, so that GL can gather the four around a point; 0: none
+    unsigned index;                // RGBA16UI, one texel a brick
+    // R32F, arrays of layers, so that GL can gather the four texels around a point; 0: none.
+    unsigned values[BRICK_ATLAS_GRIDS];
 };
 
 bool gl_bricks_init(struct gl_bricks *bricks, const struct gl_functions *gl, const struct brick_atlas *atlas,

@@ -22,7 +22,7 @@ enum {
 _Static_assert((int)KEPT_LIMIT <= (int)LRU_LIMIT, "all textures of two passes are kept");
 
 static const double strip_seconds = 0.2;
-// Limits textures that the pass does not need but a next one may.
+// Limits the textures that the pass does not need but a later one may.
 static const size_t idle_bytes_limit = (size_t)1 << 28;
 
 static const GLenum internal_formats[] = {
@@ -32,7 +32,7 @@ struct gl_caches {
     const struct gl_functions *gl; // borrowed; outlives us
     struct gl_programs *programs;  // borrowed; outlives us
     unsigned uniform_buffer;
-    struct lru lru; // by the hash of all that the values follow from; a binding is a moment
+    struct lru lru; // keyed by the hash of all that the values depend on; a moment is one binding
     unsigned textures[KEPT_LIMIT];
     int64_t fill_count;
 };
@@ -73,7 +73,7 @@ int64_t gl_caches_count_fills(const struct gl_caches *caches)
     return caches->fill_count;
 }
 
-// Of all that the cache's values follow from; `keys` has those of the caches before it.
+// Hashes all that the cache's values depend on into its key; `keys` has those of the caches before it.
 static void find_key(const struct gl_caches_request *request, size_t i, char (*keys)[HASH_TEXT_SIZE])
 {
     const struct scene_cache *cache = &request->caches[i];
@@ -135,7 +135,8 @@ static int next_rows(int rows, double seconds, int most)
     return next < most ? next : most;
 }
 
-// Runs the program strip by strip, so that what takes long can be stopped: layers, or of a single layer rows of groups.
+// Runs the program strip by strip, so that a long run can be stopped. A strip is some layers, or some rows of groups
+// where there is one layer.
 static bool run_strips(const struct gl_functions *gl, struct kept_program *program, const struct scene_cache *cache,
                        const struct gl_caches_request *request)
 {
@@ -208,7 +209,8 @@ static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_
     return GL_CACHES_BOUND;
 }
 
-// Whether the cache has to be there: a step is wanted while one that reads it, and that is wanted, is not.
+// Returns which caches have to be there, one bit each. An intermediate cache is wanted only while a wanted cache that
+// reads it has to be filled.
 static uint64_t find_wanted(struct gl_caches *caches, const struct gl_caches_request *request,
                             char (*keys)[HASH_TEXT_SIZE])
 {
@@ -252,7 +254,7 @@ static enum gl_caches_end bind_wanted(struct gl_caches *caches, const struct gl_
     return GL_CACHES_BOUND;
 }
 
-// All textures of a pass are in GL at once, those of steps with what is made of them.
+// All textures of a pass are in GL at once, the intermediate ones included.
 static bool check_memory(const struct gl_caches_request *request, struct error *error)
 {
     int64_t size_bytes = 0;

@@ -118,7 +118,7 @@ void gl_grid_finish(struct gl_grid *grid)
     *grid = (struct gl_grid){0};
 }
 
-// A texel a brick.
+// Makes a texture of one texel a brick.
 static unsigned make_bricks(const struct gl_grid *grid, GLenum internal, GLenum component, const void *texels)
 {
     const struct gl_functions *gl = grid->gl;

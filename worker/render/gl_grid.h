@@ -1,4 +1,4 @@
-// A volume's voxels as a GL texture, streamed there slab by slab: at no time are they held twice.
+// Holds a volume's voxels as a GL texture, streamed there slab by slab, so that they are never in memory twice.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,18 +14,19 @@ struct gl_functions;
 // The zero value is empty.
 struct gl_grid {
     const struct gl_functions *gl; // borrowed; outlives us
-    unsigned voxels; // R8UI, R16UI, R16I or R32F; an array of slices, so that GL can gather the four around a point
-    enum volume_type type; // as stored: 32-bit floats hold all of them, and what is 0 stays 0
+    // R8UI, R16UI, R16I or R32F; an array of slices, so that GL can gather the four voxels around a point.
+    unsigned voxels;
+    enum volume_type type; // as stored; 32-bit floats hold each exactly
     size_t size_bytes;     // of the voxels
     struct grid_bricks bricks;
 };
 
-// Called between slabs; false stops.
+// Called between slabs; false stops the reading.
 typedef bool gl_grid_progress(void *user);
 
 struct gl_grid_params {
     const struct gl_functions *gl;
-    struct volume *volume; // opened, nothing read; all of it is read
+    struct volume *volume; // open, at its first slice; all of it is read
     const char *path;      // for messages
     gl_grid_progress *on_progress;
     void *user;
@@ -34,12 +35,13 @@ struct gl_grid_params {
 bool gl_grid_init(struct gl_grid *grid, const struct gl_grid_params *params, struct error *error);
 void gl_grid_finish(struct gl_grid *grid); // accepts an empty one
 
-// The texture of how far each brick is from one that is not empty, for density_grid_skip; the caller deletes it.
+// Creates the texture of each brick's distance to the nearest brick that is not empty, for density_grid_skip; 0: no
+// memory. The caller deletes it.
 unsigned gl_grid_create_distances(const struct gl_grid *grid, double slope, double intercept,
                                   grid_bricks_is_empty *is_empty, const void *user);
 
-// The greatest of what is made of values in [min, max].
+// Returns the greatest density or opacity of values in [min, max].
 typedef double gl_grid_find_most(double min, double max, const void *user);
-// The texture of that number of each brick, for density_grid_majorant; the caller deletes it.
+// Creates the texture of each brick's majorant, for density_grid_majorant; 0: no memory. The caller deletes it.
 unsigned gl_grid_create_majorants(const struct gl_grid *grid, double slope, double intercept,
                                   gl_grid_find_most *find_most, const void *user);

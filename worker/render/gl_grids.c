@@ -17,14 +17,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GRID_LIMIT = 2 * SCENE_MEDIUM_LIMIT }; // twice as many as a frame has: one is empty or idle
+enum { GRID_LIMIT = 2 * SCENE_MEDIUM_LIMIT }; // twice what a frame has, so one is empty or idle
 
-// Limits grids that the frame does not need but a next one may: another job's, say.
+// Limits the grids that the frame does not need but a later one may: another job's, say.
 static const size_t idle_bytes_limit = (size_t)1 << 30;
 
-// A texture that is made anew when what it follows from changes.
+// A texture that is made again when what it depends on changes.
 struct kept_texture {
-    char hash[HASH_TEXT_SIZE]; // of what it follows from; empty: none
+    char hash[HASH_TEXT_SIZE]; // of what it depends on; empty: none
     unsigned texture;
 };
 
@@ -33,19 +33,19 @@ struct kept_bricks {
     struct gl_bricks bricks;
 };
 
-// What belongs to one medium besides its voxels.
+// The textures of one medium besides its voxels.
 struct medium_textures {
-    struct kept_texture distances, majorants; // a number of each brick, by the input and what its values mean
-    struct kept_texture table;                // by the points of the transfer function
+    struct kept_texture distances, majorants; // a number a brick, keyed by the input and the transfer function
+    struct kept_texture table;                // keyed by the points of the transfer function
     struct kept_bricks bricks;
 };
 
 struct gl_grids {
     const struct gl_functions *gl; // borrowed; outlives us
-    struct lru lru;                // by the input's hash; a frame is a moment
+    struct lru lru;                // keyed by the input's hash; a moment is a frame
     struct gl_grid grids[GRID_LIMIT];
     struct medium_textures media[SCENE_MEDIUM_LIMIT];
-    unsigned blackbody; // its table; 0: nothing has glowed yet
+    unsigned blackbody; // the texture of its table; 0: no grid has needed it
 };
 
 struct gl_grids *gl_grids_create(const struct gl_functions *gl)
@@ -92,7 +92,7 @@ static size_t size_of(const struct volume *header)
     return (size_t)header->size[0] * (size_t)header->size[1] * (size_t)header->size[2] * volume_type_size(header->type);
 }
 
-// The index of the grid; -1 on failure.
+// Returns the index of the grid; -1 on failure.
 static int read_grid(struct gl_grids *grids, const struct scene_input *input, gl_grid_progress *on_progress, void *user,
                      struct error *error)
 {
@@ -118,7 +118,7 @@ static int read_grid(struct gl_grids *grids, const struct scene_input *input, gl
     return index;
 }
 
-// False when the texture has to be made anew; what there was is deleted.
+// Returns false, after deleting the old texture, when it has to be made again.
 static bool is_kept(const struct gl_grids *grids, struct kept_texture *kept, const char *hash)
 {
     if (strcmp(hash, kept->hash) == 0) return true;
@@ -150,7 +150,7 @@ static double find_most(double min, double max, const void *user)
     return grid->point_count == 0 ? max : transfer_function_max_opacity(grid->points, grid->point_count, min, max);
 }
 
-// A number of each brick: how far it is from one that is not empty, or its majorant.
+// Binds a number for each brick: its distance to the nearest brick that is not empty, or its majorant.
 static bool bind_brick_numbers(struct gl_grids *grids, const struct scene_input *input, const struct gl_grid *grid,
                                bool are_majorants, size_t medium, struct error *error)
 {
@@ -173,7 +173,7 @@ static bool bind_brick_numbers(struct gl_grids *grids, const struct scene_input 
     return true;
 }
 
-// A row of RGBA.
+// Makes a texture of one row of RGBA.
 static unsigned make_row(const struct gl_functions *gl, int size, float (*table)[4])
 {
     unsigned texture;

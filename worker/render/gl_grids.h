@@ -1,4 +1,4 @@
-// The grids that scenes show, kept in GL from frame to frame, and bound where shaders look for them.
+// The grids of scenes, kept in GL from frame to frame and bound to the units where shaders sample them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,10 +11,11 @@ struct gl_functions;
 struct gl_grids;
 struct scene_inputs;
 
-struct gl_grids *gl_grids_create(const struct gl_functions *gl); // which outlives the grids
+struct gl_grids *gl_grids_create(const struct gl_functions *gl); // `gl` outlives the grids
 void gl_grids_destroy(struct gl_grids *grids);                   // accepts NULL
-void gl_grids_clear(struct gl_grids *grids);                     // keeps nothing: what GL holds is in doubt
+void gl_grids_clear(struct gl_grids *grids);                     // drops all, for the contents are in doubt
 
-// Reads what is not here yet, then binds each medium's textures to its units (texture_units.h). `inputs` are hashed.
+// Reads the grids that are not kept, then binds each medium's textures to its units (texture_units.h). `inputs` are
+// hashed.
 bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
                    struct error *error);

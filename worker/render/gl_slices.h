@@ -1,4 +1,4 @@
-// What the pixels of a picture keep from slice to slice of their marches, in images that its program reads and writes.
+// The state that pixels keep from slice to slice of their marches, in images that the program reads and writes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,7 +17,7 @@ struct gl_slices {
 };
 
 void gl_slices_finish(struct gl_slices *slices); // accepts an empty one
-// Binds the images of a picture of that size; no pixel has begun. GL tells when there is no memory.
+// Binds and clears the images for a picture of that size. GL reports it when there is no memory.
 void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px);
-// Draws one slice of what the scissors leave of the full screen, and waits for it. Returns how many pixels became done.
+// Draws one slice inside the scissor box and waits for it. Returns how many pixels it finished.
 uint64_t gl_slices_draw(const struct gl_slices *slices);

@@ -127,7 +127,7 @@ static void read_texture(const struct gl_target *target, int index, GLenum forma
     target->gl->ReadPixels(0, 0, target->width_px, target->height_px, format, GL_FLOAT, pixels);
 }
 
-// A few rows at a time: nobody keeps them, and all would take as much again as the picture.
+// Reads a few rows at a time: nothing keeps them, and all together take as much memory as the picture.
 static void count_rays(const struct gl_target *target, struct ray_counts *counts)
 {
     size_t row_floats = 4 * (size_t)target->width_px;

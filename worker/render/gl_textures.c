@@ -15,15 +15,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Twice as many as a frame has objects: one is empty or idle.
+// Twice what a frame has, so one is empty or idle.
 enum { KEPT_LIMIT = 2 * SCENE_OBJECT_LIMIT };
 
-// Limits images that the frame does not need but a next one may: another job's, say.
+// Limits the images that the frame does not need but a later one may: another job's, say.
 static const size_t idle_bytes_limit = (size_t)1 << 28;
 
 struct gl_textures {
     const struct gl_functions *gl; // borrowed; outlives us
-    struct lru lru;                // by the input's hash; a frame is a moment
+    struct lru lru;                // keyed by the input's hash; a moment is a frame
     unsigned names[KEPT_LIMIT];    // GL's
 };
 
@@ -60,7 +60,7 @@ static size_t size_of(const struct texture_input *input)
     return (size_t)input->width_px * (size_t)input->height_px * 4 * sizeof(float);
 }
 
-// GL is asked first: what it has no room for need not be read.
+// GL is asked first, for an image that it has no room for need not be read.
 static bool load(const struct gl_functions *gl, const struct texture_input *input, unsigned *name, struct error *error)
 {
     struct image image;
@@ -78,7 +78,7 @@ static bool load(const struct gl_functions *gl, const struct texture_input *inpu
     return true;
 }
 
-// The index of the texture; -1 on failure.
+// Returns the index of the texture; -1 on failure.
 static int read_texture(struct gl_textures *textures, const struct texture_input *input, struct error *error)
 {
     int index = lru_make_room(&textures->lru, size_of(input), drop, textures);
@@ -123,7 +123,7 @@ static bool is_first_of_its_image(const struct scene_inputs *inputs, size_t obje
     return true;
 }
 
-// All images of a frame are in GL at once, each only once.
+// All images of a frame are in GL at once; objects with the same image share it.
 static bool check_memory(const struct scene_inputs *inputs, struct error *error)
 {
     int64_t size_bytes = 0;

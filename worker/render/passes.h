@@ -1,4 +1,4 @@
-// What a frame is the mean of: each pass is drawn with uniforms of its own, the picture's and those of its caches.
+// The passes whose mean a frame is. Each is drawn with its own uniforms, for the picture and for its caches.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,18 +12,18 @@ struct scene_program;
 
 // The zero value is empty.
 struct passes {
-    unsigned char *blocks; // owned; NULL where nothing moves
-    size_t block_bytes;    // of a pass: the picture's uniforms, then those of each cache
+    unsigned char *blocks; // owned; block_bytes for each pass
+    size_t block_bytes;    // the picture's uniforms, then those of each cache
     int count;
 };
 
-// The passes of a frame; those that would show the same are one.
+// Finds the passes of a frame: one where all would show the same.
 bool passes_plan(struct passes *passes, const struct scene_program *scene, const struct job *job, int32_t frame,
                  struct error *error);
 void passes_finish(struct passes *passes); // accepts an empty one
-// What a pass is drawn with; its first bytes are the picture's own.
+// Returns the uniforms of a pass; the picture's own come first.
 const unsigned char *passes_block(const struct passes *passes, int pass);
-// Where the block of each cache of the scene is for a pass.
+// Points `blocks` at the uniforms of each of the scene's caches for a pass.
 void passes_cache_blocks(const struct passes *passes, const struct scene_program *scene, int pass,
                          const unsigned char **blocks);
 bool passes_are_equal(const struct passes *a, const struct passes *b);

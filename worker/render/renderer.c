@@ -21,9 +21,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A whole frame that the target shows: of this program, with these files and uniforms.
+// The frame that the target shows: its program, files and uniforms.
 struct shown_frame {
-    bool is_whole; // false: the target shows nothing that a next frame may be a copy of
+    bool is_whole; // false: the next frame cannot be a copy of it
     char program_hash[HASH_TEXT_SIZE], files_hash[HASH_TEXT_SIZE];
     struct passes passes;
 };
@@ -31,7 +31,7 @@ struct shown_frame {
 struct renderer {
     const struct gl_context *context; // borrowed; outlives us
     char *shader_dir;                 // owned; NULL for the embedded modules
-    struct error unusable;            // why no frame can be rendered at all; empty when all is well
+    struct error unusable;            // why no frame can be rendered at all; empty: all is well
     struct drawing_tools tools;
     struct gl_grids *grids;       // owned
     struct gl_textures *textures; // owned
@@ -84,7 +84,7 @@ static bool is_shown(const struct renderer *renderer, const struct scene_program
            strcmp(shown->program_hash, scene->hash) == 0 && passes_are_equal(&shown->passes, passes);
 }
 
-// Takes the passes over.
+// Takes ownership of the passes.
 static void note_shown(struct shown_frame *shown, const struct scene_program *scene, struct passes *passes)
 {
     passes_finish(&shown->passes);
@@ -94,7 +94,7 @@ static void note_shown(struct shown_frame *shown, const struct scene_program *sc
     memcpy(shown->files_hash, scene->model.inputs->files_hash, sizeof shown->files_hash);
 }
 
-// The message uses the words of the job whose pixel it was.
+// The message uses the keys of the job.
 static void set_cut_error(const struct renderer *renderer, const struct frame *frame, struct error *error)
 {
     const struct job *job = frame->job;
@@ -106,12 +106,12 @@ static void set_cut_error(const struct renderer *renderer, const struct frame *f
     size_t pixel = frame->drawing.marked_pixel, width = (size_t)renderer->tools.target.width_px;
 
     error_set(error,
-              "quality: pixel (%zu, %zu) needs more turns of its loops than %s runs; expected %s%s%s%s%sor a GPU",
+              "quality: pixel (%zu, %zu) needs more iterations of its loops than %s runs; expected %s%s%s%s%sor a GPU",
               pixel % width, pixel / width, gl_context_facts(renderer->context)->renderer, longer_steps, fewer_paths,
               code ? "short loops in " : "", code ? code : "", code ? ", " : "");
 }
 
-// Reads the grids and images that are not in GL yet, and binds all.
+// Reads the grids and images that are not in GL yet and binds them all.
 static bool bind_files(struct renderer *renderer, struct drawing *drawing, struct error *error)
 {
     const struct scene_inputs *inputs = drawing->scene->model.inputs;
@@ -171,7 +171,7 @@ static bool render_scene(struct renderer *renderer, struct frame *frame, const s
            drawing_check_marks(drawing, frame->image->rgba, 0, frame->image->height_px);
 }
 
-// Writes the frame's program and draws it; `is_sliced`: each march goes on in several draws.
+// Writes the frame's program and draws it. With `is_sliced` each march continues over several draws.
 static bool render_frame(struct renderer *renderer, struct frame *frame, bool is_sliced, struct error *error)
 {
     struct renderer_result *result = frame->result;

@@ -20,28 +20,28 @@ typedef bool renderer_progress(void *user, double done);
 // `shader_dir` (NULL: the embedded text) overrides shader modules while developing.
 struct renderer *renderer_create(struct gl_context *context, const char *shader_dir);
 void renderer_destroy(struct renderer *renderer);
-// True where processors render, whose time is then what a frame costs.
+// True where the CPU renders; its time is then the cost of a frame.
 bool renderer_is_software(const struct renderer *renderer);
 
-// The hash of all that the frame's picture depends on: the job's, and what its files hold now. Without GL.
+// Hashes all that the frame's picture depends on: the job, and what its files hold now. Does not use GL.
 bool renderer_hash_picture(struct renderer *renderer, const struct job *job, int32_t frame,
                            char hash[static HASH_TEXT_SIZE], enum renderer_fault *fault, struct error *error);
 
-// Has what the frame will need from files read in the background, as far as that can be; nothing of it is kept of the job.
+// Begins to read the frame's files in the background, where their format allows it. Keeps no pointer into the job.
 void renderer_expect(struct renderer *renderer, const struct job *job, int32_t frame);
 
-// The next frame is rendered whole, with all that its own textures hold made anew; programs, grids and images stay.
+// Makes the next frame be rendered, not copied, and its caches be filled again. Programs, grids and images stay.
 void renderer_forget(struct renderer *renderer);
 
 struct renderer_result {
     enum renderer_fault fault;
     double seconds;                               // GPU work and readback
-    int64_t cache_fills;                          // textures of caches that it made; others were as it needs them
-    bool is_copy;                                 // nothing was rendered: the frame before has the same inputs
+    int64_t cache_fills;                          // caches that it filled; the others were up to date
+    bool is_copy;                                 // not rendered: the frame before has the same inputs
     const char *shader_hash;                      // borrowed from the renderer until the next call
-    char picture_hash[HASH_TEXT_SIZE];            // of what was rendered, as renderer_hash_picture makes it
+    char picture_hash[HASH_TEXT_SIZE];            // as renderer_hash_picture makes it
     double step;                                  // m, along camera rays
-    struct ray_counts ray_counts;                 // of a copy too
+    struct ray_counts ray_counts;                 // also set for a copy
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };
 

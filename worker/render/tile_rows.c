@@ -5,7 +5,7 @@
 
 enum {
     SMALLEST = 8,
-    GRAIN = 64, // software GL shares out its work in squares of this side
+    GRAIN = 64, // software GL divides its work among threads in squares of this side
     GROWTH_LIMIT = 8
 };
 
