@@ -34,9 +34,11 @@ maintainer=$(dpkg-deb -f "$package" Maintainer)
 
 dpkg-deb -e "$package" "$scratch/control"
 [ "$(cat "$scratch/control/conffiles")" = /etc/marchd/marchd.conf ] || fail "conffiles: $(cat "$scratch/control/conffiles")"
-for need in libc6 libuv1 libsqlite3-0 libsystemd0 libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6 systemd; do
-    dpkg-deb -f "$package" Depends | sed 's,[|\,],\n,g' | grep -q "^ *$need *\((.*\)\{0,1\}$" || fail "does not depend on $need"
+for need in libc6 libuv1 libsqlite3-0 libsystemd0 libegl1 libegl-mesa0 libgl1-mesa-dri systemd; do
+    dpkg-deb -f "$package" Depends | sed 's,[|\,],\n,g' | grep -q "^ *$need\(t64\)\{0,1\} *\((.*\)\{0,1\}$" ||
+        fail "does not depend on $need"
 done
+[ "$(dpkg-deb -f "$package" Recommends)" = libosmesa6 ] || fail "does not recommend OSMesa, which newer releases lack"
 dpkg-deb -f "$package" Suggests | grep -q libnanovdb-tools || fail "does not suggest the OpenVDB converter"
 
 # does SCRIPT TEXT

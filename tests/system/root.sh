@@ -1,6 +1,7 @@
 # A Debian root for the system test: made once by debootstrap, kept as a tarball, unpacked for each run. Sourced by
 # tests/service.
-suite=bookworm
+# The package is built for this machine's release.
+suite=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
 # jq and procps are the test's own; the rest is what any Debian with systemd has.
 root_packages=systemd,systemd-sysv,dbus,dbus-user-session,libpam-systemd,jq,procps
 cache=${XDG_CACHE_HOME:-/var/cache}/marchd-tests
