@@ -14,8 +14,12 @@ version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/C
 [ "$(dpkg-deb -f "$package" Version)" = "$version-7" ] || fail "version $(dpkg-deb -f "$package" Version)"
 
 # Its files are the installed ones, and what Debian wants of a package beside them; man pages and the changelog are compressed.
+case "$(. /etc/os-release && echo "$ID $VERSION_ID")" in
+'debian 12') units=/lib/systemd/system ;;
+*) units=/usr/lib/systemd/system ;;
+esac
 {
-    installed_files /usr /lib/systemd/system | sed 's|^\(/usr/share/man/.*\)|\1.gz|; s|/CHANGELOG\.md$|/changelog.gz|'
+    installed_files /usr "$units" | sed 's|^\(/usr/share/man/.*\)|\1.gz|; s|/CHANGELOG\.md$|/changelog.gz|'
     echo /usr/share/doc/marchd/changelog.Debian.gz
     echo /usr/share/doc/marchd/copyright
     echo /usr/share/lintian/overrides/marchd
