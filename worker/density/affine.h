@@ -2,5 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// `matrix` is row-major 3x4 and not singular: writes what turns differences back, column-major, and the shift that belongs to it.
+// `matrix` is row-major 3x4 and not singular. Writes the inverse of its linear part, column-major, and the shift of the
+// inverse map.
 void affine_invert(const double matrix[static 12], double inverse[static 9], double shift[static 3]);

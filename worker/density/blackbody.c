@@ -7,8 +7,8 @@ static const double coldest_kelvin = 400, norm_kelvin = 1500;
 static const double second_constant = 0.014387768775; // h c / k, m K
 static const double first_nm = 360, last_nm = 830, step_nm = 1;
 
-// The CIE 1931 observer, as Wyman, Sloan and Shirley fit it, Journal of Computer Graphics Techniques 2(2), 2013: sums of
-// Gaussians with another width on either side.
+// The CIE 1931 observer as fitted by Wyman, Sloan and Shirley, Journal of Computer Graphics Techniques 2(2), 2013: sums
+// of Gaussians that are wider on one side than on the other.
 static const struct lobe {
     int component;
     double height, center, width_below, width_above; // nm
@@ -24,7 +24,8 @@ static const double rec709_of_xyz[3][3] = {
     {0.0556300796969937, -0.2039769588889765, 1.0569715142428786},
 };
 
-// Planck's radiance by the temperature, less its constant, which cancels: finite for an infinite temperature too.
+// Planck's radiance divided by the temperature, without its constant factor, which cancels. It is finite for an
+// infinite temperature too.
 static double planck_by_kelvin(double wavelength_nm, double inverse_kelvin)
 {
     double wavelength = 1e-9 * wavelength_nm;

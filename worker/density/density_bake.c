@@ -43,7 +43,7 @@ bool density_bake_find(struct density_bake *bake, const struct job *job, size_t 
     if (!kind || !kind->find_box || !kind->find_box(&site, bake->half_size)) return false;
     longest = fmax(fmax(bake->half_size[0], bake->half_size[1]), bake->half_size[2]);
     bake->cell_m = 2 * longest / job->quality.density_grid;
-    // A side of which only rounding makes one cell more has none more.
+    // Rounding alone adds no cell to a side.
     for (int axis = 0; axis < 3; ++axis)
         bake->corners[axis] = (int)ceil(2 * bake->half_size[axis] / bake->cell_m - 1e-6) + 1;
     return !kind->pays_baked || kind->pays_baked(&site, bake);

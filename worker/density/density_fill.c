@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-// Begins a cache and its text, with one invocation for each corner.
+// Begins a cache and its text, with one invocation a corner.
 static bool begin_cache(struct scene_cache *cache, struct shader_assembly *text, const struct density_site *site,
                         const int corners[static 3], const char *shader_dir, struct error *error)
 {
@@ -19,7 +19,7 @@ static bool begin_cache(struct scene_cache *cache, struct shader_assembly *text,
     return scene_cache_begin(cache, text, shader_dir, error);
 }
 
-// The field at the corners and one beyond them on each side.
+// Makes the cache of the field at the corners and at one more beyond them on each side.
 static bool make_samples(struct scene_cache *cache, const struct density_site *site, const char *shader_dir,
                          struct error *error)
 {

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-// Rounding to float may take the support this much too small.
+// The share by which rounding to float may shrink the support.
 static const double support_margin = 1 + 1e-6;
 
 static bool is_zero(const struct scene_density *density)
@@ -14,7 +14,7 @@ static bool is_zero(const struct scene_density *density)
     return timeline_value_is_zero(&density->fold_fractal.scale);
 }
 
-// About x first, then about y; column-major.
+// Rotates about x first, then about y; column-major.
 static void evaluate_rotation(const void *source, double time, double value[static 9])
 {
     const struct scene_fold_fractal *fractal = source;
@@ -111,7 +111,7 @@ static void write(FILE *out, const struct density_site *site)
     fprintf(out, "}\nfloat medium_%zu_distance(float field)\n{\n    return field;\n}\n", i);
 }
 
-// The distance changes by no more than the way does: within `own` metres of p it is above distance - own.
+// The distance is 1-Lipschitz: within `own` metres of p it is above distance - own.
 static void write_most(FILE *out, const struct density_site *site)
 {
     size_t i = site->medium;

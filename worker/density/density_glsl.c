@@ -37,7 +37,7 @@ static const char *const *modules(const struct density_site *site)
     return names;
 }
 
-// A macro may stand for the function: then the compiler decides.
+// The function may be hidden in a macro: then the compiler decides.
 static bool check_density(const struct glsl_names *names, const char *file, struct error *error)
 {
     const struct glsl_name *other = NULL;
@@ -75,7 +75,7 @@ static char *write_lines(const struct glsl_names *names, const char *prefix)
     return lines;
 }
 
-// What the user calls the text of a medium in messages.
+// Returns the name of the medium's text for messages.
 static const char *text_name(const struct density_site *site)
 {
 #define MEDIUM(index) "scene.media[" #index "].density.source"
@@ -114,7 +114,8 @@ static bool load_text(const struct density_site *site, struct density_text *text
     return true;
 }
 
-// The name of the second parameter where the scanner stands before a parameter list; length 0: it has none.
+// Reads a parameter list, before which the scanner stands. Returns the name of the second parameter; length 0: it has
+// none.
 static struct glsl_token read_second_parameter(struct glsl_scanner *scanner)
 {
     struct glsl_token token = glsl_scanner_next(scanner), name = {0};
@@ -133,7 +134,7 @@ static struct glsl_token read_second_parameter(struct glsl_scanner *scanner)
     return name;
 }
 
-// Scans the body of a function, if it has one: true when the word is in it.
+// Scans the body of a function, if it has one. Returns true when the word is in it.
 static bool body_has(struct glsl_scanner *scanner, const struct glsl_token *word)
 {
     struct glsl_token token = glsl_scanner_next(scanner);
@@ -150,7 +151,7 @@ static bool body_has(struct glsl_scanner *scanner, const struct glsl_token *word
     return is_found;
 }
 
-// False only where the text's density certainly is the same at all times. Macros might hide anything.
+// Returns false only where the text's density certainly is the same at all times. Macros might hide anything.
 static bool uses_time(const struct scene_glsl *glsl)
 {
     struct glsl_scanner scanner;
@@ -201,7 +202,7 @@ static void write(FILE *out, const struct density_site *site)
         fprintf(out, "    return density_own_distance(medium_%zu_settings(), field);\n}\n", i);
         return;
     }
-    // Values are means over corners, which are on the average no farther from there than half a cell's diagonal.
+    // Values are means over corners, whose distance from the point averages at most half a cell's diagonal.
     fprintf(out, "    float distance = density_own_distance(medium_%zu_settings(), field);\n", i);
     fprintf(out, "    return distance < 0.0 ? distance : max(distance - %.9e, 0.0);\n}\n", 0.5 * sqrt(3) * bake.cell_m);
 }

@@ -49,7 +49,7 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
     static const struct {
         const char *name;
         enum frame_value_type type;
-        bool is_shift; // it moves with the grid's middle
+        bool is_shift; // depends on the grid's centre
         frame_value_evaluate *evaluate;
     } values[] = {{"to_index", FRAME_VALUE_MAT3, false, grid_lookup_evaluate_to_voxels},
                   {"shift", FRAME_VALUE_VEC3, true, evaluate_shift},
@@ -136,7 +136,7 @@ static void write_transfer(FILE *out, const struct scene_grid *grid, size_t i)
             i, i, i, i, i);
 }
 
-// A value beyond the outer voxel centres is that of the nearest one, as everywhere.
+// Beyond the outer voxel centres the value is that of the nearest one, as everywhere.
 static void write_table(FILE *out, const struct scene_grid *grid, size_t i)
 {
     grid_lookup_write_table(out, grid, i);
@@ -175,7 +175,7 @@ static void write(FILE *out, const struct density_site *site)
             site->medium);
 }
 
-// By bricks, whose largest values are known once the file was read.
+// The majorant is by brick, whose largest values are known once the file was read.
 static void write_most(FILE *out, const struct density_site *site)
 {
     const struct scene_grid *grid = &site->source->density.grid;

@@ -26,7 +26,7 @@ void density_modules_add(struct shader_assembly *assembly, const struct density_
 
     for (const char *const *name = kind->modules(site); *name; ++name)
         shader_assembly_add(assembly, *name);
-    // What is looked up was computed by the program that fills the grid.
+    // A program that reads the grid does not need the code that filled it.
     if (kind->load_text && (site->fills_grid || !density_bake_find(&bake, site->job, site->medium)) &&
         !assembly->has_failed) {
         assembly->has_failed = !kind->load_text(site, &text, assembly->error);

@@ -9,13 +9,14 @@
 #include <math.h>
 #include <string.h>
 
-// One octave is as fast as a look into a grid. With seven cells for each of the finest octave's, a sum of five is known to a
-// hundredth of its own spread; octaves with fewer are added to what is looked up.
+// Baking pays from two octaves on: one octave is as fast as reading a grid. With seven cells for each lattice cell of
+// the finest octave, a sum of five is exact to a hundredth of its standard deviation. Octaves with fewer cells are
+// added to the grid's value.
 enum { LEAST_BAKED_OCTAVES = 2 };
 static const double CELLS_PER_LATTICE_CELL = 3.5;
 
-// Where a point lies in the noise, in lattice cells: q = frequency R (p - center) + offset, taken apart into a linear part
-// and what is added, so that a centre costs the shader nothing.
+// A point in lattice cells is q = frequency R (p - center) + offset. It is computed from a linear part and a shift, so
+// that a centre costs the shader nothing.
 static bool is_rotated(const struct scene_noise *noise)
 {
     return !timeline_value_is_zero(&noise->angle);
@@ -38,7 +39,7 @@ static bool is_shifted(const struct density_site *site)
     return !is_centered(density) || !timeline_value_is_zero(&density->noise.offset) || scene_anchor_is_used(site->job);
 }
 
-// R, column-major; Rodrigues' formula.
+// Finds R, column-major, by Rodrigues' formula.
 static void find_rotation(const struct scene_noise *noise, double time, double value[static 9])
 {
     double axis[9] = {0}, angle[9] = {0}, c, s;
@@ -58,7 +59,7 @@ static void find_rotation(const struct scene_noise *noise, double time, double v
     }
 }
 
-// frequency R.
+// Computes frequency R.
 static void evaluate_rotation(const void *source, double time, double value[static 9])
 {
     const struct scene_noise *noise = source;
@@ -70,7 +71,7 @@ static void evaluate_rotation(const void *source, double time, double value[stat
         value[i] *= frequency[0];
 }
 
-// The same, of noise that may not be turned.
+// Computes frequency R, also of noise that is not rotated.
 static void evaluate_linear(const void *source, double time, double value[static 9])
 {
     const struct scene_density *density = source;
@@ -174,7 +175,7 @@ static void add_octaves(struct frame_uniforms *uniforms, const struct scene_nois
                        "medium_%zu_gain", i);
 }
 
-// What takes metres to lattice cells; a place that is not turned has the frequency itself.
+// Adds the map from metres to lattice cells. Noise that is not rotated has the frequency itself.
 static void add_lattice(struct frame_uniforms *uniforms, const struct density_site *site, bool has_frequency)
 {
     const struct scene_noise *noise = &site->source->density.noise;
@@ -187,7 +188,7 @@ static void add_lattice(struct frame_uniforms *uniforms, const struct density_si
                        "medium_%zu_offset", site->medium);
 }
 
-// Of octaves that have CELLS_PER_LATTICE_CELL cells of the grid for each cell of theirs.
+// Counts the octaves that have CELLS_PER_LATTICE_CELL cells of the grid for each cell of theirs.
 static int count_resolved(const struct density_site *site, const struct density_bake *bake)
 {
     const struct scene_noise *noise = &site->source->density.noise;
@@ -208,7 +209,7 @@ static bool pays_baked(const struct density_site *site, const struct density_bak
     return count_resolved(site, bake) >= LEAST_BAKED_OCTAVES;
 }
 
-// Octaves that are looked up together; 0 where none is.
+// Counts the octaves that are in the grid together; 0: none.
 static int count_baked(const struct density_site *site)
 {
     struct density_bake bake;
@@ -216,7 +217,7 @@ static int count_baked(const struct density_site *site)
     return density_bake_find(&bake, site->job, site->medium) ? count_resolved(site, &bake) : 0;
 }
 
-// Noise that turns stands still in axes that turn with it.
+// Noise that rotates stands still in axes that rotate with it.
 static bool find_box(const struct density_site *site, double half_size[static 3])
 {
     const struct scene_density *density = &site->source->density;
@@ -280,10 +281,10 @@ static const char *const *modules(const struct density_site *site)
     return names[noise->mode][!timeline_value_is_zero(&noise->bias)];
 }
 
-// The finest octaves that a job may ask for go beyond floats, where a difference is no number.
+// The finest octaves that a job may ask for exceed the range of floats, where a difference is NaN.
 static bool may_overflow(const struct density_site *site)
 {
-    const double farthest = 1e9; // m from the centre, and lattice cells of offset
+    const double farthest = 1e9; // m from the centre; also lattice cells of offset
     const struct scene_noise *noise = &site->source->density.noise;
     struct timeline_span span = job_time_span(site->job);
     double least[3], frequency[3], lacunarity[3];
@@ -301,8 +302,9 @@ static void write_power(FILE *out, const char *type, const char *name, const cha
     fputs(";\n", out);
 }
 
-// Adds octaves from `first` on, before `end`, to `sum`, which is there if they are not the first; q is that of octave 0. They
-// are written out one by one: as a loop they cost a fifth more, and turns of the marches around them.
+// Writes octaves from `first` to before `end`, added to `sum`, which exists unless they are the first; q is the point
+// of octave 0. Octaves are unrolled: a loop costs a fifth more, and uses up iterations that the driver allows the
+// marches around it.
 static void write_octaves(FILE *out, const struct density_site *site, int first, int end)
 {
     const struct scene_noise *noise = &site->source->density.noise;
@@ -368,7 +370,7 @@ static void add_baked_values(struct frame_uniforms *uniforms, const struct densi
     add_octaves(uniforms, &site->source->density.noise, site->medium);
 }
 
-// The sum of octaves, which is smooth; what makes a density of it has edges, and comes after the look.
+// Writes the sum of octaves, which is smooth. The steps from there to a density have edges, and come after the lookup.
 static void write_baked(FILE *out, const struct density_site *site)
 {
     size_t i = site->medium;
@@ -378,7 +380,8 @@ static void write_baked(FILE *out, const struct density_site *site)
     write_octaves(out, site, 0, count_baked(site));
 }
 
-// All octaves at their largest at once. Of one that is less than 1.0364: the largest in a cell of Perlin's twelve gradients.
+// The bound adds the largest value of each octave. One octave is below 1.0364, the largest value in a cell of Perlin's
+// twelve gradients.
 static void evaluate_majorant(const void *source, double time, double value[static 9])
 {
     const double largest = 1.04;

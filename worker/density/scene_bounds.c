@@ -25,7 +25,7 @@ static void evaluate_half(const void *source, double time, double value[static 9
         value[i] *= 0.5;
 }
 
-// Between no falloff and a length that a shader can divide by.
+// A falloff of 0 becomes a length that a shader can divide by.
 static void evaluate_falloff(const void *source, double time, double value[static 9])
 {
     timeline_value_evaluate(source, time, value);

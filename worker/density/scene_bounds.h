@@ -1,4 +1,4 @@
-// The bounds that a job gives a density: its numbers and functions in a scene's shader.
+// Bounds that a job gives a density: their frame values and functions in a scene's shader.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,10 +9,11 @@
 struct frame_uniforms;
 struct scene_bounds;
 
-// The shader module of its kind; NULL for none.
+// Returns the shader module of the bounds' kind; NULL for none.
 const char *scene_bounds_module(const struct scene_bounds *bounds);
-// For any kind but none medium_I_bounds_center; medium_I_bounds_radius, _half_size, _normal, _half_thickness by kind; with
-// a falloff medium_I_bounds_falloff. `bounds` outlives `uniforms`.
+// Adds medium_I_bounds_center for any kind but none; medium_I_bounds_radius, _half_size, _normal, _half_thickness by
+// kind; with a falloff medium_I_bounds_falloff. `bounds` outlives `uniforms`.
 void scene_bounds_add_values(struct frame_uniforms *uniforms, const struct scene_bounds *bounds, size_t medium);
-// `vec2 medium_I_bounds_span(vec3 origin, vec3 direction)`, and with `has_falloff` `float medium_I_falloff(vec3 p)`.
+// Writes `vec2 medium_I_bounds_span(vec3 origin, vec3 direction)`, and with `has_falloff` `float medium_I_falloff(vec3
+// p)`.
 void scene_bounds_write(FILE *out, const struct scene_bounds *bounds, bool has_falloff, size_t medium);

@@ -8,7 +8,7 @@
 
 enum { NODES = 16 };
 
-// All four components at a value between the points' ends.
+// Evaluates all four components at a value between the first point's and the last's.
 static void evaluate(const struct scene_transfer_point *points, size_t count, double value, double rgba[static 4])
 {
     size_t after = 1;
@@ -51,7 +51,7 @@ static void add_cell(const struct scene_transfer_point *points, size_t count, do
     add_piece(points, count, low, high, sums);
 }
 
-// A cell as wide as the others in which the function is what it is at the point.
+// Adds a cell of the common width in which the function is constant.
 static void add_end(const struct scene_transfer_point *point, double width, double sums[static 4])
 {
     double extinction = -log1p(-point->rgba[3]) * width;

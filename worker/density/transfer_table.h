@@ -1,4 +1,4 @@
-// A transfer function as running integrals: what a segment of linear values extinguishes and sends out is a difference of two.
+// A transfer function as running integrals: extinction and source of a linear segment are a difference of two.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,10 +8,10 @@
 
 enum {
     TRANSFER_TABLE_CELLS = 1024, // between the first point's value and the last's
-    // Before and behind these is one cell each in which the function holds, so that its line goes on outside.
+    // One more cell on each side, in which the function is constant, continues it outside.
     TRANSFER_TABLE_SIZE = TRANSFER_TABLE_CELLS + 3
 };
 
-// Node i belongs to the value first + (i - 1) (last - first) / TRANSFER_TABLE_CELLS. It has the integral from node 0 up to there,
-// in cells, of rgb -ln(1 - a) and, last, of -ln(1 - a): per unit distance, what is sent out and what is extinguished.
+// Node i is for the value first + (i - 1) (last - first) / TRANSFER_TABLE_CELLS. It holds the integral from node 0 to
+// there, in cells, of rgb -ln(1 - a) and, last, of -ln(1 - a): source and extinction per unit distance.
 void transfer_table_fill(const struct scene_transfer_point *points, size_t count, float table[TRANSFER_TABLE_SIZE][4]);

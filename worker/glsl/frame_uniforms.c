@@ -104,7 +104,7 @@ static void write_literal(FILE *out, const struct frame_uniforms *uniforms, cons
     if (count > 1) fputs(")", out);
 }
 
-// Read from the block once a pixel: inside a loop software GL would fetch, check and spread each number anew.
+// Uniforms are copied once a pixel: inside a loop software GL would fetch, check and spread each number anew.
 static void write_copies(const struct frame_uniforms *uniforms, FILE *out)
 {
     for (size_t i = 0; i < uniforms->count; ++i)

@@ -27,7 +27,7 @@ void gauss_legendre(int count, double *points, double *weights)
     for (int i = 0; i < count; ++i) {
         double x = -cos(pi * (i + 0.75) / (count + 0.5)), slope = 1;
 
-        // From this start Newton's method doubles its digits; a handful of turns has them all.
+        // Newton's method doubles the digits from this start; eight iterations have all of them.
         for (int iteration = 0; iteration < 8; ++iteration)
             x -= legendre(count, x, &slope) / slope;
         points[i] = 0.5 + 0.5 * x;

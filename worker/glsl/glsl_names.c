@@ -81,7 +81,7 @@ static bool check_word(struct reader *reader, const struct glsl_token *token)
     return true;
 }
 
-// Compilers take such a character, often one that nobody sees, for the text's end.
+// Compilers take such a character, often an invisible one, for the text's end.
 static bool check_mark(struct reader *reader, const struct glsl_token *token)
 {
     unsigned char first = (unsigned char)*token->text;
@@ -240,7 +240,7 @@ static bool read_outer_word(struct reader *reader, const struct glsl_token *toke
     return true;
 }
 
-// What ends a declarator at the outermost level.
+// True for a token that ends a declarator at the outermost level.
 static void read_outer_mark(struct reader *reader, char mark)
 {
     struct declaration *declaration = &reader->declaration;
@@ -312,7 +312,7 @@ void glsl_names_finish(struct glsl_names *names)
     *names = (struct glsl_names){0};
 }
 
-// True for the first entry of a name that is no macro's too.
+// True for the first entry of a name that no macro has.
 static bool is_renamed(const struct glsl_names *names, size_t index)
 {
     for (size_t i = 0; i < names->count; ++i) {
@@ -334,7 +334,7 @@ void glsl_names_write_private(const struct glsl_names *names, const char *prefix
     for (size_t i = 0; i < names->count; ++i) {
         const char *text = names->names[i].text;
 
-        // Two underscores in a row are not for us either.
+        // A name with two underscores in a row is reserved.
         if (is_renamed(names, i)) fprintf(out, "#define %s %s%s%s\n", text, prefix, *text == '_' ? "_x" : "_", text);
     }
 }

@@ -1,4 +1,4 @@
-// The names that a user's GLSL text brings into the program it becomes part of, and what such a text may not contain.
+// Names that a user's GLSL text brings into the shader that it becomes part of, and what such a text may not contain.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,13 +22,15 @@ struct glsl_names {
     size_t count, capacity;
 };
 
-// Reads the names and refuses what would reach beyond the text itself: directives that steer the compiler, interfaces
-// (uniform, in, out, layout, buffer), built-in variables, `discard`, and names of `taken` (ends in NULL), which the program
-// needs. Braces, comments and #if must be closed, and all but comments be ASCII. Errors begin with "FILE:LINE: ". What else is wrong the compiler will say.
+// Reads the names. Refuses what would reach beyond the text itself: directives that steer the compiler, interfaces
+// (uniform, in, out, layout, buffer), built-in variables, `discard`, and names of `taken` (ends in NULL), which the
+// shader needs. Braces, comments and #if must be closed, and all but comments be ASCII. Errors begin with "FILE:LINE:
+// ". Other mistakes are left to the compiler.
 bool glsl_names_read(struct glsl_names *names, const char *file, const char *text, const char *const *taken,
                      struct error *error);
 void glsl_names_finish(struct glsl_names *names); // accepts an empty one
 
-// Lines that make every name PREFIX_name (a macro keeps its own) in the text that follows, until the lines of `hide` come.
+// Writes lines that make every name PREFIX_name (a macro keeps its own) in the text that follows, until the lines of
+// `hide`.
 void glsl_names_write_private(const struct glsl_names *names, const char *prefix, FILE *out);
 void glsl_names_write_hide(const struct glsl_names *names, FILE *out);

@@ -9,7 +9,7 @@ void glsl_scanner_init(struct glsl_scanner *scanner, const char *text)
     *scanner = (struct glsl_scanner){.at = text, .line = 1, .is_line_start = true};
 }
 
-// The length of the line break at `at`; 0: there is none.
+// Returns the length of the line break at `at`; 0: there is none.
 static size_t break_length(const char *at)
 {
     if (*at != '\n' && *at != '\r') return 0;
@@ -22,7 +22,7 @@ static void skip_break(struct glsl_scanner *scanner)
     scanner->line++;
 }
 
-// False where the text ends first.
+// Returns false where the text ends first.
 static bool skip_comment(struct glsl_scanner *scanner)
 {
     bool is_long = scanner->at[1] == '*';
@@ -45,7 +45,8 @@ static bool skip_comment(struct glsl_scanner *scanner)
     return !is_long;
 }
 
-// To the next token, or to the line break that ends a directive. False within a comment that does not end.
+// Skips to the next token, or to the line break that ends a directive. Returns false within a comment that does not
+// end.
 static bool skip_blanks(struct glsl_scanner *scanner)
 {
     for (;;) {
@@ -91,7 +92,7 @@ struct glsl_token glsl_scanner_next(struct glsl_scanner *scanner)
     const char *at = scanner->at;
 
     token.text = at;
-    // A comment is complained of where it begins.
+    // A comment without an end is reported where it begins.
     if (!is_whole) {
         token.kind = GLSL_TOKEN_BROKEN;
         return token;

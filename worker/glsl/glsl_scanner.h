@@ -1,4 +1,4 @@
-// Cuts a GLSL text into words and marks, with their lines; comments and line continuations fall away.
+// Cuts a GLSL text into words and marks, with their lines. Comments and line continuations are left out.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

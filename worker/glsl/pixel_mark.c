@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-// A mean over samples of which one alone is marked is smaller by their number, which is less than the factor.
+// A mean over samples of which only one is marked is smaller by their number, which is less than the factor.
 static enum pixel_mark read_mark(float alpha, int *medium)
 {
     if (alpha > 0.9f / JOB_SAMPLE_LIMIT * PIXEL_MARK_MAJORANT) return PIXEL_MARK_IS_CUT;

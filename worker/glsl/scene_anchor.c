@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-// m; floats up to half of it lie 3e-5 m apart.
+// m; floats up to half of it are 3e-5 m apart
 static const double STEP = 1024;
 
 bool scene_anchor_is_used(const struct job *job)

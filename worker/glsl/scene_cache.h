@@ -1,4 +1,4 @@
-// A 3D texture that a small compute program of its own fills before the picture's passes, and that shaders then sample.
+// A 3D texture that a compute program fills before the picture's passes, and that shaders then sample.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,33 +20,33 @@ enum scene_cache_format { SCENE_CACHE_R32F, SCENE_CACHE_RG32F, SCENE_CACHE_RGBA3
 
 // The zero value is empty.
 //
-// The program runs once for each (x, y, z) below `invocations` and writes all texels, each once: a ray with its texels along
-// z, or a single texel. Its text begins as scene_cache_begin writes it and declares `uniforms`. A
-// texture is filled anew when any of this changes: the text, the packed uniforms, format and size, the files that it reads,
-// a cache that it reads.
+// The program runs once for each (x, y, z) below `invocations` and writes all texels, each once: those of a ray along z,
+// or a single texel. Its text begins as scene_cache_begin writes it and declares `uniforms`. A texture is filled anew
+// when any of these changes: the text, the packed uniforms, format and size, the files or a cache that it reads.
 struct scene_cache {
     char name[32]; // of the sampler in shaders that read it
-    unsigned unit; // the texture unit where those find it, bound as GL_LINEAR and clamped to the edge
+    unsigned unit; // the texture unit for these shaders, bound as GL_LINEAR and clamped to the edge
     char *text;    // owned; `#line` numbers it as shader_assembly.h says
     const char *module_names[SHADER_ASSEMBLY_MODULE_LIMIT]; // as shader_assembly.h has them
     size_t module_count;
     char hash[HASH_TEXT_SIZE];      // of the text
-    struct frame_uniforms uniforms; // its own, refers to the job and the inputs
+    struct frame_uniforms uniforms; // refers to the job and the inputs
     enum scene_cache_format format;
     int size[3];        // texels
     int invocations[3]; // at most `size`
-    bool is_step;       // only other caches read it: it is there while they are filled, no longer
+    bool is_step;       // only other caches read it: it is released when they are filled
     bool reads_files;   // its values depend on the frame's files
-    uint64_t reads;     // bit i: it samples cache i of the program, which comes before it
+    uint64_t reads;     // bit i: it samples cache i of the program, an earlier one
 };
 
 void scene_cache_finish(struct scene_cache *cache); // accepts an empty one
-// Of all that its values follow from but for its uniforms, files and the caches that it reads.
+// Hashes all that the values follow from, except uniforms, files and the caches that it reads.
 void scene_cache_hash(const struct scene_cache *cache, char hash[static HASH_TEXT_SIZE]);
 size_t scene_cache_size_bytes(const struct scene_cache *cache); // of the texture
-// Opens a program's text: version, layout, the image `cache_image` to write to, and
-// bool cache_find_invocation(out ivec3 at), which is false where there is nothing to do. On failure the cache is empty.
+// Begins a program's text: version, layout, the image `cache_image` to write to, and bool cache_find_invocation(out
+// ivec3 at), which is false where there is nothing to do. On failure the cache is empty.
 bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, const char *shader_dir,
                        struct error *error);
-// Takes the text over and sets its hash. On failure, with the reason where the text began, the cache is empty.
+// Takes the text over and hashes it. On failure, whose reason goes where scene_cache_begin was told, the cache is
+// empty.
 bool scene_cache_end(struct scene_cache *cache, struct shader_assembly *text);

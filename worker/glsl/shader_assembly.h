@@ -1,4 +1,4 @@
-// The text of a shader as it is put together: modules, each once, and what is generated between them.
+// The text of a shader while it is assembled: modules, each once, and generated text between them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,8 +10,8 @@ struct error;
 
 enum {
     SHADER_ASSEMBLY_MODULE_LIMIT = 72,
-    // `#line` gives the lines of module N the numbers N * SHADER_ASSEMBLY_LINE_STRIDE + 1 and up. The source string number
-    // that GLSL has for this is 0 in some of Mesa's messages.
+    // `#line` numbers the lines of module N from N * SHADER_ASSEMBLY_LINE_STRIDE + 1 on. GLSL's source string number
+    // would be for this, but is 0 in some of Mesa's messages.
     SHADER_ASSEMBLY_LINE_STRIDE = 10000
 };
 
@@ -29,10 +29,10 @@ struct shader_assembly {
 };
 
 bool shader_assembly_begin(struct shader_assembly *assembly, const char *shader_dir, struct error *error);
-void shader_assembly_add(struct shader_assembly *assembly, const char *module); // unless it is there
-// What follows is generated: its lines are those of the whole text.
+void shader_assembly_add(struct shader_assembly *assembly, const char *module); // if it is not in the text yet
+// Says that generated text follows: its lines are those of the whole text.
 void shader_assembly_generate(struct shader_assembly *assembly);
-// A module whose text is at hand; `name` outlives the assembly's users. What follows is generated.
+// Adds a module whose text is given; `name` outlives the users of module_names. Generated text follows.
 void shader_assembly_add_text(struct shader_assembly *assembly, const char *name, const char *text);
-// The whole text, or NULL with the reason; either way nothing else is left to release.
+// Returns the whole text, or NULL with the reason; either way nothing else is left to release.
 char *shader_assembly_end(struct shader_assembly *assembly);

@@ -7,7 +7,7 @@
 #include <assert.h>
 #include <stddef.h>
 
-// A medium's own textures, in the order of its units. Which of them a density has, its kind says.
+// Textures of one medium, in the order of its units. The density's kind says which of them there are.
 enum medium_texture {
     MEDIUM_TEXTURE_VALUES,    // a dense grid's voxels; the atlas of a sparse grid's bricks
     MEDIUM_TEXTURE_BRICKS,    // how far each brick is from one that is not empty; a sparse grid's index

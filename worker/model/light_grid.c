@@ -11,13 +11,14 @@
 #include <math.h>
 #include <string.h>
 
-// A beam's cells grow with the square of it towards its edges, until directions in all ways do better.
+// The limit of a beam's tangent: its cells grow with the tangent's square towards the edges, until a round grid does
+// better.
 static const double tangent_limit = 1.75;
-// Rounding may put a point of the media this part of the grid's size beyond it.
+// The share of the grid's size by which rounding may put a point of the media outside.
 static const double margin = 1e-5;
 
 struct frame {
-    double across[3], up[3], along[3]; // unit vectors; along as light travels
+    double across[3], up[3], along[3]; // unit vectors; `along` is the direction of travel of light
 };
 
 static double dot(const double a[3], const double b[3])
@@ -45,7 +46,7 @@ static void cross(const double a[3], const double b[3], double product[3])
         product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-// Any two directions across `along`.
+// Completes the frame with any two directions perpendicular to `along`.
 static void complete(struct frame *frame)
 {
     int least = 0;
@@ -72,7 +73,7 @@ static size_t find_extents(const struct light_grid *grid, double time,
     return grid->medium_count;
 }
 
-// The largest dot(p, direction) of all media.
+// Returns the largest dot(p, direction) over all media.
 static double support_of(const struct media_extent *extents, size_t count, const double direction[3])
 {
     double reach = -INFINITY;
@@ -92,7 +93,7 @@ static double tangent_of(const struct media_extent *extents, size_t count, const
     return tangent;
 }
 
-// Of the box along the world's axes around all media.
+// Finds the middle of the box along the world's axes around all media.
 static void find_middle(const struct media_extent *extents, size_t count, double middle[3])
 {
     for (int i = 0; i < 3; ++i) {
@@ -105,12 +106,12 @@ static void find_middle(const struct media_extent *extents, size_t count, double
     }
 }
 
-// How far the media are from light to dark and to the sides: in metres from the middle, in the plane of the middle.
+// How far the media extend from the middle along and across the light, m, measured in the plane of the middle.
 struct beam {
     struct frame frame;
     double middle[3];
     double low[3], high[3]; // across, up, along
-    double distance;        // of the light from the middle's plane; INFINITY for a sun
+    double distance;        // from the light to the plane of the middle; INFINITY for a sun
 };
 
 static void find_sun_beam(const struct media_extent *extents, size_t count, const struct scene_light *light,
@@ -132,7 +133,7 @@ static void find_sun_beam(const struct media_extent *extents, size_t count, cons
     }
 }
 
-// False where the light is among the media, or sees them at too wide an angle.
+// Returns false where the light is among the media, or sees them under too wide an angle.
 static bool find_point_beam(const struct media_extent *extents, size_t count, const struct scene_light *light,
                             double time, struct beam *beam)
 {
@@ -229,7 +230,7 @@ static bool beam_does(const struct light_grid *grid, double time)
     return find_beam(grid, time, &beam);
 }
 
-// Of all that its place follows from; whatever a file has may change with the frame.
+// True when nothing that the grid's position follows from moves. Contents of files may change with the frame.
 static bool is_still(const struct light_grid *grid)
 {
     const struct scene_light *light = light_of(grid);
@@ -254,7 +255,7 @@ void light_grid_init(struct light_grid *grid, const struct scene_model *model, s
         if (!beam_does(grid, pixel_samples_time(job, frame, i))) grid->kind = LIGHT_GRID_ROUND;
 }
 
-// Components of the placement, by where they are in it.
+// Evaluates components of the placement, by their offset in it.
 static void evaluate(const void *source, double time, size_t offset_bytes, int count, double value[static 9])
 {
     struct light_grid_placement placement;

@@ -1,4 +1,4 @@
-// How each kind of light enters a scene's shader: a row a kind.
+// Kinds of lights, as they enter a scene's shader: a row a kind.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,13 +11,13 @@ struct frame_uniforms;
 // A new kind is a row in light_kind.c and its module.
 struct light_kind {
     const char *module;     // below shaders/
-    const char *call;       // its function and its struct, up to where the struct's first member goes: the intensity
-    const char *value;      // the frame value that is the second, light_I_VALUE
-    bool takes_point;       // the function asks for the point that is lit
+    const char *call;       // the function and its struct, up to the struct's first member, which is the intensity
+    const char *value;      // the second member: the frame value light_I_VALUE
+    bool takes_point;       // the function's last parameter is the point that is lit
     bool is_inverse_square; // its irradiance falls with the square of the distance
     void (*add_value)(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index);
 };
 
 const struct light_kind *light_kind_of(const struct scene_light *light);
-// Adds light_I_position of a light that has one.
+// Adds light_I_position, for kinds that have one.
 void light_kind_add_position(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index);

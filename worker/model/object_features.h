@@ -1,4 +1,4 @@
-// What an object of a scene does with light.
+// How an object of a scene interacts with light.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,15 +7,15 @@
 #include <stdbool.h>
 
 struct object_features {
-    bool is_opaque;   // else light goes on in it
+    bool is_opaque;   // else light enters it
     bool is_lit;      // diffuse, and not black
-    bool reflects;    // it sends a reflected ray
-    bool has_fresnel; // which share that is follows from the angle
-    bool sends_two;   // a reflected ray and a refracted one at once
+    bool reflects;    // rays are reflected
+    bool has_fresnel; // the reflected share follows from the angle
+    bool sends_two;   // both a reflected and a refracted ray at once
     bool is_rough;
     bool is_grey;
 };
 
 struct object_features object_features_of(const struct scene_material *material);
-// True when a ray that meets it is reflected or refracted.
+// True when a ray that hits the object is reflected or refracted.
 bool object_features_have_paths(const struct object_features *object);

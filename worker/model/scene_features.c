@@ -94,7 +94,7 @@ static void add_object(struct scene_features *features, const struct scene_objec
     features->has_roughness |= object->is_rough;
 }
 
-// Which lights shine on what: `scatters`, some medium does.
+// Finds the visible lights. `scatters`: some medium does.
 static void add_lights(struct scene_features *features, const struct scene *scene, bool scatters)
 {
     for (size_t i = 0; i < scene->light_count; ++i) {
@@ -142,7 +142,7 @@ struct scene_features scene_features_of(const struct job *job, const bool *is_un
     features.marches_to_lights &= features.has_lights;
     features.has_light_grids = features.marches_to_lights && job->quality.method == JOB_METHOD_CACHED;
     features.places_points = features.media_are_lit && job->quality.method == JOB_METHOD_EQUIANGULAR;
-    // A Riemann sum is defined by its samples.
+    // A Riemann sum is defined by its samples, homogeneous media or not.
     features.marches |= features.has_media && (job->quality.method == JOB_METHOD_RIEMANN ||
                                                (job_method_takes_steps(job->quality.method) && features.media_are_lit));
     features.is_jittered = features.marches && job->quality.method == JOB_METHOD_JITTERED;

@@ -1,4 +1,4 @@
-// A frame's scene as its shaders are written: what of it is modelled, and from which files.
+// A frame's scene as its shaders are written: the parts that are modelled, and the files that they come from.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,10 +19,10 @@ struct scene_model {
     struct scene_features features;
 };
 
-// Fails where a density's kind cannot be rendered.
+// Fails when a density's kind cannot be rendered.
 bool scene_model_init(struct scene_model *model, const struct job *job, const struct scene_inputs *inputs,
                       struct error *error);
-// The job's quality; where the frame reads files, its steps told in voxels are metres there.
+// Returns the job's quality. Where the frame reads files, steps in voxels have become metres there.
 const struct job_quality *scene_model_quality(const struct scene_model *model);
-// The medium of that index, as its density's kind is asked about it.
+// Returns the medium of that index, as its density's kind is asked about it.
 struct density_site scene_model_site(const struct scene_model *model, size_t medium);

@@ -46,8 +46,8 @@ static void evaluate_camera_position(const void *source, double time, double val
     timeline_evaluate(&job->scene.camera.position, time, value);
 }
 
-// scale_right and scale_up times the image's axes, plus `ahead` metres forward. A camera without a view gives NaN, which
-// packing refuses.
+// Computes scale_right and scale_up times the image's axes, plus `ahead` metres forward. A camera without a view gives
+// NaN, which packing refuses.
 static void combine_axes(const struct job *job, double time, double scale_right, double scale_up, double ahead,
                          double value[static 9])
 {
@@ -125,7 +125,7 @@ static void add_lobes(struct frame_uniforms *uniforms, const struct scene_medium
     }
 }
 
-// A transfer function's density is the extinction itself.
+// The density of a transfer function is the extinction itself.
 static struct frame_value sigma_t_of(const struct scene_medium *medium, const struct medium_features *features,
                                      enum frame_value_type spectrum)
 {
@@ -139,7 +139,7 @@ static struct frame_value sigma_t_of(const struct scene_medium *medium, const st
                                 .meaning = "sigma_s + sigma_a"};
 }
 
-// Where a medium is and how dense.
+// Adds the values of a medium's density and bounds.
 static void add_density(struct frame_uniforms *uniforms, const struct density_site *site)
 {
     density_kind_of(&site->source->density)->add_values(uniforms, site);
@@ -176,7 +176,7 @@ static void add_light(struct frame_uniforms *uniforms, const struct scene_light 
     light_kind_of(light)->add_value(uniforms, light, index);
 }
 
-// Whole numbers that a float holds exactly.
+// Adds whole numbers, which floats hold exactly.
 static void add_sampling(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
 {
     const struct frame_value seed = {.type = FRAME_VALUE_FLOAT,
@@ -195,7 +195,7 @@ static void add_sampling(struct frame_uniforms *uniforms, const struct job *job,
     frame_uniforms_add(uniforms, sample, "sample_index");
 }
 
-// Numbers that a plan chose are uniforms, so that looking for them takes one program.
+// A number that a plan chooses is a uniform, so that all candidates share one program.
 static void add_number(struct frame_uniforms *uniforms, const struct job *job, const double *number,
                        const char *meaning)
 {
@@ -230,7 +230,7 @@ static void evaluate_anchor(const void *source, double time, double value[static
     scene_anchor_find(source, time, value);
 }
 
-// For densities that are told from the world's origin.
+// Adds the anchor, for densities that are functions of the world's coordinates.
 static void add_anchor(struct frame_uniforms *uniforms, const struct scene_model *model)
 {
     const struct job *job = model->job;

@@ -1,4 +1,4 @@
-// Which shader modules integrate along camera rays and towards lights, and how they are called: a row a method.
+// The shader modules that integrate along camera rays and towards lights, and their calls: a row a method.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,20 +9,21 @@ struct scene_model;
 
 struct integrator_part {
     const char *module; // below shaders/
-    const char *call;   // its function, and its struct of parameters up to where their closing bracket goes
-    void (*write_parameters)(FILE *out, const struct scene_model *model); // that `call` lacks; NULL: none
+    const char *call;   // the function and its struct, up to the bracket that closes the struct
+    void (*write_parameters)(FILE *out,
+                             const struct scene_model *model); // the parameters that `call` lacks; NULL: none
 };
 
-// A new method is a row in integrators.c and its modules; shaders/README.md says what these find.
+// A new method is a row in integrators.c and its modules. shaders/README.md says what modules may call.
 struct integrator {
     bool (*applies)(const struct scene_model *model);
-    struct integrator_part along_rays; // of the camera, and from surface to surface
-    struct integrator_part to_lights;  // where media are marched through; of tracking without parameters
+    struct integrator_part along_rays; // of the camera, and of reflected and refracted rays
+    struct integrator_part to_lights;  // for media that vary; of tracking without parameters
 };
 
-// The first row that applies. The model has media.
+// Returns the first row that applies. The model has media.
 const struct integrator *integrator_of(const struct scene_model *model);
-// The module that gives what media leave of light towards a light, and how it is called; media extinguish.
+// Returns the module for the transmittance of media towards a light. Some medium has an extinction.
 const struct integrator_part *integrator_to_lights(const struct scene_model *model);
-// "integrator_midpoint(IntegratorMidpoint(quality_step)": what is integrated over follows.
+// Writes the call as in "integrator_midpoint(IntegratorMidpoint(quality_step)", without the other arguments.
 void integrator_write_call(FILE *out, const struct integrator_part *part, const struct scene_model *model);

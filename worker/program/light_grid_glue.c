@@ -19,7 +19,7 @@ const char *light_grid_glue_module(const struct light_grid *grid)
     return grid->kind == LIGHT_GRID_BEAM ? "light_grid/beam.glsl" : "light_grid/round.glsl";
 }
 
-// The expression of the grid's struct.
+// Writes the expression of the grid's struct.
 static void write_grid(FILE *out, const struct light_grid *grid)
 {
     size_t i = grid->light;
@@ -51,7 +51,7 @@ void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid)
     fputs("    return column;\n}\n", out);
 }
 
-// Media that are marched alone: nothing else is in the grid.
+// Returns the model of the media whose columns the grid holds.
 static struct scene_model marched_part(const struct light_grid *grid, const struct scene_model *picture)
 {
     struct scene_model model = {.job = picture->job,
@@ -124,7 +124,7 @@ static bool assemble(struct scene_cache *cache, const struct light_grid *grid, c
     return scene_cache_end(cache, &text);
 }
 
-// Both textures are alike; the one that is kept takes the unit over when it is there.
+// Returns what both caches have in common. The second takes the texture unit over once it is there.
 static struct scene_cache cache_of(const struct light_grid *grid)
 {
     int nodes = grid->cells + 1;

@@ -72,7 +72,7 @@ static void write_interval(FILE *out, const struct scene_camera *camera)
     if (isfinite(camera->clip_far)) fprintf(out, "    interval.y = min(interval.y, %.9e);\n", camera->clip_far);
 }
 
-// The point of the pixel that this pass looks through; random numbers start here.
+// Writes the image point that this pass samples, and the start of its random numbers.
 static void write_point(FILE *out, const struct scene_model *model)
 {
     int columns, rows;
@@ -97,7 +97,7 @@ static void write_view(FILE *out, const struct scene_model *model)
             model->features.has_samples ? "point_px" : "gl_FragCoord.xy");
 }
 
-// A Riemann sum's samples lie where they lie, whatever the media's spans are.
+// Samples of a Riemann sum do not depend on the media's spans.
 static void write_march(FILE *out, const struct scene_model *model)
 {
     bool has_interval = model->job->quality.method != JOB_METHOD_RIEMANN;
@@ -108,7 +108,7 @@ static void write_march(FILE *out, const struct scene_model *model)
                                 has_interval ? "camera.position, direction, interval" : "camera.position, direction");
 }
 
-// Of several passes the depth comes with a count, so that those without one can be left out of the mean.
+// The depth of several passes comes with a count, so that the mean leaves out passes without a depth.
 static void write_outputs(FILE *out, const struct scene_model *model)
 {
     fputs("layout(location = 0) out vec4 rgba;\n", out);
@@ -133,7 +133,7 @@ static void write_depth(FILE *out, const struct job *job, const char *depth)
         fprintf(out, "    depth = %s;\n", depth);
 }
 
-// What the job states itself may be too low.
+// A majorant that the job states may be too low.
 static bool majorant_mark_is_needed(const struct scene_model *model)
 {
     bool is_stated = false;

@@ -58,7 +58,7 @@ void scene_glue_write_transmittance(FILE *out, const struct scene_model *model, 
     fputs(")", out);
 }
 
-// The expression of what is left of a light at `place`, in the segment's region.
+// Writes the expression of the transmittance from a light to `place`, in the segment's region.
 static void write_shadow(FILE *out, const struct scene_model *model, const char *place)
 {
     fprintf(out, "shadow(%s, light, ", place);
@@ -68,7 +68,7 @@ static void write_shadow(FILE *out, const struct scene_model *model, const char 
         fputs("0u, 0u)", out);
 }
 
-// The scattering coefficient times the phase function, summed over media.
+// Writes the scattering coefficient times the phase function, summed over media.
 static void write_scattered(FILE *out, const char *indent, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
@@ -86,8 +86,8 @@ static void write_scattered(FILE *out, const char *indent, const struct scene_mo
     fputs(";\n", out);
 }
 
-// The sample of light `i`, of the whole segment where the light has a peak in it. Nodes of a Gauss rule follow 1 / r^2 by
-// themselves but where segments cannot be shortened further.
+// Writes the sample of light `i`: for the whole segment where the light has a peak in it. Nodes of a Gauss rule follow
+// 1 / r^2 by themselves, except where segments cannot be shortened further.
 static void write_sample(FILE *out, const struct scene_model *model, size_t i)
 {
     const struct scene_features *features = &model->features;
@@ -102,7 +102,7 @@ static void write_sample(FILE *out, const struct scene_model *model, size_t i)
         fprintf(out, "light_%zu(point);\n", i);
 }
 
-// Each light's columns are looked up in a grid of its own.
+// Each light's columns are in a grid of its own.
 static void write_cached_scattering(FILE *out, const struct scene_model *model)
 {
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
@@ -118,7 +118,7 @@ static void write_cached_scattering(FILE *out, const struct scene_model *model)
     }
 }
 
-// Several lights take turns, so that the march to them is compiled once: drivers copy functions to where they are called.
+// One loop over the lights compiles the march to them once: drivers copy functions to where they are called.
 static void write_scattering(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
@@ -148,7 +148,8 @@ static void write_scattering(FILE *out, const struct scene_model *model)
     fputs(";\n    }\n", out);
 }
 
-// Light along the whole segment from points placed for this light. Where little of it is left we look no further.
+// Writes the light along the whole segment from points placed for this light. Where the transmittance is tiny there are
+// no points.
 static void write_placed_scattering(FILE *out, const struct scene_light *light, const struct scene_model *model,
                                     size_t i)
 {
@@ -185,10 +186,10 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
     fprintf(out, "        gathered.radiance += passed * light_%zu_intensity * sum;\n    }\n", i);
 }
 
-// What the points of all lights are placed in: the whole stretch, or each piece of it.
+// Writes the stretch in which points are placed: the whole one, or each piece of it.
 static void begin_placed(FILE *out, const struct scene_features *features)
 {
-    // Of what is farther than this optical depth, 2e-9 is left.
+    // Beyond this optical depth the transmittance is below 2e-9.
     fputs("    float seen = min(length, 20.0 / max(spectrum_min(sigma_t), 1e-30));\n", out);
     if (!features->extinction_is_rgb) {
         fputs("    vec3 start = point;\n    Spectrum passed = gathered.transmittance;\n", out);
@@ -207,7 +208,7 @@ static void write_all_placed(FILE *out, const struct scene *scene, const struct 
     const struct scene_features *features = &model->features;
     const char *separator = "";
 
-    // Between media, and in what only absorbs, there is nothing to look for.
+    // Outside of media, and in media that only absorb, no light is gathered.
     fputs("    int count = ", out);
     for (size_t i = 0; i < features->medium_count; ++i) {
         if (!features->media[i].scatters) continue;
@@ -244,7 +245,7 @@ static void write_left(FILE *out, const struct scene_model *model)
         fputs("    gathered.transmittance = after;\n", out);
 }
 
-// A segment of `length` leaves `after` of what came to it.
+// Writes how the transmittance changes over a segment of `length`: `after` is its value behind it.
 static void write_passed(FILE *out, const struct scene_model *model)
 {
     if (model->features.has_depth)
@@ -300,7 +301,7 @@ static void write_densities(FILE *out, const struct scene_model *model)
         }
 }
 
-// What a node of a segment has, per metre.
+// Writes extinction and source at a node of a segment, per metre.
 static void write_gather_node(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
@@ -322,7 +323,7 @@ static void write_gather_node(FILE *out, const struct scene_model *model)
     fputs("}\n", out);
 }
 
-// Adds a segment that sends `light` forward.
+// Writes how a segment that sends `light` forward is added.
 static void write_gather_segment(FILE *out, const struct scene_model *model)
 {
     fprintf(out,
@@ -337,7 +338,8 @@ static void write_gather_segment(FILE *out, const struct scene_model *model)
     fputs("}\n", out);
 }
 
-// Light of a place, times what is left of it and the length that it stands for; and what is left behind it.
+// Writes how the light of a point is added, with a weight of transmittance times length, and how the transmittance
+// changes behind it.
 static void write_tracked(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
@@ -399,7 +401,7 @@ void scene_glue_write_integrator(FILE *out, const struct scene_model *model, con
     fprintf(out, ", %s, spans, gathered);\n", stretch);
 }
 
-// Up to this many points are one Gauss-Legendre rule; more are several rules of the same size, one behind the other.
+// Up to this many points are one Gauss-Legendre rule. More points are several rules of one size, one after the other.
 enum { RULE_LIMIT = 64 };
 
 void scene_glue_write_placed(FILE *out, const struct job *job)

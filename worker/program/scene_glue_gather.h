@@ -7,12 +7,14 @@
 struct job;
 struct scene_model;
 
-// `Gathered` and `gather`, called by the integrator for each place that has density.
+// Writes `Gathered` and `gather`, which the integrator calls for each point that has density.
 void scene_glue_write_gather(FILE *out, const struct scene_model *model);
-// `PLACED_COUNT`, `placed_share(i)` and `placed_weight(i)`: the points of a stretch, for jobs that place them.
+// Writes `PLACED_COUNT`, `placed_share(i)` and `placed_weight(i)`: the points of a stretch, for jobs that place them.
 void scene_glue_write_placed(FILE *out, const struct job *job);
-// The expression of what the media in `spans` leave of light between `point` and `distance` metres towards `light`.
+// Writes the expression of the transmittance of the media in `spans` between `point` and `distance` metres towards
+// `light`.
 void scene_glue_write_transmittance(FILE *out, const struct scene_model *model, const char *spans,
                                     const char *distance);
-// Calls the integrator for `spans`; `stretch`: "origin, direction, interval", of Riemann sums without the interval.
+// Writes the integrator's call for `spans`. `stretch`: "origin, direction, interval", of Riemann sums without the
+// interval.
 void scene_glue_write_integrator(FILE *out, const struct scene_model *model, const char *stretch);

@@ -6,7 +6,7 @@
 #include "worker/density/scene_bounds.h"
 #include "worker/model/scene_model.h"
 
-// Which media a function is about.
+// Chooses the media that a function is about.
 typedef bool choose_medium(const struct medium_features *medium);
 
 static bool is_seen(const struct medium_features *medium)
@@ -14,7 +14,7 @@ static bool is_seen(const struct medium_features *medium)
     return medium->is_seen;
 }
 
-// Its field is of places, not of a segment's ends.
+// True where the field is that of a point, not of a segment's ends.
 static bool is_pointwise(const struct medium_features *medium)
 {
     return medium->is_seen && !medium->is_tabled;
@@ -25,7 +25,7 @@ static bool is_tabled(const struct medium_features *medium)
     return medium->is_tabled;
 }
 
-// The first medium from `i` on that is chosen; medium_count when there is none left.
+// Returns the first chosen medium from `i` on; medium_count when there is none.
 static size_t next(const struct scene_model *model, choose_medium *choose, size_t i)
 {
     const struct scene_features *features = &model->features;
@@ -46,8 +46,8 @@ static bool is_single(const struct scene_model *model, choose_medium *choose)
 #define FOR_EACH_MEDIUM(model, choose)                                                                                 \
     for (size_t i = next((model), (choose), 0); i < (model)->features.medium_count; i = next((model), (choose), i + 1))
 
-// Whether places outside the medium's span are asked about. A single one is marched through from end to end of its span,
-// but for Riemann sums, whose samples lie where they lie.
+// True where the integrator may ask for points outside of the medium's span. A single medium is marched through from
+// end to end of its span, except by Riemann sums.
 static bool needs_test(const struct scene_model *model, choose_medium *choose, size_t i)
 {
     const struct scene_density *density = &model->job->scene.media[i].density;
@@ -160,14 +160,14 @@ static void write_field_of(FILE *out, const struct density_kind *kind, size_t i)
     fprintf(out, "medium_%zu_field(p%s)", i, kind->takes_direction ? ", direction" : "");
 }
 
-// Opens what is done inside the medium's span, at once if that is everywhere we ask.
+// Begins the code for points inside of the medium's span; without a test where all points are.
 static const char *begin_inside(FILE *out, bool is_tested, size_t i)
 {
     if (is_tested) fprintf(out, "    if (span_has(spans.medium_%zu, at)) {\n", i);
     return is_tested ? "        " : "    ";
 }
 
-// TARGET, the least of what media say, becomes at most the bound of the medium; of the first one it is that.
+// Writes TARGET = min(TARGET, bound); for the first medium TARGET = bound.
 static void write_least(FILE *out, const char *indent, const char *target, bool is_first, const char *bound)
 {
     if (is_first)
@@ -213,7 +213,8 @@ static const char *field_type(const struct scene_model *model, size_t i)
                                               : density_kind_of(&model->job->scene.media[i].density)->field_type;
 }
 
-// What a table's medium has is set later, from a segment's ends: here only whether, and with which falloff.
+// Values of a medium with a table are set later, from a segment's ends. The field says only whether there are any, and
+// the falloff.
 static void write_tabled_part(FILE *out, const struct scene_model *model, size_t i)
 {
     bool is_tested = needs_test(model, is_seen, i);
@@ -251,7 +252,7 @@ static void write_clear(FILE *out, const struct scene_model *model)
     fputs("    return clear;\n}\n", out);
 }
 
-// All members of a MediaEnds, each as BEFORE I MIDDLE I AFTER.
+// Writes a function that returns all members of a MediaEnds. # in `format` is the medium's index.
 static void write_ends(FILE *out, const struct scene_model *model, const char *declaration, const char *format)
 {
     const char *separator = "";

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-// The media between `from` and `to`: all that is there when no dielectric parts it into regions.
+// Writes the transmittance of the media between `from` and `to`. Without dielectrics there is one region.
 static void write_piece(FILE *out, const struct scene_model *model)
 {
     bool has_regions = model->features.has_dielectrics;
@@ -21,7 +21,7 @@ static void write_piece(FILE *out, const struct scene_model *model)
     fputs(";\n", out);
 }
 
-// Opaque objects alone: the first one that is met stops it. A lamp that stands on a surface is before it.
+// Only opaque objects are there: the first one that is hit ends the shadow ray. A lamp on a surface is before it.
 static void write_opaque_shadow(FILE *out, const struct scene_model *model)
 {
     fputs("        float at = surface_next(shapes, 0.0, inside, left).at;\n"
@@ -40,7 +40,7 @@ static bool has_opaque(const struct scene_features *features)
     return false;
 }
 
-// One loop over all boundaries, seen or not: software GL counts its turns.
+// One loop goes over all boundaries, visible or not: software GL counts its iterations.
 static void write_regions_shadow(FILE *out, const struct scene_model *model)
 {
     if (model->features.has_extinction) fputs("    MediaSpans spans = media_spans(point, light.direction);\n", out);
@@ -114,13 +114,13 @@ static void write_media(FILE *out, const struct scene_model *model)
           out);
     write_clip(out, &model->job->scene.camera);
     fputs(");\n    Gathered gathered = Gathered(path_radiance, ray.throughput", out);
-    // Only the camera's own ray looks for a depth: a negative one is not 0, which is none yet.
+    // Only the camera's own ray has a depth. 0 is "none yet", a negative number is "never".
     if (features->has_depth && features->has_extinction)
         fputs(features->has_paths ? ", ray.depth == 0 ? 0.0 : -1.0" : ", 0.0", out);
     fputs(", quality_min_transmittance * spectrum_max(ray.throughput)", out);
     fputs(features->media_are_lit ? ", region);\n" : ");\n", out);
     scene_glue_write_integrator(out, model, "ray.origin, ray.direction, media_interval(spans)");
-    // What is left of a ray that is over does not reach what is farther.
+    // Light behind the point where a ray is over counts for nothing.
     fputs(
         "    path_radiance = gathered.radiance;\n"
         "    ray.throughput = end < FAR_AWAY && gathered_is_over(gathered) ? spectrum(0.0) : gathered.transmittance;\n",
@@ -141,7 +141,7 @@ static void write_gather(FILE *out, const struct scene_model *model)
     fputs("}\n", out);
 }
 
-// Several lights take turns, so that the way to them is compiled once: drivers copy functions to where they are called.
+// One loop over the lights compiles the shadow ray once: drivers copy functions to where they are called.
 static void write_lit(FILE *out, const struct scene *scene, const struct scene_features *features)
 {
     size_t turn = 0, count = scene_features_count_lights(features);

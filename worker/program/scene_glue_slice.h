@@ -1,4 +1,4 @@
-// Writes what a picture does that is drawn in slices: each goes on where its rays had to stop.
+// Writes what a picture drawn in slices needs: each slice goes on where the rays of the one before it stopped.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,8 +6,8 @@
 
 struct scene_model;
 
-// Before and after integrator/sliced.glsl: what it asks for; and the pixel's state, which gl_slices.h keeps:
+// Before and after integrator/sliced.glsl: what it calls, and the pixel's state, which gl_slices.h keeps:
 //   slice_load()        false for a pixel that is done
-//   slice_store(paused) true when the pixel is done: its rays are, or came no further twice
+//   slice_store(paused) true when the pixel is done: its rays are, or two slices brought them no further
 void scene_glue_write_slice_random(FILE *out, const struct scene_model *model);
 void scene_glue_write_slice(FILE *out, const struct scene_model *model);

@@ -21,7 +21,7 @@ static void write_extinction(FILE *out, const struct scene_model *model)
     fputs(";\n}\n", out);
 }
 
-// PART, in which %zu is the medium, for each that has a column.
+// Writes BEFORE I BETWEEN I for each medium that has a column, with AFTER between them.
 static void write_parts(FILE *out, const struct scene_model *model, const char *before, const char *between,
                         const char *after)
 {

@@ -22,7 +22,7 @@ static void write_shapes(FILE *out, const struct scene *scene)
     }
 }
 
-// How much nearer than rounding two boundaries are that are taken for one: some last digits of the numbers that make them.
+// Boundaries that lie this close count as one: some last digits of the coordinates that they follow from.
 static void write_spans(FILE *out, const struct scene *scene)
 {
     fputs("struct ShapeSpans { vec3 origin, direction; float sliver;", out);
@@ -69,7 +69,7 @@ static void write_around(FILE *out, const struct scene *scene)
     fputs("    return inside;\n}\n", out);
 }
 
-// A single shape's boundary beyond `from`: out of it, or into it.
+// Writes the boundary of a single shape beyond `from`: its exit or its entry.
 static void write_single(FILE *out, const struct scene_object *object, size_t i)
 {
     size_t shape = object->first_shape;
@@ -89,7 +89,7 @@ static void write_extension(FILE *out, const char *indent, size_t shape)
             indent);
 }
 
-// Out of a union: from the shape that we are in through all that follow on without a gap.
+// Writes the exit of a union: through the shape that holds the point and all that follow without a gap.
 static void write_union_exit(FILE *out, const struct scene_object *object, size_t i)
 {
     size_t first = object->first_shape, end = first + object->shape_count;
@@ -136,7 +136,8 @@ static void write_union(FILE *out, size_t i)
             i, i, 1U << i, i, i, i, i, i, i);
 }
 
-// The nearest of all boundaries, and those that lie where it does: a flat ray meets one that rounding has moved much later.
+// Writes the nearest of all boundaries and those that coincide with it. Rounding moves a boundary that a ray meets at a
+// small angle much further along the ray.
 static void write_nearest(FILE *out, const struct scene *scene)
 {
     fputs("    float at = at_0;\n    uint nearest = shape_0;\n", out);
@@ -208,7 +209,7 @@ static bool scene_uses_fresnel(const struct scene_model *model, enum scene_fresn
 
 static void write_schlick(FILE *out, const struct scene_model *model)
 {
-    // Of two iors (a - b)^2 / (a + b)^2 is that of their ratio and 1.
+    // (a - b)^2 / (a + b)^2 of two iors is that of their ratio and 1.
     fputs("    float ratio = (eta - 1.0) / (eta + 1.0);\n    FresnelSchlick schlick = FresnelSchlick(-1.0, 1.0);\n",
           out);
     for (size_t i = 0; i < model->features.object_count; ++i)
@@ -228,12 +229,12 @@ static void write_none(FILE *out, const struct scene_model *model)
     for (size_t i = 0; i < model->features.object_count; ++i)
         if (uses_fresnel(model, i, SCENE_FRESNEL_NONE)) {
             fprintf(out, "    if (object == %zu) return ", i + 1);
-            // A diffuse material's specular share is that of a mirror.
+            // A diffuse material's specular share reflects as a mirror does.
             fputs(model->features.objects[i].is_opaque ? "1.0;\n" : "fresnel_none(cos_in, eta);\n", out);
         }
 }
 
-// Each kind is called at one place.
+// Each kind of Fresnel term is called once: drivers copy functions to where they are called.
 static void write_fresnel(FILE *out, const struct scene_model *model)
 {
     bool has_exact = scene_uses_fresnel(model, SCENE_FRESNEL_EXACT);

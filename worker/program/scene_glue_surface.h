@@ -1,4 +1,4 @@
-// Writes the part of a scene's shader that asks its objects: where a ray meets them, and what they are there.
+// Writes the part of a scene's shader that asks its objects: where a ray meets them, and their material there.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,8 +9,8 @@ struct scene_model;
 // What ray modules call; objects and regions are numbered from 1, region 0 being air:
 //   ShapeSpans                  distances between which a ray is inside each shape
 //   shape_spans(origin, direction)
-//   shape_normal(shape, p)      out of the shape, of length 1
-//   surface_around(spans)       the objects in which the ray begins, a bit each
+//   shape_normal(shape, p)      outward unit normal
+//   surface_around(spans)       the objects that contain the ray's origin, a bit each
 //   surface_next(spans, from, inside, left)   the nearest boundary beyond `from`
 //   surface_is_opaque(region)
 // and where some object reflects or refracts:

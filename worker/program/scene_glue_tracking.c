@@ -28,7 +28,7 @@ static void write_extinction(FILE *out, const struct scene_model *model)
     fputs("    return sum;\n}\n", out);
 }
 
-// What the medium's density is nowhere above, for some way.
+// Writes medium_I_most: a bound on the density, and for how far along the ray it holds.
 static void write_most(FILE *out, const struct scene_model *model, size_t i)
 {
     const struct density_site site = scene_model_site(model, i);
@@ -43,7 +43,7 @@ static void write_most(FILE *out, const struct scene_model *model, size_t i)
                 i, i);
 }
 
-// Sums over the media that are chosen: of those without extinction there is only whether they are there.
+// Writes the majorant summed over the chosen media. A medium without extinction only counts as present.
 static void write_rate(FILE *out, const struct scene_model *model, choose_medium *choose)
 {
     fputs("    float reach = edge - at;\n    bool is_there = false;\n    Spectrum sum = spectrum(0.0);\n", out);
@@ -93,7 +93,7 @@ void scene_glue_write_tracking(FILE *out, const struct scene_model *model)
     if (features->estimates_columns) write_columns(out, model);
 }
 
-// Media of even density take what their length of the way says.
+// Homogeneous media: their column is the length of the path in them times the density.
 static void write_even(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";

@@ -28,8 +28,8 @@
 
 struct assembly {
     struct scene_program *program;
-    const struct scene_model *model; // the program's
-    struct shader_assembly text;     // the fragment shader's
+    const struct scene_model *model; // of the program
+    struct shader_assembly text;     // of the fragment shader
 };
 
 static void add_module(struct assembly *assembly, const char *name)
@@ -37,7 +37,7 @@ static void add_module(struct assembly *assembly, const char *name)
     shader_assembly_add(&assembly->text, name);
 }
 
-// Where generated text goes.
+// Returns where to write glue.
 static FILE *generate(struct assembly *assembly)
 {
     shader_assembly_generate(&assembly->text);
@@ -154,7 +154,7 @@ static void add_lights(struct assembly *assembly)
     if (features->has_objects) scene_glue_write_shadow(assembly->text.out, assembly->model);
 }
 
-// How marches begin and stop.
+// Adds how marches resume and stop.
 static void add_slices(struct assembly *assembly)
 {
     if (!assembly->model->features.is_sliced) {
@@ -270,7 +270,7 @@ static bool assemble(struct scene_program *program, const char *shader_dir, stru
     return program->fragment != NULL;
 }
 
-// Grids that the picture's own media are looked up in.
+// Adds the grids of baked densities.
 static bool add_baked(struct scene_program *program, const char *shader_dir, struct error *error)
 {
     struct density_bake bake;
@@ -284,7 +284,7 @@ static bool add_baked(struct scene_program *program, const char *shader_dir, str
     return true;
 }
 
-// Of each light that is seen: where its grid lies, and the program that fills it.
+// Adds each visible light's grid: where its nodes lie, and the programs that fill it.
 static bool add_grids(struct scene_program *program, const char *shader_dir, struct error *error)
 {
     const struct scene_model *model = &program->model;

@@ -27,7 +27,7 @@ const char *const *texture_glue_modules(const struct job *job, size_t object)
                                                                                           : 2];
 }
 
-// The expression of where in the image p lies.
+// Writes the expression of the uv coordinates of p.
 static void write_uv(FILE *out, const struct scene_shape *shape, const struct texture_input *input, size_t index)
 {
     double tile[2];

@@ -21,7 +21,7 @@ static void cross(double out[3], const double a[3], const double b[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// False for a vector without a direction.
+// Returns false for a vector without a direction.
 static bool normalize(double vector[3])
 {
     double largest = fmax(fabs(vector[0]), fmax(fabs(vector[1]), fabs(vector[2])));

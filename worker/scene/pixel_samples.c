@@ -3,7 +3,7 @@
 
 #include "core/job/job.h"
 
-static const uint32_t ALL_SAMPLES = UINT32_MAX; // the index under which what a pixel's samples share is drawn
+static const uint32_t ALL_SAMPLES = UINT32_MAX; // the index for random numbers that a pixel's samples share
 
 int pixel_samples_count(const struct job *job)
 {

@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-// So that no rounding takes anything off a medium's edge.
+// The margin keeps rounding from cutting off a medium's edge.
 static const double MARGIN = 1e-4;
 
 static void add_moment(struct scene_extent *extent, const struct job *job, const struct scene_inputs *inputs,

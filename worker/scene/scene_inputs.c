@@ -70,7 +70,7 @@ static void describe_bricks(struct scene_input *input)
     }
 }
 
-// Their place in the world is told by the tree, which is read as a whole.
+// The position of bricks in the world is stored in the tree, which is read as a whole.
 static bool read_bricks(struct scene_input *input, const struct scene_medium *medium, struct brick_store *store,
                         struct error *error)
 {
@@ -103,7 +103,7 @@ static bool describe(struct scene_input *input, const struct scene_medium *mediu
     return true;
 }
 
-// How the bytes are read is part of the hash: a file can hold several grids, and one raw file can be several volumes.
+// The hash depends on how the bytes are read: a file can hold several grids, and one raw file can be several volumes.
 static void hash_bricks(struct scene_input *input, const struct scene_medium *medium)
 {
     const char *density_name = medium->density.grid.grid_name, *glow_name = medium->blackbody.grid_name;
@@ -162,7 +162,7 @@ void scene_input_find_matrix(const struct scene_input *input, double time, doubl
     for (int row = 0; row < 3; ++row) {
         double *to = &index_to_world[4 * row];
 
-        if (input->bricks) { // the box moves with what is active: it has no middle that stays
+        if (input->bricks) { // the box changes with the active voxels, so its centre is no reference
             to[3] += center[row];
             continue;
         }
@@ -202,7 +202,7 @@ static double edge_of(const struct volume *header, int axis)
     return hypot(hypot(matrix[axis], matrix[4 + axis]), matrix[8 + axis]);
 }
 
-// At most the longest way through the box, m; no less than half of it.
+// Returns at most the longest chord of the box, m; no less than half of it.
 static double box_diagonal(const struct volume *header)
 {
     double longest = 0;
@@ -223,20 +223,20 @@ static double box_diagonal(const struct volume *header)
     return longest;
 }
 
-struct way {
-    const char *key, *place;
+struct march {
+    const char *key, *medium;
     double length, step; // m
     int step_limit;
 };
 
-static bool check_steps(const struct way *way, struct error *error)
+static bool check_steps(const struct march *march, struct error *error)
 {
-    double count = ceil(way->length / way->step - 1e-9);
+    double count = ceil(march->length / march->step - 1e-9);
 
-    if (count <= way->step_limit) return true;
+    if (count <= march->step_limit) return true;
     error_set(error,
               "quality.%s: expected at most %d steps along a ray, got %.10g: %.10g m through %s in steps of %.10g m",
-              way->key, way->step_limit, count, way->length, way->place, way->step);
+              march->key, march->step_limit, count, march->length, march->medium, march->step);
     return false;
 }
 
@@ -250,7 +250,7 @@ double scene_inputs_find_voxel(const struct scene_inputs *inputs)
     return shortest;
 }
 
-// Steps told in voxels become metres; only now is it known how many a ray needs.
+// Steps in voxels become metres. Only then is it known how many steps a ray needs.
 static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, struct error *error)
 {
     const struct scene_camera *camera = &job->scene.camera;
@@ -267,14 +267,14 @@ static bool resolve_quality(struct scene_inputs *inputs, const struct job *job, 
         if (!inputs->media[i].source) continue;
         scene_format_medium_place(&job->scene, i, place, sizeof place);
         diagonal = box_diagonal(&inputs->media[i].header);
-        if (quality->step > 0 && !check_steps(&(struct way){quality->step_voxels > 0 ? "step_voxels" : "step", place,
-                                                            fmin(diagonal, camera->clip_far - camera->clip_near),
-                                                            quality->step, job_find_step_limit(job)},
+        if (quality->step > 0 && !check_steps(&(struct march){quality->step_voxels > 0 ? "step_voxels" : "step", place,
+                                                              fmin(diagonal, camera->clip_far - camera->clip_near),
+                                                              quality->step, job_find_step_limit(job)},
                                               error))
             return false;
         if (job->scene.light_count > 0 && quality->light_step > 0 &&
-            !check_steps(&(struct way){quality->light_step_voxels > 0 ? "light_step_voxels" : "light_step", place,
-                                       diagonal, quality->light_step, JOB_MARCH_STEPS_LIMIT},
+            !check_steps(&(struct march){quality->light_step_voxels > 0 ? "light_step_voxels" : "light_step", place,
+                                         diagonal, quality->light_step, JOB_MARCH_STEPS_LIMIT},
                          error))
             return false;
     }
@@ -305,7 +305,7 @@ static void hash_picture(struct scene_inputs *inputs, const struct job *job)
     hash_bytes(both, sizeof both, inputs->picture_hash);
 }
 
-// A file that is being written may be whole the next time.
+// A file that is being written may be complete the next time.
 static bool is_lasting_fault(const char *path, bool is_sequence)
 {
     struct file_version version;

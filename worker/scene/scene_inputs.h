@@ -1,4 +1,4 @@
-// The files that a frame reads, for its media and its textures: what they hold, and what follows for the march.
+// Files that a frame reads, for media and textures: what they hold, and what follows for the march.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,16 +14,15 @@
 
 struct error;
 
-enum { SCENE_INPUT_FILE_LIMIT = 2 }; // a header and the voxels it tells of
+enum { SCENE_INPUT_FILE_LIMIT = 2 }; // a header and its voxels
 
 struct scene_input {
-    const struct scene_grid *source; // borrowed from the job; NULL: the medium reads no file
-    char *path;                      // owned; of this frame
-    bool is_sequence;                // a file a frame
-    struct volume header;            // closed: without its layout
-    const struct brick_volume
-        *bricks; // of a sparse grid, the header then being that of its active voxels' box; else NULL
-    // Of the contents and of how they are read; empty when only described.
+    const struct scene_grid *source;   // borrowed from the job; NULL: the medium reads no file
+    char *path;                        // owned; this frame's
+    bool is_sequence;                  // one file a frame
+    struct volume header;              // closed: without its layout
+    const struct brick_volume *bricks; // of a sparse grid, whose header is that of its active voxels' box; else NULL
+    // Hash of the contents and of how they are read; empty when only described.
     char hash[HASH_TEXT_SIZE];
     struct {
         char *path; // owned
@@ -48,33 +47,34 @@ struct scene_inputs {
     struct brick_store *bricks;                        // borrowed; outlives us. NULL when only described
     struct scene_input media[SCENE_MEDIUM_LIMIT];      // by medium
     struct texture_input textures[SCENE_OBJECT_LIMIT]; // by object
-    bool is_unneeded[SCENE_MEDIUM_LIMIT]; // the frame shows nothing of the medium; scene_visibility_find sets it
+    bool is_unneeded[SCENE_MEDIUM_LIMIT]; // the frame shows nothing of the medium; set by scene_visibility_find
     // The job's quality with its steps in metres.
     struct job_quality quality;
-    // Of all its files; empty when there are none, or when only described.
+    // Hash of all files; empty when there are none, or when only described.
     char files_hash[HASH_TEXT_SIZE];
-    // Of all that the frame's picture depends on: the job's and the files'.
+    // Hash of all that the frame's picture depends on: the job and the files.
     char picture_hash[HASH_TEXT_SIZE];
 };
 
-// Opens what frame `frame` reads, headers only. With `files` (NULL: describe only) the contents are hashed too. On failure
-// `is_lasting` (may be NULL) says whether every frame and attempt will meet the same. `job` outlives `inputs`.
+// Opens the files of frame `frame`, headers only. With `files` (NULL: describe only) the contents are hashed too. On
+// failure `is_lasting` (may be NULL) says whether every frame and attempt would fail alike. `job` outlives `inputs`.
 bool scene_inputs_open(struct scene_inputs *inputs, const struct job *job, int32_t frame,
                        const struct scene_files *files, bool *is_lasting, struct error *error);
-// True when a file that cannot be read fails every frame and attempt: none is a sequence or just being written.
+// True when a file that cannot be read fails every frame and attempt: none is a sequence or being written.
 bool scene_inputs_are_lasting(const struct scene_inputs *inputs);
 void scene_inputs_finish(struct scene_inputs *inputs); // accepts an empty one
-// Has what frame `frame` reads and can be read ahead read in the background.
+// Starts reading ahead, in the background, the files of frame `frame` that allow it.
 void scene_inputs_expect(const struct job *job, int32_t frame, const struct scene_files *files);
-// False, with the reason, when a file of the input is no longer what was hashed.
+// Returns false, with the reason, when a file of the input has changed since it was hashed.
 bool scene_input_check(const struct scene_input *input, struct error *error);
 
-// The shortest edge of the finest grid's voxels, m; INFINITY where no medium has a grid.
+// Returns the shortest edge of the finest grid's voxels, m; INFINITY where no medium has a grid.
 double scene_inputs_find_voxel(const struct scene_inputs *inputs);
 
 // Opens the input's voxels for reading.
 bool scene_input_open_volume(const struct scene_input *input, struct volume **volume, struct error *error);
-// Metres of voxel (i, j, k)'s centre at a time, row-major 3x4, with the grid's middle where the job wants it.
+// Finds the map from voxel (i, j, k)'s centre to metres at a time, row-major 3x4, with the grid's centre where the job
+// wants it.
 void scene_input_find_matrix(const struct scene_input *input, double time, double index_to_world[static 12]);
-// The smallest box along the world's axes, in metres, outside of which the grid has nothing at that time.
+// Finds the smallest box along the world's axes, in metres, that holds the grid at that time.
 void scene_input_box(const struct scene_input *input, double time, double low[static 3], double high[static 3]);

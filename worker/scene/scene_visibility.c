@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-// Rays are followed in floats: what only just misses may be met.
+// Shaders follow rays in floats: a ray that just misses may hit.
 static const double MARGIN = 1e-4;
 
 static double distance_of(const double a[3], const double b[3])
@@ -16,51 +16,51 @@ static double distance_of(const double a[3], const double b[3])
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
-// Whether some camera ray comes within the ball where media are gathered: rays fill no more than the cone around the image's
+// True where some camera ray meets the ball within the clip distances: rays fill at most the cone around the image's
 // corners.
 static bool meets_camera_ray(const struct scene_ball *ball, const struct camera_view *view,
                              const struct scene_camera *camera)
 {
-    double reach = ball->radius * (1.0 + MARGIN), distance = distance_of(ball->center, view->position), ahead = 0.0;
+    double radius = ball->radius * (1.0 + MARGIN), distance = distance_of(ball->center, view->position), ahead = 0.0;
     double corner = atan(hypot(view->half_width, view->half_height));
 
-    reach += MARGIN * 1e-2 * distance;
-    if (!(distance > reach)) return true;
-    if (distance - reach > camera->clip_far || distance + reach < camera->clip_near) return false;
+    radius += MARGIN * 1e-2 * distance;
+    if (!(distance > radius)) return true;
+    if (distance - radius > camera->clip_far || distance + radius < camera->clip_near) return false;
     for (int axis = 0; axis < 3; ++axis)
         ahead += (ball->center[axis] - view->position[axis]) * view->forward[axis];
-    return acos(fmax(-1.0, fmin(1.0, ahead / distance))) <= corner + asin(reach / distance) + MARGIN;
+    return acos(fmax(-1.0, fmin(1.0, ahead / distance))) <= corner + asin(radius / distance) + MARGIN;
 }
 
-// From `from` along `way`, to its end or, where it is a direction, for ever.
-static double distance_to_ray(const double point[3], const double from[3], const double way[3], bool has_end)
+// Returns the distance from a point to the ray that begins at `from`; with `has_end` it ends at `from` + `ray`.
+static double distance_to_ray(const double point[3], const double from[3], const double ray[3], bool has_end)
 {
     double along = 0.0, square = 0.0, at, nearest[3];
 
     for (int axis = 0; axis < 3; ++axis) {
-        along += (point[axis] - from[axis]) * way[axis];
-        square += way[axis] * way[axis];
+        along += (point[axis] - from[axis]) * ray[axis];
+        square += ray[axis] * ray[axis];
     }
     at = square > 0.0 ? fmax(along / square, 0.0) : 0.0;
     if (has_end) at = fmin(at, 1.0);
     for (int axis = 0; axis < 3; ++axis)
-        nearest[axis] = from[axis] + at * way[axis];
+        nearest[axis] = from[axis] + at * ray[axis];
     return distance_of(point, nearest);
 }
 
-// Whether light may meet the ball on its way to somewhere in `lit`.
+// True where a shadow ray from some point of `lit` to the light may meet the ball.
 static bool meets_shadow_ray(const struct scene_ball *ball, const struct scene_ball *lit,
                              const struct scene_light *light, double time)
 {
     bool is_point = light->kind == SCENE_LIGHT_POINT;
-    double way[3], reach = (ball->radius + lit->radius) * (1.0 + MARGIN);
+    double ray[3], radius = (ball->radius + lit->radius) * (1.0 + MARGIN);
 
-    if (!isfinite(reach)) return true;
-    timeline_evaluate(is_point ? &light->position : &light->direction, time, way);
+    if (!isfinite(radius)) return true;
+    timeline_evaluate(is_point ? &light->position : &light->direction, time, ray);
     for (int axis = 0; axis < 3; ++axis)
-        way[axis] = is_point ? way[axis] - lit->center[axis] : -way[axis];
-    reach += MARGIN * 1e-2 * distance_of(ball->center, lit->center);
-    return !(distance_to_ray(ball->center, lit->center, way, is_point) > reach);
+        ray[axis] = is_point ? ray[axis] - lit->center[axis] : -ray[axis];
+    radius += MARGIN * 1e-2 * distance_of(ball->center, lit->center);
+    return !(distance_to_ray(ball->center, lit->center, ray, is_point) > radius);
 }
 
 static bool is_between(const struct scene *scene, const struct scene_ball *balls, const bool *is_seen, size_t medium,

@@ -18,7 +18,7 @@
 
 enum {
     READER_THREADS = 4,
-    PIXEL_BYTES = 8 + 2 * 4 * sizeof(float) // at most in the file's own form, then in memory and in GL
+    PIXEL_BYTES = 8 + 2 * 4 * sizeof(float) // at most: in the file's own form, in memory and in GL
 };
 
 // Files are told apart by their first bytes, whatever their names.

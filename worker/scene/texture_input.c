@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// An image decoded is another than the same taken as it is.
+// The hash says whether the image is decoded.
 static bool hash_contents(struct texture_input *input, struct file_hashes *hashes, struct error *error)
 {
     char hash[HASH_TEXT_SIZE];
@@ -23,7 +23,7 @@ static bool hash_contents(struct texture_input *input, struct file_hashes *hashe
     return true;
 }
 
-// False when the file is no longer what was hashed.
+// Returns false when the file has changed since it was hashed.
 static bool check_version(const struct texture_input *input, struct error *error)
 {
     struct file_version version;

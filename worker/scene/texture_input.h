@@ -1,4 +1,4 @@
-// The file of an object's texture: what it holds, and how large it is.
+// File of an object's texture: what it holds, and the size of its tiles.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,7 +15,7 @@ struct scene_texture;
 struct texture_input {
     const struct scene_texture *source; // borrowed from the job; NULL: there is none
     int width_px, height_px;
-    // Of the contents and of how they are read; empty when only described.
+    // Hash of the contents and of how they are read; empty when only described.
     char hash[HASH_TEXT_SIZE];
     struct file_version version;
 };
@@ -23,7 +23,7 @@ struct texture_input {
 // Reads the header. With `hashes` (NULL: describe only) the contents are hashed too. `texture` outlives the input.
 bool texture_input_open(struct texture_input *input, const struct scene_texture *texture, struct file_hashes *hashes,
                         struct error *error);
-// Reads the image, as texture_image_load does, of the very contents that were hashed.
+// Loads the image, as texture_image_load does, if the file is the one that was hashed.
 bool texture_input_load(const struct texture_input *input, struct image *image, struct error *error);
-// Metres of a tile, across and up.
+// Finds the size of a tile, m, across and up.
 void texture_input_find_tile(const struct texture_input *input, double size[static 2]);
