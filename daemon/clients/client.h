@@ -17,8 +17,8 @@ struct json_writer;
 
 // The callbacks of a connection. Borrowed while it lives.
 struct client_handlers {
-    void (*on_message)(void *user, struct client *client,
-                       const struct message *message);    // it is a request or a notification
+    // The message is a request or a notification.
+    void (*on_message)(void *user, struct client *client, const struct message *message);
     void (*on_closed)(void *user, struct client *client); // it is freed next: nothing may be sent
     void *user;
 };
@@ -49,8 +49,7 @@ void client_refuse(struct client *client, enum message_code code, const char *wh
 // Reads no more messages. Deferred answers and events are still sent.
 void client_stop_reading(struct client *client);
 
-void client_send(struct client *client, const char *bytes,
-                 size_t size_bytes); // copies the bytes; does nothing when it is closing
+void client_send(struct client *client, const char *bytes, size_t size_bytes); // copies; does nothing while closing
 // The answer to the request `id`. Nothing is sent when `id` is empty: the client wants no answer.
 void client_send_result(struct client *client, const char *id, const struct json_writer *value);
 void client_send_error(struct client *client, const char *id, enum message_code code, const char *text);

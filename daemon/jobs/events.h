@@ -20,8 +20,8 @@ void events_destroy(struct events *events); // after the loop closed its handles
 bool events_subscribe(struct events *events, struct client *client, int64_t job, bool wants_frames);
 void events_forget(struct events *events, const struct client *client); // removes its subscriptions
 
-void events_note_job(struct events *events,
-                     struct job_record *record); // sends a change of state at once, counts at most every 250 ms
+// Sends a change of state at once, and changed counts at most every 250 ms.
+void events_note_job(struct events *events, struct job_record *record);
 void events_send_deleted(struct events *events, struct job_record *record); // its last event
 void events_send_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
                        const char *error); // NULL: none

@@ -11,5 +11,5 @@ struct worker_report;
 void frame_life_note_report(struct farm *farm, struct worker_process *worker, const struct worker_report *report);
 // The worker is gone: its frames are queued again, or failed when they have no attempts left.
 void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, const char *reason);
-void frame_life_on_published(void *user,
-                             const struct publish_request *request); // callback of the publisher; `user` is the farm
+// Callback of the publisher; `user` is the farm.
+void frame_life_on_published(void *user, const struct publish_request *request);

@@ -33,8 +33,7 @@ struct liveness {
     int64_t checked_ms;
 };
 
-void liveness_start(struct liveness *liveness,
-                    int64_t now_ms); // to be called when the process was started; keeps `limits`
+void liveness_start(struct liveness *liveness, int64_t now_ms); // at the start of the process; keeps `limits`
 // Each message of the worker calls one of these: the one for its method, else liveness_note_message.
 void liveness_note_message(struct liveness *liveness, int64_t now_ms);
 void liveness_ready(struct liveness *liveness, int64_t now_ms);                     // worker.ready

@@ -99,9 +99,8 @@ struct queue_job *queue_next_job(struct queue *queue); // the job whose frames q
 // True while that attempt of the frame is the running one. Otherwise every function below that takes a ticket does
 // nothing and returns false, so that late reports have no effect.
 bool queue_owns(const struct queue *queue, const struct queue_ticket *ticket);
-bool queue_begin_publish(struct queue *queue,
-                         const struct queue_ticket *ticket);                // false also when it is being published
-bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket); // also while it is being published
+bool queue_begin_publish(struct queue *queue, const struct queue_ticket *ticket); // false also while it is published
+bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket);       // also while it is being published
 bool queue_skip(struct queue *queue, const struct queue_ticket *ticket);
 // The attempt failed. The frame is queued again, or failed when it has no attempts left or `final` is true; `*is_final`
 // (may be NULL) says which. A frame that was being published when its job was canceled or failed becomes canceled or

@@ -13,8 +13,7 @@ struct error;
 // The surroundings that the defaults depend on. Borrowed; strings may be NULL.
 struct options_surroundings {
     const char *home, *xdg_state_home, *xdg_runtime_dir, *marchd_socket; // environment variables
-    const char
-        *config_path; // the system's file: read for root and with --system, if it exists and --config names no other
+    const char *config_path;    // the system's file: read for root and with --system, unless --config names another
     const char *current_folder; // absolute; relative paths start there
     const char *program_folder; // absolute; the default folder of march-worker
     bool is_root;

@@ -19,7 +19,6 @@ bool store_sql_prepare(struct sqlite3 *db, const char *sql, struct sqlite3_stmt 
 // Runs a statement that returns no rows and resets it.
 bool store_sql_run(struct sqlite3_stmt *statement, const char *what, struct error *error);
 
-void store_sql_bind_text(struct sqlite3_stmt *statement, int parameter,
-                         const char *text); // `text` may be NULL; borrowed until the statement ran
-char *store_sql_text(struct sqlite3_stmt *statement,
-                     int column); // NULL, or borrowed until the next step; read only
+// `text` may be NULL; borrowed until the statement ran.
+void store_sql_bind_text(struct sqlite3_stmt *statement, int parameter, const char *text);
+char *store_sql_text(struct sqlite3_stmt *statement, int column); // NULL, or borrowed until the next step; read only

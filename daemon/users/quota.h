@@ -14,7 +14,7 @@ struct quota_amounts {
     int64_t jobs;       // jobs that are not over
     int64_t frames;     // their frames that are not done
     int64_t pixels;     // pixels of those frames
-    int64_t disk_bytes; // published files of all jobs, over or not
+    int64_t disk_bytes; // published files of all jobs that are not deleted
 };
 
 struct quota_user {

@@ -9,6 +9,7 @@ struct farm;
 struct job_record;
 struct json_writer;
 
-// False when the document cannot be read (`*is_job_fault` is false) or names a file below no input root (it is true).
+// False when the store cannot read the document (`*is_job_fault` is false), or when the document is invalid or names a
+// file below no input root (it is true).
 bool job_fence_write(const struct farm *farm, const struct job_record *record, struct json_writer *writer,
                      bool *is_job_fault, struct error *error);

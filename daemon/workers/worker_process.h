@@ -85,9 +85,9 @@ struct log_subject worker_process_subject(const struct worker_process *worker); 
 int worker_process_pid(const struct worker_process *worker);
 // Kills it with SIGKILL; `reason` goes into the log of its attempts.
 void worker_process_kill(struct worker_process *worker, const char *reason);
-void worker_process_exit(struct worker_process *worker,
-                         int64_t stop_by_ms); // sends worker.exit; it is killed at `stop_by_ms`
-void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_ms); // the same without the message
+// Sends worker.exit; the worker is killed at `stop_by_ms`.
+void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms);
+void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_ms); // as above, without the message
 void worker_process_check(struct worker_process *worker, int64_t now_ms); // to be called several times a second
 void worker_process_close(struct worker_process *worker);                 // it frees itself when its handles are closed
 
