@@ -13,8 +13,8 @@
 enum {
     SIDE = BRICK_ATLAS_SIDE,
     SLOT_VOXELS = SIDE * SIDE * SIDE,
-    LAYER_LIMIT = 2048 / SIDE,  // slots: every GL 4.5 has arrays of as many layers
-    ACROSS_LIMIT = 16384 / SIDE // and textures as wide
+    LAYER_LIMIT = 2048 / SIDE,  // slots; every GL 4.5 has arrays of so many layers
+    ACROSS_LIMIT = 16384 / SIDE // and textures that wide
 };
 
 void brick_atlas_destroy(struct brick_atlas *atlas)
@@ -26,21 +26,21 @@ void brick_atlas_destroy(struct brick_atlas *atlas)
     free(atlas);
 }
 
-static void find_place(const int count[3], size_t brick, int place[3])
+static void find_position(const int count[3], size_t brick, int position[3])
 {
-    place[0] = (int)(brick % (size_t)count[0]);
-    place[1] = (int)(brick / (size_t)count[0] % (size_t)count[1]);
-    place[2] = (int)(brick / (size_t)count[0] / (size_t)count[1]);
+    position[0] = (int)(brick % (size_t)count[0]);
+    position[1] = (int)(brick / (size_t)count[0] % (size_t)count[1]);
+    position[2] = (int)(brick / (size_t)count[0] / (size_t)count[1]);
 }
 
-// What a brick takes of itself or of a brick beside it.
+// The voxels that a slot copies from one brick: its own, or one beside it.
 struct part {
     int source[3];          // the brick
-    int first[3], count[3]; // voxels: where they go, and how many of the source's first
+    int first[3], count[3]; // voxels: the position in the slot, and how many of the source's first
 };
 
-// The voxels of a brick and those around it that interpolation reaches are eight parts: bit `axis` of `number` says that the
-// next brick is meant.
+// A slot has eight parts: the brick's voxels and those of the next bricks that interpolation uses. Bit `axis` of
+// `number` says that the source is the next brick along that axis.
 static struct part part_of(const int brick[3], int number)
 {
     struct part part;
@@ -114,7 +114,7 @@ static bool is_not_above_zero(double min, double max, const void *user)
     return max <= 0;
 }
 
-// Fills in how far each brick is from density.
+// Stores each brick's distance to the nearest brick with density.
 static bool find_reach(struct brick_atlas *atlas, const struct brick_atlas_params *params, struct error *error)
 {
     const struct sparse_grid *density = params->density;
@@ -133,7 +133,7 @@ static bool find_reach(struct brick_atlas *atlas, const struct brick_atlas_param
     for (size_t n = 0; n < total; ++n) {
         int brick[3];
 
-        find_place(density->brick_count, n, brick);
+        find_position(density->brick_count, n, brick);
         for (int axis = 0; axis < 3; ++axis)
             brick[axis] += density->brick_min[axis];
         bricks.bounds[n] = bound_of(density, brick);
@@ -149,7 +149,7 @@ out:
     return ok;
 }
 
-// About a cube.
+// Arranges the slots in about a cube.
 static bool lay_out_slots(struct brick_atlas *atlas, size_t count, struct error *error)
 {
     size_t layers = (size_t)ceil(cbrt((double)count)), across, down;
@@ -182,7 +182,7 @@ static void paste(const struct brick_atlas *atlas, float *texels, const uint16_t
                    values + SIDE * (j + SIDE * k), SIDE * sizeof *values);
 }
 
-// The values are held twice, here and as textures, which may be the machine's own memory.
+// The values are in memory twice: here, and as textures, which may be in the machine's own memory.
 static bool check_memory(const struct brick_atlas *atlas, const struct brick_atlas_params *params, struct error *error)
 {
     int64_t texels = (int64_t)atlas->texels[0] * atlas->texels[1] * atlas->texels[2];
@@ -210,8 +210,8 @@ static bool fill_slots(struct brick_atlas *atlas, const struct brick_atlas_param
         int brick[3], slot[3];
 
         if (atlas->index[n][3] > 0) continue;
-        find_place(density->brick_count, n, brick);
-        find_place(atlas->slots, used++, slot);
+        find_position(density->brick_count, n, brick);
+        find_position(atlas->slots, used++, slot);
         for (int axis = 0; axis < 3; ++axis) {
             brick[axis] += density->brick_min[axis];
             atlas->index[n][axis] = (uint16_t)slot[axis];
@@ -234,7 +234,7 @@ static bool check_places(const struct sparse_grid *density, const struct sparse_
         size = fmax(size, fabs(density->index_to_world[i]));
     for (int i = 0; i < 12; ++i)
         if (fabs(density->index_to_world[i] - glow->index_to_world[i]) > 1e-9 * size) {
-            error_set(error, "the two grids' voxels lie in different places; expected one map for both");
+            error_set(error, "the two grids' voxels lie in different positions; expected one map for both");
             return false;
         }
     return true;

@@ -17,10 +17,10 @@
 #include <string.h>
 #include <unistd.h>
 
-// One for every medium of a frame, and as many for the next frame's.
+// Room for every medium of a frame, and for those of the next frame.
 enum { ENTRY_LIMIT = 16, WAITING_LIMIT = 8 };
 
-// Of grids that no frame holds.
+// Limits the grids that no frame uses.
 static const size_t idle_bytes_limit = (size_t)1 << 30;
 
 struct entry {
@@ -28,10 +28,10 @@ struct entry {
     char *key;                  // owned
     struct brick_atlas *atlas;  // owned; NULL: it could not be read
     struct error error;         // why
-    bool is_settled;            // a write since it was read would show
+    bool is_settled;            // a write after the reading would change the version
     bool is_read;
     int taken;
-    uint64_t used; // the greater, the later
+    uint64_t used; // the moment of the last use; larger is later
 };
 
 struct waiting {
@@ -41,7 +41,7 @@ struct waiting {
 };
 
 struct brick_store {
-    pthread_mutex_t lock; // guards what follows, but what an entry being read holds
+    pthread_mutex_t lock; // guards all that follows, except the contents of an entry that is being read
     pthread_cond_t changed;
     struct entry *entries[ENTRY_LIMIT]; // owned
     uint64_t use_count;
@@ -75,7 +75,7 @@ static struct brick_atlas *decode(const struct sparse_file *file, const struct b
     return atlas;
 }
 
-// A file that is written meanwhile is not taken: its bytes and their hash would be of no version.
+// Refuses a file that changes meanwhile: its bytes and their hash would belong to no version.
 static bool read_entry(struct entry *entry, const struct brick_source *source, struct error *error)
 {
     struct file_version after;
@@ -144,7 +144,7 @@ static struct entry **find(struct brick_store *store, const char *key)
     return NULL;
 }
 
-// A free place, after grids that nobody holds have gone as far as they are in the way; NULL when there is none.
+// Returns a free slot, after dropping grids that no frame uses until the others are below the limit; NULL: there is none.
 static struct entry **make_room(struct brick_store *store)
 {
     for (;;) {
@@ -168,13 +168,13 @@ static struct entry **make_room(struct brick_store *store)
     }
 }
 
-// Puts an entry there that is being read; takes the key over.
-static struct entry *begin_entry(struct brick_store *store, struct entry **place, char *key)
+// Puts an entry that is being read into the slot. Takes ownership of the key.
+static struct entry *begin_entry(struct brick_store *store, struct entry **slot, char *key)
 {
-    *place = xcalloc(1, sizeof **place);
-    (*place)->key = key;
-    (*place)->used = ++store->use_count;
-    return *place;
+    *slot = xcalloc(1, sizeof **slot);
+    (*slot)->key = key;
+    (*slot)->used = ++store->use_count;
+    return *slot;
 }
 
 static void finish_entry(struct brick_store *store, struct entry *entry)
@@ -193,18 +193,19 @@ static bool is_current(const struct entry *entry, const char *path)
            file_version_is_same(&now, &entry->volume.version);
 }
 
-// The entry of the file as it is now, waited for if it is being read; NULL when there is none. Under the lock.
+// Returns the entry of the file's current version, after waiting while it is being read; NULL when there is none. The
+// caller holds the lock.
 static struct entry *find_current(struct brick_store *store, const char *key, const char *path)
 {
-    struct entry **place;
+    struct entry **slot;
 
-    while ((place = find(store, key)) && !(*place)->is_read)
+    while ((slot = find(store, key)) && !(*slot)->is_read)
         pthread_cond_wait(&store->changed, &store->lock);
-    if (!place) return NULL;
-    // While a frame holds it, it is that frame's: scene_input_check says whether it still holds.
-    if ((*place)->taken > 0 || is_current(*place, path)) return *place;
-    destroy_entry(*place);
-    *place = NULL;
+    if (!slot) return NULL;
+    // A frame that uses it keeps it; scene_input_check notices when the file has changed.
+    if ((*slot)->taken > 0 || is_current(*slot, path)) return *slot;
+    destroy_entry(*slot);
+    *slot = NULL;
     return NULL;
 }
 
@@ -212,7 +213,7 @@ const struct brick_volume *brick_store_take(struct brick_store *store, const str
                                             struct error *error)
 {
     char *key = key_of(source);
-    struct entry *entry, **place;
+    struct entry *entry, **slot;
 
     pthread_mutex_lock(&store->lock);
     entry = find_current(store, key, source->path);
@@ -223,14 +224,14 @@ const struct brick_volume *brick_store_take(struct brick_store *store, const str
         free(key);
         return &entry->volume;
     }
-    place = make_room(store);
-    if (!place) {
+    slot = make_room(store);
+    if (!slot) {
         pthread_mutex_unlock(&store->lock);
         free(key);
         error_set(error, "%s: more than %d sparse grids at once", source->path, (int)ENTRY_LIMIT);
         return NULL;
     }
-    entry = begin_entry(store, place, key);
+    entry = begin_entry(store, slot, key);
     entry->taken = 1;
     pthread_mutex_unlock(&store->lock);
     load_entry(entry, source);
@@ -281,7 +282,7 @@ static void *read_ahead(void *user)
     for (;;) {
         struct waiting waiting;
         struct brick_source source;
-        struct entry *entry, **place;
+        struct entry *entry, **slot;
 
         while (!store->is_ending && store->waiting_count == 0)
             pthread_cond_wait(&store->changed, &store->lock);
@@ -292,8 +293,8 @@ static void *read_ahead(void *user)
         {
             char *key = key_of(&source);
 
-            place = find(store, key) ? NULL : make_room(store);
-            entry = place ? begin_entry(store, place, key) : NULL;
+            slot = find(store, key) ? NULL : make_room(store);
+            entry = slot ? begin_entry(store, slot, key) : NULL;
             if (!entry) free(key);
         }
         pthread_mutex_unlock(&store->lock);

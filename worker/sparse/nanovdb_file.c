@@ -12,24 +12,24 @@
 
 enum {
     HEADER_BYTES = 16,
-    METADATA_BYTES = 176, // of a grid, before its name
-    MAJOR_VERSION = 32,   // what lies in memory; minor versions differ in what they can do with it
+    METADATA_BYTES = 176, // of a grid's metadata before its name
+    MAJOR_VERSION = 32,   // the layout in memory; minor versions share it
     NAME_LIMIT = 4096,
-    DEFLATE_RATIO_LIMIT = 1032 // nothing is deflated further
+    DEFLATE_RATIO_LIMIT = 1032 // the largest ratio that deflate reaches
 };
 
 enum codec { CODEC_NONE, CODEC_ZIP, CODEC_BLOSC };
 
 enum { TYPE_FLOAT = 1, TYPE_COUNT = 20 };
 
-// "NanoVDB0", and what files begin with since 32.6.
+// "NanoVDB0", and the magic of files since version 32.6.
 static const uint64_t magic_first = 0x304244566f6e614e, magic_file = 0x324244566f6e614e;
 
 static const char *const type_names[TYPE_COUNT] = {"unknown", "float", "double", "int16",  "int32",   "int64", "vec3f",
                                                    "vec3d",   "mask",  "half",   "uint32", "boolean", "rgba8", "fp4",
                                                    "fp8",     "fp16",  "fpn",    "vec4f",  "vec4d",   "index"};
 
-struct grid_place {
+struct grid_entry {
     const char *name; // in the file; ends in NUL
     uint32_t type;
     uint64_t grid_bytes, file_bytes;
@@ -37,7 +37,7 @@ struct grid_place {
     enum codec codec;
 };
 
-// What is left of a file; taking too much marks it as too short.
+// The rest of a file that is being read.
 struct reader {
     const unsigned char *bytes;
     uint64_t size_bytes, at;
@@ -109,8 +109,8 @@ static bool read_segment(struct reader *reader, struct segment *segment, struct 
     return true;
 }
 
-// Metadata lie one after another before the segment's grids.
-static bool read_place(struct reader *reader, const struct segment *segment, struct grid_place *place,
+// The metadata of all grids come before the segment's grids.
+static bool read_entry(struct reader *reader, const struct segment *segment, struct grid_entry *entry,
                        struct error *error)
 {
     const unsigned char *metadata = take(reader, METADATA_BYTES, "grid", error), *name;
@@ -128,7 +128,7 @@ static bool read_place(struct reader *reader, const struct segment *segment, str
         error_set(error, "grid name: expected to end in NUL");
         return false;
     }
-    *place = (struct grid_place){.name = (const char *)name,
+    *entry = (struct grid_entry){.name = (const char *)name,
                                  .type = read_u32(metadata + 32),
                                  .grid_bytes = read_u64(metadata),
                                  .file_bytes = read_u64(metadata + 8),
@@ -136,27 +136,27 @@ static bool read_place(struct reader *reader, const struct segment *segment, str
     return true;
 }
 
-static bool is_wanted(const struct grid_place *place, const char *name)
+static bool is_wanted(const struct grid_entry *entry, const char *name)
 {
-    return name ? strcmp(place->name, name) == 0 : place->type == TYPE_FLOAT;
+    return name ? strcmp(entry->name, name) == 0 : entry->type == TYPE_FLOAT;
 }
 
-// Looks through a segment and, when the grid is not there, passes over it.
-static bool search_segment(struct reader *reader, const char *name, struct grid_place *found, struct error *error)
+// Searches a segment for the grid and moves the reader behind the segment.
+static bool search_segment(struct reader *reader, const char *name, struct grid_entry *found, struct error *error)
 {
     struct segment segment;
     struct reader metadata;
-    struct grid_place place;
+    struct grid_entry entry;
 
     if (!read_segment(reader, &segment, error)) return false;
     metadata = *reader;
     for (unsigned i = 0; i < segment.grid_count; ++i)
-        if (!read_place(reader, &segment, &place, error)) return false;
+        if (!read_entry(reader, &segment, &entry, error)) return false;
     for (unsigned i = 0; i < segment.grid_count; ++i) {
-        if (!read_place(&metadata, &segment, &place, error)) return false;
-        place.offset = reader->at;
-        if (!take(reader, place.file_bytes, place.name, error)) return false;
-        if (!found->name && is_wanted(&place, name)) *found = place;
+        if (!read_entry(&metadata, &segment, &entry, error)) return false;
+        entry.offset = reader->at;
+        if (!take(reader, entry.file_bytes, entry.name, error)) return false;
+        if (!found->name && is_wanted(&entry, name)) *found = entry;
     }
     return true;
 }
@@ -169,17 +169,17 @@ static void say_what_there_is(const struct nanovdb_bytes *file, const char *name
 
     while (reader.at < reader.size_bytes) {
         struct segment segment;
-        struct grid_place place;
+        struct grid_entry entry;
         uint64_t grids_bytes = 0;
 
         if (!read_segment(&reader, &segment, NULL)) break;
-        for (unsigned i = 0; i < segment.grid_count && read_place(&reader, &segment, &place, NULL); ++i) {
-            const char *type = place.type < TYPE_COUNT ? type_names[place.type] : "unknown";
+        for (unsigned i = 0; i < segment.grid_count && read_entry(&reader, &segment, &entry, NULL); ++i) {
+            const char *type = entry.type < TYPE_COUNT ? type_names[entry.type] : "unknown";
 
             if (length < sizeof names)
                 length += (size_t)snprintf(names + length, sizeof names - length, "%s\"%s\" (%s)", length ? ", " : "",
-                                           place.name, type);
-            grids_bytes += place.file_bytes;
+                                           entry.name, type);
+            grids_bytes += entry.file_bytes;
         }
         if (!take(&reader, grids_bytes, "grids", NULL)) break;
     }
@@ -189,29 +189,29 @@ static void say_what_there_is(const struct nanovdb_bytes *file, const char *name
         error_set(error, "expected a grid of floats; there are %s", length ? names : "none");
 }
 
-static void *inflate_grid(const struct nanovdb_bytes *file, const struct grid_place *place, struct error *error)
+static void *inflate_grid(const struct nanovdb_bytes *file, const struct grid_entry *entry, struct error *error)
 {
-    const unsigned char *packed = (const unsigned char *)file->bytes + place->offset;
+    const unsigned char *packed = (const unsigned char *)file->bytes + entry->offset;
     uint64_t packed_bytes;
-    uLongf grid_bytes = place->grid_bytes;
+    uLongf grid_bytes = entry->grid_bytes;
     void *grid;
 
-    if (place->file_bytes < 8 || read_u64(packed) != place->file_bytes - 8) {
+    if (entry->file_bytes < 8 || read_u64(packed) != entry->file_bytes - 8) {
         error_set(error, "zip: the packed size differs from the one in the grid's entry");
         return NULL;
     }
-    packed_bytes = place->file_bytes - 8;
-    if (place->grid_bytes / DEFLATE_RATIO_LIMIT > packed_bytes) {
-        error_set(error, "zip: %" PRIu64 " bytes cannot unpack to %" PRIu64, packed_bytes, place->grid_bytes);
+    packed_bytes = entry->file_bytes - 8;
+    if (entry->grid_bytes / DEFLATE_RATIO_LIMIT > packed_bytes) {
+        error_set(error, "zip: %" PRIu64 " bytes cannot unpack to %" PRIu64, packed_bytes, entry->grid_bytes);
         return NULL;
     }
-    if (!volume_memory_check((int64_t)place->grid_bytes, volume_memory_limit(), error)) return NULL;
-    grid = malloc(place->grid_bytes ? place->grid_bytes : 1);
+    if (!volume_memory_check((int64_t)entry->grid_bytes, volume_memory_limit(), error)) return NULL;
+    grid = malloc(entry->grid_bytes ? entry->grid_bytes : 1);
     if (!grid) {
-        error_set(error, "out of memory for %" PRIu64 " bytes", place->grid_bytes);
+        error_set(error, "out of memory for %" PRIu64 " bytes", entry->grid_bytes);
         return NULL;
     }
-    if (uncompress(grid, &grid_bytes, packed + 8, packed_bytes) != Z_OK || grid_bytes != place->grid_bytes) {
+    if (uncompress(grid, &grid_bytes, packed + 8, packed_bytes) != Z_OK || grid_bytes != entry->grid_bytes) {
         error_set(error, "zip: the packed grid is damaged");
         free(grid);
         return NULL;
@@ -219,35 +219,35 @@ static void *inflate_grid(const struct nanovdb_bytes *file, const struct grid_pl
     return grid;
 }
 
-static void *copy_grid(const struct nanovdb_bytes *file, const struct grid_place *place, struct error *error)
+static void *copy_grid(const struct nanovdb_bytes *file, const struct grid_entry *entry, struct error *error)
 {
     void *grid;
 
-    if (place->file_bytes != place->grid_bytes) {
+    if (entry->file_bytes != entry->grid_bytes) {
         error_set(error, "the grid's sizes in the file and in memory differ: %" PRIu64 " and %" PRIu64,
-                  place->file_bytes, place->grid_bytes);
+                  entry->file_bytes, entry->grid_bytes);
         return NULL;
     }
-    grid = malloc(place->grid_bytes ? place->grid_bytes : 1);
+    grid = malloc(entry->grid_bytes ? entry->grid_bytes : 1);
     if (grid)
-        memcpy(grid, (const char *)file->bytes + place->offset, place->grid_bytes);
+        memcpy(grid, (const char *)file->bytes + entry->offset, entry->grid_bytes);
     else
-        error_set(error, "out of memory for %" PRIu64 " bytes", place->grid_bytes);
+        error_set(error, "out of memory for %" PRIu64 " bytes", entry->grid_bytes);
     return grid;
 }
 
-static void *unpack(const struct nanovdb_bytes *file, const struct grid_place *place, struct error *error)
+static void *unpack(const struct nanovdb_bytes *file, const struct grid_entry *entry, struct error *error)
 {
-    if (place->type != TYPE_FLOAT) {
+    if (entry->type != TYPE_FLOAT) {
         error_set(error, "expected float values, got %s",
-                  place->type < TYPE_COUNT ? type_names[place->type] : "unknown ones");
+                  entry->type < TYPE_COUNT ? type_names[entry->type] : "unknown ones");
         return NULL;
     }
-    switch (place->codec) {
+    switch (entry->codec) {
     case CODEC_NONE:
-        return copy_grid(file, place, error);
+        return copy_grid(file, entry, error);
     case CODEC_ZIP:
-        return inflate_grid(file, place, error);
+        return inflate_grid(file, entry, error);
     case CODEC_BLOSC:
         break;
     }
@@ -258,18 +258,18 @@ static void *unpack(const struct nanovdb_bytes *file, const struct grid_place *p
 void *nanovdb_file_unpack(const struct nanovdb_bytes *file, const char *name, size_t *size_bytes, struct error *error)
 {
     struct reader reader = {file->bytes, file->size_bytes, 0};
-    struct grid_place place = {0};
+    struct grid_entry entry = {0};
     void *grid;
 
     do
-        if (!search_segment(&reader, name, &place, error)) return NULL;
-    while (!place.name && reader.at < reader.size_bytes);
-    if (!place.name) {
+        if (!search_segment(&reader, name, &entry, error)) return NULL;
+    while (!entry.name && reader.at < reader.size_bytes);
+    if (!entry.name) {
         say_what_there_is(file, name, error);
         return NULL;
     }
-    grid = unpack(file, &place, error);
-    if (!grid) error_prefix(error, "grid \"%s\"", place.name);
-    *size_bytes = place.grid_bytes;
+    grid = unpack(file, &entry, error);
+    if (!grid) error_prefix(error, "grid \"%s\"", entry.name);
+    *size_bytes = entry.grid_bytes;
     return grid;
 }

@@ -1,4 +1,4 @@
-// The frame of a NanoVDB file: which grids it says to hold, and one of them unpacked.
+// The container of a NanoVDB file: lists its grids and unpacks one of them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,6 +13,6 @@ struct nanovdb_bytes {
     size_t size_bytes;
 };
 
-// The grid's bytes as they lie in memory, owned by the caller, aligned for any type; NULL on failure. `name` NULL: the first
-// grid of floats. Nothing but the frame is checked: the grid itself may be anything.
+// Unpacks the grid of this name (NULL: the first grid of floats) to its layout in memory, aligned for any type. The
+// caller owns it; NULL on failure. Only the container is checked: the grid's bytes may be anything.
 void *nanovdb_file_unpack(const struct nanovdb_bytes *file, const char *name, size_t *size_bytes, struct error *error);

@@ -26,7 +26,7 @@ static bool read_all(int fd, char *bytes, size_t size_bytes, struct error *error
     return true;
 }
 
-// Closes `fd`, which may be -1 after an error. `bytes` are the caller's; empty on failure.
+// Closes `fd`, which may be -1 after an error. The caller frees the bytes; `file` is empty on failure.
 static bool read_file(int fd, struct nanovdb_bytes *file, struct error *error)
 {
     struct stat status;

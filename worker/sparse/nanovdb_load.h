@@ -1,4 +1,4 @@
-// Brings the bytes of a sparse grid's file into memory, those of OpenVDB as NanoVDB has them.
+// Reads a NanoVDB file into memory, or converts an OpenVDB file and reads the result.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@
 
 struct error;
 
-// As they are in the file. `file->bytes` are the caller's to free; NULL on failure.
+// Reads a file's bytes. The caller frees `file->bytes`, which is NULL on failure.
 bool nanovdb_load(struct nanovdb_bytes *file, const char *path, struct error *error);
-// The same of an OpenVDB file once it is converted.
+// Converts an OpenVDB file and reads the NanoVDB bytes, as nanovdb_load does.
 bool nanovdb_load_converted(struct nanovdb_bytes *file, const char *path, struct error *error);

@@ -8,8 +8,7 @@
 
 #include <stdlib.h>
 
-// Each format with FILE_GRID_SPARSE in core/scene/file_format.c is a row: how its bytes come into memory, and who reads
-// them.
+// Each format with FILE_GRID_SPARSE in core/scene/file_format.c is a row: how its bytes are loaded and decoded.
 static const struct format {
     const char *ending;
     bool (*load)(struct nanovdb_bytes *bytes, const char *path, struct error *error);

@@ -10,18 +10,18 @@
 struct error;
 struct sparse_grid;
 
-// The grid of this name, NULL: the first of floats; NULL on failure. The caller destroys it.
+// Decodes the grid of this name (NULL: the first of floats). NULL on failure. The caller destroys it.
 typedef struct sparse_grid *sparse_file_decoder(const struct nanovdb_bytes *bytes, const char *name,
                                                 struct error *error);
 
 // The zero value is empty.
 struct sparse_file {
-    struct nanovdb_bytes bytes; // owned; as the decoder takes them, converted where the format asks for it
+    struct nanovdb_bytes bytes; // owned; converted where the format needs it
     sparse_file_decoder *decode;
 };
 
-// Reads the file by the format that its name's ending says. `hash` (may be NULL) becomes that of the file's own bytes, and
-// is that also where only the conversion fails. Messages do not name the path.
+// Reads the file by its name's ending. `hash` (may be NULL) becomes the hash of the file's own bytes, also where only
+// the conversion fails. Messages do not name the path.
 bool sparse_file_load(struct sparse_file *file, const char *path, char *hash, struct error *error);
 void sparse_file_finish(struct sparse_file *file); // accepts an empty one
 struct sparse_grid *sparse_file_decode(const struct sparse_file *file, const char *name, struct error *error);

@@ -16,7 +16,7 @@ size_t sparse_grid_brick_total(const struct sparse_grid *grid)
     return (size_t)grid->brick_count[0] * (size_t)grid->brick_count[1] * (size_t)grid->brick_count[2];
 }
 
-// Towards minus infinity.
+// Rounds towards minus infinity.
 static int brick_of(int voxel)
 {
     return (voxel - (voxel & (SPARSE_BRICK_SIDE - 1))) / SPARSE_BRICK_SIDE;

@@ -1,4 +1,4 @@
-// A grid of floats most of which is empty: bricks of 8^3 voxels on a lattice in index space.
+// A grid of floats that is mostly empty: bricks of 8^3 voxels on a lattice in index space.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,15 +12,15 @@ enum {
 };
 
 struct sparse_brick {
-    int32_t leaf; // which leaf has its voxels; -1: all are `value`
+    int32_t leaf; // the leaf with its voxels; -1: all are `value`
     float value;
 };
 
 struct sparse_grid {
-    double index_to_world[12];      // row-major 3x4: metres of voxel (i, j, k)'s centre, from (i, j, k, 1)
+    double index_to_world[12];      // row-major 3x4, from (i, j, k, 1) to the voxel's centre in metres
     int voxel_min[3], voxel_max[3]; // the box of the active voxels, inclusive
     int brick_min[3];               // the lattice's first brick; brick b has the voxels 8 b to 8 b + 7
-    int brick_count[3];             // it covers the voxels' box grown by one voxel
+    int brick_count[3];             // the lattice covers the voxels' box and one voxel more on each side
     struct sparse_brick *bricks;    // owned; i fastest
     float *leaves;                  // owned; SPARSE_BRICK_VOXELS each, i fastest
     size_t leaf_count;
@@ -29,7 +29,7 @@ struct sparse_grid {
 
 void sparse_grid_destroy(struct sparse_grid *grid); // NULL is accepted
 size_t sparse_grid_brick_total(const struct sparse_grid *grid);
-// The values of brick (i, j, k), which may lie anywhere, or NULL when all of them are `*value`.
+// Returns the values of brick (i, j, k), which may be outside of the lattice, or NULL when all of them are `*value`.
 const float *sparse_grid_brick(const struct sparse_grid *grid, const int brick[3], float *value);
-// The value of voxel (i, j, k), which may lie anywhere.
+// Returns the value of voxel (i, j, k), which may be outside of the lattice.
 float sparse_grid_at(const struct sparse_grid *grid, const int voxel[3]);

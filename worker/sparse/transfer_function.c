@@ -17,7 +17,7 @@ static double opacity_at(const struct scene_transfer_point *points, size_t count
     return points[count - 1].rgba[3];
 }
 
-// Linear between points: the greatest is at one of them or at an end.
+// The function is linear between points, so the greatest opacity is at a point or at an end of the range.
 double transfer_function_max_opacity(const struct scene_transfer_point *points, size_t count, double min, double max)
 {
     double greatest = fmax(opacity_at(points, count, min), opacity_at(points, count, max));
@@ -45,7 +45,7 @@ static void write_components(FILE *out, const double *components, int count)
     if (count > 1) fputc(')', out);
 }
 
-// The components from `first` on as a function of the value.
+// Writes the components from `first` on as a function of the value.
 static void write_function(FILE *out, const struct scene_transfer_point *points, size_t point_count, int first,
                            int component_count)
 {

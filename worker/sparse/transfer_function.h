@@ -1,4 +1,4 @@
-// What a transfer function makes of values: the greatest opacity in a range, and its text as GLSL.
+// A transfer function: its greatest opacity in a range, and its text in GLSL.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,10 +8,10 @@
 #include <stddef.h>
 #include <stdio.h>
 
-// The greatest opacity of values in [min, max].
+// Returns the greatest opacity of values in [min, max].
 double transfer_function_max_opacity(const struct scene_transfer_point *points, size_t count, double min, double max);
 
-// True when no value in [min, max] has any opacity; of no points: when none is above 0.
+// Returns true when no value in [min, max] has any opacity; without points, when none is above 0.
 bool transfer_function_is_empty(const struct scene_transfer_point *points, size_t count, double min, double max);
 
 // Writes `float PREFIX_opacity(float value)` and `vec3 PREFIX_rgb(float value)`, by transfer/piecewise.glsl.

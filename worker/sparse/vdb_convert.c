@@ -23,12 +23,12 @@
 static const char program[] = "nanovdb_convert";
 static const char pattern[] = "marchd-vdb-??????.nvdb";
 
-// What the child says when the program could not take its place; no program's own status, by the shells' custom.
+// Exit statuses of a child that could not become the program. By the shells' convention no program returns them.
 enum { EXIT_NOT_RUN = 126, EXIT_NOT_FOUND = 127 };
 
 enum { POLL_MS = 5 };
 
-// A temporary file is locked for as long as a process lives that wants it.
+// A temporary file is locked while the process that uses it lives.
 static void remove_if_left_behind(int folder_fd, const char *name)
 {
     int fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -52,7 +52,7 @@ static void sweep(const char *folder)
     closedir(entries);
 }
 
-// Locked; -1 on failure. `*path` is the caller's.
+// Makes a locked file; -1 on failure. The caller owns `*path`.
 static int make_temporary(const char *folder, char **path, struct error *error)
 {
     for (;;) {
@@ -68,7 +68,7 @@ static int make_temporary(const char *folder, char **path, struct error *error)
             (void)unlink(*path);
             close(fd);
             fd = -1;
-        } else if (status.st_nlink == 0) { // another's sweep came before the lock
+        } else if (status.st_nlink == 0) { // another process swept it before the lock
             close(fd);
             free(*path);
             continue;
@@ -77,7 +77,7 @@ static int make_temporary(const char *folder, char **path, struct error *error)
     }
 }
 
-// In the child, between fork and exec: nothing here may wait for another thread's lock.
+// Runs in the child between fork and exec, so nothing here may wait for another thread's lock.
 static void become_converter(char *const arguments[], pid_t parent)
 {
     int nowhere = open("/dev/null", O_RDWR);
@@ -87,7 +87,7 @@ static void become_converter(char *const arguments[], pid_t parent)
     if (getppid() != parent || nowhere < 0) _exit(EXIT_NOT_RUN);
     sigemptyset(&none);
     sigprocmask(SIG_SETMASK, &none, NULL);
-    // Its chatter goes nowhere: what counts is whether it succeeds.
+    // Its output is dropped; only its exit status counts.
     for (int fd = 0; fd <= 2; ++fd)
         dup2(nowhere, fd);
     execvp(program, arguments);
@@ -143,7 +143,7 @@ static bool run(char *const arguments[], int limit_ms, struct error *error)
 int vdb_convert(const char *path, int limit_ms, struct error *error)
 {
     const char *folder = getenv("TMPDIR");
-    // A relative name that begins with a dash would be taken for an option.
+    // "./" keeps a relative name that begins with a dash from being an option.
     char *source = xasprintf("%s%s", path[0] == '/' ? "" : "./", path), *made;
     char name[] = "nanovdb_convert", overwrite[] = "-f";
     int lock_fd, fd = -1;

@@ -27,7 +27,7 @@ enum {
 static const uint64_t brick_limit = 1U << 24;
 static const uint64_t magic_first = 0x304244566f6e614e, magic_grid = 0x314244566f6e614e;
 
-// The nodes of one level: where they lie in the buffer, and which of them a parent has named.
+// The nodes of one level: their position in the buffer, and which of them a parent has named.
 struct level {
     const char *name;
     uint64_t begin, count, node_bytes;
@@ -54,7 +54,7 @@ struct tree {
     float background;
     struct leaf *found_leaves; // owned
     size_t leaf_count;
-    struct tile *tiles; // owned; those that are active or differ from the background
+    struct tile *tiles; // owned; those whose value is not the background
     size_t tile_count, tile_capacity;
     int64_t min[3], max[3]; // of active voxels
 };
@@ -170,20 +170,20 @@ static bool open_tree(struct tree *tree, struct error *error)
            find_root(tree, handle, error);
 }
 
-// A child is one of its level's nodes, and nobody else's: so the walk ends, and nothing is counted twice.
+// Checks that a child is a node of its level and has no other parent, so that the walk ends and counts each node once.
 static bool claim_child(struct level *level, uint64_t parent, int64_t offset, uint64_t *address, struct error *error)
 {
-    uint64_t place = parent + (uint64_t)offset - level->begin; // wraps to something huge when it lies before them
+    uint64_t position = parent + (uint64_t)offset - level->begin; // wraps to a huge number when it is before them
 
-    if (place % level->node_bytes != 0 || place / level->node_bytes >= level->count) {
+    if (position % level->node_bytes != 0 || position / level->node_bytes >= level->count) {
         error_set(error, "a child at offset %" PRId64 " is no %s node", offset, level->name);
         return false;
     }
-    if (level->is_used[place / level->node_bytes]++) {
+    if (level->is_used[position / level->node_bytes]++) {
         error_set(error, "two nodes share a %s node", level->name);
         return false;
     }
-    *address = level->begin + place;
+    *address = level->begin + position;
     return true;
 }
 
@@ -267,7 +267,7 @@ static bool walk_upper(struct tree *tree, const int64_t origin[3], uint64_t addr
     return true;
 }
 
-// Twelve bits less than an int has, 21 bits apart; x highest.
+// A root key has the upper 20 bits of each 32-bit coordinate, 21 bits apart, x highest.
 static int64_t key_origin(uint64_t key, int shift)
 {
     return (int32_t)((uint32_t)(key >> shift) << 12);
@@ -282,7 +282,7 @@ static bool walk_root_tile(struct tree *tree, uint32_t n, struct error *error)
 
     for (uint32_t i = 0; i < n; ++i)
         if (pnanovdb_root_tile_get_key(tree->buffer, pnanovdb_root_get_tile(FLOAT, tree->root, i)) == key) {
-            error_set(error, "two of the root's tiles have one place");
+            error_set(error, "two of the root's tiles have one position");
             return false;
         }
     if (offset != 0)
@@ -380,7 +380,7 @@ static bool copy_leaf(struct sparse_grid *grid, const struct tree *tree, const s
 
     for (int axis = 0; axis < 3; ++axis) {
         brick[axis] = leaf->origin[axis] / SPARSE_BRICK_SIDE - grid->brick_min[axis];
-        // Nothing in it is active, and it lies beyond all that is.
+        // No voxel of the leaf is active, and it is outside of the lattice.
         if (brick[axis] < 0 || brick[axis] >= grid->brick_count[axis]) return true;
     }
     for (uint32_t n = 0; n < SPARSE_BRICK_VOXELS; ++n) {

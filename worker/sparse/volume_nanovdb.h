@@ -1,4 +1,4 @@
-// Reads a sparse grid of floats from a NanoVDB file, which may hold anything.
+// Reads a sparse grid of floats from the bytes of a NanoVDB file, which may be anything.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,6 +7,6 @@
 struct error;
 struct sparse_grid;
 
-// The grid of this name, NULL: the first of floats; NULL on failure. A value that is not finite is refused with its voxel.
-// The caller destroys it.
+// Returns the grid of this name (NULL: the first of floats); NULL on failure. A value that is not finite is an error
+// that names its voxel. The caller destroys the grid.
 struct sparse_grid *volume_nanovdb_decode(const struct nanovdb_bytes *file, const char *name, struct error *error);

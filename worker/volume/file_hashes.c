@@ -12,11 +12,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// A few sequences' worth: the oldest makes room.
+// Enough for a few sequences; the oldest entry is replaced.
 enum { ENTRY_COUNT = 256 };
 
-// File systems count time in ticks of some milliseconds, two seconds at worst: a file written to just now may be written to
-// again without looking different.
+// File systems count time in ticks of some milliseconds, two seconds at worst. A file that was written just now may be
+// written again with the same time.
 static const double settled_s = 2.1;
 
 struct entry {
@@ -27,7 +27,7 @@ struct entry {
 
 struct file_hashes {
     struct entry entries[ENTRY_COUNT];
-    size_t next; // to be replaced
+    size_t next; // the entry to replace
 };
 
 static struct file_version version_of(const struct stat *status)

@@ -1,4 +1,4 @@
-// Hashes of files' contents, kept for as long as the files stay as they are.
+// Hashes of files' contents, kept as long as the files do not change.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@
 struct error;
 struct file_hashes;
 
-// Differs when a file was written to or replaced.
+// What tells a file from the same file after it was written to or replaced.
 struct file_version {
     dev_t device;
     ino_t inode;
@@ -20,13 +20,13 @@ struct file_version {
 };
 
 bool file_version_find(const char *path, struct file_version *version, struct error *error);
-// False for a file that was written to so recently that another write may leave it looking the same.
+// Returns false for a file that was written so recently that another write may leave the same version.
 bool file_version_is_settled(const struct file_version *version);
 bool file_version_is_same(const struct file_version *a, const struct file_version *b);
 
 struct file_hashes *file_hashes_create(void);
 void file_hashes_destroy(struct file_hashes *hashes); // accepts NULL
 
-// The hash of all bytes of the file at `path` and the version that has them. A file that changes meanwhile is an error.
+// Finds the hash of all bytes of the file at `path`, and the file's version. A file that changes meanwhile is an error.
 bool file_hashes_find(struct file_hashes *hashes, const char *path, struct file_version *version,
                       char hash[static HASH_TEXT_SIZE], struct error *error);

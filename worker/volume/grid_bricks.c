@@ -40,7 +40,7 @@ static void widen(struct grid_bound *bound, float min, float max)
     if (max > bound->max) bound->max = max;
 }
 
-// The bounds of `count` numbers; one function a type, so that each compares in its own.
+// Finds the bounds of `count` numbers; each type has its own function, so that it compares in that type.
 #define DEFINE_FIND_RANGE(name, type)                                                                                  \
     static struct grid_bound name(const void *row, int count)                                                          \
     {                                                                                                                  \
@@ -122,8 +122,8 @@ static void relax(const int count[3], unsigned char *distances, const int at[3],
     if (distances[neighbour] + 1 < distances[index]) distances[index] = (unsigned char)(distances[neighbour] + 1);
 }
 
-// One sweep over all bricks, looking at the 13 neighbours that come before in its own direction; a sweep each way makes the
-// chessboard distance exact.
+// Relaxes each brick against the 13 neighbours that come before it in `direction`. A sweep in each direction makes the
+// chessboard distances exact.
 static void sweep(const int count[3], unsigned char *distances, int direction)
 {
     size_t total = (size_t)count[0] * (size_t)count[1] * (size_t)count[2];

@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Values converted at once: few enough to stay in the cache between reading, swapping and checking.
+// The number of values converted at once: few enough to stay in the cache while they are read, swapped and checked.
 enum { CHUNK_VALUES = 64 * 1024 };
 
 typedef bool open_format(struct volume_layout *layout, const struct volume_source *source, struct error *error);
@@ -71,19 +71,19 @@ static bool check_memory(const struct volume_layout *layout, struct error *error
     return volume_memory_check(volume_layout_voxels(layout) * (int64_t)value_size, volume_memory_limit(), error);
 }
 
-static bool place(struct volume_layout *layout, const struct volume_source *source, struct error *error)
+static bool set_placement(struct volume_layout *layout, const struct volume_source *source, struct error *error)
 {
     const double *spacing = source->spacing;
 
-    if (!volume_place_check(layout->index_to_world, error)) return false;
+    if (!volume_placement_check(layout->index_to_world, error)) return false;
     if (spacing[0] == 0.0 && spacing[1] == 0.0 && spacing[2] == 0.0) return true;
     for (int axis = 0; axis < 3; axis++) {
         if (spacing[axis] > 0.0 && isfinite(spacing[axis])) continue;
         error_set(error, "spacing: expected sides of voxels above 0 m, got %g along %c", spacing[axis], "ijk"[axis]);
         return false;
     }
-    volume_place_respace(layout->index_to_world, layout->size, spacing);
-    return volume_place_check(layout->index_to_world, error);
+    volume_placement_respace(layout->index_to_world, layout->size, spacing);
+    return volume_placement_check(layout->index_to_world, error);
 }
 
 bool volume_open(struct volume **volume, const struct volume_source *source, struct error *error)
@@ -91,7 +91,7 @@ bool volume_open(struct volume **volume, const struct volume_source *source, str
     struct volume_layout *layout = xcalloc(1, sizeof *layout);
 
     *volume = NULL;
-    if (!open_by_name(layout, source, error) || !place(layout, source, error) || !check_memory(layout, error)) {
+    if (!open_by_name(layout, source, error) || !set_placement(layout, source, error) || !check_memory(layout, error)) {
         error_prefix(error, "%s", source->path);
         volume_layout_finish(layout);
         free(layout);
@@ -131,7 +131,7 @@ static void set_voxel_error(const struct volume *volume, int64_t index, struct e
               j, k);
 }
 
-// The next `count` values, of which the first is the file's `index`th.
+// Reads the next `count` values, of which the first is the file's `index`th.
 static bool read_chunk(struct volume *volume, int64_t index, size_t count, void *values, struct error *error)
 {
     struct volume_layout *layout = volume->layout;

@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <zlib.h>
 
-// A window of 32 KiB, and gzip's header expected instead of zlib's own.
+// A window of 32 KiB; 16 stands for gzip's header instead of zlib's.
 enum { WINDOW_BITS = 15 + 16 };
 
 struct volume_gzip {
     z_stream zlib;
     bool is_complete;
-    bool has_member; // one ended already
+    bool has_member; // one member has ended
 };
 
 struct volume_gzip *volume_gzip_create(void)
@@ -22,7 +22,7 @@ struct volume_gzip *volume_gzip_create(void)
     struct volume_gzip *gzip = xcalloc(1, sizeof *gzip);
 
     gzip->is_complete = true;
-    // It fails for want of memory alone, of which it takes 40 KiB.
+    // Only a lack of memory, 40 KiB, makes it fail.
     if (inflateInit2(&gzip->zlib, WINDOW_BITS) != Z_OK) abort();
     return gzip;
 }

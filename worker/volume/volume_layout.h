@@ -1,4 +1,4 @@
-// What the header of a volume file says, whatever its format, and the stream that stands at its first voxel.
+// The contents of a volume file's header, whatever its format, and the stream positioned at the first voxel.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,10 +18,10 @@ struct volume_layout {
     double slope, intercept;
     double index_to_world[12];    // m
     struct volume_stream *stream; // owned
-    void *staging;                // owned; for values that change their size while they are read
+    void *staging;                // owned; a buffer for stored values whose size changes in conversion
 };
 
-// Each format's reader fills an empty layout; on failure its caller finishes it.
+// Each reader fills an empty layout. The caller finishes it, on failure too.
 bool volume_raw_open(struct volume_layout *layout, const struct volume_source *source, struct error *error);
 bool volume_nrrd_open(struct volume_layout *layout, const struct volume_source *source, struct error *error);
 bool volume_nifti_open(struct volume_layout *layout, const struct volume_source *source, struct error *error);
@@ -29,10 +29,10 @@ bool volume_nifti_gzip_open(struct volume_layout *layout, const struct volume_so
 
 void volume_layout_finish(struct volume_layout *layout);
 
-// Sets the size from numbers of unknown origin; `field` is their name in the file.
+// Sets the size from unchecked numbers; `field` is their name in the file.
 bool volume_layout_set_size(struct volume_layout *layout, const char *field, const int64_t size[3],
                             struct error *error);
 int64_t volume_layout_voxels(const struct volume_layout *layout);
 int64_t volume_layout_bytes(const struct volume_layout *layout); // as stored
-// The rest of the file must be exactly the voxels, unless it is compressed: then only reading shows it.
+// Checks that the rest of the file is exactly the voxels. For compressed files only reading them can tell.
 bool volume_layout_check_length(const struct volume_layout *layout, struct error *error);

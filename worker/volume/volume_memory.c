@@ -10,8 +10,8 @@
 #include <string.h>
 #include <unistd.h>
 
-// Where version 2 and version 1 keep a group's limit. The part of a line is what stands between its first colon and its
-// path.
+// The files where cgroup versions 2 and 1 keep a group's limit. `line_part` is the text between a line's first colon
+// and its path.
 static const struct {
     const char *line_part, *folder, *file;
 } versions[] = {
@@ -21,7 +21,7 @@ static const struct {
 
 enum { VERSION_COUNT = sizeof versions / sizeof versions[0] };
 
-// A group without a limit says "max", one that is not there says nothing.
+// The file of a group without a limit contains "max"; a group that does not exist has no file.
 static int64_t read_limit(const char *folder, const char *file)
 {
     char *path = xasprintf("%s/%s", folder, file);
@@ -39,7 +39,7 @@ static int64_t read_limit(const char *folder, const char *file)
     return limit;
 }
 
-// `folder` and all above it down to `root`.
+// Finds the least limit of `folder` and its parents up to `root`.
 static int64_t least_limit(char *folder, size_t root_length, const char *file)
 {
     int64_t least = INT64_MAX;

@@ -1,4 +1,4 @@
-// How much memory this process may hope for: to refuse a volume with numbers, not to be killed half-way.
+// How much memory this process may use: a volume that is too large is refused with numbers, before the kernel kills us.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,10 +7,10 @@
 
 struct error;
 
-// The machine's memory, or what the control groups allow if that is less.
+// Returns the machine's memory, or the limit of the control groups if that is less, in bytes.
 int64_t volume_memory_limit(void);
-// The least limit of a group and those above it, of version 1 or 2, by /proc/self/cgroup's text; INT64_MAX: none.
-// `root` is where they are mounted.
+// Returns the least limit of a group and its parents, version 1 or 2; INT64_MAX: none. `groups` is the text of
+// /proc/self/cgroup; `root` is where the groups are mounted.
 int64_t volume_memory_group_limit(const char *groups, const char *root);
-// "needs N GiB, M GiB are available" when `size_bytes` are more than `limit_bytes`.
+// Fails with "needs N GiB of memory, M GiB are available" when `size_bytes` is more than `limit_bytes`.
 bool volume_memory_check(int64_t size_bytes, int64_t limit_bytes, struct error *error);

@@ -9,10 +9,10 @@
 #include <math.h>
 #include <string.h>
 
-// Sizes of the headers, which are also their first number.
+// Sizes of the two versions' headers. Each header begins with its size.
 enum { HEADER_1_SIZE = 348, HEADER_2_SIZE = 540 };
 
-// Both versions' fields that matter here, in native byte order. Names are the standard's.
+// The fields that are used, of either version, in native byte order. Names are the standard's.
 struct nifti_header {
     int version;
     bool is_big_endian;
@@ -112,7 +112,7 @@ static void take_numbers(const struct nifti_header *header, struct field field, 
     }
 }
 
-// Where each version has its fields.
+// The positions of each version's fields.
 static const struct header_layout {
     struct field dim, datatype, bitpix, pixdim, vox_offset, scl_slope, scl_inter, xyzt_units, qform_code, sform_code,
         quatern, qoffset, srow;
@@ -243,13 +243,14 @@ static bool read_type(struct volume_layout *layout, const struct nifti_header *h
     return false;
 }
 
-// Slope 0 means that the stored numbers are the values; so does a NaN, which common writers leave where they scale nothing.
+// Slope 0 means that the stored numbers are the values. So does NaN, which common writers store where nothing is
+// scaled.
 static bool read_scaling(struct volume_layout *layout, const struct nifti_header *header, struct error *error)
 {
     layout->slope = 1.0;
     layout->intercept = 0.0;
     if (header->scl_slope == 0.0 || isnan(header->scl_slope)) return true;
-    // Values are single precision from here on.
+    // Values are single precision after this.
     if (!(fabs(header->scl_slope) < 1e30) || !(fabs(header->scl_slope) > 1e-30) || !(fabs(header->scl_inter) < 1e30)) {
         error_set(error, "scl_slope, scl_inter: expected numbers from 1e-30 to 1e30 in size, got %g, %g",
                   header->scl_slope, header->scl_inter);
@@ -283,7 +284,7 @@ static bool check_pixdim(const struct nifti_header *header, struct error *error)
     return true;
 }
 
-// The rotation of the unit quaternion (a, b, c, d), of which a >= 0 is not stored; pixdim[0] < 0 turns k around.
+// Builds the rotation of the unit quaternion (a, b, c, d), whose a >= 0 is not stored. pixdim[0] < 0 reverses k.
 static bool place_by_qform(double m[12], const struct nifti_header *header, struct error *error)
 {
     double b = header->quatern[0], c = header->quatern[1], d = header->quatern[2];
@@ -292,7 +293,7 @@ static bool place_by_qform(double m[12], const struct nifti_header *header, stru
     double length = rest > 0.0 ? 1.0 : sqrt(b * b + c * c + d * d);
     double side[3] = {header->pixdim[1], header->pixdim[2], header->pixdim[3]};
 
-    // Written in single precision a half turn may be a little longer than 1; more than that is no rotation.
+    // In single precision the quaternion of a half turn may be a little longer than 1. A longer one is no rotation.
     if (!(rest > -1e-3)) {
         error_set(error, "quatern_b, c, d: expected a length of at most 1, got (%g, %g, %g)", b, c, d);
         return false;
@@ -313,8 +314,8 @@ static bool place_by_qform(double m[12], const struct nifti_header *header, stru
     return true;
 }
 
-// The standard's methods 3, 2 and 1; by the last the first voxel's centre is the origin.
-static bool place(struct volume_layout *layout, const struct nifti_header *header, struct error *error)
+// Tries the standard's methods 3, 2 and 1. Method 1 has the origin at the first voxel's centre.
+static bool set_placement(struct volume_layout *layout, const struct nifti_header *header, struct error *error)
 {
     double *m = layout->index_to_world;
     double metres;
@@ -331,7 +332,7 @@ static bool place(struct volume_layout *layout, const struct nifti_header *heade
     }
     for (size_t i = 0; i < 12; i++)
         m[i] *= metres;
-    if (volume_place_check(m, error)) return true;
+    if (volume_placement_check(m, error)) return true;
     error_prefix(error, "%s", header->sform_code > 0 ? "srow" : header->qform_code > 0 ? "qform" : "pixdim");
     return false;
 }
@@ -339,10 +340,10 @@ static bool place(struct volume_layout *layout, const struct nifti_header *heade
 static bool go_to_voxels(const struct volume_layout *layout, const struct nifti_header *header, struct error *error)
 {
     int64_t header_size = header->version == 1 ? HEADER_1_SIZE : HEADER_2_SIZE;
-    int64_t least = header_size + 4; // behind the header four bytes say whether extensions follow
+    int64_t least = header_size + 4; // four bytes after the header say whether extensions follow
     double offset = header->vox_offset;
 
-    // Some writers leave 0 for the least there is.
+    // Some writers store 0 for the smallest offset.
     if (offset == 0.0) offset = (double)least;
     if (!(offset >= (double)least && offset < 9e15 && offset == floor(offset))) {
         error_set(error, "vox_offset: expected a whole number of at least %" PRId64 ", got %g", least, offset);
@@ -359,8 +360,9 @@ static bool open_nifti(struct volume_layout *layout, const struct volume_source 
     if (!volume_stream_open(&layout->stream, source->path, error)) return false;
     if (is_compressed) volume_stream_unzip(layout->stream);
     return read_header(&header, layout->stream, error) && read_size(layout, &header, error) &&
-           read_type(layout, &header, error) && read_scaling(layout, &header, error) && place(layout, &header, error) &&
-           go_to_voxels(layout, &header, error) && volume_layout_check_length(layout, error);
+           read_type(layout, &header, error) && read_scaling(layout, &header, error) &&
+           set_placement(layout, &header, error) && go_to_voxels(layout, &header, error) &&
+           volume_layout_check_length(layout, error);
 }
 
 bool volume_nifti_open(struct volume_layout *layout, const struct volume_source *source, struct error *error)

@@ -63,11 +63,11 @@ static const struct {
 
 enum { TYPE_COUNT = sizeof types / sizeof types[0] };
 
-// Spaces and the signs that turn their axes to right, anterior, superior (or a right-handed world).
+// Spaces, and the signs that map their axes to right, anterior, superior (or to a right-handed world).
 static const struct space {
     const char *name, *short_name;
     double signs[3];
-    bool is_medical; // lengths are millimetres if nothing is said
+    bool is_medical; // lengths without a unit are millimetres
 } spaces[] = {
     {"right-anterior-superior", "RAS", {1, 1, 1}, true},      {"left-anterior-superior", "LAS", {-1, 1, 1}, true},
     {"left-posterior-superior", "LPS", {-1, -1, 1}, true},    {"scanner-xyz", "scanner-xyz", {1, 1, 1}, true},
@@ -93,7 +93,7 @@ struct nrrd {
     const char *path;             // borrowed
 };
 
-// "FIELD: expected WHAT, got "TEXT"" with what can be shown of it.
+// Sets the error "FIELD: expected WHAT, got "TEXT"", the text shortened and made printable.
 static bool fail_expected(const struct nrrd *nrrd, enum volume_nrrd_field field, const char *expected,
                           struct error *error)
 {
@@ -117,7 +117,7 @@ static const char *skip_blanks(const char *text)
     return text + strspn(text, " \t");
 }
 
-// `count` whole numbers and nothing else.
+// Reads exactly `count` whole numbers.
 static bool read_integers(const struct nrrd *nrrd, enum volume_nrrd_field field, size_t count, int64_t *numbers)
 {
     const char *text = nrrd->header.texts[field];
@@ -134,7 +134,7 @@ static bool read_integers(const struct nrrd *nrrd, enum volume_nrrd_field field,
     return !*text;
 }
 
-// Where it ends, or NULL.
+// Returns the text after the number, or NULL.
 static const char *read_double(const char *text, double *number)
 {
     char *end;
@@ -143,7 +143,7 @@ static const char *read_double(const char *text, double *number)
     return end == text ? NULL : skip_blanks(end);
 }
 
-// "(x,y,z)"; where it ends, or NULL.
+// Reads "(x,y,z)"; returns the text after it, or NULL.
 static const char *read_vector(const char *text, double vector[3])
 {
     for (size_t i = 0; i < 3; i++) {
@@ -178,7 +178,7 @@ static bool read_layout(struct nrrd *nrrd, struct error *error)
     return true;
 }
 
-// An axis of colours, times or vectors is none of space.
+// Refuses axes of colours, times or vectors, which are no axes of space.
 static bool check_kinds(const struct nrrd *nrrd, struct error *error)
 {
     const char *text = nrrd->header.texts[NRRD_KINDS];
@@ -196,7 +196,7 @@ static bool check_kinds(const struct nrrd *nrrd, struct error *error)
     return true;
 }
 
-// Three quoted units as metres; an empty one, and the whole field if it is missing, is `otherwise`.
+// Reads three quoted units as metres. An empty unit, and each unit of a missing field, is `otherwise`.
 static bool read_units(const struct nrrd *nrrd, enum volume_nrrd_field field, double otherwise, double metres[3],
                        struct error *error)
 {
@@ -222,7 +222,7 @@ static bool read_units(const struct nrrd *nrrd, enum volume_nrrd_field field, do
     return !text || !*text || fail_expected(nrrd, field, expected, error);
 }
 
-// `*space` stays NULL when none is named.
+// Sets `*space` to NULL when no space is named.
 static bool find_space(const struct nrrd *nrrd, const struct space **space, struct error *error)
 {
     const char *text = nrrd->header.texts[NRRD_SPACE];
@@ -242,13 +242,13 @@ static bool find_space(const struct nrrd *nrrd, const struct space **space, stru
            fail_expected(nrrd, NRRD_SPACE_DIMENSION, "3", error);
 }
 
-// Without an origin the grid's middle is the world's.
+// Without an origin the grid is centred at the world's origin.
 static bool place_in_space(const struct nrrd *nrrd, const struct space *space, struct error *error)
 {
     const char *text = nrrd->header.texts[NRRD_SPACE_DIRECTIONS];
     const char *origin_text = nrrd->header.texts[NRRD_SPACE_ORIGIN];
     double *m = nrrd->layout->index_to_world;
-    double vectors[4][3] = {0}; // the axes' and the origin
+    double vectors[4][3] = {0}; // of the three axes, then the origin
     double metres[3];
 
     if (!read_units(nrrd, NRRD_SPACE_UNITS, space && space->is_medical ? 1e-3 : 1.0, metres, error)) return false;
@@ -265,12 +265,13 @@ static bool place_in_space(const struct nrrd *nrrd, const struct space *space, s
     for (size_t row = 0; row < 3; row++)
         for (size_t axis = 0; axis < 4; axis++)
             m[4 * row + axis] = vectors[axis][row] * metres[row] * (space ? space->signs[row] : 1.0);
-    if (volume_place_check(m, error)) return true;
+    if (volume_placement_check(m, error)) return true;
     error_prefix(error, "space directions");
     return false;
 }
 
-// Sides of the voxels alone: a grid about the origin. NaN for all of them is the format's way to know none.
+// Only the sides of voxels are known, so the grid is centred at the origin. NaN for all three means that they are
+// unknown.
 static bool place_by_spacings(const struct nrrd *nrrd, const struct space *space, struct error *error)
 {
     const char *text = nrrd->header.texts[NRRD_SPACINGS];
@@ -282,7 +283,7 @@ static bool place_by_spacings(const struct nrrd *nrrd, const struct space *space
         text = read_double(text, &spacing[axis]);
     if (!text || *text) return fail_expected(nrrd, NRRD_SPACINGS, "3 numbers", error);
     if (isnan(spacing[0]) && isnan(spacing[1]) && isnan(spacing[2])) {
-        volume_place_unit(nrrd->layout->index_to_world, nrrd->layout->size);
+        volume_placement_unit(nrrd->layout->index_to_world, nrrd->layout->size);
         return true;
     }
     for (size_t axis = 0; axis < 3; axis++) {
@@ -290,11 +291,11 @@ static bool place_by_spacings(const struct nrrd *nrrd, const struct space *space
             return fail_expected(nrrd, NRRD_SPACINGS, "3 numbers above 0", error);
         spacing[axis] *= metres[axis];
     }
-    volume_place_centered(nrrd->layout->index_to_world, nrrd->layout->size, spacing);
+    volume_placement_centered(nrrd->layout->index_to_world, nrrd->layout->size, spacing);
     return true;
 }
 
-static bool place(const struct nrrd *nrrd, struct error *error)
+static bool set_placement(const struct nrrd *nrrd, struct error *error)
 {
     char *const *texts = nrrd->header.texts;
     const struct space *space;
@@ -312,11 +313,11 @@ static bool place(const struct nrrd *nrrd, struct error *error)
     if (texts[NRRD_AXIS_MINS] || texts[NRRD_AXIS_MAXS])
         return fail_expected(nrrd, NRRD_SPACINGS, "the voxels' sides (\"axis mins\" and \"axis maxs\" are not read)",
                              error);
-    volume_place_unit(nrrd->layout->index_to_world, nrrd->layout->size);
+    volume_placement_unit(nrrd->layout->index_to_world, nrrd->layout->size);
     return true;
 }
 
-// The file that "data file" names, beside the header unless it is absolute.
+// Opens the file that "data file" names; a relative name is relative to the header's folder.
 static bool open_data_file(struct nrrd *nrrd, struct error *error)
 {
     const char *name = nrrd->header.texts[NRRD_DATA_FILE];
@@ -352,7 +353,7 @@ static bool skip_lines(struct volume_stream *stream, int64_t count, struct error
     return true;
 }
 
-// First lines, then bytes, these after decompression; -1 bytes: the voxels are the file's last.
+// Skips lines, then bytes after decompression. -1 bytes means that the voxels are at the file's end.
 static bool go_to_voxels(const struct nrrd *nrrd, struct error *error)
 {
     struct volume_stream *stream = nrrd->layout->stream;
@@ -396,7 +397,7 @@ bool volume_nrrd_open(struct volume_layout *layout, const struct volume_source *
     layout->slope = 1.0;
     ok = volume_stream_open(&layout->stream, source->path, error) &&
          volume_nrrd_header_read(&nrrd.header, layout->stream, error) && read_layout(&nrrd, error) &&
-         check_kinds(&nrrd, error) && place(&nrrd, error) && open_voxels(&nrrd, error);
+         check_kinds(&nrrd, error) && set_placement(&nrrd, error) && open_voxels(&nrrd, error);
     volume_nrrd_header_finish(&nrrd.header);
     return ok;
 }

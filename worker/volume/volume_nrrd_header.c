@@ -12,11 +12,11 @@
 #include <string.h>
 
 enum {
-    LINE_LIMIT = 64 * 1024,    // bytes; other tools put long tables into one
+    LINE_LIMIT = 64 * 1024,    // bytes; other tools put long tables into one line
     HEADER_LIMIT = 1024 * 1024 // bytes
 };
 
-// Both spellings where there are two; those from NRRD_OTHER_FIRST on in any order.
+// Both spellings where a field has two. The fields from NRRD_OTHER_FIRST on are in any order.
 static const struct {
     const char *name, *other_name;
 } fields[] = {
@@ -61,7 +61,7 @@ struct reader {
     int line_number, header_bytes;
     char *line; // owned; the current one, without its end
     size_t capacity;
-    bool is_at_end; // no line came: the file is over
+    bool is_at_end; // the file ended before a line
 };
 
 const char *volume_nrrd_field_name(enum volume_nrrd_field field)
@@ -105,7 +105,7 @@ static bool read_line(struct reader *reader, struct error *error)
     return true;
 }
 
-// Byte by byte, as a file of another kind has no lines.
+// Reads byte by byte, because a file of another kind may have no lines.
 static bool read_magic(struct reader *reader, struct error *error)
 {
     static const char magic[] = "NRRD000";
@@ -164,7 +164,7 @@ static bool take_line(struct volume_nrrd_header *header, const struct reader *re
     }
     field = colon[1] == '=' ? -1 : find_field(reader->line, (size_t)(colon - reader->line));
     if (field < 0) {
-        if (strstr(reader->line, ":=")) return true; // a key of somebody's own
+        if (strstr(reader->line, ":=")) return true; // a key that the format leaves to users
         set_unknown_error(reader, (size_t)(colon - reader->line), error);
         return false;
     }

@@ -1,4 +1,4 @@
-// The lines of a NRRD header: which field has which text. What the texts mean is not known here.
+// The lines of a NRRD header: the text of each field, without its meaning.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 struct error;
 struct volume_stream;
 
-// Named as in the format's definition (teem.sourceforge.net/nrrd/format.html).
+// The fields, named as in the format's definition (teem.sourceforge.net/nrrd/format.html).
 enum volume_nrrd_field {
     NRRD_TYPE,
     NRRD_DIMENSION,
@@ -27,18 +27,18 @@ enum volume_nrrd_field {
     NRRD_SPACE_UNITS,
     NRRD_SPACE_ORIGIN,
     NRRD_SPACE_DIRECTIONS,
-    NRRD_OTHER_FIRST, // known, but of no use here
+    NRRD_OTHER_FIRST, // known, but not used
     NRRD_FIELD_LIMIT = 32
 };
 
 struct volume_nrrd_header {
     char *texts[NRRD_FIELD_LIMIT]; // owned; without blanks at either end; NULL: not given
-    int lines[NRRD_FIELD_LIMIT];   // where, counted from 1
+    int lines[NRRD_FIELD_LIMIT];   // the line of each field, counted from 1
     bool has_end;                  // an empty line closed it; else the file ended
 };
 
-// Reads up to the voxels of an attached header, or to the end of a detached one. Fields twice, unknown fields and lines
-// that are neither field, key nor comment are errors that name the line.
+// Reads up to the voxels of an attached header, or to the end of a detached one. Fields given twice, unknown fields,
+// and lines that are no field, key or comment are errors that name the line.
 bool volume_nrrd_header_read(struct volume_nrrd_header *header, struct volume_stream *stream, struct error *error);
 void volume_nrrd_header_finish(struct volume_nrrd_header *header);
 const char *volume_nrrd_field_name(enum volume_nrrd_field field);

@@ -18,7 +18,7 @@ static double length(const double v[3])
     return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-void volume_place_centered(double index_to_world[12], const int size[3], const double spacing[3])
+void volume_placement_centered(double index_to_world[12], const int size[3], const double spacing[3])
 {
     memset(index_to_world, 0, 12 * sizeof *index_to_world);
     for (size_t axis = 0; axis < 3; axis++) {
@@ -27,15 +27,15 @@ void volume_place_centered(double index_to_world[12], const int size[3], const d
     }
 }
 
-void volume_place_unit(double index_to_world[12], const int size[3])
+void volume_placement_unit(double index_to_world[12], const int size[3])
 {
     double longest = fmax(size[0], fmax(size[1], size[2]));
     double spacing[3] = {1.0 / longest, 1.0 / longest, 1.0 / longest};
 
-    volume_place_centered(index_to_world, size, spacing);
+    volume_placement_centered(index_to_world, size, spacing);
 }
 
-void volume_place_respace(double index_to_world[12], const int size[3], const double spacing[3])
+void volume_placement_respace(double index_to_world[12], const int size[3], const double spacing[3])
 {
     for (int axis = 0; axis < 3; axis++) {
         double vector[3];
@@ -52,7 +52,7 @@ void volume_place_respace(double index_to_world[12], const int size[3], const do
     }
 }
 
-bool volume_place_check(const double index_to_world[12], struct error *error)
+bool volume_placement_check(const double index_to_world[12], struct error *error)
 {
     const double *m = index_to_world;
     double lengths[3];
@@ -60,7 +60,7 @@ bool volume_place_check(const double index_to_world[12], struct error *error)
 
     for (size_t i = 0; i < 12; i++) {
         if (isfinite(m[i])) continue;
-        error_set(error, "expected finite numbers for the voxels' place, got %g", m[i]);
+        error_set(error, "expected finite numbers for the voxels' positions, got %g", m[i]);
         return false;
     }
     for (int axis = 0; axis < 3; axis++) {
@@ -68,7 +68,7 @@ bool volume_place_check(const double index_to_world[12], struct error *error)
 
         column(m, axis, vector);
         lengths[axis] = length(vector);
-        // Far smaller and far larger sides than any instrument's would under- or overflow in single precision.
+        // Sides far smaller or larger than any instrument's would underflow or overflow in single precision.
         if (lengths[axis] > 1e-12 && lengths[axis] < 1e12) continue;
         error_set(error, "expected a voxel's side along %c between 1e-12 m and 1e12 m, got %g m", "ijk"[axis],
                   lengths[axis]);

@@ -23,7 +23,7 @@ static const struct {
 
 enum { TYPE_COUNT = sizeof types / sizeof types[0] };
 
-// What a name like "head_256x256x109xuint8.raw" says; zero where it says nothing.
+// What a name like "head_256x256x109xuint8.raw" says; zero for what it does not say.
 struct name_facts {
     int64_t size[3];
     bool has_size;
@@ -31,7 +31,7 @@ struct name_facts {
     bool has_type;
 };
 
-// A number without sign or blanks, as names have them; -1 if there is none.
+// Reads a number without sign or blanks; -1 if there is none.
 static int64_t read_number(const char **text)
 {
     int64_t number = 0;
@@ -42,7 +42,7 @@ static int64_t read_number(const char **text)
     return number;
 }
 
-// "WxHxD" at `text`, which is moved behind it.
+// Reads "WxHxD" at `text` and moves `text` behind it.
 static bool read_size(const char **text, int64_t size[3])
 {
     const char *at = *text;
@@ -56,7 +56,7 @@ static bool read_size(const char **text, int64_t size[3])
     return true;
 }
 
-// The type's word at `text`, which must end there: "uint8" is none in "uint8x2".
+// Reads a type at `text`. The word must end there: "uint8x2" has none.
 static bool read_type(const char *text, enum volume_stored *stored)
 {
     for (size_t i = 0; i < TYPE_COUNT; i++) {
@@ -69,7 +69,7 @@ static bool read_type(const char *text, enum volume_stored *stored)
     return false;
 }
 
-// The last size in the name counts, and the word behind it: folders and names have numbers too.
+// The last size in the name counts, and the word after it, because folders and names may have other numbers.
 static struct name_facts read_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -113,7 +113,7 @@ static bool read_keys(struct volume_layout *layout, const struct volume_source *
     return volume_layout_set_size(layout, field, facts.size, error);
 }
 
-// What other keys would make of a file with `left` bytes for the voxels; an empty text when nothing fits.
+// Writes which other keys would fit a file with `left` bytes for the voxels; an empty text when none would.
 static void describe_fit(const struct volume_layout *layout, int64_t left, int64_t skip_bytes, char *text,
                          size_t text_size)
 {
@@ -148,7 +148,7 @@ bool volume_raw_open(struct volume_layout *layout, const struct volume_source *s
 {
     if (!read_keys(layout, source, error)) return false;
     layout->slope = 1.0;
-    volume_place_unit(layout->index_to_world, layout->size);
+    volume_placement_unit(layout->index_to_world, layout->size);
     return volume_stream_open(&layout->stream, source->path, error) &&
            volume_stream_skip(layout->stream, source->raw.skip_bytes, error) &&
            check_length(layout, source->raw.skip_bytes, error);

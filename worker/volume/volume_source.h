@@ -1,4 +1,4 @@
-// Which file a volume is read from, and what the job says of it.
+// The file that a volume is read from, and what the job says about it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,6 +6,6 @@
 
 struct volume_source {
     const char *path;     // borrowed while volume_open runs
-    struct scene_raw raw; // of a raw file; must be all zero for the others
-    double spacing[3];    // m; overrides the file's: directions and the grid's middle stay. All 0: as the file says
+    struct scene_raw raw; // for a raw file; all zero for the others
+    double spacing[3]; // m; overrides the file's sides, keeps directions and the grid's middle; all 0: as in the file
 };

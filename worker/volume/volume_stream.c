@@ -20,9 +20,9 @@ struct volume_stream {
     int fd;
     char *path; // owned
     struct stat opened;
-    int64_t position;         // in the file, behind what is buffered
+    int64_t position;         // in the file, after the buffered bytes
     struct volume_gzip *gzip; // owned; NULL: not compressed
-    size_t start, end;        // of what is buffered and not yet given
+    size_t start, end;        // of the buffered bytes that are not read yet
     unsigned char buffer[BUFFER_SIZE];
 };
 
@@ -122,7 +122,7 @@ static bool unzip_some(struct volume_stream *stream, void *bytes, size_t size_by
     }
 }
 
-// Some of the next bytes; 0 at the end.
+// Reads some of the next bytes; 0 at the end.
 static bool read_some(struct volume_stream *stream, void *bytes, size_t size_bytes, size_t *count, struct error *error)
 {
     if (stream->gzip) return unzip_some(stream, bytes, size_bytes, count, error);

@@ -57,7 +57,7 @@ void volume_voxels_swap(void *values, size_t count, enum volume_stored stored)
     }
 }
 
-// Looks at bits, without a branch in the loop, so that it keeps pace with memory.
+// Compares bits, without a branch in the loop, so that it is as fast as memory.
 static size_t find_not_finite(const float *values, size_t count)
 {
     const uint32_t exponent = 0x7f800000;

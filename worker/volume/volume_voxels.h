@@ -7,8 +7,8 @@
 
 enum { VOLUME_VOXEL_LIMIT = INT32_MAX }; // voxels of a volume: fewer than 2^31
 
-// The types that voxels have in memory. Stored types wider than 16 bits, and signed bytes, become VOLUME_FLOAT32 while they
-// are read.
+// The types that voxels have in memory. Stored types wider than 16 bits, and signed bytes, become VOLUME_FLOAT32 while
+// they are read.
 enum volume_type { VOLUME_UINT8, VOLUME_UINT16, VOLUME_INT16, VOLUME_FLOAT32 };
 
 size_t volume_type_size(enum volume_type type); // bytes a voxel
@@ -28,7 +28,7 @@ enum volume_stored {
 
 size_t volume_stored_size(enum volume_stored stored); // bytes
 const char *volume_stored_name(enum volume_stored stored);
-enum volume_type volume_stored_type(enum volume_stored stored); // what it becomes
+enum volume_type volume_stored_type(enum volume_stored stored); // the type that it is converted to
 
 // Reverses the bytes of each of `count` values.
 void volume_voxels_swap(void *values, size_t count, enum volume_stored stored);

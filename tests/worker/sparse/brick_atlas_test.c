@@ -115,7 +115,7 @@ static void what_glows_is_there_where_density_is(void **state)
         struct error error = {{0}};
 
         assert_null(brick_atlas_create(&(struct brick_atlas_params){.density = density, .glow = glow}, &error));
-        assert_string_equal(error.message, "the two grids' voxels lie in different places; expected one map for both");
+        assert_string_equal(error.message, "the two grids' voxels lie in different positions; expected one map for both");
     }
     sparse_grid_destroy(glow);
     sparse_grid_destroy(density);

@@ -304,7 +304,7 @@ static void two_root_tiles_of_one_place_are_refused(void **state)
     params.tile_count = 1;
     nanovdb_make(&made, &params);
     memcpy(&key, made.bytes + made.root_tiles, sizeof key);
-    check_damage(&made, &(struct damage){"twice", made.root_tiles + 32, &key, sizeof key, "tiles have one place"});
+    check_damage(&made, &(struct damage){"twice", made.root_tiles + 32, &key, sizeof key, "tiles have one position"});
     free(made.bytes);
 }
 

@@ -284,7 +284,7 @@ static void bad_directions_are_refused(void **state)
     volume_check_refused(&source, NULL, "srow: the directions of the three axes lie in one plane");
     set_row(&nifti, "srow_z", 0, NAN, 0, 1);
     volume_maker_write(source.path, nifti.bytes, nifti.size_bytes);
-    volume_check_refused(&source, NULL, "srow: expected finite numbers for the voxels' place, got nan");
+    volume_check_refused(&source, NULL, "srow: expected finite numbers for the voxels' positions, got nan");
     volume_maker_nifti_set(&nifti, "sform_code", 0, 0);
     volume_maker_nifti_set(&nifti, "qform_code", 0, 1);
     volume_maker_nifti_set(&nifti, "quatern_b", 0, 1.1);
