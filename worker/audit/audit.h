@@ -18,6 +18,9 @@ enum {
     AUDIT_RAYS_POOLED = 8 // of one that has a pool
 };
 
+// Of the time that the frame took to render: the budget of its audit. Set by hand.
+static const double AUDIT_TIME_SHARE = 0.05;
+
 // What a segment's frames share. The zero value is empty.
 struct audit_pool {
     struct audit_samples samples;

@@ -1,4 +1,4 @@
-// What trying a plan on small frames leaves for audits of the segment's frames.
+// The evidence that a plan's trials on small frames leave for the audits of the segment's frames.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,10 +10,10 @@
 
 // The zero value is empty.
 struct plan_evidence {
-    struct audit_pool pool; // of the small frames' pixels; empty where reference/ has measured none
+    struct audit_pool pool; // samples from the small frames; empty where reference/ has measured none
     struct plan_view {
         int32_t frame;
-        struct image finer, coarser; // as the plan has it, and in steps at most half as long
+        struct image finer, coarser; // `coarser` in the plan's own steps, `finer` in steps at most half as long
     } views[PLAN_PILOT_LIMIT];
     int view_count;
 };

@@ -16,12 +16,13 @@ enum {
     PATH_RUNGS = 8,
     TRANSMITTANCE_RUNGS = 8,
     BAKED_OCTAVES = 3,
-    UNBAKED_RUNG = 9 // beyond 128 cells, where filling takes longer than it saves
+    UNBAKED_RUNG = 9 // above 128 cells, where filling takes longer than it saves: the density itself is evaluated
 };
 
-static const double VOXELS_FIRST = 8.0;       // rung 0
-static const double VOXELS_OF_A_PATH = 128.0; // about
-static const double DEPTH_FIRST = 4.0;        // optical depth
+// The coarsest rungs, set by hand: tests/worker/plan/tolerance_random_test and bench/predictions start from them.
+static const double VOXELS_FIRST = 8.0;       // a step
+static const double VOXELS_OF_A_PATH = 128.0; // the assumed length of a path
+static const double DEPTH_FIRST = 4.0;        // optical depth of a step
 static const double TRANSMITTANCE_FIRST = 0.02;
 
 static const int points[] = {1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 180, 256, 362, 512, 724, 1000};
@@ -44,7 +45,7 @@ static bool serves_lit(const struct plan_scene *scene)
     return serves_marched(scene) && scene->has_lights;
 }
 
-// Noise of several octaves that a grid takes.
+// True for noise of several octaves that density_bake can put into a grid.
 static bool serves_baked(const struct plan_scene *scene)
 {
     struct job baked = *scene->job;
@@ -96,7 +97,7 @@ void plan_scene_init(struct plan_scene *scene, const struct job *job)
     scene->path_length = scene->counts_voxels ? VOXELS_OF_A_PATH : step_longest_way(job);
 }
 
-// The cheaper a family is as a rule, the earlier it stands: what is dearer than what was found is not measured.
+// Families that usually need less work stand first.
 const struct plan_family plan_families[] = {
     {"equiangular", JOB_METHOD_EQUIANGULAR, 0, serves_even, {PLAN_AXIS_POINTS, PLAN_AXIS_PATHS}, 2},
     {"cached with baked densities",
@@ -242,7 +243,7 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
     if (family->method == JOB_METHOD_EQUIANGULAR) quality.points = 1;
     for (int i = 0; i < count; i++)
         set_axis(&quality, axes[i], scene, point->rungs[i]);
-    // Lights that nothing scatters are marched to as little as none, but jobs that have lights say how.
+    // A job that has lights needs a light_step even where nothing scatters their light.
     if (scene->job->scene.light_count > 0 && !scene->has_lights) set_axis(&quality, PLAN_AXIS_LIGHT_STEP, scene, 0);
     return quality;
 }
@@ -258,7 +259,8 @@ bool plan_family_serves(const struct plan_family *family, const struct plan_scen
     return step_check(&planned, &nowhere, NULL);
 }
 
-// Of one density at a medium, beside that of the fractal's eight folds: by hand from timings on software GL.
+// Work of one evaluation of a density, relative to a fractal of eight folds. These weights and those below were set by
+// hand from timings on software GL; bench/predictions compares what is counted with what is measured.
 static double density_work(const struct scene_density *density)
 {
     switch (density->kind) {
@@ -277,8 +279,8 @@ static double density_work(const struct scene_density *density)
 
 static double sum_density_work(const struct job *job, const struct job_quality *quality)
 {
-    static const double BAKED = 1.5; // a texel of a grid that is not the file's
-    double work = 0.1;               // to step at all
+    static const double BAKED = 1.5; // a lookup in a baked grid
+    double work = 0.1;               // of the step itself
     struct job planned = *job;
     struct density_bake bake;
 
@@ -288,7 +290,8 @@ static double sum_density_work(const struct job *job, const struct job_quality *
     return work;
 }
 
-// What a step of each depth sees of the lights.
+// Work of the light that one step scatters. `density` is the work of all densities at one point, `depth` the ray's
+// optical depth.
 static double light_work(const struct plan_scene *scene, const struct job_quality *quality, double density,
                          double depth)
 {
@@ -304,7 +307,7 @@ static double light_work(const struct plan_scene *scene, const struct job_qualit
     return PHASE + steps * density;
 }
 
-// Of the camera ray that goes `depth` deep.
+// Work of a camera ray of optical depth `depth`.
 static double ray_work(const struct plan_scene *scene, const struct job_quality *quality, double density, double depth)
 {
     double step = scene->counts_voxels ? quality->step_voxels : quality->step, share = 1.0, steps;
@@ -315,7 +318,7 @@ static double ray_work(const struct plan_scene *scene, const struct job_quality 
     if (quality->method == JOB_METHOD_ADAPTIVE || (quality->method == JOB_METHOD_CACHED && quality->depth_step > 0.0))
         steps += share * depth / quality->depth_step;
     if (quality->method == JOB_METHOD_GAUSS) steps *= quality->order;
-    if (quality->method == JOB_METHOD_PREINTEGRATED) density *= 1.5; // both ends' looks in the table
+    if (quality->method == JOB_METHOD_PREINTEGRATED) density *= 1.5; // lookups in the table at both ends
     return steps * (density + lights * light_work(scene, quality, density, depth));
 }
 
@@ -327,7 +330,7 @@ static double points_work(const struct plan_scene *scene, const struct job_quali
     return media > 0.0 && lights > 0.0 ? quality->points * lights * (2.0 * media - 1.0) * (1.0 + 0.3 * media) : 0.0;
 }
 
-// Of grids that are made for each frame, shared out among its pixels.
+// Work of the light grids that are filled for each frame, divided by its pixels.
 static double grid_work(const struct plan_scene *scene, const struct job_quality *quality, double density)
 {
     double lights = (double)scene->job->scene.light_count, samples = scene->pixels * quality->samples;
@@ -348,7 +351,7 @@ double plan_family_work(const struct plan_scene *scene, const struct job_quality
             sum += ray_work(scene, quality, density, scene->depths[i]);
         sum /= scene->depth_count > 0 ? (double)scene->depth_count : 1.0;
     }
-    // Paths that go on cost a little more each time that fewer are cut.
+    // A smaller min_throughput cuts fewer paths, and each cut that is left out costs a little.
     if (scene->has_paths)
         sum *= 1.0 + 0.02 * log2(scene->job->quality.min_throughput / fmax(quality->min_throughput, 1e-9));
     return quality->samples * (PIXEL + scene->hit_share * sum + grid_work(scene, quality, density));

@@ -1,4 +1,4 @@
-// The methods that a plan chooses among: whom each serves, what of it can be finer or coarser, and what it costs.
+// The families of settings that a plan chooses among: the scenes that each serves, its axes, and its work.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,18 +19,17 @@ enum plan_axis {
     PLAN_AXIS_PATHS // max_depth and min_throughput
 };
 
-// What of a scene decides the axes and the work.
+// The properties of a scene on which axes and work depend.
 struct plan_scene {
     const struct job *job; // borrowed
-    bool counts_voxels;    // steps are in voxels: there is a grid
-    double path_length;    // m, or voxels where these are counted: the longest way that is marched
+    bool counts_voxels;    // steps are in voxels, because there is a grid
+    double path_length;    // of the longest path that is marched, in metres, or in voxels where these are counted
     bool is_even;          // all media are homogeneous without falloff
     bool has_media, has_lights, has_extinction, has_paths, has_roughness;
-    // Shares of rays, by how deep they go: optical depths, one a measured ray that meets anything.
-    const float *depths; // borrowed
+    const float *depths; // borrowed; optical depths, one for each measured ray that meets a medium
     size_t depth_count;
-    double hit_share; // the share of rays that meet a medium
-    double pixels;
+    double hit_share; // of the measured rays: those that meet a medium
+    double pixels;    // of the frame
 };
 
 struct plan_family {
@@ -42,21 +41,21 @@ struct plan_family {
     int axis_count;
 };
 
-// Without the depths, which are to be measured. `job` outlives the scene.
+// Leaves the depths empty, which a pilot measures. `job` outlives the scene.
 void plan_scene_init(struct plan_scene *scene, const struct job *job);
 
 extern const struct plan_family plan_families[];
 extern const size_t plan_family_count;
 
-// True when the method is there and takes this scene.
+// True when the family's method renders this scene.
 bool plan_family_serves(const struct plan_family *family, const struct plan_scene *scene);
-// The axes that matter to this scene, `axes` having room for all.
+// Writes the axes that have an effect in this scene and returns their number.
 int plan_family_axes(const struct plan_family *family, const struct plan_scene *scene,
                      enum plan_axis axes[static PLAN_AXIS_LIMIT]);
 int plan_axis_last_rung(enum plan_axis axis, const struct plan_scene *scene);
-// A point of the family as a job's quality: what the job says of samples and tolerance stays.
+// A point of the family as a job's quality, with the job's own samples and tolerance.
 struct job_quality plan_family_quality(const struct plan_family *family, const struct plan_scene *scene,
                                        const struct plan_point *point);
 
-// Evaluations of density of a pixel, counted from the numbers alone; looking something up counts as a part of one.
+// Evaluations of density per pixel, counted from the numbers alone; a lookup in a texture counts as part of one.
 double plan_family_work(const struct plan_scene *scene, const struct job_quality *quality);

@@ -21,26 +21,25 @@
 
 enum { FINEST_RUNGS = 6, FAMILY_LIMIT = 16 };
 
-static const double SHARE = 0.5; // of the tolerance that a plan is to use
-// Once something is found, nothing is measured in a family beyond so many looks of the pilot's.
-static const double EVALUATIONS_ENOUGH = 3e7;
-// Of the tolerance, what a frame of the pilot may be off that the walk did not see.
-static const double SHARE_UNSEEN = 0.75;
-// Nothing is tried that costs so many times as much as the render that the others are compared with.
-static const double WORK_LIMIT = 8.0;
-// Relative RMSE of rounding to half: of an even spread of digits, 2^-11 / sqrt(3) of the value's power of two.
+// These four were set by hand. tests/worker/plan/tolerance_random_test checks what they promise, and bench/predictions
+// shows what they cost.
+static const double SHARE = 0.5;         // of the tolerance: the error that a search aims at
+static const double SHARE_UNSEEN = 0.75; // of the tolerance: the error allowed in frames that the walk did not measure
+static const double EVALUATIONS_ENOUGH = 3e7; // of densities, per family, once some setting keeps the target
+static const double WORK_LIMIT = 8.0;         // of a setting, relative to the pilot's finest render
+// Relative RMSE of rounding to half, for evenly spread digits: 2^-11 / sqrt(3) of the value's power of two.
 static const double HALF_ROUNDING = 2.0e-4;
 
-// A search in one family.
+// The search within one family.
 struct attempt {
     const struct plan_family *family;
     const struct plan_scene *scene;
     struct plan_pilot *pilot;
     bool is_half;
-    int frame; // the pilot's that is measured: the worst
+    int frame; // of the pilot: the one that is measured, the worst
     double target;
-    double first_evaluations; // of the pilot, before
-    bool is_found;            // something that keeps the target, now or before
+    double first_evaluations; // the pilot's count before this search
+    bool is_found;            // some setting keeps the target, of this family or of one before
 };
 
 static double find_work(void *user, const struct plan_point *point)
@@ -78,7 +77,7 @@ static enum plan_measured measure(void *user, const struct plan_point *point, do
     return measured;
 }
 
-// Where a walk begins: with steps that would keep the tolerance if all were alike.
+// The rung at which a walk begins: steps that would keep the tolerance if all axes had equal steps.
 static int start_rung(enum plan_axis axis, int level)
 {
     switch (axis) {
@@ -116,7 +115,7 @@ static struct plan_point find_start(const struct attempt *attempt)
     return start;
 }
 
-// The start is measured in all frames, and the walk then goes by the worst of them.
+// The start is measured in all frames; the walk then measures only the worst of them.
 static struct plan_finding walk(struct attempt *attempt, struct plan_point start, double work_limit)
 {
     struct plan_search search = {.target = attempt->target,
@@ -134,7 +133,7 @@ static struct plan_finding walk(struct attempt *attempt, struct plan_point start
     return plan_search_run(&search);
 }
 
-// Walks on from where another frame turns out to be worse than the one that the walk saw.
+// The walk continues from its result as long as another frame has a larger error than the frame that it measured.
 static struct plan_finding search(struct attempt *attempt, double tolerance, double work_limit)
 {
     struct plan_finding finding = walk(attempt, find_start(attempt), work_limit);
@@ -155,13 +154,13 @@ static struct plan_finding search(struct attempt *attempt, double tolerance, dou
     return finding;
 }
 
-// What is known of the families that were tried.
+// The best setting found so far, and the families that were tried.
 struct choice {
     struct plan_finding finding;
     size_t family;
     bool is_found;
     int serve_count;
-    char tried[160]; // names and work
+    char tried[160]; // the names of the families, and the work of their best settings
 };
 
 static void note_tried(struct choice *choice, const struct plan_family *family, const struct plan_finding *finding)
@@ -178,7 +177,8 @@ static bool is_better(const struct choice *choice, const struct plan_finding *fi
     return !choice->is_found && finding->error < choice->finding.error;
 }
 
-// The families that serve, by the work of where their walks begin.
+// The families that serve the scene, sorted by the work of the settings at which their walks begin. Returns their
+// number.
 static int sort_families(struct plan_pilot *pilot, size_t families[static FAMILY_LIMIT],
                          double works[static FAMILY_LIMIT])
 {
@@ -205,7 +205,7 @@ static int sort_families(struct plan_pilot *pilot, size_t families[static FAMILY
     return count;
 }
 
-// False when it was stopped.
+// False when the search was stopped.
 static bool choose(struct plan_pilot *pilot, const struct job *job, struct choice *choice)
 {
     size_t families[FAMILY_LIMIT];
@@ -223,7 +223,7 @@ static bool choose(struct plan_pilot *pilot, const struct job *job, struct choic
                                   .is_found = choice->is_found};
         struct plan_finding finding;
 
-        // What begins no cheaper rarely ends so, and where it does gains little.
+        // A family that begins with more work rarely ends with less, and then gains little.
         if (choice->is_found && works[i] >= choice->finding.work) break;
         finding = search(&attempt, job->quality.tolerance, choice->is_found ? choice->finding.work : work_limit);
         if (finding.found == PLAN_GAVE_UP) return false;
@@ -248,8 +248,8 @@ static void describe(struct plan *plan, const struct job *job, const struct choi
     else if (!strchr(choice->tried, ','))
         snprintf(plan->reason, sizeof plan->reason, "%s begins with less work than others end with", name);
     else
-        snprintf(plan->reason, sizeof plan->reason, "%s does the least work for %g of the tolerance, looks a pixel: %s",
-                 name, SHARE, choice->tried);
+        snprintf(plan->reason, sizeof plan->reason,
+                 "%s does the least work for %g of the tolerance, evaluations a pixel: %s", name, SHARE, choice->tried);
 }
 
 static void force(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
@@ -278,7 +278,7 @@ static bool finish(struct plan *plan, const struct plan_params *params, struct p
     return true;
 }
 
-// As the job's frames are many, their work is that of the pilot's rays.
+// The work of each frame is counted by the pilot's rays.
 static void find_work_ratio(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
 {
     const struct plan_scouting *scouting = &plan->scouting;

@@ -10,5 +10,6 @@ struct error;
 struct plan;
 struct plan_params;
 
-// Chooses from errors and counted work, so that every worker chooses the same. On failure `fault` is as the renderer's.
+// Chooses by errors and counted work alone, so that every worker chooses the same plan. On failure `fault` is one of
+// the renderer's.
 bool plan_make(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault, struct error *error);

@@ -18,12 +18,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum {
-    PIXELS = 480 * 270, // of the frame, at most
-    HALVED_RUNGS = 2    // that halve every step
-};
-
-static const double AUDIT_SHARE = 0.05; // of the rendering's time, as frames are audited
+enum { PIXELS = 480 * 270 }; // of the small frame, at most
 
 struct overhead {
     struct plan *plan;
@@ -32,8 +27,8 @@ struct overhead {
     struct job job; // small, as planned; owns nothing
     int32_t frame;
     struct image image;
-    clockid_t clock; // processors' where these render, whose time is shared with rendering
-    double ratio;    // of pixels of the job's frames to those of the small one
+    clockid_t clock; // of processor time where processors render, else of wall time
+    double ratio;    // pixels of the job's frames over those of the small frame
     struct renderer_result result;
     struct error *error;
 };
@@ -43,7 +38,7 @@ static bool render(struct overhead *overhead, const struct job *job, struct imag
     return plan_small_render(overhead->params, job, overhead->frame, image, &overhead->result, overhead->error);
 }
 
-// Each frame is written and read back once, as the gate does it.
+// Times writing the file and reading it back once, as the gate does, scaled to the job's size.
 static bool time_file(struct overhead *overhead, double *seconds)
 {
     struct image_exr_header header = {.pixel = overhead->job.output.pixel,
@@ -62,7 +57,7 @@ static bool time_file(struct overhead *overhead, double *seconds)
     return ok;
 }
 
-// Where pixels are looked at is found over the whole frame; how many are is not for their number to say.
+// Times the audit. Building the map grows with the frame's pixels; the number of measured pixels does not.
 static bool time_audit(struct overhead *overhead, double *seconds)
 {
     const struct plan_view *view = plan_evidence_find(overhead->evidence, overhead->frame);
@@ -74,7 +69,7 @@ static bool time_audit(struct overhead *overhead, double *seconds)
                                   .truth = truth,
                                   .pool = overhead->evidence->pool.samples.count > 0 ? &overhead->evidence->pool : NULL,
                                   .tolerance = overhead->params->job->quality.tolerance,
-                                  .budget_s = AUDIT_SHARE * overhead->plan->predicted_s,
+                                  .budget_s = AUDIT_TIME_SHARE * overhead->plan->predicted_s,
                                   .on_progress = plan_small_on_pixel,
                                   .user = (void *)overhead->params};
     struct audit_map_params map_params = {.image = &overhead->image, .pixel = overhead->job.output.pixel};
@@ -98,7 +93,7 @@ static bool time_audit(struct overhead *overhead, double *seconds)
     return ok;
 }
 
-// Of code of the user's: two small renders.
+// Times the audit by step halving, for the user's GLSL: two small renders.
 static bool time_halving(struct overhead *overhead, double *seconds)
 {
     const struct plan_view *view = plan_evidence_find(overhead->evidence, overhead->frame);
@@ -106,7 +101,7 @@ static bool time_halving(struct overhead *overhead, double *seconds)
     double start_s = clock_read_s(overhead->clock);
     bool ok = true;
 
-    (void)plan_refine(&halved, overhead->params->job, HALVED_RUNGS);
+    (void)plan_refine(&halved, overhead->params->job, PLAN_HALVING_RUNGS);
     for (int i = 0; ok && view && i < 2; i++) {
         struct job job = plan_apply(i == 0 ? overhead->plan : &halved, overhead->params->job);
         struct image image = {0};
@@ -145,12 +140,12 @@ bool plan_overhead_predict(struct plan *plan, const struct plan_params *params, 
     ok = render(&overhead, &overhead.job, &overhead.image) && time_file(&overhead, &plan->predicted_encode_s) &&
          (truth_has_twin(params->job) ? time_audit : time_halving)(&overhead, &plan->predicted_audit_s);
     if (ok) {
-        // A copy has its original's audit.
+        // Frames of a constant scene are copies, which share one audit.
         if (scene_is_constant(&params->job->scene)) plan->predicted_audit_s /= (double)params->segment.count;
         plan->predicted_audit_s /= parallel;
         plan->predicted_encode_s /= parallel;
         plan->predicted_frame_s = plan->predicted_s + plan->predicted_audit_s;
-        // The file of the frame before is made meanwhile: by the same processors, or beside the GPU.
+        // The file of the frame before is written at the same time: by the same processors, or beside the GPU.
         plan->predicted_frame_s = is_software ? plan->predicted_frame_s + plan->predicted_encode_s
                                               : fmax(plan->predicted_frame_s, plan->predicted_encode_s);
     } else {

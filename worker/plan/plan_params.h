@@ -11,9 +11,9 @@ struct job;
 struct plan_evidence;
 
 enum plan_choice {
-    PLAN_CHOICE_CHEAPEST, // that keeps the tolerance
-    PLAN_CHOICE_COARSEST, // for tests: of the same method, whatever the error
-    PLAN_CHOICE_FINEST    // for tests: of the same method, every step an eighth
+    PLAN_CHOICE_CHEAPEST, // the setting with the least work that keeps the tolerance
+    PLAN_CHOICE_COARSEST, // for tests: the same method at its coarsest, whatever the error
+    PLAN_CHOICE_FINEST    // for tests: the same method, every step an eighth as long
 };
 
 struct plan_params {
@@ -21,8 +21,8 @@ struct plan_params {
     const struct job *job;     // borrowed; of method auto
     struct plan_segment segment;
     enum plan_choice choice;
-    bool is_timed;                  // some frames are rendered larger to predict the time: predicted_s
-    struct plan_evidence *evidence; // NULL, or where what was measured of the plan goes; empty before
+    bool is_timed;                  // predicts seconds too, by rendering some frames larger
+    struct plan_evidence *evidence; // NULL, or where to leave the evidence for audits; empty before
     renderer_progress *on_progress; // may be NULL; false stops
     void *user;
 };

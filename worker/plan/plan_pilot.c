@@ -16,24 +16,27 @@
 
 enum {
     PIXELS = 64 * 36, // of a small frame, at most
-    LEVEL_MIN = 2,    // two coarse renders may agree by accident
-    LEVEL_LIMIT = 10
+    LEVEL_MIN = 2,    // halvings at least: two coarse renders may agree by accident
+    LEVEL_LIMIT = 10  // halvings at most
 };
 
-// How near two renders of steps that differ by half are, beside the tolerance: where reference/ has the last word, and else.
+// The change by one more halving, relative to the tolerance, at which a render is fine enough: where reference/
+// corrects the error estimate, and where it cannot. Set by hand; tests/worker/plan/tolerance_random_test and
+// tolerance_promise_test check them.
 static const double AGREEMENT = 0.5, AGREEMENT_ALONE = 0.15;
-// Looks for a finer render, at most, where reference/ says what the finest is off.
+// Evaluations of density that one halving may take where reference/ corrects the error estimate. Set by hand;
+// bench/predictions shows what plans take.
 static const double EVALUATIONS_OF_A_LEVEL = 2e8;
 
 struct plan_pilot {
     const struct plan_params *params; // borrowed
-    struct job job;                   // a small copy, which owns nothing
+    struct job job;                   // a shallow copy, small
     struct plan_scene scene;
     float *depths; // owned
     struct plan_pilot_frame frames[PLAN_PILOT_LIMIT];
     int frame_count;
     bool has_truth;
-    struct job_quality fine_quality; // of the finest render
+    struct job_quality fine_quality; // of the finest renders
     int start_level, render_count;
     double evaluations;
     enum renderer_fault fault;
@@ -57,7 +60,7 @@ static void init_scene(struct plan_pilot *pilot, const struct job *job)
     pilot->has_truth = truth_has_twin(job) && !pilot->scene.has_roughness;
 }
 
-// Faults that another setting does not have end nothing but this one.
+// PLAN_CANNOT for faults of this setting, which another may not have.
 static enum plan_measured render(struct plan_pilot *pilot, const struct job_quality *quality, int32_t frame,
                                  struct image *image)
 {
@@ -73,8 +76,8 @@ static enum plan_measured render(struct plan_pilot *pilot, const struct job_qual
     return result.fault == RENDERER_FAULT_JOB || result.fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
 }
 
-// Of those whose error falls with the square of all steps and cells. Light is looked up where there is some: of n³ looks for
-// a frame there is none that is too fine.
+// The first family that serves the scene and has an error of second order in all its steps and cells. `cached` stands
+// before `midpoint`: n³ evaluations per frame for a light grid are few even where n is large.
 static const struct plan_family *find_finest(const struct plan_pilot *pilot)
 {
     for (size_t i = 0; i < plan_family_count; i++) {
@@ -89,7 +92,7 @@ static const struct plan_family *find_finest(const struct plan_pilot *pilot)
     return NULL;
 }
 
-// All steps alike, and next to nothing left out.
+// All axes halved `level` times, and the thresholds so low that next to nothing is cut.
 static struct job_quality quality_at(const struct plan_pilot *pilot, const struct plan_family *family, int level)
 {
     enum { POINTS_FIRST = 5, GRID_FIRST = 2, GRID_ENOUGH = 8, PATHS = 4 };
@@ -103,7 +106,7 @@ static struct job_quality quality_at(const struct plan_pilot *pilot, const struc
         int last = plan_axis_last_rung(axes[i], &pilot->scene), rung = 2 * level;
 
         if (axes[i] == PLAN_AXIS_POINTS) rung += POINTS_FIRST;
-        // A grid of 128 cells leaves less than what is asked about, unless little is allowed.
+        // 128 cells leave a smaller error than is asked about, unless the tolerance is strict.
         if (axes[i] == PLAN_AXIS_LIGHT_GRID) {
             rung += GRID_FIRST;
             if (!is_strict && rung > GRID_ENOUGH) rung = GRID_ENOUGH;
@@ -123,7 +126,7 @@ static void drop_frame(struct plan_pilot *pilot, int i)
     pilot->frames[pilot->frame_count] = (struct plan_pilot_frame){0};
 }
 
-// Renders all frames into `fine`, what that held going to `before`. Frames without their files are dropped.
+// Renders all frames anew and keeps the renders as their finest. Frames whose files cannot be read are dropped.
 static enum plan_measured render_finer(struct plan_pilot *pilot, const struct job_quality *quality)
 {
     for (int i = 0; i < pilot->frame_count; i++) {
@@ -149,7 +152,7 @@ static double find_change(const struct plan_pilot *pilot)
     return largest;
 }
 
-// The mean transmittance of a pixel's ray; negative where the picture does not say.
+// The mean transmittance of a pixel's rays; negative where the picture has neither transmittance nor alpha.
 static double transmittance_at(const struct plan_pilot *pilot, const struct image *image, size_t i)
 {
     if (image->transmittance)
@@ -178,7 +181,7 @@ static void note_depths(struct plan_pilot *pilot)
     pilot->scene.hit_share = (double)hit_count / ((double)pilot->frame_count * (double)count);
 }
 
-// Of all frames with one quality, made anew.
+// Evaluations of density in one small frame rendered with that quality.
 static double count_evaluations(const struct plan_pilot *pilot, const struct job_quality *quality)
 {
     struct plan_scene scene = pilot->scene;
@@ -187,7 +190,8 @@ static double count_evaluations(const struct plan_pilot *pilot, const struct job
     return plan_family_work(&scene, quality) * scene.pixels;
 }
 
-// Halves the steps until nothing changes. Of second order, what is off is a third of the last change.
+// Halves the steps until the picture hardly changes. The remaining error is a third of the last change, by second
+// order.
 static bool make_fine(struct plan_pilot *pilot)
 {
     const struct plan_family *family = find_finest(pilot);

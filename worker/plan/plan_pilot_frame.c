@@ -11,8 +11,10 @@
 
 #include <math.h>
 
-static const double DARK_SHARE = 0.1;
-static const double ACCURACY_SHARE = 0.05, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2; // of reference/
+static const double DARK_SHARE = 0.1; // of the frame's RMS: darker pixels are measured as if they were so bright
+// The accuracy asked of reference/, relative to the tolerance, and its limits. docs/rendering.md has the table of
+// accuracies and times by which they were chosen.
+static const double ACCURACY_SHARE = 0.05, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2;
 
 bool plan_pilot_frame_init(struct plan_pilot_frame *frame, const struct job *job, int32_t number, struct error *error)
 {
@@ -104,8 +106,8 @@ static const float *seen_at(const struct image *image, struct truth_point point)
     return &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
 }
 
-// The mean of |I - R|^2: that of |I - F|^2 over all pixels, F being the finest render, and what the pixels of known light
-// say of the rest. Of F alone where none is known.
+// The mean of |I - R|^2 for a render I and the light R: the mean of |I - F|^2 over all pixels, F being the finest
+// render, corrected by |I - R|^2 - |I - F|^2 in the pixels where R is known. Uncorrected where none is.
 static double square_error(const struct plan_pilot_frame *frame)
 {
     double near = squared_difference(&frame->seen, &frame->fine), rest = 0.0;
@@ -123,7 +125,7 @@ static double square_error(const struct plan_pilot_frame *frame)
         rest += sum / frame->density[k];
     }
     if (frame->true_count == 0) return near;
-    // A few pixels may say that less is left than nothing.
+    // The correction by a few pixels may be larger than the mean.
     return fmax(near + rest / (double)frame->true_count, 0.1 * near);
 }
 

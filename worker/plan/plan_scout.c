@@ -16,20 +16,22 @@
 
 enum {
     PIXELS = 48 * 27, // of a tiny frame, at most
-    FINER_RUNGS = 1,  // a change of 2^0.5 is cheap, and changes about what is off: structure is met elsewhere
-    COUNT_MIN = 5,    // fewer would tell nothing
-    COUNT_ALONE = 3   // unless nothing else tells what a plan is off
+    FINER_RUNGS = 1, // one rung is cheap, and changes a frame by about its error: docs/rendering.md has the measurement
+    COUNT_MIN = 5,   // fewer scouts are not worth it,
+    COUNT_ALONE = 3  // unless reference/ cannot measure the pilot
 };
 
-// What an error is of that change: within these, by what the pilot's frames say.
+// Limits of the ratio of error to change, which is taken from the pilot's frames. Measured were 0.7 to 1.6:
+// docs/rendering.md.
 static const double SCALE_LEAST = 0.75, SCALE_MOST = 1.25;
-// Of the looks that the segment's frames take; looks at the least.
+// The scouts' work, as a share of the segment's, and the evaluations that they may take in any case. Set by hand;
+// bench/predictions shows what plans take.
 static const double WORK_SHARE = 0.1, EVALUATIONS_MIN = 3e6;
 
 struct scout {
     struct plan *plan;
     const struct plan_params *params;
-    struct job coarser, finer; // tiny, of the plan and refined; own nothing
+    struct job coarser, finer; // tiny, as planned and refined; they own nothing
     struct image coarse, fine;
     struct renderer_result result;
 };
@@ -57,7 +59,7 @@ static double find_change(const struct image *coarse, const struct image *fine)
     return sqrt(light > AUDIT_BLACK * AUDIT_BLACK ? apart / light : apart);
 }
 
-// Of a frame that cannot be rendered nothing is known: its own rendering says why.
+// A frame that cannot be rendered counts as unchanged: its own rendering will say why. False: scouting ends.
 static bool measure_change(struct scout *scout, int32_t frame, double *change, struct error *error)
 {
     const struct plan_params *params = scout->params;
@@ -79,8 +81,8 @@ static double square_mean(const double *values, int first, int last, int by)
     return sqrt(sum / count);
 }
 
-// The pilot's frames are the first, the middle and the last here, too. Where reference/ has not measured them, what the plan is
-// off shows here alone: the pilot's finest render may share it.
+// The pilot's frames are the first, the middle and the last scout. Where reference/ has not measured them, the changes
+// are left as they are: the pilot's finest render may have the plan's error too.
 static void scale_errors(struct plan_scouting *scouting, double pilot_error, const struct job *job)
 {
     double change = square_mean(scouting->error, 0, scouting->count - 1, (scouting->count - 1) / 2);
@@ -101,7 +103,7 @@ static bool is_of_use(const struct plan_params *params)
     return !reads_each && !scene_is_constant(scene) && params->segment.count > 2;
 }
 
-// As many as are worth it.
+// The largest odd number of scouts that the work allows.
 static int count_scouts(const struct plan *plan, const struct plan *finer, const struct plan_params *params,
                         const struct plan_scene *rays)
 {

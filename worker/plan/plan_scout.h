@@ -1,4 +1,4 @@
-// How far off a plan is in frames that it was not made from: many of its segment's frames, tiny and in two steps.
+// Measures a plan's error in frames that it was not made from: many frames of its segment, tiny and in two steps.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,9 +11,10 @@ struct plan;
 struct plan_params;
 struct plan_scene;
 
-// Fills the plan's scouting; its predicted_error is that of the pilot's frames, by which what finer steps change is scaled, and
-// becomes that of all, refined as plan_scouting_find_rungs says. `rays` are the pilot's. Without effect where it would tell nothing,
-// of a scene that stays, or cost too much: where each frame reads files of its own, or next to the frames themselves. On failure
-// `fault` is as the renderer's.
+// Fills the plan's scouting and replaces its predicted_error. Before the call that is the pilot frames' error, by which
+// the measured changes are scaled; afterwards it is the error of all frames of the segment, refined as
+// plan_scouting_find_rungs says. `rays` is the pilot's scene. Does nothing for constant scenes, for jobs of which each
+// frame reads files of its own, and where scouts would cost too much beside the frames themselves. On failure `fault`
+// is one of the renderer's.
 bool plan_scout_measure(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
                         enum renderer_fault *fault, struct error *error);

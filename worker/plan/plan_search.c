@@ -4,16 +4,17 @@
 #include <math.h>
 #include <string.h>
 
-enum { STRIDE = 2 }; // rungs of a refinement
+enum { STRIDE = 2 }; // rungs per refinement
 
-// What is to be had of a refinement, at least, of what it costs: both as logarithms.
+// The least gain of a refinement: the fall of log(error) divided by the rise of log(work). Set by hand;
+// tests/worker/plan/tolerance_random_test and bench/predictions show its effect.
 static const double GAIN_MIN = 0.02;
 
 struct walk {
     const struct plan_search *search;
     struct {
         struct plan_point point;
-        double error; // INFINITY: there is none
+        double error; // INFINITY: it could not be measured
     } seen[PLAN_MEASURE_LIMIT];
     int seen_count;
     bool is_stopped, is_over_limit;
@@ -29,7 +30,7 @@ static double work_of(const struct walk *walk, const struct plan_point *point)
     return walk->search->work(walk->search->user, point);
 }
 
-// INFINITY for what cannot be, is too dear or is one measurement too many.
+// INFINITY for a point that cannot be measured, is over the work limit, or would be one measurement too many.
 static double error_at(struct walk *walk, const struct plan_point *point)
 {
     const struct plan_search *search = walk->search;
@@ -58,7 +59,7 @@ static double error_at(struct walk *walk, const struct plan_point *point)
     return error;
 }
 
-// False when the axis has no such rung.
+// False when the axis has no such rung; a last, shorter step to its finest rung is allowed.
 static bool move(const struct walk *walk, struct plan_point *point, int axis, int by)
 {
     int last = walk->search->last_rung[axis], rung = point->rungs[axis] + by;
@@ -69,7 +70,8 @@ static bool move(const struct walk *walk, struct plan_point *point, int axis, in
     return true;
 }
 
-// Refines the axis that brings most for what it costs; if none brings anything, all of them.
+// Refines the axis with the largest gain; all axes, if none gains enough. False when nothing can be refined or
+// measured.
 static bool refine(struct walk *walk, struct plan_point *point, double *error)
 {
     struct plan_point best = *point, all = *point;
@@ -97,7 +99,7 @@ static bool refine(struct walk *walk, struct plan_point *point, double *error)
     return isfinite(*error);
 }
 
-// Takes the cheapest neighbour that still keeps the target: one axis coarser, perhaps with another finer.
+// Moves to the neighbour with the least work that keeps the target: one axis coarser, or one coarser and another finer.
 static bool coarsen(struct walk *walk, struct plan_point *point, double *error)
 {
     int count = walk->search->axis_count;
@@ -135,7 +137,7 @@ struct plan_finding plan_search_run(const struct plan_search *search)
     struct plan_point point = search->start;
     double error = error_at(&walk, &point);
 
-    // Where the start is out of reach, something coarser may do.
+    // The start may be impossible to measure or over the work limit: coarser points are tried.
     for (int axis = 0; isinf(error) && !walk.is_stopped && axis < 2 * search->axis_count; axis++)
         if (move(&walk, &point, axis % search->axis_count, -STRIDE)) error = error_at(&walk, &point);
     finding.error = error;

@@ -12,12 +12,13 @@ struct error;
 struct image;
 struct plan_params;
 
-// By how much a frame's sides shrink so that it has at most `pixel_limit` pixels; 1 where it has no more.
+// The factor by which a frame's sides shrink so that it has at most `pixel_limit` pixels; at most 1.
 double plan_small_scale(const struct job *job, int pixel_limit);
 // A shallow copy of the job, its sides scaled; never finished.
 struct job plan_small_job(const struct job *job, double scale);
 
-// Renders a frame of such a job. The image is made anew where it does not fit. `result` says the fault, as the renderer's.
+// Renders a frame of such a job. Allocates the image anew if its size or channels differ. On failure `result` has the
+// fault.
 bool plan_small_render(const struct plan_params *params, const struct job *job, int32_t frame, struct image *image,
                        struct renderer_result *result, struct error *error);
 

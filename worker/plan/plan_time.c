@@ -12,22 +12,25 @@
 #include <stdlib.h>
 #include <time.h>
 
-enum { PIXELS = 480 * 270, SMALLER = 2 }; // of the larger renders, at most; a side of the smaller ones is a part
-enum { FRAMES = 5 };                      // of the segment
-// Frames that take less are timed so often, and the median counts.
-enum { REPEATS = 3 };
-static const double LONG_S = 2.0;
+// All set by hand; bench/predictions compares predicted with measured seconds.
+enum {
+    PIXELS = 480 * 270, // of the larger renders, at most
+    SMALLER = 2,        // the smaller renders' sides are this part of the larger ones'
+    FRAMES = 5,         // of the segment that are timed
+    REPEATS = 3         // of each timing, of which the median counts
+};
+static const double LONG_S = 2.0; // a timing that takes longer is not repeated
 
 struct timing {
     const struct plan_params *params;
     const struct plan *plan;
     enum renderer_fault *fault;
     struct error *error;
-    double scale; // of the job's sides
+    double scale; // of the larger renders' sides
     bool by_processor;
-    bool keeps_grids; // from frame to frame
-    double shown;     // of the segment's frames, those that are not copies of the one before
-    double parallel;  // processor seconds a second, when least was between
+    bool keeps_grids; // light grids stay from frame to frame
+    double shown;     // share of the segment's frames that are rendered; the others are copies of the frame before
+    double parallel;  // processor seconds per second, in the least disturbed render
 };
 
 static double pixels_at(const struct timing *timing, double scale)
@@ -48,7 +51,7 @@ static bool render(struct timing *timing, int32_t frame, double scale, struct re
     return ok;
 }
 
-// In software what others do on the machine stretches the time, but hardly the processor's.
+// In software, processor time counts: other programs on the machine hardly change it.
 static bool time_render(struct timing *timing, int32_t frame, double scale, double *seconds)
 {
     double processor_s = clock_read_s(CLOCK_PROCESS_CPUTIME_ID), wall_s = clock_read_s(CLOCK_MONOTONIC);
@@ -62,10 +65,10 @@ static bool time_render(struct timing *timing, int32_t frame, double scale, doub
     return true;
 }
 
-// What a frame takes whatever its size, pixels apart: of a frame that was just rendered its grids are there.
+// The seconds of a frame that do not depend on its number of pixels.
 struct fixed {
-    double frame_s; // each time
-    double grids_s; // once the frame is another
+    double frame_s; // of every render
+    double grids_s; // of filling light grids, which a second render of the same frame finds filled
 };
 
 static bool find_fixed(struct timing *timing, int32_t frame, double first_s, struct fixed *fixed)
@@ -80,7 +83,7 @@ static bool find_fixed(struct timing *timing, int32_t frame, double first_s, str
     return true;
 }
 
-// The mean over the segment by a few of its frames, what lies between them being in between, extrapolated to the job's size.
+// The mean seconds of the segment's frames at the job's size, from a few of its frames by the trapezoidal rule.
 static bool time_frames(struct timing *timing, double *seconds)
 {
     const struct plan_segment *segment = &timing->params->segment;
@@ -104,7 +107,7 @@ static bool time_frames(struct timing *timing, double *seconds)
     return true;
 }
 
-// Links programs, reads files, and looks what a frame has from the one before it.
+// Links programs and reads files, and finds whether frames are copies or keep the light grids of the frame before.
 static bool begin(struct timing *timing)
 {
     const struct plan_segment *segment = &timing->params->segment;

@@ -1,4 +1,4 @@
-// How long a frame of a plan takes: from frames that are rendered in two sizes.
+// Predicts how long a frame of a plan takes, from frames that are rendered in two sizes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,6 +10,6 @@ struct error;
 struct plan;
 struct plan_params;
 
-// Sets predicted_s. On failure `fault` is as the renderer's.
+// Sets predicted_s and, in software, predicted_processor_s. On failure `fault` is one of the renderer's.
 bool plan_time_predict(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
                        struct error *error);

@@ -16,17 +16,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    KEPT_LIMIT = 4,  // plans
-    HALVED_RUNGS = 2 // that halve every step
-};
+enum { KEPT_LIMIT = 4 }; // plans
 
-static const double AUDIT_SHARE = 0.05; // of the time of what is audited
-
-// A segment's plan, and what its frames' audits share.
+// A segment's plan, and the evidence and the reference that the audits of its frames share.
 struct kept_plan {
-    int64_t serial, segment; // of serial 0: none
-    uint64_t used;           // the greater, the more recently
+    int64_t serial, segment; // serial 0: no plan
+    uint64_t used;           // grows with every use of any plan: the smallest is the least recently used
     struct plan plan;
     struct plan_evidence evidence;
     struct truth *truth; // owned; NULL until a frame is audited, or without a twin
@@ -36,7 +31,7 @@ struct tolerance {
     struct renderer *renderer; // borrowed
     struct kept_plan kept[KEPT_LIMIT];
     uint64_t use_count;
-    // Of the frame that the renderer shows, if it was within its tolerance; else of serial 0.
+    // The last frame, of which the renderer may make copies, if it was within its tolerance; else shown_serial is 0.
     int64_t shown_serial;
     struct tolerance_result shown;
 };
@@ -101,15 +96,15 @@ static struct kept_plan *find_or_make_plan(struct tolerance *tolerance, const st
     return oldest;
 }
 
-// What a frame's two renderings share.
+// A frame that is rendered once or twice.
 struct rendering {
     struct tolerance *tolerance;
     const struct tolerance_params *params;
     struct kept_plan *kept;
     struct tolerance_result *result;
     struct error *error;
-    bool is_finer;  // than the segment's plan: it shares no pixels with other frames
-    double seconds; // of renderings so far
+    bool is_finer;  // finer than the segment's plan: its audit shares no samples with other frames
+    double seconds; // of all renderings so far
 };
 
 static bool on_pixel(void *user)
@@ -147,7 +142,7 @@ static bool audit_against_reference(const struct rendering *rendering, const str
                                  .image = params->image,
                                  .pool = is_pooled ? &kept->evidence.pool : NULL,
                                  .tolerance = params->job->quality.tolerance,
-                                 .budget_s = AUDIT_SHARE * rendering->seconds,
+                                 .budget_s = AUDIT_TIME_SHARE * rendering->seconds,
                                  .on_progress = on_pixel,
                                  .user = (void *)params};
 
@@ -156,7 +151,7 @@ static bool audit_against_reference(const struct rendering *rendering, const str
         return false;
     }
     audit.truth = kept->truth;
-    // Views are of the pilot's size, which a frame may be smaller than in one direction.
+    // Views have the pilot's size; a frame may be smaller than that in one direction.
     if (view && view->finer.width_px <= planned->width_px && view->finer.height_px <= planned->height_px) {
         audit.finer = &view->finer;
         audit.coarser = &view->coarser;
@@ -170,8 +165,8 @@ static bool has_promise(const struct scene_density *density)
     return density->kind == SCENE_DENSITY_GLSL && density->glsl.lipschitz > 0.0;
 }
 
-// Another size than the frame's, so that a frame that is equal is not copied after this: for scenes that stay, the plan's
-// own small frames do. Not `is_bounded`: what the user's code promises of empty space is not counted on.
+// Renders the frame small, with one sample. The small size keeps the renderer from copying the next frame from this
+// one. `is_bounded` false: the user's code is evaluated even where its lipschitz promises empty space.
 static bool render_small(const struct rendering *rendering, const struct plan *plan, const struct image *size,
                          bool is_bounded, struct image *image)
 {
@@ -201,7 +196,7 @@ static bool audit_by_steps(const struct rendering *rendering, const struct plan 
     struct plan halved = *plan;
     bool ok = view != NULL;
 
-    (void)plan_refine(&halved, params->job, HALVED_RUNGS);
+    (void)plan_refine(&halved, params->job, PLAN_HALVING_RUNGS);
     if (ok && scene_is_constant(&params->job->scene) && !rendering->is_finer) {
         audit_by_halving(params->job, &view->coarser, &view->finer, &rendering->result->audit);
         rendering->result->audit.is_pooled = true;
@@ -250,7 +245,7 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
     return true;
 }
 
-// NaN is not.
+// False for NaN.
 static bool is_within(const struct rendering *rendering)
 {
     return rendering->result->audit.error <= rendering->params->job->quality.tolerance;
