@@ -9,15 +9,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Pixels that are measured at once, at most; how many times the least number are enough in any case.
-enum { BATCH = 64, RAY_MAX_FACTOR = 16 };
+enum {
+    BATCH = 64,         // pixels that are measured at once, at most
+    RAY_MAX_FACTOR = 16 // the most pixels, relative to the least
+};
 
-// The accuracy asked of the reference beside the tolerance: it is off by a tenth of that at most, see docs/rendering.md. And how
-// dark a pixel is, beside the frame's RMS, whose error is no longer seen.
-static const double REFERENCE_SHARE = 0.5, DARK_SHARE = 0.1;
-// Beside the tolerance: what so accurate a reference is off.
-static const double RESOLUTION_SHARE = 0.05;
-static const double FINEST = 1e-4, COARSEST = 0.05; // accuracies of the reference
+// docs/rendering.md has the table of accuracies and times by which these were chosen.
+static const double REFERENCE_SHARE = 0.5;          // the accuracy asked of the reference, relative to the tolerance,
+static const double FINEST = 1e-4, COARSEST = 0.05; // and its limits
+static const double RESOLUTION_SHARE = 0.05;        // the reference's own error then, relative to the tolerance
+static const double DARK_SHARE = 0.1; // of the frame's RMS: darker pixels are measured as if they were so bright
 
 struct audit {
     const struct audit_params *params;
@@ -34,7 +35,7 @@ void audit_pool_finish(struct audit_pool *pool)
     *pool = (struct audit_pool){0};
 }
 
-// False when it was stopped.
+// Measures the next `count` draws. False when it was stopped.
 static bool measure(struct audit *audit, size_t count)
 {
     const struct audit_params *params = audit->params;
@@ -70,14 +71,14 @@ static struct audit_verdict judge(const struct audit *audit)
                                                    .is_black = audit_map_is_black(&audit->map)});
 }
 
-// More pixels are worth their time only while it is open on which side of the tolerance the frame is.
-static bool is_plain(const struct audit *audit, const struct audit_verdict *verdict)
+// True when it is clear on which side of the tolerance the frame is: then more pixels are not worth their time.
+static bool is_clear(const struct audit *audit, const struct audit_verdict *verdict)
 {
     return verdict->error95 <= audit->params->tolerance || verdict->error > 2.0 * audit->params->tolerance;
 }
 
-// How many more pixels are to be measured; 0: enough. Each time as many as there are, so that there are few looks at the verdict,
-// each of which may be wrong.
+// The number of pixels to measure next; 0: there are enough. It doubles their number each time, because every verdict
+// on the way may be wrong, and so there are few.
 static size_t find_next_count(const struct audit *audit)
 {
     const struct audit_params *params = audit->params;
@@ -93,7 +94,7 @@ static size_t find_next_count(const struct audit *audit)
     if (!verdict.is_pooled && done < least) return least - done;
     spent_s = clock_now_s() - audit->start_s;
     affordable = (params->budget_s - spent_s) / (spent_s / (double)done);
-    if (is_plain(audit, &verdict) || done >= most || affordable < 1.0) return 0;
+    if (is_clear(audit, &verdict) || done >= most || affordable < 1.0) return 0;
     if (affordable < (double)done) return (size_t)affordable;
     return done < most - done ? done : most - done;
 }

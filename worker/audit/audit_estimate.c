@@ -6,9 +6,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double LOG_OF_20 = 2.995732273553991; // of 1 / (1 - 0.95)
-// The light's RMS is not taken for a smaller share of the frame's: then the frame is no picture of it at all.
-static const double LEAST_LIGHT = 0.1;
+// tests/light/audit_coverage_test measures how often the bound holds with these.
+static const double LOG_OF_20 = 2.995732273553991; // log(1 / (1 - 0.95))
+static const double LEAST_LIGHT = 0.1;             // the light's RMS at least, relative to the frame's
+static const double SURE_LIGHT = 0.4;              // the same for error95, relative to the light's estimated RMS
+static const double UNLIKE = 2.0; // standard errors above the pool's mean square that make a frame unlike the pool
 
 void audit_samples_append(struct audit_samples *samples, const struct audit_sample *sample)
 {
@@ -21,11 +23,6 @@ void audit_samples_finish(struct audit_samples *samples)
     free(samples->list);
     *samples = (struct audit_samples){0};
 }
-
-// Of the light's RMS so much is there at least, where errors are too large for the triangle inequality to say more.
-static const double SURE_LIGHT = 0.4;
-// Standard errors.
-static const double UNLIKE = 2.0;
 
 struct moments {
     size_t count;
@@ -55,7 +52,7 @@ static double squares_about(const struct audit_samples *samples, double mean)
     return sum;
 }
 
-// Of one list, or of two together.
+// The moments of one list, or of two together.
 static struct moments find_moments(const struct audit_samples *a, const struct audit_samples *b)
 {
     struct moments moments = {0};
@@ -81,7 +78,7 @@ static double bernstein_bound(const struct moments *moments)
            7.0 * LOG_OF_20 * moments->largest / (3.0 * (count - 1.0));
 }
 
-// How many times the pool's squared error the frame's may be.
+// The factor by which the frame's squared error may exceed the pool's.
 static double growth_over_pool(const struct audit_evidence *evidence)
 {
     double growth = evidence->change / evidence->pool_change;
@@ -89,7 +86,8 @@ static double growth_over_pool(const struct audit_evidence *evidence)
     return evidence->change > 0.0 && evidence->pool_change > 0.0 && growth > 1.0 ? growth * growth : 1.0;
 }
 
-// RMS of the light over that of the frame, whose errors' RMS is `error`: by the triangle inequality from 1 - error to 1 + error.
+// RMS of the light over the RMS of the frame. `error` is the RMS of the frame's errors: by the triangle inequality the
+// ratio is from 1 - error to 1 + error.
 static double light_over_frame(const struct moments *moments, double error)
 {
     double estimate = sqrt(fmax(1.0 - 2.0 * moments->cross + moments->square, 0.0));
@@ -97,7 +95,8 @@ static double light_over_frame(const struct moments *moments, double error)
     return fmin(fmax(estimate, fmax(1.0 - error, LEAST_LIGHT)), 1.0 + error);
 }
 
-// False where the frame's squares have a larger one than the pool's, or a larger mean than so few of the pool's would have.
+// False where a square of the frame is larger than any of the pool's, or their mean is larger than chance would make
+// it.
 static bool is_like_pool(const struct audit_evidence *evidence, const struct moments *own)
 {
     double growth = growth_over_pool(evidence);
@@ -121,7 +120,7 @@ struct audit_verdict audit_estimate(const struct audit_evidence *evidence)
         growth = growth_over_pool(evidence);
     }
     verdict.ray_count = moments.count;
-    // fmax passes over what is not a number.
+    // fmax below would ignore NaN.
     if (!isfinite(moments.square)) {
         verdict.error = verdict.error95 = INFINITY;
         return verdict;

@@ -6,10 +6,12 @@
 
 #include <math.h>
 
-// Errors of kinks and of light that moves between steps follow no order: what was measured was up to 2.6 times the change.
+// Errors at kinks, and by light that moves between steps, follow no order. Measured were errors of up to 2.6 times the
+// change: tests/worker/audit/audit_halving_test.
 static const double SAFETY = 2.25;
 
-// What halving the steps leaves of the error, as a share of what it changes: 1 / (2^order - 1), by Richardson's extrapolation.
+// The error that remains after halving the steps, relative to the change by it: 1 / (2^order - 1), by Richardson's
+// extrapolation.
 static double left_over_change(enum job_method method)
 {
     switch (method) {
@@ -17,9 +19,9 @@ static double left_over_change(enum job_method method)
         return 1.0;
     case JOB_METHOD_JITTERED:
     case JOB_METHOD_TRACKING:
-        return 0.0; // noise: two pictures differ by more than either is off
+        return 0.0; // noise: the difference of two pictures is larger than the error of either
     default:
-        // Of second order, or more; a density's kinks leave no more.
+        // Second order or more; kinks of a density leave no more than that.
         return 1.0 / 3.0;
     }
 }

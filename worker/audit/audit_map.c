@@ -10,10 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Variances: of four standard errors.
+// Four standard errors, as variances.
 static const double NOISE_LIMIT = 16.0;
 
-// Of a map that has them all.
+// The shares of a map that has all strategies. tests/light/audit_coverage_test measures the bounds that they lead to;
+// docs/rendering.md compares them with uniform draws.
 static const double SHARES[AUDIT_STRATEGY_COUNT] = {0.25, 0.15, 0.1, 0.3, 0.2};
 
 static double square_of(const struct audit_map *map, size_t i)
@@ -28,7 +29,8 @@ static double square_of(const struct audit_map *map, size_t i)
     return sum;
 }
 
-// What stands out among pixels so near is an edge neither strategy: a thin line at most, or a mistake.
+// The squared distance of a pixel's values from the range of the four pixels two away. An edge lies within that range,
+// in either direction: a pixel outside it is a thin line or a mistake.
 static double spike_of(const struct audit_map *map, size_t i)
 {
     const struct image *image = map->image;
@@ -79,7 +81,7 @@ static void sum_rows(struct audit_map *map)
     map->mean_square = squares / ((double)width * (double)height);
 }
 
-// Pixels with their centres in block i of `count` blocks begin here.
+// The first pixel whose centre is in block i of `count` blocks.
 static int block_begin(int i, int count, int size_px)
 {
     int64_t twice = 2 * (int64_t)i * size_px - count;
@@ -109,7 +111,7 @@ static double squared_difference(const float *a, const float *b)
     return sum;
 }
 
-// The mean of the frame's pixels in each block, 4 values each as in an image.
+// The mean of the frame's pixels in each block, 4 values each as in an image. Free the result.
 static float *find_block_means(const struct audit_map *map)
 {
     const struct image *image = map->image;
@@ -147,7 +149,7 @@ static bool find_neighbour(const struct audit_map *map, int column, int row, int
     return true;
 }
 
-// By the two renders' difference in a block and, as that is known at one point of it alone, around it.
+// The two renders' difference in a block and, because it is known at only one point of the block, in its neighbours.
 static double weigh_halving(const struct audit_map *map, int column, int row, const float *finer, const float *coarser)
 {
     double weight = 0.0;
@@ -159,7 +161,8 @@ static double weigh_halving(const struct audit_map *map, int column, int row, co
     return weight;
 }
 
-// Edges, which a mean and a point show differently, lie within the range of values around.
+// The squared distance of a block's mean from the range of the finer render around it. A mean and a point differ at
+// edges, but both lie within that range.
 static double weigh_odd(const struct audit_map *map, int column, int row, const float *finer, const float *means)
 {
     const float *mean = &means[4 * ((size_t)row * (size_t)map->columns_count + (size_t)column)];
@@ -225,7 +228,7 @@ static void weigh_renders(struct audit_map *map, const struct audit_map_params *
     }
 }
 
-// Of a strategy's running sums.
+// The last of a strategy's running sums.
 static double whole_of(const struct audit_map *map, enum audit_strategy strategy)
 {
     bool is_of_rows = strategy == AUDIT_STRATEGY_BRIGHT || strategy == AUDIT_STRATEGY_SPIKE;
@@ -241,7 +244,7 @@ static void share_out(struct audit_map *map)
     for (int strategy = 0; strategy < AUDIT_STRATEGY_COUNT; strategy++) {
         double whole = strategy == AUDIT_STRATEGY_UNIFORM ? 1.0 : whole_of(map, (enum audit_strategy)strategy);
 
-        // Nothing is drawn by sums that are 0 or, of a frame that is broken, not finite.
+        // A sum is 0 where there is nothing to draw, and not finite in a broken frame.
         map->share[strategy] = whole > 0.0 && isfinite(whole) ? SHARES[strategy] : 0.0;
         sum += map->share[strategy];
     }
@@ -301,7 +304,8 @@ double audit_map_density(const struct audit_map *map, struct truth_point point)
     return density;
 }
 
-// What is not to be told from what lots leave, in the frame and in the reference, is no error.
+// The squared difference less the noise of random normals in frame and reference; 0 up to four standard errors of that
+// noise.
 static double square_beyond_noise(double apart, const struct truth_pixel *pixel, int c)
 {
     double noise = pixel->variance[c] * (1.0 + pixel->share), square = apart * apart;
@@ -329,7 +333,7 @@ struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_
     return sample;
 }
 
-// Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
+// A random number in [0, 1). Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
 static double draw(uint64_t *state)
 {
     uint64_t z = *state += 0x9e3779b97f4a7c15u;
@@ -349,7 +353,7 @@ static uint64_t seed_of(const struct job *job, int32_t frame)
     return seed;
 }
 
-// The first of `count` running sums that is above `share` of the last one.
+// The index of the first of `count` running sums that is above `share` of the last one.
 static int find_step(const double *sums, int count, double share)
 {
     double wanted = share * sums[count - 1];
@@ -416,8 +420,8 @@ static struct truth_point draw_point(const struct audit_map *map, enum audit_str
     return point;
 }
 
-// The ways follow one another so that any run of draws has their shares nearly: multiples of the golden ratio fill the unit
-// interval evenly.
+// The strategy of draw i. Multiples of the golden ratio fill the unit interval evenly, so any run of draws has nearly
+// the strategies' shares.
 static enum audit_strategy strategy_of(const struct audit_map *map, uint64_t seed, size_t i)
 {
     double whole, at = modf((double)(i + 1) * 0.6180339887498949 + (double)(seed >> 11) * 0x1p-53, &whole);

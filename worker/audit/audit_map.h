@@ -1,4 +1,4 @@
-// Where a frame is looked at when it is audited: each pixel's probability, from the frame itself and two small renders.
+// The probability density by which an audit draws pixels of a frame: from the frame itself and two small renders.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,45 +14,47 @@ struct image;
 
 struct audit_map_params {
     const struct image *image; // the frame; borrowed; outlives the map
-    enum job_pixel pixel;      // as which its values are encoded
-    // Two renders of one size, at most the frame's, that show the frame, or one near it, in finer and coarser steps. Both
-    // NULL: there are none. `is_own`: they show this very frame, so where it differs from the finer one is looked at more.
+    enum job_pixel pixel;      // the encoding of its values
+    // Two renders of one size, no larger than the frame, in finer and coarser steps. Both NULL: there are none.
+    // `is_own`: they show this very frame, else one near it; then draws prefer pixels that differ from the finer one.
     const struct image *finer, *coarser;
     bool is_own;
 };
 
-// Ways to draw a pixel. Each has a share of the draws; what a map lacks is shared out among the others.
+// Strategies by which a pixel is drawn. Each has a share of the draws; the shares of those that a map lacks go to the
+// others.
 enum audit_strategy {
     AUDIT_STRATEGY_UNIFORM,
-    AUDIT_STRATEGY_BRIGHT,  // by the square of the frame's values
-    AUDIT_STRATEGY_SPIKE,   // by how far a pixel is from all values two pixels beside, above and below it, squared
-    AUDIT_STRATEGY_HALVING, // by the squared difference of the two renders
-    AUDIT_STRATEGY_ODD,     // by how far the frame is from all values that the finer render has around a point, squared
+    AUDIT_STRATEGY_BRIGHT,  // in proportion to the square of the frame's values
+    AUDIT_STRATEGY_SPIKE,   // to the squared distance of a pixel's values from the range of the four two pixels away
+    AUDIT_STRATEGY_HALVING, // to the squared difference of the two renders
+    AUDIT_STRATEGY_ODD,     // to the squared distance of a block's mean from the finer render's values around it
     AUDIT_STRATEGY_COUNT
 };
 
 struct audit_map {
     const struct image *image; // borrowed
     enum job_pixel pixel;
-    float brightest;    // of the frame's values
+    float brightest;    // the largest of the frame's values
     double mean_square; // of the frame's values as encoded
-    double change;      // RMS of the two renders' difference, relative to that of the finer one; negative: not known
+    double change;      // RMS of the two renders' difference, relative to the RMS of the finer one; negative: not known
     double share[AUDIT_STRATEGY_COUNT];
-    double *sums
-        [AUDIT_STRATEGY_COUNT]; // owned; running sums: of rows by brightness, of blocks by renders; NULL: no such draws
-    int columns_count, rows_count; // blocks: a block is what a pixel of the small renders shows
+    // Owned; running sums: of rows for BRIGHT and SPIKE, of blocks for HALVING and ODD. NULL for strategies it lacks.
+    double *sums[AUDIT_STRATEGY_COUNT];
+    int columns_count, rows_count; // of blocks: a block has the pixels that one pixel of the small renders shows
 };
 
 void audit_map_init(struct audit_map *map, const struct audit_map_params *params);
 void audit_map_finish(struct audit_map *map); // accepts an empty one
 
-// True when all that is to be seen is below 1e-6: errors are absolute then.
+// True when all values are below AUDIT_BLACK: errors are absolute then.
 bool audit_map_is_black(const struct audit_map *map);
 // The probability that a draw is this pixel, times the number of pixels; at least the share of AUDIT_STRATEGY_UNIFORM.
 double audit_map_density(const struct audit_map *map, struct truth_point point);
-// Draws number `first` to `first` + `count` - 1 of frame `frame` of the job; the same whenever they are asked for, if the map is.
+// Writes draws number `first` to `first` + `count` - 1 of that frame of the job. They depend on the map, the job and
+// the frame alone.
 void audit_map_draw(const struct audit_map *map, const struct job *job, int32_t frame, size_t first, size_t count,
                     struct truth_point *points);
-// What a drawn pixel says, whose true light is `pixel`.
+// The sample of a drawn pixel; `pixel` is the reference's light in it.
 struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_point point,
                                       const struct truth_pixel *pixel);

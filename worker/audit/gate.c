@@ -24,7 +24,7 @@ static bool check_channel(const char *name, bool found, bool expected, struct er
     return false;
 }
 
-// NaN, of a damaged file, is not within the limit.
+// NaN, from a damaged file, is not within the limit.
 static bool check_rays(const struct image_exr_facts *facts, const struct job *job, struct error *error)
 {
     if (!scene_features_of(job, NULL).has_paths) return true;
@@ -54,7 +54,7 @@ bool gate_check_audit(const struct audit_result *audit, double job_tolerance, do
     }
     if (given_tolerance <= 0.0 && (job_tolerance <= 0.0 || audit->tolerance < job_tolerance))
         tolerance = audit->tolerance;
-    // NaN, of a damaged file, is not within a tolerance, nor is it one.
+    // NaN, from a damaged file, is neither a tolerance nor within one.
     if (!(audit->error >= 0.0 && audit->error <= tolerance)) {
         error_set(error, "marchd:error: expected at most %g (tolerance), got %g", tolerance, audit->error);
         return false;
@@ -106,7 +106,7 @@ static bool describe_file(int fd, struct published_file *file, struct error *err
     return hash_file(fd, file->hash, &file->size_bytes, error);
 }
 
-// A file is read without keeping its picture; only one that is refused is worth the memory to say of what.
+// Reads all values and keeps none. Only a file that is refused is read into memory, to say which value is not finite.
 static bool check_values(int fd, int thread_count, struct error *error)
 {
     struct image image = {0};
@@ -126,7 +126,7 @@ bool gate_check(const struct gate_params *params, struct gate_result *result, st
     bool ok;
 
     if (!result) result = &unwanted;
-    // The header first: it is cheap, and a file of another job need not be read whole.
+    // The header comes first: it is cheap, and a file of another job need not be read whole.
     *result = (struct gate_result){0};
     ok = image_exr_read(fd, NULL, &result->facts, 1, error) && check_facts(&result->facts, params, error) &&
          check_values(fd, params->thread_count, error) && describe_file(fd, &result->file, error);

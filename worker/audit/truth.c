@@ -15,19 +15,19 @@
 #include <string.h>
 #include <unistd.h>
 
-// Of rough surfaces, rays that a pixel's samples take together at least, and each sample.
+// Least numbers of rays where there are rough surfaces: of all samples of a pixel together, and of each sample.
 enum { ROUGH_RAYS = 64, ROUGH_RAYS_MIN = 2 };
 enum { THREAD_LIMIT = 64 };
 
 static const double LEAST_THROUGHPUT = 1e-6;
 
 struct truth {
-    struct job job; // the caller's, but for its limits of paths; never finished
+    struct job job; // the caller's with other limits of paths; never finished
     int32_t frame;
     struct truth_files files;
     bool is_ready;
-    bool is_rough;        // some surface is: each sample is traced several times
-    struct still *stills; // owned; one for each of the samples' moments that differ
+    bool is_rough;        // some surface is rough: each sample is traced several times
+    struct still *stills; // owned; one for each moment at which samples are taken
     size_t still_count;   // 1, or as many as samples
 };
 
@@ -38,7 +38,7 @@ bool truth_has_twin(const struct job *job)
     return true;
 }
 
-// At some moment of the frame.
+// True when a surface is rough at some moment of the frame.
 static bool has_rough_surfaces(const struct truth *truth)
 {
     for (size_t i = 0; i < truth->still_count; i++) {
@@ -114,7 +114,7 @@ static uint64_t mix(uint64_t value)
     return value ^ (value >> 33);
 }
 
-// Each ray has random numbers of its own.
+// The seed of a ray's own random numbers.
 static uint64_t seed_of(const struct truth *truth, int x, int y, int sample, int ray)
 {
     uint64_t seed = mix(0x9e3779b97f4a7c15u + pixel_samples_frame_seed(&truth->job, truth->frame));
@@ -141,7 +141,7 @@ struct truth_pixel truth_measure(const struct truth *truth, int x, int y, const 
         const struct still *still = &truth->stills[truth->still_count > 1 ? i : 0];
         struct pixel_point point = pixel_samples_point(&truth->job, truth->frame, x, y, i);
         struct ray ray = camera_pinhole_ray(&still->camera, point.x_px, point.y_px);
-        double mean[3] = {0.0}, squares[3] = {0.0}; // about the mean: Welford, Technometrics 4, 1962
+        double mean[3] = {0.0}, squares[3] = {0.0}; // about the mean; Welford, Technometrics 4, 1962
 
         for (int k = 0; k < rays; k++) {
             struct trace_result traced = trace_ray(still, &ray, seed_of(truth, x, y, i, k), accuracy);
@@ -162,11 +162,11 @@ struct truth_pixel truth_measure(const struct truth *truth, int x, int y, const 
     return pixel;
 }
 
-// What the threads that measure share.
+// Shared by the measuring threads.
 struct measuring {
     const struct truth *truth;
     const struct truth_many *many;
-    atomic_size_t next; // the first place that nobody has taken
+    atomic_size_t next; // the first point that no thread has taken
     atomic_bool is_stopped;
 };
 

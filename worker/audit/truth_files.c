@@ -53,7 +53,7 @@ static int64_t held_bytes(const struct truth_files *files)
     return sum;
 }
 
-// NULL on failure. What it takes is added to `file`.
+// Allocates `count` floats and adds their size to `file`. NULL on failure.
 static float *reserve(const struct truth_files *files, struct truth_file *file, int64_t count, struct error *error)
 {
     int64_t size_bytes = count * (int64_t)sizeof(float);
@@ -129,7 +129,7 @@ static bool load_volume(struct truth_files *files, size_t medium, const struct s
     return ok;
 }
 
-// Voxels of other sides in the same directions, from the same origin.
+// Gives voxels other side lengths; directions and origin stay.
 static void stretch(struct sparse_grid *sparse, const double spacing[static 3])
 {
     double *m = sparse->index_to_world;
@@ -158,7 +158,7 @@ static void unpack_voxels(const struct sparse_grid *sparse, const int size[stati
     }
 }
 
-// Makes the active voxels' box dense, grown by the one voxel over which they fade.
+// Unpacks the box of the active voxels into a dense grid, with a border of one voxel over which they fade.
 static bool unpack(struct truth_files *files, struct truth_file *file, struct still_grid *grid,
                    const struct sparse_grid *sparse, struct error *error)
 {
@@ -215,7 +215,7 @@ static bool load_sparse(struct truth_files *files, size_t m, const struct scene_
     return ok;
 }
 
-// True when what is held is of `path` as it is now; then the path is freed.
+// True when `file` holds the present contents of `path`; then frees the path.
 static bool is_held(const struct truth_file *file, char *path)
 {
     struct file_version version;
