@@ -17,14 +17,14 @@ enum audit_kind {
 
 struct audit_result {
     enum audit_kind kind;
-    bool is_pooled;   // over frames of the segment, not this one alone
+    bool is_pooled;   // measured over several frames of the segment
     double error;     // relative RMSE of the values as encoded; absolute where all light is below 1e-6
-    double error95;   // that is below this, with a confidence of 95 %
+    double error95;   // upper bound of `error`, with a confidence of 95 %
     int ray_count;    // pixels that were measured
     double tolerance; // what the job allows
-    double seconds;   // that it took
-    // Of a frame with rough surfaces: the standard error of its values by lot, relative as `error` is, which leaves out all that is
-    // within four times that in a pixel.
+    double seconds;   // the time that the audit took
+    // For a frame with rough surfaces, the standard error of its randomly sampled values, relative as `error` is.
+    // `error` leaves out differences within four times that in a pixel.
     double sampling_error;
 };
 

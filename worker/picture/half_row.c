@@ -14,7 +14,7 @@ static void convert(uint16_t *halves, const float *values, size_t count)
 #ifdef __x86_64__
 #include <immintrin.h>
 
-// Compilers differ on whether they know F16C by name; no processor has AVX2 without it.
+// Not all compilers know F16C by name. Every processor with AVX2 has it.
 static bool has_conversion(void)
 {
     return __builtin_cpu_supports("avx2");

@@ -1,4 +1,4 @@
-// Floats as halves, many at once: rounded to the nearest, ties to even; what is too large becomes infinite.
+// Converts rows of floats to halves, rounded to the nearest, ties to even. Values that are too large become infinite.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

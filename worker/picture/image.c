@@ -63,8 +63,8 @@ static bool is_within(float value, float largest)
     return fabsf(value) <= largest; // false for NaN
 }
 
-// No early exit, and sizes compared as integers, so that it vectorizes: those of floats are in the order of their bits, with
-// infinity and NaN on top.
+// Has no early exit and compares magnitudes as integers, so that it vectorizes. The bits of positive floats are in the
+// order of their values; infinity and NaN are the largest.
 static bool row_is_within(const float *row, size_t count, float largest)
 {
     int32_t worst = 0, limit;
@@ -82,15 +82,15 @@ static bool row_is_within(const float *row, size_t count, float largest)
 
 struct plane {
     const float *values;
-    size_t components; // a pixel
-    size_t used;       // of them
+    size_t components; // values a pixel
+    size_t used;       // of the components
     const char *names[4];
     bool half;
 };
 
 struct faults {
     int64_t nan_count, infinite_count, large_count;
-    // The first of them:
+    // The first fault.
     const char *channel; // NULL: there is none
     size_t x, y;
     float value;
@@ -118,7 +118,7 @@ static void count_plane(struct faults *faults, const struct plane *plane, size_t
     for (size_t y = 0; y < height; y++) {
         const float *row = plane->values + y * width * plane->components;
 
-        // A value that belongs to no channel only makes the row be looked at again.
+        // A value that belongs to no channel only causes a second check of the row.
         if (row_is_within(row, width * plane->components, largest)) continue;
         for (size_t i = 0; i < width * plane->components; i++) {
             size_t component = i % plane->components;

@@ -1,4 +1,4 @@
-// A rendered frame in memory: linear float pixels, first row on top.
+// A rendered frame in memory: linear float pixels, top row first.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,10 +20,10 @@ struct image {
 
 bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
                 struct error *error); // contents undefined
-// Of the size and channels of the job's frames.
+// Makes an image with the size and channels of the job's frames.
 bool image_init_for_job(struct image *image, const struct job *job, struct error *error);
 void image_finish(struct image *image);
 bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance);
-// True if no value is NaN, infinite or, if `half`, over 65504 in size (depth apart: it is never written as half). Else
-// `error` says how many there are of each and names the first with channel and pixel.
+// Returns true if no value is NaN, infinite or, with `half`, over 65504 in magnitude (except depth, which is never
+// written as half). Else `error` has the number of each and names the first by channel and pixel.
 bool image_is_finite(const struct image *image, bool half, struct error *error);

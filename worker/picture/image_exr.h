@@ -1,4 +1,4 @@
-// EXR files: written and read back by several threads, a chunk each. OpenEXRCore lives here alone.
+// Writes and reads EXR files, with several threads that each take a chunk. Only image_exr*.c includes OpenEXRCore.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,17 +11,17 @@
 struct error;
 struct image;
 
-enum { IMAGE_EXR_PLAN_SIZE = 320 }; // of the text that says why a frame was rendered as it was
+enum { IMAGE_EXR_PLAN_SIZE = 320 }; // bytes of the text that says how a frame's method was chosen
 
-// Of a scene whose rays are reflected or refracted; see struct ray_counts.
+// Rays of a scene with reflection or refraction; see struct ray_counts.
 struct image_exr_rays {
     bool is_known;
-    double rays_per_pixel, cut_rays; // a pixel and sample
+    double rays_per_pixel, cut_rays; // per pixel and sample
     double cut_share;                // of the light
-    double cut_tolerance;            // the largest share that the job allowed
+    double cut_tolerance;            // the largest share that the job allows
 };
 
-// What the header says beside the pixels. Strings are borrowed for the call.
+// The contents of the header beside the pixels. Strings are borrowed for the call.
 struct image_exr_header {
     enum job_pixel pixel;
     enum job_compression compression;
@@ -30,52 +30,54 @@ struct image_exr_header {
     double world_to_ndc[16];
     const char *owner;
     int64_t job_id;
-    const char *job_hash;      // the picture's: of the job and of what the frame's files hold
-    const char *sequence_hash; // the job's alone: the same in all files of a sequence
+    const char *job_hash;      // the hash of the job and of what the frame's files hold
+    const char *sequence_hash; // the hash of the job alone, the same in all files of a sequence
     int32_t frame;
     int attempt;
-    const char *method; // that rendered it
+    const char *method; // that rendered the frame
     double step;
     const char *backend, *renderer;
     const char *shader_hash;
     double render_seconds;
     struct image_exr_rays rays;
-    struct audit_result audit; // AUDIT_NONE: nothing of it is written
-    double sampling_error;     // relative RMSE that its number of samples leaves; 0: not measured
-    const char *plan;          // why it was rendered as it was; NULL or empty: the job said how
-    int64_t captured;          // unix seconds
+    struct audit_result audit; // AUDIT_NONE: not written
+    double sampling_error;     // relative RMSE due to the number of samples; 0: not measured
+    const char *plan;          // how the method was chosen; NULL or empty: the job states it
+    int64_t captured;          // Unix time, s
 };
 
 // Writes the image to `fd` (empty, open for reading and writing) with `thread_count` compressing threads, and syncs it.
-// The bytes do not depend on `thread_count`. On failure errno is what the file system said, or 0 when it is not to blame.
+// The bytes do not depend on `thread_count`. On failure errno is the file system's error, or 0 when the cause is
+// another.
 bool image_exr_write(int fd, const struct image *image, const struct image_exr_header *header, int thread_count,
                      struct error *error);
 
-// A colour's value as a file of such pixels holds it.
+// Returns a colour's value as a file with such pixels stores it.
 float image_exr_stored(float value, enum job_pixel pixel);
 
-// What was read; the strings live in the struct.
+// The header that was read; the struct has its strings.
 struct image_exr_facts {
     enum job_compression compression;
     enum job_pixel pixel;
     bool has_alpha, has_depth, has_transmittance;
     int width_px, height_px;
     char job_hash[64];      // marchd:jobHash, empty when absent
-    char sequence_hash[64]; // marchd:sequenceHash, likewise
+    char sequence_hash[64]; // marchd:sequenceHash, empty when absent
     int64_t job_id;
     int32_t frame;
     double render_seconds;
-    struct image_exr_rays rays; // is_known: the file has a share
-    // Of a kind: the file has an error and says with what it was compared. What it lacks beside is NaN.
+    struct image_exr_rays rays; // is_known: the file has a cut share
+    // A kind other than AUDIT_NONE: the file has an error and names what it was compared with. Other numbers that it
+    // lacks are NaN.
     struct audit_result audit;
-    double sampling_error; // 0: none is there
+    double sampling_error; // 0: absent
     char method[32];
     double step;
     char plan[IMAGE_EXR_PLAN_SIZE];
 };
 
-// Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image` may
-// be NULL to read the header only; on failure it is empty. `facts` may be NULL.
+// Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image`
+// may be NULL to read the header only; on failure it is empty. `facts` may be NULL.
 bool image_exr_read(int fd, struct image *image, struct image_exr_facts *facts, int thread_count, struct error *error);
-// Reads all pixels of such a file and keeps none: whether every value of every channel is finite.
+// Reads all pixels of such a file, keeps none, and finds whether every value of every channel is finite.
 bool image_exr_scan(int fd, bool *is_finite, int thread_count, struct error *error);

@@ -1,4 +1,4 @@
-// What an EXR file's own attributes (marchd:...) say of it.
+// The attributes marchd:... of an EXR file.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,5 +6,6 @@
 
 struct image_exr_facts;
 
-// Sets what they say of the frame, not what the file's shape says; absent ones leave the zero value, or NaN as there.
+// Sets the fields that attributes have, not size and channels. Absent ones leave zero, or NaN where image_exr.h says
+// so.
 void image_exr_attributes_read(exr_context_t context, struct image_exr_facts *facts);

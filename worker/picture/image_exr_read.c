@@ -19,7 +19,7 @@
 
 enum {
     THREAD_LIMIT = 64,
-    FILE_CHANNEL_LIMIT = 256 // more than any renderer writes; a corrupt header could ask for gigabytes a chunk
+    FILE_CHANNEL_LIMIT = 256 // more than any renderer writes; a damaged header could ask for gigabytes
 };
 
 struct reader {
@@ -29,12 +29,12 @@ struct reader {
     int lines_per_chunk, line_count;
     uint64_t chunk_bytes; // unpacked, at most
 
-    pthread_mutex_t lock; // guards what follows
-    char message[256];    // the library's first complaint
+    pthread_mutex_t lock; // guards all that follows
+    char message[256];    // the library's first error
     int next_line;
-    bool is_spoilt; // a value is not finite, of those that are not kept
+    bool is_spoilt; // a value that is not kept is not finite
     bool failed;
-    struct error error; // of the first chunk that failed
+    struct error error; // the error of the first chunk that failed
 };
 
 static int64_t on_read(exr_const_context_t context, void *user, void *bytes, uint64_t size, uint64_t offset,
@@ -62,7 +62,7 @@ static int64_t on_query_size(exr_const_context_t context, void *user)
     return fstat(reader->fd, &status) < 0 ? -1 : (int64_t)status.st_size;
 }
 
-// The first message names the cause, those after it only who passed it on.
+// The first message names the cause; later ones only repeat that a call failed.
 static void on_library_error(exr_const_context_t context, exr_result_t code, const char *message)
 {
     void *user = NULL;
@@ -187,7 +187,7 @@ static bool read_header(struct reader *reader, struct image_exr_facts *facts, st
     return true;
 }
 
-// Where a channel's values go, NULL when nobody wants them.
+// Returns the destination of a channel's values; NULL when they are not kept.
 static float *find_plane(const struct image *image, const char *name, size_t *stride)
 {
     static const char *const rgba[] = {"R", "G", "B", "A"};
@@ -220,17 +220,17 @@ static void unpack_values(float *values, size_t stride, const char *packed, size
     }
 }
 
-// What a thread reads chunks with.
+// The state of one thread that reads chunks.
 struct decoder {
     exr_decode_pipeline_t pipeline;
     struct reader *reader;
-    const struct image *image;                           // NULL: values are looked at and not kept
+    const struct image *image;                           // NULL: values are checked and not kept
     struct image_exr_zip *zip;                           // owned; NULL until something is unpacked
     exr_result_t (*decompress)(exr_decode_pipeline_t *); // the library's
-    bool is_spoilt;                                      // a value that is not finite was there
+    bool is_spoilt;                                      // a value was not finite
 };
 
-// A chunk that would not become smaller is stored as it is: that is the library's to find.
+// A chunk that compression does not make smaller is stored as it is; the library finds such chunks.
 static exr_result_t on_decompress(exr_decode_pipeline_t *pipeline)
 {
     struct decoder *decoder = pipeline->decoding_user_data;
@@ -252,7 +252,7 @@ static exr_result_t on_decompress(exr_decode_pipeline_t *pipeline)
     return EXR_ERR_CORRUPT_CHUNK;
 }
 
-// No early exit, so that it vectorizes. Integers are numbers all.
+// Has no early exit, so that it vectorizes. Integers are always finite.
 static bool has_spoilt(const char *packed, size_t count, uint16_t type)
 {
     uint32_t worst = 0;
@@ -326,7 +326,7 @@ static exr_result_t read_chunk(struct decoder *decoder, int y)
     exr_result_t result = exr_read_scanline_chunk_info(reader->context, 0, y, &chunk);
 
     if (result) return result;
-    // An uncompressed chunk is used as it was read, so it must have all its bytes.
+    // An uncompressed chunk is used as it was read, so all its bytes must be there.
     if (chunk.compression == EXR_COMPRESSION_NONE && chunk.packed_size != chunk.unpacked_size)
         return EXR_ERR_CORRUPT_CHUNK;
     if (pipeline->context) {
@@ -375,7 +375,7 @@ static void *read_chunks(void *user)
     return NULL;
 }
 
-// `image` as struct decoder has it.
+// `image` is that of struct decoder.
 static void read_all_chunks(struct reader *reader, const struct image *image, int thread_count)
 {
     struct chunk_task task = {reader, image};

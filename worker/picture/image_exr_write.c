@@ -40,11 +40,11 @@ struct writer {
     bool is_zip;
     int lines_per_chunk, chunk_count;
 
-    pthread_mutex_t lock; // guards what follows, and the library's writing calls
-    pthread_cond_t turn;
+    pthread_mutex_t lock; // guards all that follows, and the library's calls that write
+    pthread_cond_t written;
     int next_taken, next_written;
     bool failed;
-    int errnum; // of the first write that failed
+    int errnum; // errno of the first write that failed
     struct error error;
 };
 
@@ -67,7 +67,7 @@ static int64_t on_write(exr_const_context_t context, void *user, const void *byt
     return (int64_t)done;
 }
 
-// Without it the library prints to standard error; what it says beside the code is of no use while writing.
+// Without this callback the library prints to standard error. While writing, its code says enough.
 static void on_library_error(exr_const_context_t context, exr_result_t code, const char *message)
 {
 }
@@ -212,13 +212,13 @@ static exr_result_t write_header(struct writer *writer, const struct image_exr_h
     return result;
 }
 
-// What a thread packs chunks with.
+// The state of one thread that packs chunks.
 struct packer {
     exr_encode_pipeline_t pipeline;
-    struct image_exr_zip *zip; // owned; NULL: the library compresses, if anyone does
-    char *lines;               // owned; of the chunk, as they are before they are compressed
+    struct image_exr_zip *zip; // owned; NULL: the library compresses, or nothing does
+    char *lines;               // owned; the chunk before compression
     uint16_t *halves;          // owned; a line's pixels
-    const void *bytes;         // of the chunk, as the file will have it; borrowed from the packer
+    const void *bytes;         // the chunk as the file stores it; borrowed from the packer
     uint64_t size_bytes;
 };
 
@@ -234,8 +234,8 @@ static void take_floats(char *to, const float *pixels, size_t count, size_t stri
         memcpy(to + x * sizeof(float), pixels + x * stride, sizeof(float));
 }
 
-// A chunk is stored line by line, in a line channel by channel. Channels that share their pixels follow one another: these
-// become halves once.
+// A chunk is stored line by line, and a line channel by channel. Channels of the same pixels are neighbours, so their
+// pixels are converted to halves once.
 static void pack_lines(const struct writer *writer, uint16_t *halves, size_t first_line, size_t line_count,
                        char *packed)
 {
@@ -277,7 +277,8 @@ static exr_result_t compress_zip(const struct writer *writer, struct packer *pac
     return EXR_ERR_SUCCESS;
 }
 
-// A reader takes a chunk of the packed size for an uncompressed one, but the library compresses even then.
+// Readers take a chunk with the size of its raw pixels for an uncompressed one, so a chunk that
+// compression does not make smaller is stored raw.
 static exr_result_t compress(const struct writer *writer, struct packer *packer)
 {
     exr_encode_pipeline_t *pipeline = &packer->pipeline;
@@ -346,15 +347,15 @@ static void *write_chunks(void *user)
         result = encode_chunk(writer, &packer, y);
         pthread_mutex_lock(&writer->lock);
         while (!writer->failed && writer->next_written < index)
-            pthread_cond_wait(&writer->turn, &writer->lock);
+            pthread_cond_wait(&writer->written, &writer->lock);
         if (writer->failed) break;
         if (!result) result = exr_write_scanline_chunk(writer->context, 0, y, packer.bytes, packer.size_bytes);
         if (result) fail_chunk(writer, result, y);
         writer->next_written++;
-        pthread_cond_broadcast(&writer->turn);
+        pthread_cond_broadcast(&writer->written);
     }
     pthread_mutex_unlock(&writer->lock);
-    packer.pipeline.packed_buffer = NULL; // ours
+    packer.pipeline.packed_buffer = NULL; // owned by us
     if (packer.pipeline.context) exr_encoding_destroy(writer->context, &packer.pipeline);
     image_exr_zip_destroy(packer.zip);
     free(packer.lines);
@@ -362,7 +363,7 @@ static void *write_chunks(void *user)
     return NULL;
 }
 
-// Threads are made for each file: that costs some ten microseconds, and nothing waits while nothing is written.
+// Threads are made for each file, which costs about ten microseconds, so none is idle between files.
 static void write_all_chunks(struct writer *writer, int thread_count)
 {
     pthread_t threads[THREAD_LIMIT];
@@ -386,7 +387,7 @@ static bool write_file(struct writer *writer, const struct image_exr_header *hea
     initializer.error_handler_fn = on_library_error;
     initializer.user_data = writer;
     initializer.write_fn = on_write;
-    // The name is of no use with a write_fn, but the library wants one.
+    // With a write_fn the name is not used, but the library requires one.
     result = exr_start_write(&writer->context, "frame.exr", EXR_WRITE_FILE_DIRECTLY, &initializer);
     if (!result) result = write_header(writer, header);
     if (result) {
@@ -416,13 +417,13 @@ bool image_exr_write(int fd, const struct image *image, const struct image_exr_h
     bool ok;
 
     pthread_mutex_init(&writer.lock, NULL);
-    pthread_cond_init(&writer.turn, NULL);
+    pthread_cond_init(&writer.written, NULL);
     writer.is_zip = header->compression == JOB_COMPRESSION_ZIP || header->compression == JOB_COMPRESSION_ZIPS;
     add_channels(&writer, image, header->pixel);
     ok = write_file(&writer, header, thread_count, error);
-    // Finishing writes nothing: the table of chunks went out with the last chunk.
+    // Finishing writes nothing, because the table of chunks was written with the last chunk.
     exr_finish(&writer.context);
-    pthread_cond_destroy(&writer.turn);
+    pthread_cond_destroy(&writer.written);
     pthread_mutex_destroy(&writer.lock);
     errno = ok ? 0 : writer.errnum;
     return ok;

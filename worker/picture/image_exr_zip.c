@@ -8,7 +8,7 @@
 #include <emmintrin.h>
 #endif
 
-// Of libdeflate: what is above takes longer than it saves bytes (bench/exr_bench).
+// The level of libdeflate; higher ones cost more time than the bytes they save are worth (bench/exr_bench).
 enum { LEVEL = 1 };
 
 struct image_exr_zip {
@@ -41,7 +41,7 @@ void image_exr_zip_destroy(struct image_exr_zip *zip)
     free(zip);
 }
 
-// All bytes of even index, then all of odd index: a half's two bytes part, and like comes to like.
+// Copies all bytes of even index, then all of odd index, which puts the high bytes of halves next to each other.
 static void part_bytes(uint8_t *restrict to, const uint8_t *restrict from, size_t count)
 {
     uint8_t *odd = to + count / 2;
@@ -62,7 +62,7 @@ static void join_bytes(uint8_t *restrict to, const uint8_t *restrict from, size_
     }
 }
 
-// Each byte but the first as its difference to the one before, 128 for none.
+// Replaces each byte but the first by its difference to the byte before plus 128.
 static void take_differences(uint8_t *restrict to, const uint8_t *restrict from, size_t count)
 {
     to[0] = from[0];
@@ -70,10 +70,10 @@ static void take_differences(uint8_t *restrict to, const uint8_t *restrict from,
         to[i] = (uint8_t)(from[i] - from[i - 1] + 128);
 }
 
-// Undoes it in place.
+// Undoes the differences in place.
 static void add_differences(uint8_t *bytes, size_t count)
 {
-    uint8_t before = 128; // so that the first one stays
+    uint8_t before = 128; // leaves the first byte as it is
     size_t i = 0;
 
 #ifdef __SSE2__

@@ -14,16 +14,16 @@
 #include <string.h>
 #include <unistd.h>
 
-// All that is changed between setjmp and longjmp lies here.
+// All that changes between setjmp and longjmp is in this struct.
 struct reader {
     int fd;
     off_t offset;
     png_structp png;
     png_infop info;
-    char message[128]; // why the library gave up
+    char message[128]; // the library's error
     int width_px, height_px, bits, channels;
     bool has_palette;
-    unsigned char *raw; // owned; the file's own values, 16-bit ones with the high byte first
+    unsigned char *raw; // owned; the stored values, 16-bit ones with the high byte first
     size_t row_bytes;
     png_bytep *rows; // owned; into `raw`
     png_colorp palette;
@@ -59,7 +59,7 @@ static void on_read(png_structp png, png_bytep bytes, size_t size)
     }
 }
 
-// Before the library makes room for a row.
+// Checks the size before the library allocates a row.
 static void check_size(struct reader *reader)
 {
     png_uint_32 width = png_get_image_width(reader->png, reader->info);
@@ -115,8 +115,8 @@ static bool open_file(struct reader *reader, struct error *error)
         return false;
     }
     png_set_read_fn(reader->png, reader, on_read);
-    png_set_user_limits(reader->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); // for a message of our own
-    // Texts and profiles are not used: unpacked and kept they could take gigabytes.
+    png_set_user_limits(reader->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); // so that the message is ours
+    // Texts and profiles are not used, and unpacked they could take gigabytes.
     png_set_keep_unknown_chunks(reader->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
     return run(reader, read_header, error);
 }
@@ -136,7 +136,7 @@ static bool read_raw(struct reader *reader, struct error *error)
     return run(reader, read_rows, error);
 }
 
-// Linear light of each stored value, owned by the caller; NULL: no memory.
+// Makes the table of linear light by stored value. The caller owns it; NULL: no memory.
 static float *make_table(int bits, bool is_linear)
 {
     size_t count = (size_t)1 << bits;
@@ -175,7 +175,7 @@ static void convert(const struct reader *reader, const float *table, struct imag
 {
     size_t width = (size_t)reader->width_px, count = width * (size_t)reader->height_px;
     size_t bytes = reader->bits == 16 ? 2 : 1, stride = bytes * (size_t)reader->channels;
-    size_t step = reader->channels >= 3 ? bytes : 0; // of grey all three are the first
+    size_t step = reader->channels >= 3 ? bytes : 0; // 0 for grey: all three are its one value
 
     for (size_t i = 0; i < count; i++) {
         const unsigned char *values = reader->rows[i / width] + i % width * stride;
@@ -192,7 +192,7 @@ static void convert(const struct reader *reader, const float *table, struct imag
 
 static bool read_pixels(struct reader *reader, bool is_linear, struct image *image, struct error *error)
 {
-    float *table = make_table(reader->has_palette ? 8 : reader->bits, is_linear); // colours of a palette have 8 bits
+    float *table = make_table(reader->has_palette ? 8 : reader->bits, is_linear); // a palette's colours have 8 bits
     bool ok = false;
 
     if (!table) {

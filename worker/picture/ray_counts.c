@@ -54,7 +54,7 @@ void ray_counts_find_share(struct ray_counts *counts, const struct image *image)
     counts->cut_share = share > 1.0 ? 1.0 : share; // NaN stays
 }
 
-// Which of the two limits has to give way: a part that is too large by itself, else the larger one.
+// Names the limit to relax: the one whose part is too large by itself, else the one with the larger part.
 static const char *remedy(double by_depth, double by_throughput, double max_cut)
 {
     if (by_depth > max_cut && by_throughput > max_cut) return "a larger max_depth and a smaller min_throughput";

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Linear light of a stored value; both in [0, 1].
+// Returns the linear light of a stored value; both in [0, 1].
 double srgb_decode(double value);
-// What a byte of a picture is for linear light; NaN is black.
+// Returns the byte that stores linear light; NaN is black.
 unsigned char srgb_encode_byte(float linear);

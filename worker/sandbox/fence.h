@@ -1,4 +1,4 @@
-// What a worker that serves one job may reach, as the message worker.fence has it.
+// The files that a worker for one job may access, from the message worker.fence.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 struct error;
 struct message;
 
-// As struct job_input of core/job/input_roots.h.
+// The fields are those of struct job_input in core/job/input_roots.h.
 struct fence_input {
     char *place, *root, *folder, *path; // owned
 };
@@ -20,9 +20,9 @@ struct fence {
     struct fence_input *inputs; // owned
     size_t input_count, input_capacity;
     char *output_root;       // owned; absolute
-    char *output_folder;     // owned; relative to it, "" for the root itself
-    struct path_list closed; // places of the daemon's, which may not be inside a folder that is opened
-    bool has_converter;      // nanovdb_convert is run
+    char *output_folder;     // owned; relative to the root, "" for the root itself
+    struct path_list closed; // the daemon's own paths, which no opened folder may contain
+    bool has_converter;      // the job runs nanovdb_convert
 };
 
 bool fence_read(struct fence *fence, const struct message *message, struct error *error);

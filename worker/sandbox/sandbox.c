@@ -26,7 +26,7 @@ void sandbox_limit(int64_t memory_bytes)
     int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
 
     (void)setrlimit(RLIMIT_CORE, &no_core);
-    // A sanitizer's shadow memory counts, and is some terabytes.
+    // The limit counts a sanitizer's shadow memory, which is some terabytes.
     if (memory_bytes > 0 && !IS_SANITIZED) {
         const struct rlimit memory = {(rlim_t)memory_bytes, (rlim_t)memory_bytes};
 
@@ -43,7 +43,7 @@ void sandbox_close_files(int channel_fd)
     (void)close_range((unsigned)channel_fd + 1, ~0U, 0);
 }
 
-// A daemon that root runs has its workers read and write what root may, and nothing more of a root's powers.
+// Workers of a daemon that root runs keep root's access to files and lose all other capabilities.
 static bool drop_capabilities(struct error *error)
 {
     struct __user_cap_header_struct header = {.version = _LINUX_CAPABILITY_VERSION_3};
@@ -55,7 +55,8 @@ static bool drop_capabilities(struct error *error)
     kept[0].permitted = held[0].permitted & wanted;
     kept[0].effective = held[0].effective & wanted;
     for (int capability = 0; capability < 64; capability++)
-        if (prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) < 0) break; // there are no more, or it is no root's process
+        if (prctl(PR_CAPBSET_DROP, capability, 0, 0, 0) < 0)
+            break; // no capability is left, or the process is not root's
     if (syscall(SYS_capset, &header, kept) == 0) return true;
 fail:
     error_set_errno(error, errno, "cannot drop capabilities");

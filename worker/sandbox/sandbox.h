@@ -1,4 +1,4 @@
-// The worker's sandbox: what a stranger's job could make of this process reaches its own files and nothing else.
+// The worker's sandbox. A process that a stranger's job has taken over reaches that job's files and nothing else.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,29 +10,30 @@ struct fence;
 
 enum { SANDBOX_TEXT_SIZE = 64 };
 
-// Of every worker: no core files, the kernel takes it rather than the daemon when memory is short, and it may allocate
-// `memory_bytes` (0: any amount).
+// Limits any worker: it writes no core files, it may allocate `memory_bytes` (0: any amount), and when memory is short
+// the kernel ends it before the daemon.
 void sandbox_limit(int64_t memory_bytes);
 
-// What whoever started us left open, by mistake, beside `channel_fd`.
+// Closes descriptors that the parent left open by mistake; standard ones and `channel_fd` stay.
 void sandbox_close_files(int channel_fd);
 
 enum sandbox_fault {
-    SANDBOX_FAULT_WORKER, // the kernel does not do it
-    SANDBOX_FAULT_JOB,    // its input cannot be opened, or leads out of its root
-    SANDBOX_FAULT_OUTPUT  // likewise its output folder
+    SANDBOX_FAULT_WORKER, // the kernel lacks what is needed
+    SANDBOX_FAULT_JOB,    // an input cannot be opened, or leads out of its root
+    SANDBOX_FAULT_OUTPUT  // the output folder cannot be opened, or leads out of its root
 };
 
 struct sandbox_job {
-    const struct fence *fence; // borrowed for the call, as all of this
-    const char *shader_folder; // NULL: none is read
+    const struct fence *fence; // borrowed for the call
+    const char *shader_folder; // borrowed for the call; NULL: none is read
 };
 
-// Of a worker that serves one job; before there are threads. From here on it opens the job's inputs, its output folder and
-// what drivers need, makes no sockets and reaches no process. `holds` receives what of that the kernel sees to.
+// Confines a worker for one job, before it has threads. Afterwards it can open the job's inputs, its output folder and
+// what drivers need, makes no sockets and reaches no other process. `holds` receives the names of what the kernel
+// enforces.
 bool sandbox_enter_job(const struct sandbox_job *job, char holds[static SANDBOX_TEXT_SIZE], enum sandbox_fault *fault,
                        struct error *error);
 
-// Of a worker that serves anybody, or its own user: all files stay open to it. On any thread, for all of them; after GL is
-// there, for a driver may run a program that makes its devices.
+// Confines a worker for any job, or for its own user, to a list of system calls; all files stay accessible. Holds for
+// all threads, whichever calls it. GL is loaded before, because a driver may run a program that makes its devices.
 bool sandbox_enter(char holds[static SANDBOX_TEXT_SIZE], struct error *error);

@@ -20,16 +20,16 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-// Where the descriptor's folder really is; false when the kernel does not say.
-static bool find_place(int fd, char place[static PATH_MAX])
+// Finds the real path of the descriptor's file or folder; false when the kernel does not tell.
+static bool find_real_path(int fd, char path[static PATH_MAX])
 {
     char link[64];
     ssize_t length;
 
     snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
-    length = readlink(link, place, PATH_MAX - 1);
+    length = readlink(link, path, PATH_MAX - 1);
     if (length <= 0) return false;
-    place[length] = '\0';
+    path[length] = '\0';
     return true;
 }
 
@@ -41,26 +41,26 @@ static bool is_in(const char *path, const char *folder)
     return strncmp(path, folder, length) == 0 && (path[length] == '/' || path[length] == '\0');
 }
 
-// The closed place inside the folder; NULL: none. Of a place that is not there its text is taken for where it is.
+// Returns the closed path inside the folder; NULL: none. A closed path that does not exist is compared as text.
 static const char *find_closed_in(const struct fence *fence, int folder_fd)
 {
     char folder[PATH_MAX], real[PATH_MAX];
 
-    if (!find_place(folder_fd, folder)) return fence->closed.count > 0 ? fence->closed.paths[0] : NULL;
+    if (!find_real_path(folder_fd, folder)) return fence->closed.count > 0 ? fence->closed.paths[0] : NULL;
     for (size_t i = 0; i < fence->closed.count; i++)
         if (is_in(realpath(fence->closed.paths[i], real) ? real : fence->closed.paths[i], folder))
             return fence->closed.paths[i];
     return NULL;
 }
 
-// Whether the descriptor's file or folder is in a closed place.
+// Returns true when the descriptor's file or folder is inside a closed path.
 static bool is_closed(const struct fence *fence, int fd)
 {
-    char place[PATH_MAX], real[PATH_MAX];
+    char path[PATH_MAX], real[PATH_MAX];
 
-    if (!find_place(fd, place)) return fence->closed.count > 0;
+    if (!find_real_path(fd, path)) return fence->closed.count > 0;
     for (size_t i = 0; i < fence->closed.count; i++)
-        if (is_in(place, realpath(fence->closed.paths[i], real) ? real : fence->closed.paths[i])) return true;
+        if (is_in(path, realpath(fence->closed.paths[i], real) ? real : fence->closed.paths[i])) return true;
     return false;
 }
 
@@ -72,7 +72,7 @@ static bool is_root_itself(const struct fence_input *input, int folder_fd)
            root.st_dev == folder.st_dev;
 }
 
-// "smoke.####.nvdb" stands for names with digits at the signs' place, as many as there are signs or more.
+// Matches "smoke.####.nvdb" with names that have digits instead of the signs, at least as many.
 static bool has_name_of(const char *name, const char *pattern)
 {
     size_t before = strcspn(pattern, "#"), signs = strspn(pattern + before, "#");
@@ -86,8 +86,8 @@ static bool has_name_of(const char *name, const char *pattern)
     return false;
 }
 
-// Where a link leads that stays below the root. One that does not, or leads to a closed place, is left out: who follows it
-// is refused.
+// Allows a file, or what a link leads to if that is below the root. A link that leads elsewhere, or to a closed path,
+// is not allowed, so opening it fails later.
 static bool allow_file(const struct sandbox_landlock *landlock, const struct fence *fence,
                        const struct fence_input *input, const char *name, struct error *error)
 {
@@ -108,7 +108,7 @@ static bool allow_file(const struct sandbox_landlock *landlock, const struct fen
     return ok;
 }
 
-// `folder_fd` is the input's folder. Files that are no links are left to a rule about their folder if there is one.
+// `folder_fd` is the input's folder. With `links_only` a rule about the folder covers the files that are no links.
 static bool allow_files(const struct sandbox_landlock *landlock, const struct fence *fence,
                         const struct fence_input *input, int folder_fd, bool links_only, size_t *files_left,
                         struct error *error)
@@ -119,7 +119,7 @@ static bool allow_files(const struct sandbox_landlock *landlock, const struct fe
     struct dirent *entry;
     bool ok = true;
 
-    // Some folders may be passed but not listed; their files' names are then all that counts.
+    // A folder may be searchable but not readable. Then only the file with the input's own name is allowed.
     if (!entries) return input_path_is_sequence(pattern) || allow_file(landlock, fence, input, pattern, error);
     while (ok && (entry = readdir(entries))) {
         if ((links_only && entry->d_type == DT_REG) || !has_name_of(entry->d_name, pattern)) continue;

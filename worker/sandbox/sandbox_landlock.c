@@ -10,7 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-// The kernel's interface as of its version 7; headers may be older than the kernel.
+// Landlock's interface up to ABI version 7; the installed headers may be older than the kernel.
 struct ruleset_attr {
     uint64_t handled_access_fs, handled_access_net, scoped;
 };
@@ -38,7 +38,7 @@ enum {
 #define NET_BIND_AND_CONNECT_TCP UINT64_C(3)
 #define SCOPE_ABSTRACT_SOCKETS_AND_SIGNALS UINT64_C(3)
 
-// Those that a rule about a file, not a folder, may name.
+// The rights that a rule about a file, not a folder, may have.
 static const uint64_t file_rights = FS_EXECUTE | FS_WRITE_FILE | FS_READ_FILE | FS_TRUNCATE | FS_IOCTL_DEV;
 
 bool sandbox_landlock_open(struct sandbox_landlock *landlock, struct error *error)

@@ -1,4 +1,4 @@
-// Which files this process may still reach, by the kernel's Landlock; what a kernel lacks is left out.
+// Confines this process to some files with the kernel's Landlock, as far as the kernel has it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,20 +14,20 @@ enum sandbox_right {
     SANDBOX_EXECUTE = 8
 };
 
-// The rules under way. The zero value is not open.
+// A ruleset that is being built. The zero value is not open.
 struct sandbox_landlock {
-    int abi;         // of the kernel; 0: it has none, and the calls below do nothing
+    int abi;         // the kernel's ABI version; 0: it has none, and the calls below do nothing
     int ruleset_fd;  // owned
-    uint64_t rights; // of files, that are governed
+    uint64_t rights; // the rights on files that the ruleset governs
 };
 
 bool sandbox_landlock_open(struct sandbox_landlock *landlock, struct error *error);
 void sandbox_landlock_close(struct sandbox_landlock *landlock);
-// The file, or the folder with all below it; `rights` are of enum sandbox_right.
+// Allows a file, or a folder with all below it; `rights` are bits of enum sandbox_right.
 bool sandbox_landlock_allow(const struct sandbox_landlock *landlock, int fd, unsigned rights, struct error *error);
-// What is not there need not be allowed.
+// A path that does not exist is no error.
 bool sandbox_landlock_allow_path(const struct sandbox_landlock *landlock, const char *path, unsigned rights,
                                  struct error *error);
-// From here on this thread, and those it starts, reach what was allowed and nothing else: no other files, no TCP, no
-// abstract sockets and no processes outside. No new privileges must have been given up before.
+// Confines this thread, and those it starts, to what was allowed: no other files, no TCP, no abstract sockets, no
+// signals to processes outside. PR_SET_NO_NEW_PRIVS is set before.
 bool sandbox_landlock_enforce(const struct sandbox_landlock *landlock, struct error *error);

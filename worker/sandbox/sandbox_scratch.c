@@ -15,7 +15,7 @@
 
 static const char pattern[] = "marchd-worker-??????";
 
-// Closes `fd`. What is in the folder are files of the converter's.
+// Removes the converter's files from the folder and closes `fd`.
 static void empty(int fd)
 {
     DIR *entries = fdopendir(fd);
@@ -76,7 +76,7 @@ int sandbox_scratch_make(struct error *error)
             return -1;
         }
         fd = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-        // Else another's sweep came before the lock.
+        // Otherwise another process swept it before the lock.
         if (fd >= 0 && flock(fd, LOCK_EX) == 0 && fstat(fd, &status) == 0 && status.st_nlink > 0) {
             setenv("TMPDIR", path, 1);
             free(path);

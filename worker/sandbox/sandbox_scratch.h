@@ -1,11 +1,11 @@
-// A folder of this worker's alone for what a converter writes.
+// A temporary folder of this worker alone, for the files of a converter.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 struct error;
 
-// Makes one in $TMPDIR, which it then becomes; before there are threads. Returns its descriptor, to be kept open for as long as
-// the folder is wanted; -1 on failure. A fenced worker cannot remove it: the next one does.
+// Makes the folder in $TMPDIR and sets $TMPDIR to it, before there are threads. Returns its descriptor, which stays
+// open as long as the folder is used; -1 on failure. A fenced worker cannot remove the folder, so the next worker does.
 int sandbox_scratch_make(struct error *error);
-// Removes what workers that are gone left in $TMPDIR.
+// Removes the folders that ended workers left in $TMPDIR.
 void sandbox_scratch_sweep(void);

@@ -17,11 +17,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-// What libraries and drivers ask for that render, encode and read files. ENOSYS for the rest is what an older kernel says:
-// who has another way takes it. Not here, on purpose: sockets but for talking on those that are open, other processes
-// (ptrace, process_vm_*, pidfd_*, kill), keys, mounts, namespaces, modules, bpf, perf, io_uring, userfaultfd, clocks that
-// are set, users and groups that are changed, and what Landlock does not govern, or did not always: links, nodes, modes,
-// owners and times of files by their paths, truncate, inotify.
+// The calls of libraries and drivers that render, encode and read files. All others get ENOSYS, the answer of an older
+// kernel, so that libraries fall back to another call. Left out on purpose: making sockets, other processes (ptrace,
+// process_vm_*, pidfd_*, kill), keys, mounts, namespaces, modules, bpf, perf, io_uring, userfaultfd, setting clocks,
+// changing users and groups, and what Landlock does not govern, or did not always: links, nodes, modes, owners and
+// times of files by their paths, truncate, inotify.
 static const char *const memory_calls[] = {
     "brk",           "get_mempolicy", "madvise", "map_shadow_stack", "mbind",      "membarrier",
     "memfd_create",  "mincore",       "mlock",   "mlock2",           "mmap",       "mprotect",
@@ -139,14 +139,14 @@ static const char *const fact_calls[] = {
     "getresgid",  "getresuid", "getrlimit",    "getrusage",     "getsid",  "gettimeofday", "getuid",
     "sysinfo",    "time",      "times",        "uname",         NULL};
 
-// To start nanovdb_convert, or in a worker of everybody's what a driver may run, and to end it.
+// Calls that start and end a program: nanovdb_convert or, in a worker for any job, what a driver may run.
 static const char *const program_calls[] = {"execve", "execveat", "fork",  "kill",   "setpgid",
                                             "setsid", "vfork",    "wait4", "waitid", NULL};
 
-// Leaks are looked for from a process of its own.
+// The sanitizer searches for leaks from another process.
 static const char *const sanitizer_calls[] = {"kill", "personality", "ptrace", "tkill", "wait4", NULL};
 
-// Of the process or thread that asks, which they name 0.
+// Calls that are allowed only for the calling process or thread, whose number is 0 in them.
 static const char *const own_calls[] = {"prlimit64", "sched_setaffinity", "sched_setattr", "sched_setparam",
                                         "sched_setscheduler"};
 
@@ -154,7 +154,7 @@ static int allow(scmp_filter_ctx filter, const char *name, const struct scmp_arg
 {
     int number = seccomp_syscall_resolve_name(name);
 
-    // Another machine's, or younger than the library.
+    // The call is another architecture's, or newer than the library.
     if (number < 0) return 0;
     return seccomp_rule_add_array(filter, SCMP_ACT_ALLOW, number, bound_count, bounds);
 }
@@ -183,7 +183,8 @@ static int allow_own(scmp_filter_ctx filter)
     return status;
 }
 
-// Threads, and processes where there may be some. clone3 hides its flags, and libraries fall back to clone.
+// Allows clone for threads and, with `has_processes`, for processes. The flags of clone3 cannot be checked; libraries
+// fall back to clone.
 static int allow_clone(scmp_filter_ctx filter, bool has_processes)
 {
     const scmp_datum_t unwanted = CLONE_NEWNS | CLONE_NEWCGROUP | CLONE_NEWUTS | CLONE_NEWIPC | CLONE_NEWUSER |
@@ -195,7 +196,7 @@ static int allow_clone(scmp_filter_ctx filter, bool has_processes)
     return allow(filter, "clone", &flags, 1);
 }
 
-// A process may end itself and ask whether two of its files are one. What is sent goes to the other end, not to an address.
+// A process may signal itself and compare its own files. sendto goes to the connected end, not to an address.
 static int allow_with_bounds(scmp_filter_ctx filter)
 {
     const scmp_datum_t own = (scmp_datum_t)getpid();
@@ -222,7 +223,7 @@ static int allow_renderer(scmp_filter_ctx filter)
 static bool load(scmp_filter_ctx filter, int status, const struct sandbox_calls *calls, struct error *error)
 {
     if (!status && !filter) status = -ENOMEM;
-    // By a tree: a call is looked up in a few steps.
+    // 2: the filter is a binary tree, so a call takes a few comparisons.
     if (!status) status = seccomp_attr_set(filter, SCMP_FLTATR_CTL_OPTIMIZE, 2);
     if (!status && calls->has_all_threads) status = seccomp_attr_set(filter, SCMP_FLTATR_CTL_TSYNC, 1);
     if (!status) status = seccomp_load(filter);
@@ -232,9 +233,9 @@ static bool load(scmp_filter_ctx filter, int status, const struct sandbox_calls 
     return false;
 }
 
-// Orders that allowed calls take: to type for whoever looks at our terminal, to have the kernel send signals to others, to
-// make others wait who open a file of ours, and to outlive who started us. The kernel looks at half of that argument, so
-// the rest must not make another of it.
+// Refuses some requests of allowed calls: typing into the terminal, having the kernel send signals to others, making
+// others wait who open a file of ours, and outliving the parent. The kernel uses only the lower 32 bits of that
+// argument, so only these are compared.
 static int refuse_orders(scmp_filter_ctx filter)
 {
     static const struct {

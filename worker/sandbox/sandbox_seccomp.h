@@ -1,4 +1,4 @@
-// Which calls of the kernel this process may still make: a renderer's, by a list; all others are answered ENOSYS.
+// Confines this process to the system calls of a renderer; all others return ENOSYS.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,9 +7,9 @@
 struct error;
 
 struct sandbox_calls {
-    bool has_programs;    // may start others, and end them
-    bool has_all_threads; // the threads that run already are held to it too
+    bool has_programs;    // it may start programs, and end them
+    bool has_all_threads; // running threads are confined too
 };
 
-// Gives up new privileges as well.
+// Sets PR_SET_NO_NEW_PRIVS as well.
 bool sandbox_seccomp_enter(const struct sandbox_calls *calls, struct error *error);

@@ -13,13 +13,13 @@
 #include <string.h>
 #include <unistd.h>
 
-// /proc names only this process: those of others, and kernel settings, stay closed.
+// In /proc only this process is allowed, not other processes or kernel settings.
 static const char *const read_paths[] = {
-    // libraries and programs, and what ld.so and the drivers are told
+    // libraries, programs, and the settings of ld.so and drivers
     "/usr", "/lib", "/lib32", "/lib64", "/libx32", "/bin", "/opt", "/etc/ld.so.cache", "/etc/ld.so.conf",
     "/etc/ld.so.conf.d", "/etc/alternatives", "/etc/glvnd", "/etc/egl", "/etc/drirc", "/etc/nvidia", "/etc/localtime",
     "/etc/timezone", "/etc/locale.alias",
-    // the machine
+    // facts about the machine
     "/proc/self", "/proc/cpuinfo", "/proc/meminfo", "/proc/stat", "/proc/devices", "/proc/modules", "/proc/version",
     "/proc/filesystems", "/proc/driver/nvidia", "/proc/sys/kernel/osrelease", "/proc/sys/vm/overcommit_memory",
     "/proc/sys/vm/max_map_count", "/proc/sys/vm/mmap_min_addr", "/sys/devices", "/sys/dev", "/sys/bus", "/sys/module",
@@ -28,7 +28,7 @@ static const char *const read_paths[] = {
 static const char *const device_paths[] = {"/dev/null",    "/dev/zero", "/dev/full", "/dev/random",
                                            "/dev/urandom", "/dev/dri",  "/dev/kfd",  "/dev/dxg"};
 
-// Where whoever runs the daemon says that libraries and drivers are.
+// Environment variables that name folders of libraries and drivers.
 static const char *const path_variables[] = {"LD_LIBRARY_PATH",           "LIBGL_DRIVERS_PATH",
                                              "EGL_DRIVERS_PATH",          "GBM_BACKENDS_PATH",
                                              "__EGL_VENDOR_LIBRARY_DIRS", "__EGL_VENDOR_LIBRARY_FILENAMES"};
@@ -43,7 +43,7 @@ static bool allow_list(const struct sandbox_landlock *landlock, const char *cons
 
 static bool allow_variable(const struct sandbox_landlock *landlock, const char *name, struct error *error)
 {
-    static const char suppressions[] = "suppressions="; // a sanitizer's, which it reads in the end
+    static const char suppressions[] = "suppressions="; // an option of sanitizers, whose file they read at exit
     const char *value = getenv(name);
     char *copy = xstrdup(value ? value : ""), *rest = copy, *path;
     bool ok = true;
@@ -56,7 +56,7 @@ static bool allow_variable(const struct sandbox_landlock *landlock, const char *
     return ok;
 }
 
-// A driver has a node for each card, and some of its own.
+// A driver has a device node for each card, and some for itself.
 static bool allow_nvidia(const struct sandbox_landlock *landlock, struct error *error)
 {
     DIR *folder = opendir("/dev");
@@ -91,7 +91,7 @@ static int find_loader(struct dl_phdr_info *object, size_t size, void *user)
     for (int i = 0; i < object->dlpi_phnum; i++)
         if (object->dlpi_phdr[i].p_type == PT_INTERP)
             *(const char **)user = (const char *)(object->dlpi_addr + object->dlpi_phdr[i].p_vaddr);
-    return 1; // the first is this program
+    return 1; // the first object is this program
 }
 
 bool sandbox_system_allow_converter(const struct sandbox_landlock *landlock, struct error *error)

@@ -1,4 +1,4 @@
-// What a fenced worker reads of the machine: libraries, GL drivers and their settings, devices, facts about itself.
+// Allows what a fenced worker reads of the machine: libraries, GL drivers, their settings, devices, facts of /proc and /sys.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,5 +9,5 @@ struct sandbox_landlock;
 
 // `shader_folder` may be NULL.
 bool sandbox_system_allow(const struct sandbox_landlock *landlock, const char *shader_folder, struct error *error);
-// nanovdb_convert, as $PATH finds it, and what loads it.
+// Allows nanovdb_convert, as found by $PATH, and what loads it.
 bool sandbox_system_allow_converter(const struct sandbox_landlock *landlock, struct error *error);

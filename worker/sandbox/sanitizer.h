@@ -1,4 +1,4 @@
-// Whether this is built with the address sanitizer, which needs memory and calls of the kernel that a renderer does not.
+// Whether this is built with the address sanitizer, which needs more memory and system calls than a renderer.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

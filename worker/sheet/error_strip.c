@@ -15,7 +15,7 @@
 #include <string.h>
 
 enum {
-    TILE_WIDTH_MAX = 480, // larger pictures are shown by some of their pixels
+    TILE_WIDTH_MAX = 480, // of larger pictures only some pixels are shown
     GAP_PX = 4,
     GREY = 40,
     BAR_HEIGHT_PX = 12,
@@ -23,7 +23,7 @@ enum {
     SHEET_PIXEL_LIMIT = 64 * 1024 * 1024
 };
 
-// Of the differences, how large is shown brightest: all but the largest few are below.
+// The quantile of the differences that gets the brightest colour.
 static const double SCALE_SHARE = 0.98, LEAST_SCALE = 1e-6, ROUNDING = 1e-3;
 
 struct strip {
@@ -41,7 +41,7 @@ static size_t pixel_at(const struct image *image, int x, int y, const struct str
     return 4 * ((size_t)row * (size_t)image->width_px + (size_t)column);
 }
 
-// Relative to the truth's RMS.
+// The difference, relative to the truth's RMS.
 static double difference(const struct strip *strip, const struct image *image, size_t at)
 {
     const float *seen = &image->rgba[at], *truth = &strip->params->truth.image->rgba[at];
@@ -69,7 +69,7 @@ static int compare(const void *a, const void *b)
     return left < right ? -1 : left > right;
 }
 
-// 1, 2 or 5 times a power of ten, no less than `value`.
+// Rounds up to 1, 2 or 5 times a power of ten.
 static double round_up(double value)
 {
     double decade = pow(10, floor(log10(value)));
@@ -82,7 +82,7 @@ static double round_up(double value)
     return 10 * decade;
 }
 
-// One scale for all maps, by the differences that tiles show.
+// Finds one scale for all maps from the differences in the tiles.
 static double choose_scale(const struct strip *strip)
 {
     const struct error_strip_params *params = strip->params;
@@ -104,7 +104,7 @@ static double choose_scale(const struct strip *strip)
     return round_up(fmax(scale, LEAST_SCALE));
 }
 
-// `value` in [-1, 1] of the scale; what is beyond, or no number, has the end's colour or white.
+// Colours a `value` in [-1, 1] of the scale. Values beyond have the colour of the end; NaN is white.
 static void put_signed(unsigned char *rgb, double value)
 {
     static const double warm[] = {1.0, 0.62, 0.18}, cold[] = {0.25, 0.62, 1.0};

@@ -1,4 +1,4 @@
-// Pictures beside maps of what is wrong with each, on one sheet.
+// A sheet of pictures, each beside the map of its differences from the truth.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,14 +9,14 @@ struct error;
 struct image;
 
 struct error_strip_picture {
-    const struct image *image; // borrowed; all of one size
+    const struct image *image; // borrowed; all have one size
     const char *label;         // borrowed
 };
 
 struct error_strip_params {
     const struct error_strip_picture *pictures;
     size_t count;
-    struct error_strip_picture truth; // what they are compared with; the last picture of the sheet
+    struct error_strip_picture truth; // the picture that all are compared with; the last on the sheet
     const char *out;                  // the PNG to write
 };
 
@@ -25,6 +25,6 @@ struct error_strip_result {
     double scale; // the difference, relative to the truth's RMS, that has the brightest colour
 };
 
-// A map's colours: what is too bright is orange, what is too dark blue, black what is right; a bar below tells how much. A pixel's
-// difference is the mean of its channels'.
+// Writes the sheet. Maps are orange where a picture is too bright, blue where it is too dark, and black where it is
+// right; a bar below shows the scale. A pixel's difference is the mean over its channels.
 bool error_strip_write(const struct error_strip_params *params, struct error_strip_result *result, struct error *error);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const double PERCENTILE = 0.99, TARGET = 0.8;
-// A float's sign, its exponent and the upper bits of its mantissa.
+// The bins are the upper bits of a float: sign, exponent and the start of the mantissa.
 enum { DROPPED_BITS = 16 };
 
 void exposure_add_image(struct exposure *exposure, const struct image *image)

@@ -7,7 +7,7 @@
 
 static const char characters[] = "0123456789.-_ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
-// A row a byte, its leftmost pixel in bit 4.
+// One byte a row, the leftmost pixel in bit 4.
 static const unsigned char glyphs[][PIXEL_FONT_HEIGHT] = {
     {0x0e, 0x11, 0x13, 0x15, 0x19, 0x11, 0x0e}, {0x04, 0x0c, 0x04, 0x04, 0x04, 0x04, 0x0e},
     {0x0e, 0x11, 0x01, 0x02, 0x04, 0x08, 0x1f}, {0x1f, 0x02, 0x04, 0x02, 0x01, 0x11, 0x0e},
@@ -31,7 +31,7 @@ static const unsigned char glyphs[][PIXEL_FONT_HEIGHT] = {
     {0x1f, 0x01, 0x02, 0x04, 0x08, 0x10, 0x1f},
 };
 
-// A pixel of margin around each character.
+// The width of a character and one pixel beside it.
 enum { ADVANCE = PIXEL_FONT_WIDTH + 1 };
 
 static int box_width(const char *text, int scale)
@@ -49,7 +49,7 @@ int pixel_font_count(int width_px, int scale)
     return width_px < scale ? 0 : (width_px / scale - 1) / ADVANCE;
 }
 
-// Column and row count from the box's corner.
+// `column` and `row` count from the box's corner.
 static bool is_set(const char *text, int column, int row)
 {
     int index = (column - 1) / ADVANCE, x = (column - 1) % ADVANCE, y = row - 1;

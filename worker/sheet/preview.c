@@ -41,7 +41,7 @@ static bool read_file(const char *path, struct image *image, struct error *error
     return ok;
 }
 
-// What one output pixel gathers of a row or column of input: [first, end) with the share of each.
+// The input pixels [first, end) of a row or column that one output pixel covers, with their shares.
 struct span {
     int first, end;
     double start, stop; // in input pixels
@@ -63,7 +63,7 @@ static double span_weight(const struct span *span, int at)
     return fmin(span->stop, at + 1.0) - fmax(span->start, at);
 }
 
-// The mean light over each tile pixel's area, linear; over black, premultiplied colour is what it is.
+// Averages linear light over each tile pixel's area. Premultiplied colour over black needs no change.
 static void shrink(const struct image *image, float *tile, int width, int height)
 {
     for (int y = 0; y < height; y++)
@@ -89,7 +89,7 @@ struct sheet {
     const struct preview_params *params; // borrowed
     int columns, rows;
     int tile_width, tile_height;
-    int image_width, image_height; // of every file
+    int image_width, image_height; // the same in every file
     float *tiles;                  // owned; 3 a pixel
     unsigned char *rgb;            // owned
     int width, height;
@@ -113,7 +113,7 @@ static int choose_columns(const struct sheet *sheet)
     return best_columns;
 }
 
-// Decides the layout by the first image.
+// Finds the layout from the first image.
 static bool lay_out(struct sheet *sheet, const struct image *image, struct error *error)
 {
     const struct preview_params *params = sheet->params;

@@ -10,8 +10,8 @@ struct error;
 struct preview_params {
     const char *const *files; // absolute EXR paths
     size_t file_count;
-    const char *const *labels; // one a file, or NULL
-    int columns;               // 0: chosen for a sheet near 3:2
+    const char *const *labels; // one per file, or NULL
+    int columns;               // 0: chosen so that the sheet is about 3:2
     int tile_width_px;         // 0: 320
     bool has_exposure;
     double exposure; // stops
@@ -23,7 +23,8 @@ struct preview_result {
     int width_px, height_px;
 };
 
-// Chosen exposure: the 99th percentile of the sequence's luminance goes to 0.8. Written through sRGB, over black.
+// Writes a contact sheet in sRGB, over black. An exposure that is chosen brings the 99th percentile of the sequence's
+// luminance to 0.8.
 bool preview_write_sheet(const struct preview_params *params, struct preview_result *result, struct error *error);
 // Writes 000000.png, 000001.png, ... of the full size into the folder `out`.
 enum { PREVIEW_NAME_SIZE = 32 };

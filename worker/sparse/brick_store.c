@@ -144,7 +144,7 @@ static struct entry **find(struct brick_store *store, const char *key)
     return NULL;
 }
 
-// Returns a free slot, after dropping grids that no frame uses until the others are below the limit; NULL: there is none.
+// Returns a free slot, after dropping grids that no frame uses until the rest is below the limit; NULL: none is free.
 static struct entry **make_room(struct brick_store *store)
 {
     for (;;) {
