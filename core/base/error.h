@@ -10,5 +10,5 @@ struct error {
 void error_set(struct error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // Puts "PREFIX: " before the message.
 void error_prefix(struct error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
-// Appends ": " and the text of `errnum` (an errno value) to what the format says.
+// Sets the formatted message, then ": " and the text of `errnum` (an errno value).
 void error_set_errno(struct error *error, int errnum, const char *format, ...) __attribute__((format(printf, 3, 4)));

@@ -25,7 +25,7 @@ static ssize_t read_some(int fd, void *bytes, size_t size_bytes)
     return count;
 }
 
-// Everything from `fd`, which need not know its size beforehand.
+// Reads `fd` to its end; its size need not be known beforehand.
 static bool read_to_end(int fd, size_t limit_bytes, char **text, size_t *length, struct error *error)
 {
     size_t capacity = 0;

@@ -1,6 +1,6 @@
 // Whole files: read with a limit, written so that a reader never meets half of one.
 // SPDX-License-Identifier: Apache-2.0
-// Messages do not name the path: callers prefix it.
+// Messages leave out the path; callers prefix it.
 #pragma once
 
 #include <stdbool.h>
@@ -9,7 +9,7 @@
 struct error;
 
 // `*text` is owned by the caller, ends in NUL (not counted in `*length`) and is NULL on failure. A file over
-// `limit_bytes` is refused, with both sizes in the message where the file says its own. `length` may be NULL.
+// `limit_bytes` is refused; the message has both sizes where the file's own is known. `length` may be NULL.
 bool file_read_text(const char *path, size_t limit_bytes, char **text, size_t *length, struct error *error);
 
 // Writes beside `path`, syncs, renames and syncs the folder; removes what it wrote on failure.

@@ -22,7 +22,7 @@ void log_set_sink(log_sink *wanted)
     sink = wanted ? wanted : log_to_stderr;
 }
 
-// C0 and DEL, and C1 as UTF-8 writes it: 0xc2 and then 0x80 to 0x9f.
+// Control characters: C0, DEL, and C1 in UTF-8 (0xc2, then 0x80 to 0x9f).
 static bool is_control(const unsigned char *text)
 {
     if (text[0] == '\n' || text[0] == '\t') return false;
@@ -64,7 +64,7 @@ void log_to_stderr(enum log_level level, const struct log_subject *subject, cons
     clock_gettime(CLOCK_REALTIME, &now);
     localtime_r(&now.tv_sec, &broken);
     strftime(stamp, sizeof stamp, "%H:%M:%S", &broken);
-    // What goes on in another line is moved in, so that no text can look like a line of ours.
+    // Continuation lines are indented, so that no text can pass for a log line.
     for (; *line && length < sizeof text - 2; line++) {
         text[length++] = *line;
         if (*line == '\n') text[length++] = '\t';

@@ -12,9 +12,10 @@ static size_t min3(size_t a, size_t b, size_t c)
     return ab < c ? ab : c;
 }
 
-// Insertions, deletions, substitutions and swaps of neighbours, upper and lower case being one, that lead from `a` to `b`, each at most NAME_LIMIT long.
 enum { NAME_LIMIT = 48 };
 
+// The least number of insertions, deletions, substitutions and swaps of neighbours from `a` to `b`, ignoring case. Both
+// have at most NAME_LIMIT bytes.
 static size_t edit_distance(const char *a, const char *b)
 {
     size_t rows[3][NAME_LIMIT + 1];

@@ -2,5 +2,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The name of `names` (ends in NULL) nearest to `text`, upper or lower case, or NULL when none is near.
+// The name of `names` (ends in NULL) nearest to `text`, ignoring case; NULL when none is near.
 const char *nearest_name_find(const char *text, const char *const names[]);

@@ -11,7 +11,7 @@
 
 enum {
     SHOWN_BYTES = 40,
-    PLACES_FROM_SPANS = 8 // with fewer spans looking at each is as fast as a search
+    POSITIONS_FROM_SPANS = 8 // with fewer spans a linear search is as fast
 };
 
 // One part of the text between commas, without the spaces around it.
@@ -20,7 +20,7 @@ struct part {
     size_t length;
 };
 
-// What was read so far; `seen` has a bit for each frame number and exists from the second part on.
+// The state of parsing. `seen` has a bit for each frame number and exists from the second part on.
 struct reader {
     struct frame_range *range;
     size_t span_capacity;
@@ -43,8 +43,8 @@ static bool fail_part(struct part part, struct error *error, const char *expecte
     return false;
 }
 
-// A run of digits at `*at`, which moves past it. False when there is none or the number is at FRAME_NUMBER_LIMIT or over;
-// `*is_large` tells the two apart.
+// Reads a run of digits at `*at`, which moves past it. False when there is none, or, with `*is_large` set, when the
+// number is FRAME_NUMBER_LIMIT or more.
 static bool read_number(struct part part, size_t *at, int32_t *number, bool *is_large)
 {
     size_t start = *at;
@@ -96,7 +96,7 @@ out_of_range:
     return fail_part(part, error, "numbers from 0 to 9999999", "");
 }
 
-// True the first time it is asked for `frame`.
+// True on the first call for `frame`.
 static bool take_frame(uint64_t *seen, int32_t frame)
 {
     uint64_t bit = UINT64_C(1) << (frame % 64);
@@ -116,7 +116,7 @@ static struct frame_span *append_span(struct reader *reader, struct frame_span s
     return &range->spans[range->span_count++];
 }
 
-// The frames of `span` that are new, as few spans of constant step.
+// Appends the frames of `span` that are new, in as few spans of constant step as possible.
 static void append_new_frames(struct reader *reader, const struct frame_span *span)
 {
     struct frame_span *current = NULL;
@@ -160,21 +160,21 @@ static bool add_part(struct reader *reader, struct part part, struct error *erro
     return true;
 }
 
-// Counts how many frames have each upper half of a number, then each lower half: two passes sort them all.
-static struct frame_place *sort_places(struct frame_place *places, size_t count)
+// Radix sort in two passes: by the lower half of the frame number, then by the upper half.
+static struct frame_position *sort_positions(struct frame_position *positions, size_t count)
 {
     enum { DIGIT_BITS = 12, DIGIT_COUNT = 1 << DIGIT_BITS };
-    struct frame_place *sorted = xmalloc(count * sizeof sorted[0]);
+    struct frame_position *sorted = xmalloc(count * sizeof sorted[0]);
     uint32_t *starts = xmalloc(DIGIT_COUNT * sizeof starts[0]);
 
     _Static_assert(FRAME_NUMBER_LIMIT <= 1 << (2 * DIGIT_BITS), "two digits hold every frame number");
     for (int shift = 0; shift <= DIGIT_BITS; shift += DIGIT_BITS) {
-        struct frame_place *swap = places;
+        struct frame_position *swap = positions;
         uint32_t start = 0;
 
         memset(starts, 0, DIGIT_COUNT * sizeof starts[0]);
         for (size_t i = 0; i < count; i++)
-            starts[(places[i].frame >> shift) % DIGIT_COUNT]++;
+            starts[(positions[i].frame >> shift) % DIGIT_COUNT]++;
         for (size_t digit = 0; digit < DIGIT_COUNT; digit++) {
             uint32_t size = starts[digit];
 
@@ -182,27 +182,27 @@ static struct frame_place *sort_places(struct frame_place *places, size_t count)
             start += size;
         }
         for (size_t i = 0; i < count; i++)
-            sorted[starts[(places[i].frame >> shift) % DIGIT_COUNT]++] = places[i];
-        places = sorted;
+            sorted[starts[(positions[i].frame >> shift) % DIGIT_COUNT]++] = positions[i];
+        positions = sorted;
         sorted = swap;
     }
     free(starts);
     free(sorted);
-    return places;
+    return positions;
 }
 
-static void index_places(struct frame_range *range)
+static void index_positions(struct frame_range *range)
 {
     size_t count = (size_t)frame_range_count(range);
-    struct frame_place *places;
+    struct frame_position *positions;
     int32_t index = 0;
 
-    if (range->span_count < PLACES_FROM_SPANS) return;
-    places = xmalloc(count * sizeof places[0]);
+    if (range->span_count < POSITIONS_FROM_SPANS) return;
+    positions = xmalloc(count * sizeof positions[0]);
     for (const struct frame_span *span = range->spans; span < range->spans + range->span_count; span++)
         for (int32_t i = 0; i < span->count; i++, index++)
-            places[index] = (struct frame_place){.frame = span->first + i * span->step, .index = index};
-    range->places = sort_places(places, count);
+            positions[index] = (struct frame_position){.frame = span->first + i * span->step, .index = index};
+    range->positions = sort_positions(positions, count);
 }
 
 bool frame_range_parse(struct frame_range *range, const char *text, struct error *error)
@@ -225,7 +225,7 @@ bool frame_range_parse(struct frame_range *range, const char *text, struct error
         if (start[length] == '\0') break;
         start += length + 1;
     }
-    index_places(range);
+    index_positions(range);
     ok = true;
 out:
     free(reader.seen);
@@ -236,7 +236,7 @@ out:
 void frame_range_finish(struct frame_range *range)
 {
     free(range->spans);
-    free(range->places);
+    free(range->positions);
     *range = (struct frame_range){0};
 }
 
@@ -264,20 +264,20 @@ int32_t frame_range_at(const struct frame_range *range, int64_t index)
     return range->spans[low].first + (int32_t)(index - range->spans[low].before) * range->spans[low].step;
 }
 
-static int compare_places(const void *a, const void *b)
+static int compare_positions(const void *a, const void *b)
 {
-    const struct frame_place *left = a, *right = b;
+    const struct frame_position *left = a, *right = b;
 
     return (left->frame > right->frame) - (left->frame < right->frame);
 }
 
 int64_t frame_range_index(const struct frame_range *range, int32_t frame)
 {
-    struct frame_place wanted = {.frame = frame};
+    struct frame_position wanted = {.frame = frame};
 
-    if (range->places) {
-        const struct frame_place *found =
-            bsearch(&wanted, range->places, (size_t)frame_range_count(range), sizeof range->places[0], compare_places);
+    if (range->positions) {
+        const struct frame_position *found = bsearch(&wanted, range->positions, (size_t)frame_range_count(range),
+                                                     sizeof range->positions[0], compare_positions);
 
         return found ? found->index : -1;
     }
@@ -290,7 +290,7 @@ int64_t frame_range_index(const struct frame_range *range, int32_t frame)
     return -1;
 }
 
-// `number` in decimal at `text`, of which the length is returned.
+// Writes `number` in decimal to `text`; returns its length.
 static size_t format_number(char *text, int32_t number)
 {
     char digits[12];

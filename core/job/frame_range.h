@@ -10,33 +10,33 @@ struct error;
 
 enum {
     FRAME_NUMBER_LIMIT = 10 * 1000 * 1000, // a frame number is in [0, FRAME_NUMBER_LIMIT)
-    FRAME_COUNT_LIMIT = 4 * 1000 * 1000    // frames in one range as written, those named twice counted twice
+    FRAME_COUNT_LIMIT = 4 * 1000 * 1000    // frames of one range as written; one named twice counts twice
 };
 
-// first, first + step, ... `count` numbers; step may be negative.
+// `count` numbers: first, first + step, ...; step may be negative.
 struct frame_span {
     int32_t first;
     int32_t step;
     int32_t count;
-    int32_t before; // how many frames the spans before this one hold
+    int32_t before; // frames in the spans before this one
 };
 
-struct frame_place {
+struct frame_position {
     int32_t frame;
-    int32_t index;
+    int32_t index; // in the range
 };
 
 // The zero value is an empty range.
 struct frame_range {
     struct frame_span *spans; // owned; in the user's order, no frame twice
     size_t span_count;
-    struct frame_place
-        *places; // owned; ascending by frame, so that many spans are searched fast; NULL when there are few
+    // Owned; ascending by frame, so that a range of many spans is searched fast. NULL when there are few spans.
+    struct frame_position *positions;
 };
 
-// Reads `text` into `range`: comma-separated `7`, `1-10`, `10-1` (reverse), `1-10x3`; spaces may surround a part. Of a frame
-// named twice the first place counts. On failure `range` is empty and `error` says which part is wrong. `:` is refused
-// with a hint.
+// Reads `text` into `range`: comma-separated `7`, `1-10`, `10-1` (reverse), `1-10x3`; spaces may surround a part. A
+// frame that is named twice keeps its first position. On failure `range` is empty and `error` says which part is wrong.
+// `:` is refused with a hint.
 bool frame_range_parse(struct frame_range *range, const char *text, struct error *error);
 void frame_range_finish(struct frame_range *range); // accepts an empty range
 int64_t frame_range_count(const struct frame_range *range);

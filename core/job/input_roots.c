@@ -97,7 +97,7 @@ static int open_beneath(int root_fd, const char *path, uint64_t flags)
     return (int)syscall(SYS_openat2, root_fd, path, &how, sizeof how);
 }
 
-// Nothing is outside of "/", so there links may lead anywhere.
+// Below "/" links may lead anywhere.
 static bool is_everything(const char *root)
 {
     return strspn(root, "/") == strlen(root);
@@ -131,7 +131,7 @@ int input_roots_open_folder(const char *root, const char *folder, struct error *
     return fd;
 }
 
-// A file that is not there is its frame's matter, and one of a sequence as well.
+// A missing file is an error of its frame only, and so is any file of a sequence.
 static int check_file(const struct job_input *input, struct error *error)
 {
     int root_fd, fd, reason;

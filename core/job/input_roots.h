@@ -1,4 +1,4 @@
-// The files that a job reads, the root that each must stay below, and how such a folder is opened.
+// Finds the input root of each file that a job reads, and opens folders below roots.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,9 +12,9 @@ struct path_list;
 enum { INPUT_PLACE_SIZE = 80 };
 
 struct job_input {
-    char *path;                   // owned; of a sequence, its name has the run of `#`
-    char *root;                   // owned; as the list has it
-    char *folder;                 // owned; of the file, relative to the root; "" for the root itself
+    char *path;                   // owned; the name of a sequence has a run of `#`
+    char *root;                   // owned; as in the list of roots
+    char *folder;                 // owned; the file's, relative to the root; "" for the root itself
     char place[INPUT_PLACE_SIZE]; // in the document: "scene.media[0].density.file"
 };
 
@@ -24,15 +24,16 @@ struct job_inputs {
     size_t count, capacity;
 };
 
-// By the texts alone: an absolute path without "." or ".." or a slash too many, below one of the roots. On failure
-// `inputs` is empty, and the message names the place, the path and the roots.
+// Compares texts only: a path must be absolute, without ".", ".." or doubled slashes, and below one of the roots. On
+// failure `inputs` is empty, and the message names the place, the path and the roots.
 bool input_roots_find(struct job_inputs *inputs, const struct job *job, const struct path_list *roots,
                       struct error *error);
 void job_inputs_finish(struct job_inputs *inputs); // accepts the empty value
 
-// Opens a folder below `root` (which itself may be reached through links) so that nothing on the way leaves it: a link
-// inside is followed when it is relative and stays below the root. Returns an O_PATH descriptor, or -1 with errno and the cause.
+// Opens a folder below `root` (which itself may be reached through links) and never leaves the root: a link inside is
+// followed when it is relative and stays below the root. Returns an O_PATH descriptor, or -1 with errno and `error`
+// set.
 int input_roots_open_folder(const char *root, const char *folder, struct error *error);
-// That, and where the file is there, that it is one and no link out of the root. The message names the place.
-// Returns 0, or an errno value: EXDEV and ELOOP where a link leads astray.
+// Checks that the folder of `input` can be opened, and that its file, if it exists, is no link out of the root. The
+// message names the place. Returns 0, or an errno value: EXDEV or ELOOP where a link leads out or in a loop.
 int input_roots_check_opening(const struct job_input *input, struct error *error);

@@ -14,7 +14,7 @@ void job_finish(struct job *job)
 
 double job_frame_time(const struct job *job, int32_t frame)
 {
-    // The product is whole and exact: 1e7 frames times 1e9 fit 64 bits.
+    // The product is an exact integer: 1e7 frames times 1e9 fit 64 bits.
     return job->time_offset + (double)(frame * job->fps_denominator) / (double)job->fps_numerator;
 }
 

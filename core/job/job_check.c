@@ -13,8 +13,8 @@
 static const double PARALLEL_SIN_MIN = 1e-6;
 static const double DIRECTION_LENGTH_MIN = 1e-6;
 static const double WEIGHT_SUM_TOLERANCE = 1e-6;
-static const double HALF_TOLERANCE_MIN = 2e-4; // rounding leaves 1.9e-4 of values spread over a power of two
-static const int64_t FRAMES_CHECKED = 256;     // of a moving scene, evenly over the range
+static const double HALF_TOLERANCE_MIN = 2e-4; // rounding to half: a relative RMSE of 1.9e-4 over a power of two
+static const int64_t FRAMES_CHECKED = 256;     // in a moving scene, spread evenly over the range
 
 struct moment {
     const struct job *job;
@@ -56,7 +56,7 @@ static bool check_camera(const struct moment *moment)
                      moment->where);
 }
 
-// A vector that moves may pass 0 between two values that are none.
+// A moving vector may pass through 0 between two nonzero values.
 static bool check_direction(const struct moment *moment, const struct json_node *object, const char *key,
                             const struct timeline *timeline)
 {
@@ -150,7 +150,7 @@ static bool check_moments(const struct job *job, const struct json_node *documen
     return true;
 }
 
-// What says how far rays are followed from surface to surface needs surfaces.
+// The limits of paths between surfaces need surfaces.
 static bool check_paths(const struct job *job, const struct json_node *document, struct error *error)
 {
     static const char *const keys[] = {"max_depth", "min_throughput", "max_cut"};
@@ -172,8 +172,8 @@ static bool check_tolerance(const struct job *job, const struct json_node *docum
     return json_node_is_absent(&node) || job->output.pixel != JOB_PIXEL_HALF ||
            job->quality.tolerance >= HALF_TOLERANCE_MIN ||
            json_fail(&node, error,
-                     "expected at least %g of pixels in half, whose rounding leaves no less, got %g; output.pixel "
-                     "\"float\" keeps more",
+                     "expected at least %g with half pixels, whose rounding errs as much, got %g; output.pixel "
+                     "\"float\" errs less",
                      HALF_TOLERANCE_MIN, job->quality.tolerance);
 }
 

@@ -1,4 +1,4 @@
-// What no single value of a job shows: geometry and phase weights at the frames, and whether the method suits the scene.
+// Checks that involve several values of a job: geometry and phase weights at the frames, and method against scene.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,8 +8,8 @@ struct error;
 struct job;
 struct json_node;
 
-// All of `job` but its hash is read from `document`, which messages name places in.
+// `job` was read from `document`, except for its hash. Messages name places in `document`.
 bool job_check(const struct job *job, const struct json_node *document, struct error *error);
 
-// True when a program that runs elsewhere can read what the job reads: files by absolute paths, GLSL as text.
+// True when a program in another folder can find the inputs of the job: paths are absolute, GLSL is there as text.
 bool job_check_inputs(const struct job *job, const struct json_node *document, struct error *error);

@@ -9,7 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// Changes whenever the same job comes to mean another picture, so that no frame of an earlier meaning passes for one.
+// Must change whenever a change of the code makes another picture of the same job, so that no older frame passes for a
+// new one.
 static const char FORMAT[] = "marchd picture 2";
 
 static void put_timeline(FILE *text, const char *key, const struct timeline *timeline)
@@ -101,11 +102,11 @@ static void put_scene(FILE *text, const struct scene *scene)
     }
     for (size_t i = 0; i < scene->object_count; i++)
         put_object(text, scene, &scene->objects[i]);
-    // With the counts and kinds above it is known which values come here; the visitor only reads.
+    // The counts and kinds above determine which values follow. The visitor only reads.
     scene_visit_timelines((struct scene *)scene, put_visited, text);
 }
 
-// Numbers that methods later than the format's first have.
+// Only methods from adaptive on have these: the hashes of earlier ones stay.
 static void put_later_quality(FILE *text, const struct job_quality *quality)
 {
     fprintf(text, " order %d light_grid %d density_grid %d estimator %s", quality->order, quality->light_grid,
@@ -125,7 +126,7 @@ static void put_quality(FILE *text, const struct job_quality *quality)
     if (quality->method >= JOB_METHOD_ADAPTIVE) put_later_quality(text, quality);
 }
 
-// Only where it counts. Which share of light may be cut changes no pixel: each file is held to it by what its header says.
+// Only for scenes with objects. max_cut changes no pixel; the header of a file states its share of cut light.
 static void put_paths(FILE *text, const struct job_quality *quality)
 {
     fprintf(text, " max_depth %d", quality->max_depth);

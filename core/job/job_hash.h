@@ -1,4 +1,4 @@
-// The hash of all that a job's pictures depend on: equal hashes, equal pixels in the frame of the same number.
+// The hash of everything that a job's pictures depend on: equal hashes mean equal pixels in frames of the same number.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,6 +6,6 @@
 
 struct job;
 
-// Depends neither on how the document was laid out nor on name, frames, priority, output path, compression,
-// existing and max_cut, of which a file itself says how much it needs.
+// The hash does not depend on the layout of the document, nor on name, frames, priority, output path, compression,
+// existing and max_cut. (A file itself states its share of cut light.)
 void job_hash_picture(const struct job *job, char text[static HASH_TEXT_SIZE]);

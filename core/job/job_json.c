@@ -26,7 +26,7 @@ static bool read_version(const struct json_node *document, struct error *error)
     return json_fail_expected(&node, error, "1");
 }
 
-// Printable, as a terminal sees it: no control bytes, nor the two bytes of the control characters U+0080 to U+009F.
+// True without control characters: bytes below 0x20, DEL, and U+0080 to U+009F in UTF-8.
 static bool is_printable(const char *text)
 {
     for (const unsigned char *byte = (const unsigned char *)text; *byte; byte++)
@@ -62,10 +62,10 @@ static void set_fps(struct job *job, int64_t numerator, int64_t denominator)
     int64_t a = numerator, b = denominator;
 
     while (b != 0) {
-        int64_t rest = a % b;
+        int64_t remainder = a % b;
 
         a = b;
-        b = rest;
+        b = remainder;
     }
     job->fps_numerator = numerator / a;
     job->fps_denominator = denominator / a;
@@ -147,7 +147,7 @@ static bool read_path(struct job_output *output, const struct json_node *node, c
     return json_fail(node, error, "%s", cause.message);
 }
 
-// An absent one leaves `*choice` as it is.
+// An absent key leaves `*choice` unchanged.
 static bool read_choice(const struct json_node *object, const char *key, const char *const names[], int *choice,
                         struct error *error)
 {

@@ -11,7 +11,7 @@ struct job;
 
 enum { JOB_DOCUMENT_LIMIT = 4 * 1000 * 1000 }; // bytes of a job file; less than MESSAGE_LINE_LIMIT
 
-// `document` is the job object; messages name places from there ("frames: ..."). `output_root` (absolute; NULL: no
-// absolute path allowed) is where an absolute output.path must lie below. On failure `job` is empty.
+// `document` is the job object; places in messages start there ("frames: ..."). An absolute output.path must lie below
+// `output_root` (absolute; NULL: no absolute path is allowed). On failure `job` is empty.
 bool job_from_json(struct job *job, const struct json_node *document, const char *output_root, struct error *error);
 bool job_parse(struct job *job, const char *text, size_t length, const char *output_root, struct error *error);

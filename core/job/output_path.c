@@ -24,21 +24,21 @@ enum {
     // ".<job>.<epoch>.<attempt>.part" with the longest numbers of their types
     PART_SUFFIX_LIMIT = 1 + 19 + 1 + 19 + 1 + 10 + 5,
     FOLDER_FLAGS = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC,
-    // On the way to the last folder nothing is read, so that neither a right to list what is there is needed nor one of a
+    // The folders above the last one are only passed: that needs no permission to list them, from modes or from a
     // sandbox.
     PASSED_FLAGS = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC
 };
 
 static const char name_ending[] = ".exr";
 
-// The place of a frame number in a name.
+// A frame number's position in a name.
 struct number_field {
     const char *start;
     size_t length;
     int pad;
 };
 
-// The first frame number in [text, end), be it a run of number signs or "%04d". False when there is none.
+// Finds the first frame number in [text, end), a run of number signs or "%04d". False when there is none.
 static bool find_number(const char *text, const char *end, struct number_field *field)
 {
     for (const char *c = text; c < end; c++) {
@@ -224,7 +224,7 @@ int32_t output_path_frame_of(const struct output_path *path, const char *name)
 
     if (strncmp(name, path->prefix, prefix) != 0) return -1;
     for (const char *c = name + prefix; isdigit((unsigned char)*c) && number <= INT32_MAX; c++) {
-        // A suffix may begin with digits too: try every end of the number.
+        // A suffix may begin with digits: try every end of the number.
         number = number * 10 + (*c - '0');
         if (number > INT32_MAX || strcmp(c + 1, path->suffix) != 0) continue;
         output_path_format_name(path, (int32_t)number, formatted);
@@ -244,24 +244,24 @@ bool output_path_may_collide(const struct output_path *a, const struct output_pa
 {
     size_t a_prefix = strlen(a->prefix), b_prefix = strlen(b->prefix);
     size_t a_suffix = strlen(a->suffix), b_suffix = strlen(b->suffix);
-    size_t rest;
+    size_t extra;
 
-    // From here on the number of `a` begins first.
+    // Swapped if needed, so that the number of `a` begins first.
     if (a_prefix > b_prefix || (a_prefix == b_prefix && a_suffix > b_suffix)) return output_path_may_collide(b, a);
     if (strcmp(a->folder, b->folder) != 0 || strncmp(a->prefix, b->prefix, a_prefix) != 0) return false;
     if (a_suffix <= b_suffix) {
-        // It also ends last, so it covers what `b` has around its own.
-        rest = b_suffix - a_suffix;
-        return strcmp(a->suffix, b->suffix + rest) == 0 && is_all_digits(b->suffix, rest) &&
+        // The number of `a` also ends last, so it covers the characters around the number of `b`.
+        extra = b_suffix - a_suffix;
+        return strcmp(a->suffix, b->suffix + extra) == 0 && is_all_digits(b->suffix, extra) &&
                is_all_digits(b->prefix + a_prefix, b_prefix - a_prefix);
     }
-    // The numbers overlap or follow one another: only the outermost characters of what is between are digits for sure.
-    rest = a_suffix - b_suffix;
-    return strcmp(a->suffix + rest, b->suffix) == 0 && isdigit((unsigned char)b->prefix[a_prefix]) &&
-           isdigit((unsigned char)a->suffix[rest - 1]);
+    // The numbers overlap or follow one another: only the outermost characters between them must be digits.
+    extra = a_suffix - b_suffix;
+    return strcmp(a->suffix + extra, b->suffix) == 0 && isdigit((unsigned char)b->prefix[a_prefix]) &&
+           isdigit((unsigned char)a->suffix[extra - 1]);
 }
 
-// One component, so that even without openat2 there is nothing but its last link to refuse.
+// Opens one component, so that without openat2 O_NOFOLLOW refuses every link.
 static int open_component(int parent_fd, const char *name, int flags)
 {
     struct open_how how = {.flags = (uint64_t)flags,
@@ -286,7 +286,7 @@ static void set_reason(struct error *error, int errnum, int parent_fd, const cha
         error_set_errno(error, errnum, "cannot open folder \"%s\" below \"%s\"", reached, root);
 }
 
-// A file synced into a new folder is lost with it unless the folder's own entry is on disk too.
+// A file synced into a new folder is lost in a crash unless the folder's own entry is on disk too.
 static bool sync_folder(int passed_fd)
 {
     int fd = openat(passed_fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -5,17 +5,17 @@
 #include "core/job/job.h"
 
 static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;       // m
-static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01; // unless the job says other
+static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01; // defaults
 static const double TOLERANCE_DEFAULT = 0.01, TOLERANCE_MIN = 1e-4, TOLERANCE_MAX = 0.5;
 static const double DEPTH_STEP_MIN = 1e-4, DEPTH_STEP_MAX = 100.0; // optical depth
 enum { GRID_MIN = 4 };
 static const double STEP_VOXELS_MIN = 1e-3, STEP_VOXELS_MAX = 1e3; // voxel edges
 
-// Keys of all methods that take steps, and of all that follow rays from surfaces.
+// Keys of all methods that take steps, and of all that render scenes with objects.
 #define STEP_KEYS "method", "step", "step_voxels", "light_step", "light_step_voxels", "min_transmittance"
 #define PATH_KEYS "samples", "max_depth", "min_throughput", "max_cut"
 
-// In metres or in voxels; the one that is not there stays 0.
+// A step is given in metres or in voxels; the other one stays 0.
 struct step {
     const char *key, *voxels_key;
     double *metres, *voxels;
@@ -75,7 +75,8 @@ static bool read_riemann(const struct json_node *object, struct job_quality *qua
            read_optional_number(object, "min_transmittance", 1.0, &quality->min_transmittance, error);
 }
 
-// Of a method that takes steps, `step` along camera rays and perhaps `light_step` towards lights, and what goes with them.
+// Reads the keys of methods that take steps: `step` along camera rays, optional `light_step` towards lights, and
+// others.
 static bool read_steps(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
     const struct step step = {"step", "step_voxels", &quality->step, &quality->step_voxels};
@@ -128,7 +129,7 @@ static bool read_grid(const struct json_node *object, const char *key, int least
     return true;
 }
 
-// Lights have grids in place of steps.
+// With cached, lights have grids in place of light_step.
 static bool read_cached(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
     static const char *const keys[] = {"method",     "step",         "step_voxels",       "light_grid",
@@ -180,7 +181,7 @@ static bool read_equiangular(const struct json_node *object, struct job_quality 
            read_count(object, "points", JOB_POINT_LIMIT, &quality->points, error);
 }
 
-// What a plan chooses is not for the job to say.
+// Without a method the planner chooses these keys.
 static bool check_is_planned(const struct json_node *object, struct error *error)
 {
     static const char *const keys[] = {"step",       "step_voxels",  "light_step",        "light_step_voxels",
@@ -191,7 +192,7 @@ static bool check_is_planned(const struct json_node *object, struct error *error
         struct json_node node = json_node_child(object, keys[i]);
 
         if (!json_node_is_absent(&node))
-            return json_fail(&node, error, "only beside a method; without one, a tolerance's plan chooses it");
+            return json_fail(&node, error, "only beside a method; without one, the planner chooses it");
     }
     return true;
 }
@@ -232,7 +233,7 @@ static bool read_method(const struct json_node *object, struct job_quality *qual
     return false;
 }
 
-// Of scenes with objects.
+// Reads the keys for scenes with objects.
 static bool read_paths(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
     struct json_node depth = json_node_child(object, "max_depth");

@@ -1,4 +1,4 @@
-// Reads how the light along a ray is summed: a job's quality.
+// Reads a job's quality: the method that integrates light along rays, and its numbers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,6 +9,6 @@
 struct error;
 struct job_quality;
 
-// `document` is the job, whose key "quality" is read. What a method lacks is refused; whether the scene suits the method is
-// for job_check to say.
+// `document` is the job, whose key "quality" is read. Keys that the method does not have are refused. job_check checks
+// whether the scene suits the method.
 bool quality_from_json(struct job_quality *quality, const struct json_node *document, struct error *error);

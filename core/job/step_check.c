@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-// What the checks of a method look at.
+// The input of the checks of a method.
 struct check {
     const struct job *job;
     const struct json_node *document, *quality;
@@ -51,7 +51,7 @@ static double shape_diameter(const struct scene_shape *shape, struct timeline_sp
     return INFINITY;
 }
 
-// No straight way inside an object is longer, m: it leaves each of its shapes once.
+// No straight line inside an object is longer, m: it leaves each convex shape once.
 static double object_diameter(const struct scene *scene, const struct scene_object *object, struct timeline_span span)
 {
     double sum = 0.0;
@@ -70,7 +70,7 @@ static double density_diameter(const struct scene_density *density, struct timel
     return rules->find_diameter ? fmin(bounds, rules->find_diameter(density, span)) : bounds;
 }
 
-// The longest way through a medium, m.
+// The longest straight line through a medium, m.
 static double medium_diameter(const struct check *check, const struct scene_medium *medium)
 {
     const struct scene *scene = &check->job->scene;
@@ -80,8 +80,8 @@ static double medium_diameter(const struct check *check, const struct scene_medi
     return fmin(diameter, object_diameter(scene, &scene->objects[medium->owner - 1], check->span));
 }
 
-// The way of a sun's light through a slab, m.
-static double slab_way(const struct scene_bounds *slab, const struct scene_light *sun, struct timeline_span span)
+// The path of a sun's light through a slab, m.
+static double slab_path(const struct scene_bounds *slab, const struct scene_light *sun, struct timeline_span span)
 {
     double normal[3], direction[3], dot = 0.0, normal_square = 0.0, direction_square = 0.0;
 
@@ -96,33 +96,34 @@ static double slab_way(const struct scene_bounds *slab, const struct scene_light
     return timeline_find_largest(&slab->thickness, span) * sqrt(normal_square) * sqrt(direction_square) / fabs(dot);
 }
 
-// The farthest that a point light may be from a sample, m: the camera is in between.
-static double point_way(const struct check *check, const struct scene_light *light)
+// An upper bound of the distance from a point light to a sample, m: by way of the camera.
+static double point_distance(const struct check *check, const struct scene_light *light)
 {
     const struct scene_camera *camera = &check->job->scene.camera;
-    double light_min[3], light_max[3], camera_min[3], camera_max[3], reach[3];
+    double light_min[3], light_max[3], camera_min[3], camera_max[3], extent[3];
 
     timeline_find_bounds(&light->position, check->span, light_min, light_max);
     timeline_find_bounds(&camera->position, check->span, camera_min, camera_max);
     for (int i = 0; i < 3; i++)
-        reach[i] = fmax(light_max[i] - camera_min[i], camera_max[i] - light_min[i]);
-    return hypot(hypot(reach[0], reach[1]), reach[2]) + camera->clip_far;
+        extent[i] = fmax(light_max[i] - camera_min[i], camera_max[i] - light_min[i]);
+    return hypot(hypot(extent[0], extent[1]), extent[2]) + camera->clip_far;
 }
 
-// The farthest that a point light may be from a shape, m.
-static double shape_way(const struct check *check, const struct scene_shape *shape, const struct scene_light *light)
+// An upper bound of the distance from a point light to a shape, m.
+static double shape_distance(const struct check *check, const struct scene_shape *shape,
+                             const struct scene_light *light)
 {
-    double light_min[3], light_max[3], min[3], max[3], reach[3];
+    double light_min[3], light_max[3], min[3], max[3], extent[3];
 
     timeline_find_bounds(&light->position, check->span, light_min, light_max);
     timeline_find_bounds(&shape->center, check->span, min, max);
     for (int i = 0; i < 3; i++)
-        reach[i] = fmax(light_max[i] - min[i], max[i] - light_min[i]);
-    return hypot(hypot(reach[0], reach[1]), reach[2]) + shape_diameter(shape, check->span) / 2.0;
+        extent[i] = fmax(light_max[i] - min[i], max[i] - light_min[i]);
+    return hypot(hypot(extent[0], extent[1]), extent[2]) + shape_diameter(shape, check->span) / 2.0;
 }
 
-// The farthest that a point light may be from a surface which it lights, m: camera.clip ends media alone.
-static double surface_way(const struct check *check, const struct scene_light *light)
+// An upper bound of the distance from a point light to a surface that it lights, m. (camera.clip bounds only media.)
+static double surface_distance(const struct check *check, const struct scene_light *light)
 {
     const struct scene *scene = &check->job->scene;
     double longest = 0.0;
@@ -132,53 +133,53 @@ static double surface_way(const struct check *check, const struct scene_light *l
 
         if (object->material.kind != SCENE_MATERIAL_DIFFUSE) continue;
         for (size_t k = 0; k < object->shape_count; k++)
-            longest = fmax(longest, shape_way(check, &scene->shapes[object->first_shape + k], light));
+            longest = fmax(longest, shape_distance(check, &scene->shapes[object->first_shape + k], light));
     }
     return longest;
 }
 
-static double light_way(const struct check *check, const struct scene_medium *medium, const struct scene_light *light)
+static double light_path(const struct check *check, const struct scene_medium *medium, const struct scene_light *light)
 {
     const struct scene_bounds *bounds = &medium->density.bounds;
     double diameter = medium_diameter(check, medium);
 
     if (light->kind == SCENE_LIGHT_POINT)
-        return fmin(diameter, fmax(point_way(check, light), surface_way(check, light)));
-    if (bounds->kind == SCENE_BOUNDS_SLAB) return fmin(diameter, slab_way(bounds, light, check->span));
+        return fmin(diameter, fmax(point_distance(check, light), surface_distance(check, light)));
+    if (bounds->kind == SCENE_BOUNDS_SLAB) return fmin(diameter, slab_path(bounds, light, check->span));
     return diameter;
 }
 
-struct way {
+struct march {
     double length, step; // m
     const char *along;
     int step_limit;
 };
 
-static bool check_count(const struct json_node *node, const struct way *way, struct error *error)
+static bool check_count(const struct json_node *node, const struct march *march, struct error *error)
 {
-    double count = ceil(way->length / way->step - 1e-9);
+    double count = ceil(march->length / march->step - 1e-9);
 
-    if (count <= way->step_limit) return true;
+    if (count <= march->step_limit) return true;
     return json_fail(node, error, "expected at most %d steps along a ray, got %.10g: %.10g m %s in steps of %.10g m",
-                     way->step_limit, count, way->length, way->along, way->step);
+                     march->step_limit, count, march->length, march->along, march->step);
 }
 
-// Of a medium's density.
+// The node of a medium's density, and its parents.
 struct density_nodes {
-    struct scene_nodes way;
+    struct scene_nodes medium;
     struct json_node density;
 };
 
 static const struct json_node *find_density(const struct check *check, size_t index, struct density_nodes *nodes)
 {
     nodes->density =
-        json_node_child(scene_nodes_find_medium(&nodes->way, check->document, &check->job->scene, index), "density");
+        json_node_child(scene_nodes_find_medium(&nodes->medium, check->document, &check->job->scene, index), "density");
     return &nodes->density;
 }
 
 enum { ALONG_SIZE = 64 };
 
-static const char *describe_way(const struct check *check, size_t index, char along[static ALONG_SIZE])
+static const char *describe_path(const struct check *check, size_t index, char along[static ALONG_SIZE])
 {
     static const char through[] = "through ";
 
@@ -187,22 +188,20 @@ static const char *describe_way(const struct check *check, size_t index, char al
     return along;
 }
 
-// The longest way of a light through a medium, m; one without end is an error.
-static bool find_light_way(const struct check *check, size_t index, double *longest)
+// The longest path of a light through a medium, m; an unbounded one is an error.
+static bool find_light_path(const struct check *check, size_t index, double *longest)
 {
     const struct scene *scene = &check->job->scene;
     struct density_nodes nodes;
 
     *longest = 0.0;
     for (size_t i = 0; i < scene->light_count; i++) {
-        double way = light_way(check, &scene->media[index], &scene->lights[i]);
+        double path = light_path(check, &scene->media[index], &scene->lights[i]);
 
-        if (isinf(way))
+        if (isinf(path))
             return json_fail(find_density(check, index, &nodes), check->error,
-                             "expected bounds (a sphere or a box): the light of lights[%zu] comes all the way through "
-                             "it",
-                             i);
-        *longest = fmax(*longest, way);
+                             "expected bounds (a sphere or a box): the path of lights[%zu] through it has no end", i);
+        *longest = fmax(*longest, path);
     }
     return true;
 }
@@ -213,11 +212,11 @@ static bool check_light_march(const struct check *check, size_t index)
     double longest;
     char along[ALONG_SIZE];
 
-    if (!find_light_way(check, index, &longest)) return false;
+    if (!find_light_path(check, index, &longest)) return false;
     if (check->job->quality.light_step == 0.0) return true;
     return check_count(&node,
-                       &(struct way){longest, check->job->quality.light_step, describe_way(check, index, along),
-                                     JOB_MARCH_STEPS_LIMIT},
+                       &(struct march){longest, check->job->quality.light_step, describe_path(check, index, along),
+                                       JOB_MARCH_STEPS_LIMIT},
                        check->error);
 }
 
@@ -236,8 +235,8 @@ static bool check_march(const struct check *check, size_t index)
                          "end");
     if (check->job->quality.step == 0.0) return true;
     return check_count(&node,
-                       &(struct way){length, check->job->quality.step, describe_way(check, index, along),
-                                     job_find_step_limit(check->job)},
+                       &(struct march){length, check->job->quality.step, describe_path(check, index, along),
+                                       job_find_step_limit(check->job)},
                        check->error);
 }
 
@@ -257,7 +256,7 @@ static bool check_voxels(const struct check *check)
 
         if (!json_node_is_absent(&node) && !has_grid(&check->job->scene))
             return json_fail(&node, check->error,
-                             "expected a density of kind \"grid\" to take the voxels of, got none");
+                             "expected a density of kind \"grid\", whose voxels it counts, got none");
     }
     return true;
 }
@@ -271,7 +270,7 @@ static bool media_are_even(const struct scene *scene)
     return is_even;
 }
 
-// Each light that is seen has a grid around the media that vary, a channel for each of these.
+// Each light has a grid around the media of varying density, with a channel for each of them.
 static bool check_light_grids(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
@@ -306,7 +305,7 @@ static bool check_cached(const struct check *check)
     return true;
 }
 
-// Of a method that takes steps; auto has none of its own yet.
+// Checks methods that take steps. Auto has no steps yet.
 static bool check_midpoint(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
@@ -327,7 +326,7 @@ static bool check_midpoint(const struct check *check)
     return true;
 }
 
-// Nobody but the job knows what its own code may say.
+// Only the job itself can state a majorant of its own code.
 static bool check_majorant(const struct check *check, size_t index)
 {
     const struct scene_density *density = &check->job->scene.media[index].density;
@@ -336,8 +335,7 @@ static bool check_majorant(const struct check *check, size_t index)
 
     if (density->kind != SCENE_DENSITY_GLSL || density->glsl.majorant > 0.0) return true;
     return json_fail_expected(&node, check->error,
-                              "a number that density() is nowhere above, which the estimators delta "
-                              "and ratio need");
+                              "an upper bound of density(), which the estimators delta and ratio need");
 }
 
 static bool check_tracking(const struct check *check)
@@ -367,15 +365,15 @@ static bool check_riemann(const struct check *check)
     for (size_t i = 0; i < scene->medium_count; i++) {
         double longest;
 
-        if (scene->media[i].density.kind != SCENE_DENSITY_GRID && !find_light_way(check, i, &longest)) return false;
+        if (scene->media[i].density.kind != SCENE_DENSITY_GRID && !find_light_path(check, i, &longest)) return false;
     }
-    return check_count(
-        &step,
-        &(struct way){length, check->job->quality.step, "between the clip distances", job_find_step_limit(check->job)},
-        check->error);
+    return check_count(&step,
+                       &(struct march){length, check->job->quality.step, "between the clip distances",
+                                       job_find_step_limit(check->job)},
+                       check->error);
 }
 
-// Spans of n media have at most 2 n - 1 stretches between their ends; each light has its points on each.
+// The bounds of n media cut a ray into at most 2 n - 1 intervals; each light has its points in each of them.
 static bool check_points(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
@@ -428,13 +426,13 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
         return check_cached(&check);
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
-    case JOB_METHOD_AUTO: // of even media alone nothing has to march
+    case JOB_METHOD_AUTO: // homogeneous media alone need no steps
         return media_are_even(&job->scene) || check_midpoint(&check);
     }
     return false;
 }
 
-double step_longest_way(const struct job *job)
+double step_longest_path(const struct job *job)
 {
     const struct check check = {.job = job, .span = job_time_span(job)};
     double clip = job->scene.camera.clip_far - job->scene.camera.clip_near, longest = 0.0;

@@ -1,4 +1,4 @@
-// Whether a job's method suits its scene, and how many steps it would take along a ray at most.
+// Checks that a job's method suits its scene and does not take too many steps along a ray.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,9 +8,10 @@ struct error;
 struct job;
 struct json_node;
 
-// Messages name places in `document`, which `job` was read from. The size of a grid is not known here: whoever opens it
-// counts the steps through it.
+// Messages name places in `document`, from which `job` was read. The size of a grid is unknown here: the worker, which
+// opens its file, counts the steps through it.
 bool step_check(const struct job *job, const struct json_node *document, struct error *error);
 
-// The longest way that a camera ray has in any medium but those of grids, m; INFINITY where nothing ends it, 0 without any.
-double step_longest_way(const struct job *job);
+// The longest path of a camera ray through a medium that is no grid, m. INFINITY where nothing bounds it, 0 without
+// media.
+double step_longest_path(const struct job *job);

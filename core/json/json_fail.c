@@ -23,7 +23,7 @@ static bool is_plain_key(const char *key)
            strspn(key, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == length;
 }
 
-// `text` in quotes, shortened, with nothing in it that a terminal obeys.
+// Appends `text` in quotes, shortened and escaped.
 static void append_shown_string(struct json_writer *writer, const char *text)
 {
     size_t length = strlen(text), shown = utf8_prefix_length(text, length, SHOWN_BYTES);
@@ -75,7 +75,7 @@ bool json_fail(const struct json_node *node, struct error *error, const char *fo
     return false;
 }
 
-// What the value is, in a few words; owned by the caller.
+// The value in a few words; owned by the caller.
 static char *describe_value(const struct json_node *node)
 {
     struct json_writer writer = {0};

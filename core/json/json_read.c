@@ -16,7 +16,7 @@ static int compare_keys(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-// A key that `object` has twice, or NULL.
+// A key that appears twice in `object`, or NULL.
 static const char *find_repeated_key(const cJSON *object)
 {
     const char *few[16];

@@ -13,8 +13,8 @@ struct cJSON;
 struct error;
 
 // Strict JSON: one value, nothing after it, within the limits of json_scan.h, no key twice in an object, finite
-// numbers, no NUL in strings. The message names line and column of a syntax error, the path of a key that appears twice.
-// `*root` is freed with json_delete.
+// numbers, no NUL in strings. The message names line and column of a syntax error, the path of a key that appears
+// twice. `*root` is freed with json_delete.
 bool json_parse(struct cJSON **root, const char *text, size_t length, struct error *error);
 void json_delete(struct cJSON *root); // accepts NULL
 

@@ -45,7 +45,7 @@ static bool fail_at(struct scanner *scanner, size_t at, const char *format, ...)
     return false;
 }
 
-// "expected WHAT, got" and the character at the scanner's place.
+// Fails with "expected WHAT, got" and the character at the scanner's position.
 static bool fail_expected(struct scanner *scanner, const char *expected)
 {
     unsigned char byte;
@@ -57,7 +57,7 @@ static bool fail_expected(struct scanner *scanner, const char *expected)
     return fail_at(scanner, scanner->at, "expected %s, got byte 0x%02x", expected, byte);
 }
 
-// The byte at the scanner's place; 0, which starts nothing in JSON, at the end.
+// The byte at the scanner's position; 0, which starts no JSON token, at the end.
 static char peek(const struct scanner *scanner)
 {
     return scanner->at < scanner->length ? scanner->text[scanner->at] : '\0';
@@ -72,7 +72,7 @@ static void skip_space(struct scanner *scanner)
     }
 }
 
-// Four hexadecimal digits at the scanner's place, which it passes; -1 when they are not there.
+// Reads four hexadecimal digits at the scanner's position; -1 when they are not there.
 static int scan_hex4(struct scanner *scanner)
 {
     int code = 0;
@@ -212,7 +212,7 @@ static bool scan_member_key(struct scanner *scanner)
     return true;
 }
 
-// The members of an object or the elements of an array, from the opening bracket to the closing one.
+// Scans an object or an array from its opening bracket to its closing one.
 static bool scan_members(struct scanner *scanner, char close)
 {
     const char *expected = close == '}' ? "',' or '}'" : "',' or ']'";

@@ -1,4 +1,4 @@
-// Says whether a text is strict JSON, before a more forgiving parser reads it.
+// Checks that a text is strict JSON before a more lenient parser reads it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Room for `size_bytes` more and a NUL.
+// Makes room for `size_bytes` more and a NUL.
 static char *reserve(struct json_writer *writer, size_t size_bytes)
 {
     if (writer->capacity - writer->length <= size_bytes)
@@ -20,14 +20,14 @@ static char *reserve(struct json_writer *writer, size_t size_bytes)
 
 static void append(struct json_writer *writer, const char *bytes, size_t size_bytes)
 {
-    char *place = reserve(writer, size_bytes);
+    char *end = reserve(writer, size_bytes);
 
-    memcpy(place, bytes, size_bytes);
-    place[size_bytes] = '\0';
+    memcpy(end, bytes, size_bytes);
+    end[size_bytes] = '\0';
     writer->length += size_bytes;
 }
 
-// One value as it stands, with the comma before it.
+// Appends one value as it is, after a comma where one is needed.
 static void append_value(struct json_writer *writer, const char *bytes, size_t size_bytes)
 {
     if (writer->wants_comma) append(writer, ",", 1);
@@ -142,15 +142,15 @@ void json_write_string(struct json_writer *writer, const char *text)
     writer->wants_comma = true;
 }
 
-// Decimal digits of `integer` ending before `end`; returns where they begin.
+// Writes `integer` in decimal so that it ends before `end`; returns its start.
 static char *format_integer(char *end, int64_t integer)
 {
-    uint64_t rest = integer < 0 ? -(uint64_t)integer : (uint64_t)integer;
+    uint64_t remaining = integer < 0 ? -(uint64_t)integer : (uint64_t)integer;
 
     do {
-        *--end = (char)('0' + rest % 10);
-        rest /= 10;
-    } while (rest > 0);
+        *--end = (char)('0' + remaining % 10);
+        remaining /= 10;
+    } while (remaining > 0);
     if (integer < 0) *--end = '-';
     return end;
 }
@@ -164,8 +164,9 @@ void json_write_integer(struct json_writer *writer, int64_t integer)
     append_value(writer, start, (size_t)(end - start));
 }
 
-// Most numbers we write are millionths times an integer. An integer below 2^53 divided by 10^6 rounds to the double
-// nearest to that decimal, so equality proves that the decimal reads back. Returns its length, or 0 for other numbers.
+// Formats a whole number of millionths, as most numbers here are. An integer below 2^53 divided by 10^6 rounds to the
+// double nearest to that decimal, so equality proves that the decimal reads back. Returns its length, or 0 for other
+// numbers.
 static int format_millionths(char text[static 32], double number)
 {
     double scaled = number * 1e6;

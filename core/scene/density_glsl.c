@@ -13,7 +13,8 @@
 static const double LIPSCHITZ_MIN = 1e-9, LIPSCHITZ_MAX = 1e9;
 static const double MAJORANT_MIN = 1e-9, MAJORANT_MAX = 1e9;
 
-// The word behind the # that a line begins with, of a directive that would reach out of the user's text.
+// The name of a preprocessor directive that `line` begins with and that would affect more than the user's text, or
+// NULL.
 static const char *find_directive(const char *line)
 {
     static const char *const words[] = {"version", "extension", "include", "line"};
@@ -90,7 +91,7 @@ static bool read(struct scene_density *density, const struct scene_reader *reade
     if (!json_check_keys(reader->object, keys, reader->error) || !read_file(reader, glsl) || !read_source(reader, glsl))
         return false;
     if (json_node_is_absent(&bounds))
-        return json_fail_expected(&bounds, reader->error, "bounds, as nobody else knows where the density ends");
+        return json_fail_expected(&bounds, reader->error, "bounds, as the extent of GLSL code is unknown");
     return (json_node_is_absent(&lipschitz) ||
             json_read_number(&lipschitz, LIPSCHITZ_MIN, LIPSCHITZ_MAX, &glsl->lipschitz, reader->error)) &&
            (json_node_is_absent(&majorant) ||
@@ -116,7 +117,7 @@ static void finish(struct scene_density *density)
     free(density->glsl.source);
 }
 
-// Its code is given the time.
+// The code depends on the time.
 static bool is_sequence(const struct scene_density *density)
 {
     (void)density;

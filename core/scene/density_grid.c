@@ -58,7 +58,7 @@ static bool read_raw(const struct scene_reader *reader, struct scene_grid *grid)
         struct json_node node = json_node_child(reader->object, raw_keys[i]);
 
         if (!json_node_is_absent(&node) && !file_format_is(grid->file, FILE_GRID_RAW))
-            return json_fail(&node, reader->error, "only for .raw files: others say it themselves");
+            return json_fail(&node, reader->error, "only for .raw files; the headers of others have it");
     }
     grid->raw.has_type = scene_reader_has_key(reader, "type");
     if (!read_size(reader, &grid->raw) || !scene_reader_read_choice(reader, "type", types, &type) ||

@@ -16,7 +16,7 @@ bool density_from_json(struct scene_density *density, const struct scene_reader 
 
     density_rules_list(names);
     if (!json_check_object(&object, reader.error) || !json_read_enum(&kind, names, &choice, reader.error)) return false;
-    // What is read until a failure is all that scene_finish has to free.
+    // After a failure scene_finish frees what was read.
     memset(density, 0, sizeof *density);
     density->kind = (enum scene_density_kind)choice;
     return density_rules_of(density)->read(density, &reader) && bounds_from_json(&density->bounds, &reader);

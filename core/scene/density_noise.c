@@ -5,7 +5,7 @@
 static const struct timeline_limits FREQUENCY = {.components = 1, .min = 0.0, .max = 1e9, .excludes_min = true};
 static const struct timeline_limits LACUNARITY = {.components = 1, .min = 1.0, .max = 100.0};
 static const struct timeline_limits HURST = {.components = 1, .min = 0.0, .max = 10.0};
-// Beyond it a density is 0 or without end nearly everywhere: the exponent is from 1 / 1999 to 1999.
+// Beyond this range nearly every density would be 0 or infinite: the exponent goes from 1 / 1999 to 1999.
 static const struct timeline_limits BIAS = {.components = 1, .min = -0.999, .max = 0.999};
 static const struct timeline_limits LATTICE = {.components = 3, .min = -1e9, .max = 1e9};
 

@@ -1,4 +1,4 @@
-// What a kind of density is to a job: its name, how it is read, which values it has. A file density_KIND.c each.
+// The rules of each kind of density in a job: its name, how it is read, its values. One file density_KIND.c each.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,19 +9,19 @@
 
 struct scene_reader;
 
-// A new kind is one file with one of these, called density_rules_KIND, and a line in density_rules.c's table.
+// A new kind is a file with one of these, called density_rules_KIND, and a row in density_rules.c's table.
 struct density_rules {
     const char *name; // in the job
-    bool is_even;     // without a falloff rho is the same wherever it is not 0
+    bool is_even;     // rho is constant within bounds that have no falloff
     // `reader` stands at the density, of which only the kind is set. On failure the caller still calls scene_finish.
     bool (*read)(struct scene_density *density, const struct scene_reader *reader);
     void (*visit)(struct scene_density *density, timeline_visitor *visit,
                   void *user); // its timelines, always in one order
-    // Writes what else a picture depends on, for the job's hash (hash_text.h). NULL: nothing.
+    // Writes the values that are no timelines, for the job's hash (hash_text.h). NULL: there are none.
     void (*write_hash_text)(const struct scene_density *density, FILE *text);
-    void (*finish)(struct scene_density *density);            // frees all but timelines; NULL: nothing
+    void (*finish)(struct scene_density *density);            // frees all but timelines; NULL: there is nothing to free
     bool (*is_sequence)(const struct scene_density *density); // as scene_density_is_sequence; NULL: never
-    // No straight line inside what the density fills without its bounds is longer within `span`, m. NULL: it has no end.
+    // An upper bound, within `span`, of a straight line through the density without its bounds, m. NULL: unbounded.
     double (*find_diameter)(const struct scene_density *density, struct timeline_span span);
 };
 

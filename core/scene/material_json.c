@@ -16,7 +16,6 @@ static struct timeline constant(double value)
     return (struct timeline){.component_count = 1, .value = {value}};
 }
 
-// `ior` holds its default, or nothing where it is required.
 static bool read_fresnel(const struct scene_reader *reader, struct scene_material *material)
 {
     static const char *const fresnels[] = {"exact", "schlick", "none", NULL};
@@ -56,7 +55,7 @@ static bool read_specular(const struct scene_reader *reader, struct scene_materi
            read_roughness(reader, material);
 }
 
-// Whether an image on the object has tiles: it goes around a sphere once.
+// True when a texture on the object has tiles; around a sphere it goes once.
 static bool takes_tiles(const struct scene *scene, const struct scene_object *object)
 {
     for (size_t i = 0; i < object->shape_count; i++)
@@ -121,7 +120,7 @@ bool material_from_json(struct scene *scene, size_t index, const struct scene_re
     int choice;
 
     if (!json_check_object(&object, reader.error) || !json_read_enum(&kind, kinds, &choice, reader.error)) return false;
-    // What a kind has none of has a value nevertheless.
+    // Values that the kind does not have are set too.
     *material = (struct scene_material){.kind = (enum scene_material_kind)choice,
                                         .albedo = constant(1.0),
                                         .specular = constant(0.0),

@@ -1,4 +1,4 @@
-// Reads what the surface of an object does to light, and the medium that fills it.
+// Reads the material of an object, and the medium that fills it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,6 +8,6 @@
 struct scene;
 struct scene_reader;
 
-// `object` stands at scene.objects[index], whose key "material" is read and whose shapes are read already. An interior is
+// `object` stands at scene.objects[index], whose key "material" is read and whose shapes have been read. An interior is
 // appended to the scene's media. On failure the caller still calls scene_finish.
 bool material_from_json(struct scene *scene, size_t index, const struct scene_reader *object);

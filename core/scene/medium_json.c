@@ -7,7 +7,7 @@
 #include "core/scene/scene_reader.h"
 
 static const struct timeline_limits COEFFICIENT = {.min = 0.0, .max = 1e9};
-// Beyond it, 1 - |g| has too few digits in a shader's float.
+// Beyond this range 1 - |g| has too few digits in a shader's float.
 static const struct timeline_limits COSINE = {.components = 1, .min = -0.99999, .max = 0.99999};
 
 static bool read_lobe(const struct scene_reader *reader, struct scene_phase_lobe *lobe)
@@ -39,7 +39,7 @@ static bool read_phase(const struct scene_reader *medium_reader, struct scene_me
     return true;
 }
 
-// What a transfer function says instead.
+// Refuses the keys that a transfer function replaces.
 static bool check_transfer(const struct scene_reader *reader)
 {
     static const char *const keys[] = {"sigma_s", "sigma_a", "emission", "phase", "blackbody"};
@@ -71,7 +71,7 @@ static bool check_keys(const struct scene_reader *reader)
     return json_check_object(reader->object, reader->error) && json_check_keys(reader->object, keys, reader->error);
 }
 
-// All but the density, which is read already.
+// Reads all but the density, which has been read.
 static bool read_coefficients(struct scene_medium *medium, const struct scene_reader *reader)
 {
     const struct scene_density *density = &medium->density;

@@ -1,4 +1,4 @@
-// Reads a medium: its density, what it does to light, and its phase function.
+// Reads a medium: its density, its coefficients and its phase function.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,5 +9,5 @@ struct scene_reader;
 
 // `reader` stands at the medium. On failure the caller still calls scene_finish.
 bool medium_from_json(struct scene_medium *medium, const struct scene_reader *reader);
-// The same of what fills an object: without a density it is homogeneous, 1 everywhere.
+// Reads the medium that fills an object. An absent density is homogeneous, 1 everywhere.
 bool medium_interior_from_json(struct scene_medium *medium, const struct scene_reader *reader);

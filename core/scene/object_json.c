@@ -5,7 +5,7 @@
 #include "core/scene/scene.h"
 #include "core/scene/scene_reader.h"
 
-// Of a shape by itself, and of one of a union's.
+// The first of `keys` is not allowed in a member of a union.
 static bool check_keys(const struct scene_reader *reader, const char *const keys[], bool is_member)
 {
     return json_check_keys(reader->object, keys + (is_member ? 1 : 0), reader->error);
@@ -46,7 +46,7 @@ static bool add_shape(struct scene *scene, enum scene_shape_kind kind, const str
         return json_fail(reader->object, reader->error, "expected at most %d shapes in all", SCENE_SHAPE_LIMIT);
     scene->shape_count++;
     scene->objects[scene->object_count - 1].shape_count++;
-    // What a kind has none of has a value nevertheless.
+    // Values that the kind does not have are set too.
     *shape = (struct scene_shape){.kind = kind,
                                   .center = {.component_count = 3},
                                   .radius = {.component_count = 1},

@@ -7,6 +7,6 @@
 struct scene;
 struct scene_reader;
 
-// `scene_reader` stands at an object whose key "objects" is read; absent: none. The scene's media are read already: interiors
-// come behind them. On failure the caller still calls scene_finish.
+// `scene_reader` stands at an object whose key "objects" is read; absent: none. The scene's media have been read:
+// interiors follow them. On failure the caller still calls scene_finish.
 bool objects_from_json(struct scene *scene, const struct scene_reader *scene_reader);

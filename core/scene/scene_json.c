@@ -72,7 +72,7 @@ static bool read_contents(const struct scene_reader *job, struct scene *scene)
            read_media(&reader, scene) && objects_from_json(scene, &reader);
 }
 
-// Before all else: a shutter that stays open makes the times longer that every value is checked at.
+// Read first: the shutter extends the times at which every other value is checked.
 static bool read_shutter(const struct scene_reader *job, struct scene_camera *camera)
 {
     struct json_node object = json_node_child(job->object, "camera");

@@ -9,14 +9,14 @@
 
 struct scene;
 
-// When values are asked for.
+// The times at which values are needed.
 struct scene_times {
     struct timeline_span frames; // from the first frame to the last
     double frame_s;              // from one frame to the next
 };
 
 // `job` is the document's root object; its keys camera, lights, background and scene are read. Lights, media and
-// objects may be absent. Values are checked between the first frame and the moment when the shutter closes on the last. On failure the
-// caller still calls scene_finish.
+// objects may be absent. Ranges of values are checked from the first frame to the end of the shutter of the last. On
+// failure the caller still calls scene_finish.
 bool scene_from_json(struct scene *scene, const struct json_node *job, const struct scene_times *times,
                      struct error *error);

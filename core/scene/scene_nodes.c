@@ -16,7 +16,7 @@ const struct json_node *scene_nodes_find_medium(struct scene_nodes *nodes, const
     size_t owner = scene->media[index].owner;
 
     if (owner == 0) {
-        find_element(nodes, document, "media", index); // interiors come behind these
+        find_element(nodes, document, "media", index); // interiors follow these
         return &nodes->object;
     }
     find_element(nodes, document, "objects", owner - 1);

@@ -1,4 +1,4 @@
-// Where a job's document has what its scene was read from.
+// Finds the parts of a scene in its job's document.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@
 
 struct scene;
 
-// The way to a node: each is the parent of a later one, so it may not be copied.
+// A node and its parents. They point to each other, so the struct must not be copied.
 struct scene_nodes {
     struct json_node scene, list, object, inner, last;
 };
@@ -17,7 +17,7 @@ struct scene_nodes {
 // `document`, the job's root.
 const struct json_node *scene_nodes_find_medium(struct scene_nodes *nodes, const struct json_node *document,
                                                 const struct scene *scene, size_t index);
-// The shape at `member` of scene->objects[index], whose own it is, or one of its union.
+// The shape `member` of scene->objects[index]: the object itself, or an element of its union.
 const struct json_node *scene_nodes_find_shape(struct scene_nodes *nodes, const struct json_node *document,
                                                const struct scene *scene, size_t index, size_t member);
 // The material of scene->objects[index].

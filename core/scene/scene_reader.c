@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const size_t GRID_NAME_LIMIT = 255; // bytes; what a NanoVDB file has room for
+static const size_t GRID_NAME_LIMIT = 255; // bytes; the limit of a NanoVDB file
 
 const struct timeline_limits SCENE_POSITION = {.components = 3, .min = -1e9, .max = 1e9, .is_position = true};
 const struct timeline_limits SCENE_DIRECTION = {.components = 3, .min = -1e9, .max = 1e9, .is_direction = true};

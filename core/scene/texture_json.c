@@ -23,7 +23,7 @@ static bool read_size(const struct scene_reader *reader, struct scene_texture *t
 
     if (!has_size)
         return json_node_is_absent(&node) ||
-               json_fail(&node, reader->error, "not on spheres, which it goes around once");
+               json_fail(&node, reader->error, "not on spheres: a texture goes around them once");
     if (json_node_type(&node) == JSON_NUMBER)
         return json_read_number(&node, TILE_MIN, TILE_MAX, &texture->size[0], reader->error);
     if (json_node_type(&node) != JSON_ARRAY || json_node_count(&node) != 2)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Closer to the x axis than one degree, an orbit's axis leaves x too short a shadow to start from.
+// The sine of one degree. Closer to the x axis, an orbit's axis leaves too short a projection of x to start from.
 static const double AXIS_ALONG_X_SIN = 0.01745240643728351;
 
 void timeline_finish(struct timeline *timeline)
@@ -63,7 +63,7 @@ static void evaluate_keys(const struct timeline *timeline, double time, double v
     for (int i = 0; i < timeline->component_count; i++) {
         double from = keys[before].value[i], to = share > 0.0 ? keys[after].value[i] : from;
 
-        // Rounding may go a digit past both, and so out of a range that holds them.
+        // Rounding could leave the interval between both by one digit, and so the allowed range.
         value[i] = fmax(fmin(from, to), fmin(fmax(from, to), (1.0 - share) * from + share * to));
     }
 }
@@ -138,17 +138,17 @@ static void find_orbit_bounds(const struct timeline *timeline, double min[3], do
     normalize(timeline->orbit.axis, axis);
     for (int i = 0; i < 3; i++) {
         double middle = timeline->orbit.center[i] + timeline->orbit.height * axis[i];
-        double reach = fabs(timeline->orbit.radius) * sqrt(fmax(1.0 - axis[i] * axis[i], 0.0));
+        double extent = fabs(timeline->orbit.radius) * sqrt(fmax(1.0 - axis[i] * axis[i], 0.0));
 
-        min[i] = middle - reach;
-        max[i] = middle + reach;
+        min[i] = middle - extent;
+        max[i] = middle + extent;
     }
 }
 
 static void find_component_bounds(const struct timeline *timeline, struct timeline_span span, int i, double *min,
                                   double *max)
 {
-    double first[3], last[3], reach;
+    double first[3], last[3], extent;
 
     switch (timeline->kind) {
     case TIMELINE_CONSTANT:
@@ -159,9 +159,9 @@ static void find_component_bounds(const struct timeline *timeline, struct timeli
         *max = fmax(first[i], last[i]);
         break;
     case TIMELINE_LISSAJOUS:
-        reach = fabs(timeline->lissajous.amplitude[i]);
-        *min = timeline->lissajous.center[i] - reach;
-        *max = timeline->lissajous.center[i] + reach;
+        extent = fabs(timeline->lissajous.amplitude[i]);
+        *min = timeline->lissajous.center[i] - extent;
+        *max = timeline->lissajous.center[i] + extent;
         break;
     case TIMELINE_KEYS:
         find_key_bounds(timeline, i, min, max);

@@ -9,7 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
-// What builds a value up need not lie in the value's own range: a start is of time 0, which no frame need see.
+// The parts of a timeline may lie outside the range of its value: `start`, for example, is the value at time 0, which
+// may be outside of the frames.
 static const struct timeline_limits PART = {.min = -1e15, .max = 1e15};
 static const struct timeline_limits RATE = {.min = -1e9, .max = 1e9};
 static const struct timeline_limits POINT = {.components = 3, .min = -1e9, .max = 1e9};
@@ -53,7 +54,7 @@ static bool read_component(const struct json_node *node, const struct timeline_l
     return fail_value(node, limits, 1, error);
 }
 
-// `*components` is what the value must have, or 0; it receives what the value has.
+// `*components` is the required number of components, or 0 for 1 or 3; it receives the number found.
 static bool read_value(const struct json_node *node, const struct timeline_limits *limits, int *components,
                        double value[static 3], struct error *error)
 {
@@ -103,7 +104,7 @@ static bool read_optional_number(const struct json_node *object, const char *key
     return json_node_is_absent(&node) || read_component(&node, limits, number, error);
 }
 
-// The limits of a part, with as many components as the timeline has.
+// `limits` with the number of components of `timeline`.
 static struct timeline_limits limits_like(struct timeline_limits limits, const struct timeline *timeline)
 {
     limits.components = timeline->component_count;

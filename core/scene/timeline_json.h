@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-// What a timeline may hold. Every component of its value stays from `min` to `max` within `span`.
+// The allowed values of a timeline. Every component must stay within [min, max] throughout `span`.
 struct timeline_limits {
     int components; // 1 a number, 3 a vector, 0 either (a number or [r, g, b])
     double min, max;

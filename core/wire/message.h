@@ -1,4 +1,4 @@
-// One JSON-RPC 2.0 message: what clients, the daemon and workers say to each other, one a line.
+// A JSON-RPC 2.0 message, as clients, the daemon and workers exchange them: one a line.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@ enum message_kind {
     MESSAGE_ERROR         // error code, text and id
 };
 
-// Codes as JSON-RPC 2.0 names them, then ours.
+// The codes of JSON-RPC 2.0, then our own.
 enum message_code {
     MESSAGE_CODE_PARSE = -32700,
     MESSAGE_CODE_INVALID = -32600,
@@ -47,8 +47,8 @@ bool message_decode(struct message *message, const char *line, size_t length, en
                     struct error *error);
 void message_finish(struct message *message);
 
-// Each begin leaves the writer where params (or the result) is written as one JSON value; message_end closes the
-// line, newline included. Several messages may follow one another in a writer.
+// After a begin, the caller writes params (or the result) as one JSON value; message_end then closes the line, newline
+// included. A writer may hold several messages.
 void message_begin_request(struct json_writer *writer, int64_t id, const char *method);
 void message_begin_notification(struct json_writer *writer, const char *method);
 void message_begin_result(struct json_writer *writer, const char *id);

@@ -21,8 +21,8 @@ void message_stream_finish(struct message_stream *stream)
     *stream = (struct message_stream){.limit_bytes = stream->limit_bytes};
 }
 
-// Bytes move only when at least as many were consumed before them, and the memory doubles otherwise, so a byte is copied
-// a bounded number of times however the reads fall.
+// Bytes are moved only when at least as many before them were consumed; else the memory doubles. A byte is therefore
+// copied a bounded number of times, whatever the sizes of the reads.
 static void make_room(struct message_stream *stream, size_t wanted)
 {
     if (stream->start == stream->end) {

@@ -35,7 +35,7 @@ static bool check_part(int folder_fd, const char *part, const struct published_f
     return false;
 }
 
-// The name is free or a file's: whoever made a link of it meant something else than the picture.
+// The name must be free or a regular file: a link was put there for another purpose.
 static bool check_name(int folder_fd, const char *name, struct error *error)
 {
     struct stat status;
@@ -68,7 +68,7 @@ bool publish_sync(int folder_fd, struct error *error)
     return false;
 }
 
-// True when `name` is the expected file, to the byte.
+// True when `name` is the expected file, byte for byte.
 static bool holds(int folder_fd, const char *name, const struct published_file *expected)
 {
     int fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);

@@ -116,7 +116,7 @@ static void majorants_too_low_fail_the_frame(void **state)
     char both[2048];
 
     (void)state;
-    assert_too_low(low, RATIO, "scene.media[0].density.majorant: expected a number that density() is nowhere above");
+    assert_too_low(low, RATIO, "scene.media[0].density.majorant: expected an upper bound of density()");
     assert_too_low(low, DELTA, "got 0.8, which it exceeds");
     snprintf(both, sizeof both, "%s, %s", fine, low);
     assert_too_low(both, RATIO, "scene.media[1].density.majorant");

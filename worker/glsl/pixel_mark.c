@@ -27,6 +27,6 @@ void pixel_mark_tell_majorant(const struct scene *scene, int medium, struct erro
     char place[64];
 
     scene_format_medium_place(scene, (size_t)medium, place, sizeof place);
-    error_set(error, "%s.density.majorant: expected a number that density() is nowhere above, got %g, which it exceeds",
-              place, scene->media[medium].density.glsl.majorant);
+    error_set(error, "%s.density.majorant: expected an upper bound of density(), got %g, which it exceeds", place,
+              scene->media[medium].density.glsl.majorant);
 }

@@ -94,7 +94,7 @@ void plan_scene_init(struct plan_scene *scene, const struct job *job)
         scene->is_even &= scene_density_is_even(density);
         scene->counts_voxels |= density->kind == SCENE_DENSITY_GRID;
     }
-    scene->path_length = scene->counts_voxels ? VOXELS_OF_A_PATH : step_longest_way(job);
+    scene->path_length = scene->counts_voxels ? VOXELS_OF_A_PATH : step_longest_path(job);
 }
 
 // Families that usually need less work stand first.

@@ -76,9 +76,9 @@ static void a_march_has_an_end(void **state)
                              "scene.media[0] in steps of 0.1 m");
     free(text);
     text = open_noise("[0, 9]", sun);
-    job_expect_refused(text,
-                       "scene.media[0].density: expected bounds (a sphere or a box): the light of lights[0] comes "
-                       "all the way through it");
+    job_expect_refused(
+        text,
+        "scene.media[0].density: expected bounds (a sphere or a box): the path of lights[0] through it has no end");
     slab = json_edit_set(text, "scene.media[0].density.bounds", "{\"kind\":\"slab\",\"thickness\":60}");
     job = job_expect(slab);
     job_finish(&job);
@@ -288,9 +288,9 @@ static void light_marches_to_all_that_it_lights(void **state)
     struct job job = job_expect(mirror);
 
     job_finish(&job);
-    job_expect_refused(floor,
-                       "scene.media[0].density: expected bounds (a sphere or a box): the light of lights[0] comes all "
-                       "the way through it");
+    job_expect_refused(
+        floor,
+        "scene.media[0].density: expected bounds (a sphere or a box): the path of lights[0] through it has no end");
     job_expect_refused(far, "quality.light_step: expected at most 60000 steps along a ray, got 60060: 6006 m through "
                             "scene.media[0] in steps of 0.1 m");
     free(far);

@@ -42,12 +42,12 @@ static void glsl_is_read(void **state)
 static void wrong_densities_are_refused_by_place(void **state)
 {
     assert_edit_refused(PLACE ".bounds", NULL,
-                        PLACE ".bounds: expected bounds, as nobody else knows where the density ends, got nothing");
+                        PLACE ".bounds: expected bounds, as the extent of GLSL code is unknown, got nothing");
     assert_edit_refused(PLACE ".lipschitz", "0", PLACE ".lipschitz: expected a number from 1e-09 to 1000000000, got 0");
     assert_edit_refused(PLACE ".majorant", "0", PLACE ".majorant: expected a number from 1e-09 to 1000000000, got 0");
     assert_edit_refused("quality", "{\"method\":\"tracking\",\"estimator\":\"ratio\"}",
-                        "scene.media[1].density.majorant: expected a number that density() is nowhere above, which the "
-                        "estimators delta and ratio need, got nothing");
+                        "scene.media[1].density.majorant: expected an upper bound of density(), which the estimators "
+                        "delta and ratio need, got nothing");
     assert_edit_refused(PLACE ".file", "\"a.#.glsl\"", PLACE ".file: expected one file, not one a frame");
     assert_edit_refused(PLACE, "{\"kind\":\"glsl\",\"bounds\":{\"kind\":\"sphere\",\"radius\":1}}",
                         PLACE ": expected file or source, got none of them");

@@ -86,7 +86,7 @@ static void wrong_files_are_refused_by_place(void **state)
                         "scene.media[2].density.file: expected a name that ends in .raw, .nrrd, .nhdr, .nii, .nii.gz, "
                         ".nvdb or .vdb, got \"head.hdr\"");
     assert_edit_refused("scene.media[0].density.file", "\"head.nrrd\"",
-                        "scene.media[0].density.size: only for .raw files: others say it themselves");
+                        "scene.media[0].density.size: only for .raw files; the headers of others have it");
     assert_edit_refused("scene.media[0].density.grid", "\"density\"",
                         "scene.media[0].density.grid: only .nvdb and .vdb files have named grids");
     assert_edit_refused("scene.media[0].density.size", "[64,0,16]",

@@ -260,7 +260,7 @@ static void wrong_textures_are_refused_by_place(void **state)
     assert_edit_refused(MATERIAL(0) ".texture.size[1]", "0",
                         MATERIAL(0) ".texture.size[1]: expected a number from 1e-09 to 1000000000, got 0");
     assert_edit_refused(MATERIAL(3) ".texture.size", "1",
-                        MATERIAL(3) ".texture.size: not on spheres, which it goes around once");
+                        MATERIAL(3) ".texture.size: not on spheres: a texture goes around them once");
     assert_edit_refused(MATERIAL(4) ".texture.filter", "\"cubic\"",
                         MATERIAL(4) ".texture.filter: expected one of \"linear\",\"nearest\", got \"cubic\"");
     assert_edit_refused(MATERIAL(4) ".texture.colour_space", "\"srgb\"",
