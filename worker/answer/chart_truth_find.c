@@ -14,28 +14,29 @@
 #include <stdlib.h>
 
 enum {
-    BATCH = 512,         // draws between two looks at the clock, at most
-    PILOT = 64,          // the first of them, which tell what a pixel takes
-    DRAWS_LIMIT = 200000 // beyond, other pixels tell no more
+    BATCH = 512,         // draws between two checks of the clock, at most
+    PILOT = 64,          // the first draws, by which the time of a pixel is measured
+    DRAWS_LIMIT = 200000 // more draws hardly lower the noise of the comparison
 };
 
-// How dark a pixel is, beside the picture's RMS, whose relative error is no longer seen; what is black for certain.
+// Of the picture's RMS: darker pixels are measured as if they were so bright.
 static const double DARK_SHARE = 0.1;
-// As audits count it: the picture's own lot, and half of that for the reference, which is a mean of two.
-static const double LOTS = 1.5;
+// Variance of the difference between picture and reference, relative to the picture's: the reference is the mean of two
+// rays.
+static const double NOISE_FACTOR = 1.5;
 
 struct search {
     const struct chart_truth_params *params;
-    struct truth *truth; // NULL: `finest` is it
+    struct truth *truth; // owned; NULL: `finest` is the truth
     struct audit_map map;
     struct integrate_accuracy accuracy;
     double end_s;
     struct chart_truth *found;
     size_t capacity;
-    int *draws; // owned; how many draws each pixel has; by pixel
+    int *draws; // owned; the number of draws of each pixel
 };
 
-static bool go_on(void *user)
+static bool is_wanted(void *user)
 {
     const struct search *search = user;
 
@@ -43,7 +44,7 @@ static bool go_on(void *user)
            (!search->params->is_wanted || search->params->is_wanted(search->params->user));
 }
 
-static struct truth_pixel look_up(const struct image *image, struct truth_point point)
+static struct truth_pixel read_pixel(const struct image *image, struct truth_point point)
 {
     const float *value = &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
 
@@ -58,21 +59,21 @@ static size_t measure(const struct search *search, const struct truth_point *poi
                                                                       .pixels = pixels,
                                                                       .count = count,
                                                                       .accuracy = &search->accuracy,
-                                                                      .on_progress = go_on,
+                                                                      .on_progress = is_wanted,
                                                                       .user = (void *)search});
     for (size_t i = 0; i < count; i++)
-        pixels[i] = look_up(search->params->finest, points[i]);
+        pixels[i] = read_pixel(search->params->finest, points[i]);
     return count;
 }
 
-static void note(struct search *search, struct truth_point point, const struct truth_pixel *pixel)
+static void add_pixel(struct search *search, struct truth_point point, const struct truth_pixel *pixel)
 {
     struct chart_truth *found = search->found;
     double variance = pixel->variance[0] + pixel->variance[1] + pixel->variance[2];
 
     found->pixels = xgrow(found->pixels, &search->capacity, found->count + 1, sizeof *found->pixels);
-    found->pixels[found->count++] =
-        (struct chart_truth_pixel){point.x, point.y, 0, {pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]}, LOTS * variance};
+    found->pixels[found->count++] = (struct chart_truth_pixel){
+        point.x, point.y, 0, {pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]}, NOISE_FACTOR * variance};
 }
 
 static size_t index_of(const struct search *search, struct truth_point point)
@@ -80,7 +81,7 @@ static size_t index_of(const struct search *search, struct truth_point point)
     return (size_t)point.y * (size_t)search->params->finer->width_px + (size_t)point.x;
 }
 
-// Measures the next draws, each pixel once. Returns how many draws are known now.
+// Measures the next draws, each pixel once. Returns the number of draws whose pixels are all measured.
 static size_t measure_draws(struct search *search, size_t first, size_t count)
 {
     struct truth_point drawn[BATCH], fresh[BATCH];
@@ -92,8 +93,8 @@ static size_t measure_draws(struct search *search, size_t first, size_t count)
         if (search->draws[index_of(search, drawn[i])]++ == 0) fresh[fresh_count++] = drawn[i];
     measured = measure(search, fresh, pixels, fresh_count);
     for (size_t i = 0; i < measured; i++)
-        note(search, fresh[i], &pixels[i]);
-    // Of a batch that was ended the draws count up to the first that is of a pixel not measured.
+        add_pixel(search, fresh[i], &pixels[i]);
+    // If the batch was stopped, only the draws before the first unmeasured pixel count.
     for (; known < count; known++) {
         bool is_next = seen < fresh_count && drawn[known].x == fresh[seen].x && drawn[known].y == fresh[seen].y;
 
@@ -104,7 +105,7 @@ static size_t measure_draws(struct search *search, size_t first, size_t count)
     return first + known;
 }
 
-static void weigh(struct search *search, size_t draw_count)
+static void set_weights(struct search *search, size_t draw_count)
 {
     struct chart_truth *found = search->found;
     double pixel_count = (double)search->params->finer->width_px * search->params->finer->height_px;
@@ -117,7 +118,7 @@ static void weigh(struct search *search, size_t draw_count)
     }
 }
 
-// Every pixel by itself.
+// Measures every pixel, each with weight 1.
 static bool measure_all(struct search *search)
 {
     int width = search->params->finer->width_px, height = search->params->finer->height_px;
@@ -131,7 +132,7 @@ static bool measure_all(struct search *search)
             points[x] = (struct truth_point){x, y};
         ok = measure(search, points, pixels, (size_t)width) == (size_t)width;
         for (int x = 0; x < width && ok; x++) {
-            note(search, points[x], &pixels[x]);
+            add_pixel(search, points[x], &pixels[x]);
             search->found->pixels[search->found->count - 1].weight = 1;
         }
     }
@@ -150,20 +151,20 @@ static bool find(struct search *search, struct error *error)
     count = measure_draws(search, 0, PILOT);
     pixel_s = (clock_now_s() - start_s) / (double)(search->found->count + 1);
     if (count == PILOT && pixel_count <= DRAWS_LIMIT && pixel_s * pixel_count <= 0.9 * params->seconds) {
-        search->end_s = INFINITY; // the pilot tells the time by pixels that take most of it
+        search->end_s = INFINITY; // importance drew the pilot's pixels, which take longer than most
         if (measure_all(search)) return true;
     } else {
-        while (count < DRAWS_LIMIT && go_on(search)) {
+        while (count < DRAWS_LIMIT && is_wanted(search)) {
             size_t known = measure_draws(search, count, BATCH);
             bool is_whole = known == count + BATCH;
 
             count = known;
             if (!is_whole) break;
         }
-        weigh(search, count);
+        set_weights(search, count);
     }
     search->end_s = INFINITY;
-    if (go_on(search) && count >= PILOT) return true;
+    if (is_wanted(search) && count >= PILOT) return true;
     error_set(error, "expected time for the truth of %d pixels, got %g s, in which there were %zu", PILOT,
               params->seconds, count);
     return false;

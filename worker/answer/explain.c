@@ -13,7 +13,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-// One of the two lists is written at a time.
+// Writes one of the two lists, modelled and not modelled, at a time.
 struct listing {
     struct json_writer *writer;
     const struct job *job;
@@ -22,7 +22,7 @@ struct listing {
     bool of_modelled;
 };
 
-// Writes the feature if it belongs to this list.
+// Writes the feature if it belongs to the list that is being written.
 __attribute__((format(printf, 4, 5))) static void say(const struct listing *listing, bool is_modelled,
                                                       const char *feature, const char *why_format, ...)
 {
@@ -39,7 +39,7 @@ __attribute__((format(printf, 4, 5))) static void say(const struct listing *list
     json_write_end_object(listing->writer);
 }
 
-// Of medium i: says "medium I: FEATURE".
+// Writes the feature of medium i, as "medium I: FEATURE".
 static void say_of_medium(const struct listing *listing, size_t i, bool is_modelled, const char *feature,
                           const char *why)
 {
@@ -62,10 +62,10 @@ static void list_region(const struct listing *listing, size_t i)
                                                 : "falloff is 0");
     say_of_medium(listing, i, features->is_even, "closed form",
                   features->is_even ? "density is the same throughout: columns are lengths, and need no steps"
-                                    : "density varies from place to place");
+                                    : "density varies with position");
 }
 
-// A camera that misses the box sees nothing, and only the file says where that is.
+// The box of the voxels: only the file says where it is, and a camera that misses it shows nothing.
 static void list_voxels(const struct listing *listing, size_t i)
 {
     const struct scene_input *input = &listing->inputs->media[i];
@@ -121,7 +121,7 @@ static void list_coefficients(const struct listing *listing, size_t i)
                                                 : "the medium has no temperature");
 }
 
-// Where it is, of a medium with a place of its own.
+// The object that the medium fills, if it fills one.
 static void list_owner(const struct listing *listing, size_t i)
 {
     size_t owner = listing->job->scene.media[i].owner;
@@ -138,7 +138,7 @@ static void list_grid(const struct listing *listing, size_t i)
     char why[128];
 
     if (!density_bake_find(&bake, listing->job, i)) return;
-    snprintf(why, sizeof why, "its field is looked up between %d x %d x %d points, %.3g m apart", bake.corners[0],
+    snprintf(why, sizeof why, "its field is interpolated between %d x %d x %d points, %.3g m apart", bake.corners[0],
              bake.corners[1], bake.corners[2], bake.cell_m);
     say_of_medium(listing, i, true, "baked", why);
 }
@@ -182,8 +182,9 @@ static void list_lights(const struct listing *listing)
                                          : "that media scatter");
     }
     say(listing, features->has_lights, "shadows", "%s",
-        features->has_lights && !features->has_objects ? "media take light away on its way to where it is scattered"
-        : features->has_lights    ? "media and objects take light away on its way to where it is seen"
+        features->has_lights && !features->has_objects
+            ? "media attenuate light between its source and where it is scattered"
+        : features->has_lights ? "media attenuate light, and objects block it, between its source and where it is seen"
         : scene->light_count == 0 ? "there are no lights"
                                   : "no light is seen");
 }
@@ -218,7 +219,7 @@ static void list_object(const struct listing *listing, size_t i)
         : object->is_lit    ? "diffuse"
         : !object->reflects ? "black"
                             : "a mirror",
-        reflected, object->is_rough ? ", each by a normal drawn by lot" : "");
+        reflected, object->is_rough ? ", each by a random normal" : "");
     list_texture(listing, i);
 }
 
@@ -233,7 +234,7 @@ static void list_surfaces(const struct listing *listing)
     }
     for (size_t i = 0; i < features->object_count; ++i)
         list_object(listing, i);
-    say(listing, true, "surfaces", "each ray asks %zu shape%s where it meets them", listing->job->scene.shape_count,
+    say(listing, true, "surfaces", "each ray is intersected with %zu shape%s", listing->job->scene.shape_count,
         listing->job->scene.shape_count == 1 ? "" : "s");
     if (features->has_paths)
         say(listing, true, "paths",
@@ -245,7 +246,7 @@ static void list_surfaces(const struct listing *listing)
     say(listing, false, "light between surfaces", "diffuse ones show the light of lights only");
     if (features->has_dielectrics && features->has_lights)
         say(listing, false, "caustics",
-            "light crosses dielectrics straight on its way: each boundary takes its Fresnel share, media theirs");
+            "shadow rays cross dielectrics in straight lines: each boundary takes its Fresnel share, media theirs");
 }
 
 static void list_outputs(const struct listing *listing)
@@ -268,7 +269,7 @@ static void list_outputs(const struct listing *listing)
         features->has_transmittance ? "output.aovs names transmittance" : "output.aovs does not name transmittance");
 }
 
-// What changes with the frame, whichever sample.
+// True for values that change from frame to frame.
 static bool is_moving(const struct frame_value *value)
 {
     return !value->is_constant && value->origin != FRAME_VALUE_SAMPLE_INDEX && value->origin != FRAME_VALUE_OF_PLAN;
@@ -312,7 +313,8 @@ static void list_samples(const struct listing *listing)
     else if (!has_motion(&listing->program->uniforms))
         say(listing, false, "motion blur", "nothing seen moves while the shutter is open");
     else if (samples == 1)
-        say(listing, false, "motion blur", "one sample sees the middle of the time that the shutter is open");
+        say(listing, false, "motion blur",
+            "the one sample is taken in the middle of the time that the shutter is open");
     else
         say(listing, true, "motion blur", "%d moments of the %g frames that the shutter is open", samples, shutter);
 }
@@ -328,7 +330,8 @@ static void list_light_grids(const struct listing *listing)
             grid->kind == LIGHT_GRID_BEAM ? "along its beam" : "all around the light", grid->medium_count,
             grid->medium_count == 1 ? "um" : "a");
     }
-    say(listing, false, "marching to lights", "columns are looked up in the grids of lights, each made once a frame");
+    say(listing, false, "marching to lights",
+        "columns are interpolated in the grids of lights, each filled once a frame");
 }
 
 static void list_method(const struct listing *listing)
@@ -348,7 +351,7 @@ static void list_method(const struct listing *listing)
         list_light_grids(listing);
     else if (features->has_lights)
         say(listing, features->marches_to_lights, "marching to lights", "%s",
-            features->marches_to_lights ? "density varies from place to place" : "columns have a closed form");
+            features->marches_to_lights ? "density varies with position" : "columns have a closed form");
     if (features->places_points)
         say(listing, true, "placed points",
             "%d for each light and stretch, by the angle seen from it or by transmittance", quality->points);

@@ -1,4 +1,4 @@
-// What a scene makes the renderer model, what it does not, and the shader: without a GL context.
+// Explains a job: what the renderer models of its scene, what it does not, and the shader. Needs no GL context.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@ struct error;
 struct job;
 struct json_writer;
 
-// Writes the result of `worker.explain` (docs/protocol.md) as one JSON object, `plan` (NULL: none), JSON itself, in it. A job
-// that states a tolerance is explained as a plan has it.
+// Writes the result of `worker.explain` (docs/protocol.md) as one JSON object. `plan` is its member of that name, as
+// JSON text; NULL: none. A job that states a tolerance is passed as planned.
 bool explain_write(const struct job *job, const char *shader_dir, const struct json_writer *plan,
                    struct json_writer *writer, struct error *error);

@@ -10,8 +10,8 @@
 
 enum { REPEATS_MIN = 3, REPEATS_MAX = 15 };
 
-static const double LONG_S = 8.0;   // beside it linking and reading do not count
-static const double ENOUGH_S = 1.0; // of repeats, where they are short
+static const double LONG_S = 8.0;   // linking and reading are short beside it
+static const double ENOUGH_S = 1.0; // of repeats together, once there are REPEATS_MIN
 
 struct watch {
     const struct measure_params *params;

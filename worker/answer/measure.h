@@ -1,4 +1,4 @@
-// How long a picture takes in one setting of a method, and how it comes out.
+// Renders a picture with one setting of a method and measures how long that takes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -14,10 +14,10 @@ struct renderer;
 
 struct measure_params {
     struct renderer *renderer;
-    struct gl_timer *timer; // NULL: the time is what a clock on the wall says
+    struct gl_timer *timer; // NULL: wall time counts
     const struct job *job;
     int32_t frame;
-    double limit_s;                // a rendering that takes longer is given up
+    double limit_s;                // a rendering that takes longer is stopped
     bool (*is_wanted)(void *user); // NULL: always
     void *user;
 };
@@ -32,7 +32,8 @@ enum measure_outcome {
 // Renders the frame once. `image` is of the job's size and channels.
 enum measure_outcome measure_render(const struct measure_params *params, struct image *image, double *seconds,
                                     struct error *error);
-// The same, then as often again as tells the median: whole frames, with all that is made for a frame made anew, once programs
-// are linked and files read. A first rendering that takes long enough for that not to show counts itself.
+// Renders the frame once, then repeatedly, and gives the median of the repeats' seconds. Programs are then linked and
+// files read, but everything that is made for a frame is made anew each time. A first rendering that takes so long that
+// linking and reading hardly count is the only one.
 enum measure_outcome measure_time(const struct measure_params *params, struct image *image, double *seconds,
                                   int *repeats, struct error *error);

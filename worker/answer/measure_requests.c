@@ -22,10 +22,8 @@
 #include <string.h>
 
 static const double SECONDS_MAX = 86400;
-// A march in half the steps, both of camera and shadow rays.
-static const double HALVING_COST = 4;
-// Below it halved steps tell nothing new.
-static const double NO_CHANGE = 1e-5;
+static const double HALVING_COST = 4; // of a march in half the steps, along camera and shadow rays
+static const double NO_CHANGE = 1e-5; // a smaller change ends the halving
 
 static bool read_frame(const struct json_node *params, int32_t *frame, struct error *error)
 {
@@ -78,7 +76,7 @@ out:
     return ok;
 }
 
-// What the truth depends on: neither the method, nor which paths are cut.
+// A hash of everything that the truth depends on: neither the method nor the limits of paths.
 static bool hash_scene(const struct request_tools *tools, const struct job *job, int32_t frame,
                        char scene[static HASH_TEXT_SIZE], struct error *error)
 {
@@ -93,7 +91,7 @@ static bool hash_scene(const struct request_tools *tools, const struct job *job,
     return true;
 }
 
-// Relative RMS of the difference.
+// RMS of the difference, relative to `to`; INFINITY without a picture to compare.
 static double find_change(const struct image *from, const struct image *to)
 {
     size_t count = 4 * (size_t)to->width_px * (size_t)to->height_px;
@@ -107,7 +105,8 @@ static double find_change(const struct image *from, const struct image *to)
     return light > 0 ? sqrt(apart / light) : 0;
 }
 
-// The finest march that there is time for, or that changes anything: each has half the steps of the one before.
+// Renders marches, each in half the steps of the one before, until the time is over or nothing changes, and keeps the
+// last.
 static bool render_finest(const struct request_tools *tools, const struct job *job, int32_t frame, double seconds,
                           struct image *finest, struct error *error)
 {

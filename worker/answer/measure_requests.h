@@ -1,4 +1,4 @@
-// Questions about speed and accuracy that a chart is made from; what they ask and answer is in docs/protocol.md.
+// Answers the requests that a chart is made from: extent, truth, time and error, strip. docs/protocol.md defines them.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

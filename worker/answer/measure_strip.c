@@ -21,12 +21,12 @@ struct strip_request {
     const struct request_tools *tools;
     int32_t frame;
     const char *out;
-    struct image *images;                 // owned; `count` and the truth's
+    struct image *images;                 // owned; `count` and the truth
     struct error_strip_picture *pictures; // owned; likewise
     size_t count;
 };
 
-// Renders what `node`, {document, label}, asks for.
+// Renders the picture that `node`, {document, label}, describes.
 static bool render(struct strip_request *request, const struct json_node *node, size_t index, enum message_code *code,
                    struct error *error)
 {

@@ -31,7 +31,7 @@ static void write_count(struct json_writer *writer, const char *key, int count)
     if (count > 0) json_write_integer_member(writer, key, count);
 }
 
-// As a job would state it.
+// Writes the quality as a job would state it.
 static void write_quality(struct json_writer *writer, const struct job *job, const struct job_quality *quality)
 {
     json_write_key(writer, "quality");
@@ -73,7 +73,7 @@ static void write_plan(struct json_writer *writer, const struct job *job, const 
     json_write_end_object(writer);
 }
 
-// Segments between those that were planned count as the ones around them.
+// Extrapolates from the planned segments to all of them.
 static void write_totals(struct json_writer *writer, const struct job *job, double seconds, double plan_s, double error)
 {
     double plans_s = plan_s * (double)plan_segment_count(job);
@@ -89,7 +89,7 @@ static void write_totals(struct json_writer *writer, const struct job *job, doub
 bool plan_answer_write(const struct job *job, const struct request_tools *tools, struct json_writer *writer,
                        struct plan *first, struct error *error)
 {
-    int64_t count = plan_segment_count(job), looked = count < SEGMENT_LIMIT ? count : SEGMENT_LIMIT;
+    int64_t count = plan_segment_count(job), planned = count < SEGMENT_LIMIT ? count : SEGMENT_LIMIT;
     double seconds = 0.0, plan_s = 0.0, largest = 0.0;
 
     if (!tools->renderer) {
@@ -100,8 +100,8 @@ bool plan_answer_write(const struct job *job, const struct request_tools *tools,
     json_write_number_member(writer, "tolerance", job->quality.tolerance);
     json_write_key(writer, "plans");
     json_write_begin_array(writer);
-    for (int64_t i = 0; i < looked; i++) {
-        struct plan_segment segment = plan_segment_at(job, looked > 1 ? i * (count - 1) / (looked - 1) : 0);
+    for (int64_t i = 0; i < planned; i++) {
+        struct plan_segment segment = plan_segment_at(job, planned > 1 ? i * (count - 1) / (planned - 1) : 0);
         struct plan plan;
         enum renderer_fault fault;
 
@@ -116,8 +116,8 @@ bool plan_answer_write(const struct job *job, const struct request_tools *tools,
             return false;
         if (first && i == 0) *first = plan;
         write_plan(writer, job, &segment, &plan);
-        seconds += plan.predicted_frame_s / (double)looked;
-        plan_s += plan.plan_s / (double)looked;
+        seconds += plan.predicted_frame_s / (double)planned;
+        plan_s += plan.plan_s / (double)planned;
         if (plan.predicted_error > largest) largest = plan.predicted_error;
     }
     json_write_end_array(writer);

@@ -38,7 +38,7 @@ void request_destroy_all(struct request *first)
 bool request_read_job(const struct json_node *params, struct job *job, struct error *error)
 {
     struct json_node document = json_node_child(params, "document");
-    struct json_node document_root = json_node_root(document.value); // whose places are named as in the job file
+    struct json_node document_root = json_node_root(document.value); // errors name positions as in the job file
     struct json_node output_root = json_node_child(params, "root");
     const char *output_root_path = NULL;
 

@@ -15,7 +15,7 @@ struct renderer;
 
 struct request {
     struct message message; // owned
-    struct request *next;   // on the worker's list of requests
+    struct request *next;   // in the worker's list of requests
 };
 
 // Takes the message over.
@@ -23,20 +23,20 @@ struct request *request_create(struct message *message);
 void request_destroy(struct request *request);
 void request_destroy_all(struct request *first);
 
-// What answers are made with; all of it is borrowed.
+// The tools with which requests are answered; all borrowed.
 struct request_tools {
     const char *shader_dir;           // NULL: the embedded modules
     const struct gl_context *context; // NULL with --backend none
     struct renderer *renderer;        // likewise
-    bool (*is_wanted)(void *user);    // false once nobody waits for the answer: what takes long asks now and then
+    bool (*is_wanted)(void *user); // may be NULL; false once nobody waits for the answer; long answers ask now and then
     void *user;
 };
 
-// Writes the result as one JSON value. On failure `code` says which JSON-RPC error to answer with.
+// Writes the result as one JSON value. On failure `code` is the JSON-RPC error to answer with.
 typedef bool request_function(const struct json_node *params, const struct request_tools *tools,
                               struct json_writer *writer, enum message_code *code, struct error *error);
 
-// Reads the job that a request is about, from its members `document` and `root` (absent: any).
+// Reads a request's job from its members `document` and `root` (absent: any).
 bool request_read_job(const struct json_node *params, struct job *job, struct error *error);
 // False, with `error`, when there is no renderer.
 bool request_check_renderer(const struct request_tools *tools, struct error *error);

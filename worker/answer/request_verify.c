@@ -20,12 +20,12 @@
 enum { FILE_LIMIT = 1000 };
 
 struct verification {
-    const struct job *job; // borrowed; NULL: a file is held to what its own header says
+    const struct job *job; // borrowed; NULL: each file is checked against its own header
     struct scene_files files;
-    double tolerance; // in place of the job's and the header's; 0: none is given
+    double tolerance; // replaces the job's and the header's; 0: neither is replaced
 };
 
-// A pipe would be waited for, a folder has no bytes.
+// Opens regular files only: reading a pipe would block, and a folder has no bytes.
 static int open_regular(const char *path, struct error *error)
 {
     int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);

@@ -1,4 +1,4 @@
-// worker.verify: what files of a sequence hold, and what is wrong with each by itself.
+// Answers worker.verify: what each file of a sequence holds, and what is wrong with it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

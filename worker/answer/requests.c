@@ -23,7 +23,7 @@ enum { FILE_LIMIT = 100 * 1000, TILE_WIDTH_LIMIT = 4096, COLUMN_LIMIT = 1000, EX
 static bool answer_explain(const struct json_node *params, const struct request_tools *tools,
                            struct json_writer *writer, enum message_code *code, struct error *error)
 {
-    struct json_writer foretold = {0};
+    struct json_writer predicted = {0};
     struct job job = {0}, planned;
     struct plan plan;
     bool ok;
@@ -32,13 +32,13 @@ static bool answer_explain(const struct json_node *params, const struct request_
     if (!request_read_job(params, &job, error)) return false;
     *code = MESSAGE_CODE_INTERNAL;
     if (job.quality.method == JOB_METHOD_AUTO) {
-        ok = plan_answer_write(&job, tools, &foretold, &plan, error);
+        ok = plan_answer_write(&job, tools, &predicted, &plan, error);
         if (ok) planned = plan_apply(&plan, &job);
-        ok = ok && explain_write(&planned, tools->shader_dir, &foretold, writer, error);
+        ok = ok && explain_write(&planned, tools->shader_dir, &predicted, writer, error);
     } else {
         ok = explain_write(&job, tools->shader_dir, NULL, writer, error);
     }
-    json_writer_finish(&foretold);
+    json_writer_finish(&predicted);
     job_finish(&job);
     return ok;
 }

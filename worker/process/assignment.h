@@ -1,4 +1,4 @@
-// The frames a worker has in hand and the jobs they belong to: what waits, what is started, what is no longer wanted.
+// The frames assigned to a worker and their jobs: which frames wait, are started, or are no longer wanted.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,50 +8,50 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// A job the worker was told of. Only its list of frames changes once it is added.
+// A job of which the worker was told. Once it is added, only its frame count and is_forgotten change.
 struct held_job {
     int64_t id, epoch;
-    int64_t serial; // that no other job has which the worker was told of; 0 until it is added
+    int64_t serial; // unique among all jobs of this worker; 0 until the job is added
     char *root;     // owned
     char *owner;    // owned
     struct job job;
-    char *fault;           // owned; why no frame of it can work, NULL if they can
-    size_t frame_count;    // of its frames in hand
+    char *fault;           // owned; why none of its frames can be rendered; NULL if they can
+    size_t frame_count;    // of its frames in the assignment
     bool is_forgotten;     // freed with its last frame
-    struct held_job *next; // on the assignment's list of jobs
+    struct held_job *next; // in the assignment's list of jobs
 };
 
 struct held_job *held_job_create(void);
 void held_job_destroy(struct held_job *job); // accepts NULL
 
 struct assignment_frame {
-    struct held_job *job; // borrowed; lives as long as the frame is in hand
+    struct held_job *job; // borrowed; lives as long as the frame
     int32_t frame;
     int attempt;
     bool is_started;
-    bool is_unwanted;              // started, but to be given back
-    struct assignment_frame *next; // on the assignment's list of frames
+    bool is_unwanted;              // started, but to be dropped
+    struct assignment_frame *next; // in the assignment's list of frames
 };
 
 // The zero value is empty.
 struct assignment {
     struct held_job *jobs;           // owned
     struct assignment_frame *frames; // owned; in the order to render them
-    int64_t job_count;               // that were ever added
+    int64_t job_count;               // of all jobs ever added
 };
 
 void assignment_finish(struct assignment *assignment);
 
-// Takes the job over. One of the same id is forgotten.
+// Takes the job over. A job of the same id is forgotten.
 void assignment_add_job(struct assignment *assignment, struct held_job *job);
-// Frees the job now or with its last frame. Nothing happens when it is not known.
+// Frees the job now or with its last frame. Does nothing for an unknown job.
 void assignment_forget_job(struct assignment *assignment, int64_t id);
-// Puts the frame behind those in hand; false when the job is not known.
+// Appends the frame; false when the job is unknown.
 bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t frame, int attempt);
 
-// The next frame that waits, now started; NULL when none does. Belongs to the assignment until it is ended.
+// Starts the next waiting frame; NULL when none waits. The frame belongs to the assignment until it is ended.
 struct assignment_frame *assignment_start_frame(struct assignment *assignment);
-// The same frame, left waiting.
+// The next waiting frame, left waiting; NULL when none waits.
 const struct assignment_frame *assignment_find_waiting(const struct assignment *assignment);
 void assignment_end_frame(struct assignment *assignment, struct assignment_frame *frame);
 

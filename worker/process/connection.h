@@ -1,4 +1,4 @@
-// The socket to whoever started the worker: whole lines out from any thread, lines in on one.
+// The socket to the program that started the worker. Any thread sends whole lines; one thread receives lines.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -20,10 +20,11 @@ struct connection {
 void connection_init(struct connection *connection, int fd);
 void connection_finish(struct connection *connection);
 
-// Sends what the writer holds (whole messages) and clears it. That nobody listens any more is found out by reading.
+// Sends the whole messages that the writer holds and clears it. Errors are only logged: reading shows that the peer is
+// gone.
 void connection_send(struct connection *connection, struct json_writer *writer);
 
-// Takes in what has arrived, waiting if nothing has. False at the end of the stream.
+// Receives bytes, waiting for some. False at the end of the stream.
 bool connection_receive(struct connection *connection);
-// The next line received, as message_stream_next has it.
+// The next received line, as message_stream_next returns it.
 const char *connection_next(struct connection *connection, size_t *length, struct error *error);

@@ -53,7 +53,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
     return header;
 }
 
-// Leaves a whole, gated file or none.
+// Writes the part file and gates it. On failure no file is left.
 static bool write_part(struct worker *worker, const struct picture *picture, struct gate_result *result,
                        enum report_fault *fault, struct error *error)
 {
@@ -63,7 +63,8 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
 
     *fault = REPORT_FAULT_OUTPUT;
     if (fd < 0) {
-        // The name is this attempt's own: a file under it is an accident that the next attempt does not meet.
+        // The name is this attempt's own: another attempt has another name, so it is the frame that fails, not the
+        // output.
         if (errno == EEXIST) *fault = REPORT_FAULT_FRAME;
         return false;
     }
@@ -86,7 +87,7 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
     return ok;
 }
 
-// What is not worth encoding: a value that no file holds, or too much light that may be missing.
+// Refuses pictures before they are encoded: values that are not finite, or too large a share of cut light.
 static bool check_picture(const struct picture *picture, enum report_fault *fault, struct error *error)
 {
     const struct job *job = &picture->frame->job->job;
@@ -138,7 +139,7 @@ static void encode(struct worker *worker, struct picture *picture)
     worker_end_frame(worker, frame);
 }
 
-// NULL when none will come any more.
+// Waits for the next picture. NULL when the renderer has ended.
 static struct picture *take_picture(struct worker *worker)
 {
     struct picture *picture;

@@ -4,5 +4,5 @@
 
 struct worker;
 
-// The thread's function; `user` is the worker. Ends when the renderer has and nothing waits.
+// The thread's function; `user` is the worker. Ends once the renderer has ended and no picture waits.
 void *encoder_run(void *user);

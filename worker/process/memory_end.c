@@ -11,12 +11,12 @@
 #include <unistd.h>
 
 enum {
-    // A list that is refused its double dies with a third of the memory in hand.
+    // A growing list that is refused twice its size crashes with a third of the memory allocated.
     SHARE = 3,
     DATA_FIELD = 5 // of /proc/self/statm, counted from 0
 };
 
-// A signal's handler finds its own only here.
+// Global, because a signal handler has no other way to its values.
 static struct {
     int statm_fd;
     int64_t limit_pages;
@@ -52,7 +52,7 @@ void memory_end_watch(int64_t limit_bytes)
 {
     static const int signals[] = {SIGSEGV, SIGBUS, SIGABRT, SIGTRAP, SIGILL};
 
-    // A sanitizer looks at crashes itself.
+    // Sanitizers handle crashes themselves.
     if (limit_bytes <= 0 || IS_SANITIZED) return;
     watched.statm_fd = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
     watched.limit_pages = limit_bytes / sysconf(_SC_PAGESIZE);

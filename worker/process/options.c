@@ -65,7 +65,7 @@ static bool parse_backend(struct options *options, const char *text, struct erro
     return false;
 }
 
-// A folder that is not there would stand for our own shaders without a word.
+// A missing folder would silently mean the built-in shaders.
 static bool check_folder(const char *name, const char *path, struct error *error)
 {
     int fd = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -104,8 +104,10 @@ static bool parse_option(struct options *options, int option, const char *text, 
     case 'm':
         return parse_bytes(text, &options->memory_bytes, error);
     default:
-        error_set(error, "usage: march-worker --fd N [--backend auto|egl|osmesa|none] [--device UUID-or-index] "
-                         "[--shader-dir DIR] [--encode-threads N] [--memory BYTES] [--sandbox yes|no] [--fenced], or --version");
+        error_set(
+            error,
+            "usage: march-worker --fd N [--backend auto|egl|osmesa|none] [--device UUID-or-index] "
+            "[--shader-dir DIR] [--encode-threads N] [--memory BYTES] [--sandbox yes|no] [--fenced], or --version");
         return false;
     }
 }
@@ -126,7 +128,7 @@ bool options_parse(struct options *options, int argc, char *const argv[], struct
 
     *options = (struct options){
         .fd = -1, .has_context = true, .backend = GL_BACKEND_AUTO, .encode_threads = 1, .has_sandbox = true};
-    optind = 0; // starts over, so that a test may parse more than once
+    optind = 0; // restarts getopt: tests parse more than once
     opterr = 0;
     while ((option = getopt_long(argc, argv, "", known, NULL)) != -1)
         if (!parse_option(options, option, optarg, error)) return false;

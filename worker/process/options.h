@@ -10,15 +10,15 @@
 struct error;
 
 struct options {
-    int fd;           // the socket to whoever started us
-    bool has_context; // false with --backend none: explains and previews, renders nothing
+    int fd;           // the socket to the program that started the worker
+    bool has_context; // false with --backend none: it explains and previews, but does not render
     enum gl_backend backend;
     const char *device;     // borrowed from argv; NULL: the first that works
     const char *shader_dir; // borrowed from argv; NULL: the shaders built in
     int encode_threads;
-    bool has_sandbox;     // restricts itself
-    bool is_fenced;       // serves one job, which worker.fence tells of
-    int64_t memory_bytes; // that it may allocate; 0: any amount
+    bool has_sandbox;     // enters the sandbox
+    bool is_fenced;       // serves one job, named by worker.fence
+    int64_t memory_bytes; // allowed to be allocated; 0: any amount
     bool wants_version;   // then the socket may be missing
 };
 

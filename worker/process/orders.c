@@ -35,11 +35,11 @@ static bool read_text(const struct json_node *params, const char *key, char **te
     return true;
 }
 
-// A document that cannot be read is the job's fault, not a broken message: it is told with each of its frames.
+// A document that cannot be read is a fault of the job, not a broken message: each of its frames then fails with it.
 static bool take_job(struct worker *worker, const struct json_node *params, struct error *error)
 {
     struct json_node document = json_node_child(params, "document");
-    struct json_node root = json_node_root(document.value); // whose places are named as in the job file
+    struct json_node root = json_node_root(document.value); // errors name positions as in the job file
     struct json_node epoch = json_node_child(params, "epoch");
     struct held_job *job = held_job_create();
     struct error reason = {0};

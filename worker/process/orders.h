@@ -1,4 +1,4 @@
-// What the worker is told to do: each message changes what its threads find to do.
+// Obeys the messages that the worker receives: each changes the work that its threads find.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,5 +8,5 @@
 struct error;
 struct worker;
 
-// Obeys one line. False when it is not to be understood: whoever sends it is broken.
+// Obeys one line. False when it cannot be understood: the sender is broken.
 bool orders_take_line(struct worker *worker, const char *line, size_t length, struct error *error);

@@ -19,7 +19,7 @@ int part_file_open_folder(const struct assignment_frame *frame, struct error *er
     int folder_fd = output_path_open_folder(&job->job.output.path, job->root, true, error);
 
     if (folder_fd < 0) return -1;
-    // Found out now rather than after the frame is rendered.
+    // Checked here rather than after the frame is rendered.
     if (faccessat(folder_fd, ".", W_OK | X_OK, AT_EACCESS) < 0) {
         error_set_errno(error, errno, "cannot write to \"%s/%s\"", job->root, job->job.output.path.folder);
         close(folder_fd);

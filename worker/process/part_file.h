@@ -1,4 +1,4 @@
-// The file an attempt writes, and the one that may be there before it.
+// The part file that an attempt writes, and the file that may exist in its place.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,15 +8,15 @@ struct assignment_frame;
 struct error;
 struct gate_result;
 
-// The folder of the frame's file, made if it is missing and known to be writable; -1 on failure.
+// Opens the folder of the frame's file, made if it is missing, and checks that it is writable; -1 on failure.
 int part_file_open_folder(const struct assignment_frame *frame, struct error *error);
 
 enum part_file_existing {
-    PART_FILE_RENDER, // nothing is there, or nothing that counts
-    PART_FILE_SKIP,   // this very frame is there, described in `found`
-    PART_FILE_REFUSE  // the job wants no file to be there, and one is
+    PART_FILE_RENDER, // no file exists, or none that passes the gate
+    PART_FILE_SKIP,   // this frame exists and passes the gate, as `found` says
+    PART_FILE_REFUSE  // a file exists, and the job refuses existing files
 };
-// `picture_hash` is what the file's header has to say.
+// `picture_hash` is the hash that the file's header must have.
 enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, const char *picture_hash,
                                                 int folder_fd, struct gate_result *found, struct error *error);
 

@@ -32,8 +32,8 @@ struct render_loop {
     int32_t expected_frame;
 };
 
-// Has the files of the frame that comes next read while this one is rendered. It may be dropped at any time: only under the
-// lock is it there.
+// Has the next frame's files read while this one is rendered. The next frame may be dropped at any time: it is used
+// only under the lock.
 static void expect_next(struct render_loop *loop)
 {
     struct worker *worker = loop->worker;
@@ -66,7 +66,7 @@ static void on_plan(void *user, bool is_made)
     (is_made ? report_planned : report_planning)(&loop->worker->connection, loop->frame);
 }
 
-// A worker that is fenced is so since before it had threads.
+// Enters the sandbox, unless the worker is fenced: a fence was entered before threads started.
 static bool close_sandbox(struct worker *worker)
 {
     struct error error = {0};
@@ -130,7 +130,7 @@ static void fail_frame(struct render_loop *loop, enum report_fault fault, const 
     worker_end_frame(loop->worker, loop->frame);
 }
 
-// The encoder has taken the picture before: no frame is begun while one waits.
+// Gives the picture to the encoder, which has taken the one before: no frame is started while a picture waits.
 static void hand_over(struct render_loop *loop, struct picture *picture)
 {
     struct worker *worker = loop->worker;
@@ -189,7 +189,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
     if (fault == RENDERER_FAULT_CONTEXT) worker_exit(loop->worker, 1);
 }
 
-// The file's own header says how exact it is.
+// Reports an existing file, with the accuracy that its header states.
 static void tell_skipped(struct render_loop *loop, const struct gate_result *found)
 {
     struct frame_accuracy accuracy = audit_result_accuracy(&found->facts.audit, found->facts.method);
@@ -248,7 +248,7 @@ static void render_frame(struct render_loop *loop)
     close(folder_fd);
 }
 
-// True with something to do: a request, else a frame.
+// Waits for a request or a frame. False when the worker ends.
 static bool wait_for_work(struct render_loop *loop, struct request **request)
 {
     struct worker *worker = loop->worker;

@@ -2,5 +2,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The thread's function; `user` is the worker. Says first whether there is a context.
+// The thread's function; `user` is the worker. It first reports whether there is a context.
 void *render_loop_run(void *user);

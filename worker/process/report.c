@@ -103,7 +103,7 @@ void report_finished(struct connection *connection, const struct assignment_fram
                      const struct report_result *result)
 {
     struct json_writer writer = {0};
-    char inode[24]; // a number of JSON's may not hold it
+    char inode[24]; // as text: a JSON number may not hold it
 
     snprintf(inode, sizeof inode, "%" PRIu64, result->file->inode);
     begin_frame(&writer, "frame.finished", frame->job->id, frame->frame, frame->attempt);
@@ -143,7 +143,7 @@ void report_frame_failed(struct connection *connection, const struct assignment_
     static const char *const names[] = {"job", "frame", "worker", "output", "endless", "cut", "missed"};
     struct json_writer writer = {0};
 
-    // Whoever gave the frame tells of it, in the user's words.
+    // At debug level, because the program that assigned the frame tells the user.
     log_debug("job %" PRId64 " frame %d attempt %d (%s): %s", frame->job->id, frame->frame, frame->attempt,
               names[fault], reason);
     begin_frame(&writer, "frame.failed", frame->job->id, frame->frame, frame->attempt);

@@ -1,4 +1,4 @@
-// What a worker's threads share: one reads orders, one renders and answers, one encodes.
+// The state that a worker's threads share: one reads orders, one renders and answers, one encodes.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,17 +22,17 @@ struct request;
 struct picture {
     struct assignment_frame *frame; // borrowed from the assignment
     struct image image;
-    int folder_fd; // owned; where its file goes
+    int folder_fd; // owned; the folder of its file
     double world_to_camera[16], world_to_ndc[16];
     double render_s;
-    enum job_method method; // that rendered it: the job's, or what a plan put in place of auto
-    double step;            // m; likewise
+    enum job_method method; // the job's, or the plan's in place of auto
+    double step;            // in metres; likewise
     struct ray_counts ray_counts;
     struct audit_result audit;   // AUDIT_NONE: the job states no tolerance
-    double sampling_error;       // relative RMSE that the number of samples a pixel leaves; 0: not measured
-    char plan[PLAN_REASON_SIZE]; // why this method and these numbers; empty: the job says them
+    double sampling_error;       // relative RMSE by the number of samples per pixel; 0: not measured
+    char plan[PLAN_REASON_SIZE]; // the plan's reason; empty: the job names its method
     char shader_hash[64];
-    char hash[HASH_TEXT_SIZE]; // of the job and of what the frame's files hold
+    char hash[HASH_TEXT_SIZE]; // of the job and of the contents of the frame's input files
 };
 
 void picture_destroy(struct picture *picture); // accepts NULL
@@ -41,21 +41,21 @@ struct worker {
     const struct options *options; // borrowed; outlives us
     struct connection connection;
     int wake_fd;                     // readable once a thread has ended
-    atomic_ullong progress;          // grows whenever rendering or encoding moves on
+    atomic_ullong progress;          // grows with every step of rendering or encoding
     char backend[16];                // set before the first frame, then constant
     char renderer[128];              // likewise
-    char sandbox[SANDBOX_TEXT_SIZE]; // likewise; what it sees to
+    char sandbox[SANDBOX_TEXT_SIZE]; // likewise; what the sandbox restricts
 
     pthread_mutex_t lock; // guards what follows
     pthread_cond_t changed;
     struct assignment assignment;
     struct request *requests; // owned; oldest first
-    struct picture *rendered; // owned; waits for the encoder. While it does, no other frame is begun.
-    struct image spare;       // owned; what the next picture is made of; empty while no frame is in hand
+    struct picture *rendered; // owned; waits for the encoder; meanwhile no other frame is started
+    struct image spare;       // owned; the image of the next picture; empty while no frame is assigned
     bool is_ready;            // worker.ready is sent
-    bool is_exiting;          // no new frames; what is started is finished
-    bool is_abandoned;        // nobody listens: everything is let go at once
-    bool has_renderer_ended;  // the encoder ends when it has nothing left
+    bool is_exiting;          // takes no new frames; finishes started ones
+    bool is_abandoned;        // nobody listens: everything is dropped at once
+    bool has_renderer_ended;  // the encoder ends once no picture waits
     int running_threads;
     int exit_code;
 };
@@ -64,14 +64,15 @@ bool worker_init(struct worker *worker, const struct options *options);
 void worker_finish(struct worker *worker); // after its threads have ended
 
 void worker_advance(struct worker *worker); // counts as progress
-// A picture of that shape for the frame; NULL when there is no memory for it.
+// A picture for the frame, of its size and channels; NULL when there is no memory.
 struct picture *worker_make_picture(struct worker *worker, struct assignment_frame *frame, struct error *error);
-// Destroys it, but keeps its image for the next one while frames are in hand: the system would have to clear as much anew.
+// Destroys the picture, but keeps its image for the next one while frames are assigned: the system would clear new
+// memory first.
 void worker_return_picture(struct worker *worker, struct picture *picture);
 void worker_set_ready(struct worker *worker);
-void worker_exit(struct worker *worker, int exit_code); // gives waiting frames back, finishes the started ones
+void worker_exit(struct worker *worker, int exit_code); // drops waiting frames, finishes started ones
 void worker_abandon(struct worker *worker, int exit_code);
 bool worker_is_unwanted(struct worker *worker, const struct assignment_frame *frame); // dropped or abandoned
 void worker_end_frame(struct worker *worker, struct assignment_frame *frame);
-void worker_drop_frame(struct worker *worker, struct assignment_frame *frame); // ends it and gives it back
+void worker_drop_frame(struct worker *worker, struct assignment_frame *frame); // ends it and reports it as dropped
 void worker_end_thread(struct worker *worker);                                 // the last thing a thread does
