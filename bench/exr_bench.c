@@ -1,6 +1,6 @@
-// What it costs to encode a frame and to gate it, per compression and thread count, in memory: exr_bench [FILE.exr].
+// The cost of encoding a frame and of the gate, per compression and thread count, in memory: exr_bench [FILE.exr].
 // SPDX-License-Identifier: Apache-2.0
-// Without a file it is a picture like a cloud's, 1920x1080.
+// Without a file the picture resembles a cloud, 1920x1080.
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "worker/audit/gate.h"
@@ -18,7 +18,7 @@
 
 enum { WIDTH = 1920, HEIGHT = 1080, RUNS = 5 };
 
-// On the wall and of all threads' processors.
+// Wall clock seconds, and CPU seconds of all threads.
 struct moment {
     double wall_ms, cpu_ms;
 };
@@ -42,7 +42,7 @@ static void keep_least(struct moment *least, struct moment start, struct moment 
     least->cpu_ms = fmin(least->cpu_ms, end.cpu_ms - start.cpu_ms);
 }
 
-// A cloud's shape: black around it, and inside smooth shading under structure down to the pixel.
+// A picture like a cloud's: black around it, smooth shading inside with structure down to the pixel.
 static void paint(struct image *image)
 {
     for (int y = 0; y < HEIGHT; y++)

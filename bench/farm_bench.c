@@ -1,7 +1,7 @@
-// The daemon as it is run, with workers that render nothing.
+// The real daemon with workers that render nothing.
 // SPDX-License-Identifier: Apache-2.0
-// How fast frames pass, how soon a job is safe, what a million queued frames weigh, and what the farm adds to the
-// renders.
+// Measures frames per second, the time until a submitted job is durable, the memory of a million queued frames, and the
+// farm's overhead beside rendering.
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -30,12 +30,12 @@ struct bench {
     char programs[PATH_MAX]; // folder of marchd and stub-worker
     char scratch[64];
     char socket_path[108];
-    char worker[128]; // script that starts the stub in some mode
+    char worker[128]; // script that starts the stub in one of its modes
     pid_t daemon;
     int fd;
     struct message_stream stream;
     struct json_writer request;
-    int outputs; // so that no two jobs write the same files
+    int outputs; // counted, so that no two jobs write the same files
 };
 
 static void give_up(const char *what)
@@ -100,7 +100,7 @@ static void stop_daemon(struct bench *bench)
     waitpid(bench->daemon, NULL, 0);
 }
 
-// Sends what `bench->request` holds and reads the answer.
+// Sends `bench->request` and reads the answer.
 static void call(struct bench *bench, struct message *answer)
 {
     const char *line;
@@ -210,7 +210,7 @@ static void print_row(const char *what, double value, const char *unit, const ch
     fflush(stdout);
 }
 
-// Each frame a file: written and synced by the stub, then intent, rename, folder sync and result by the daemon.
+// Each frame is a file: the stub writes and syncs it; the daemon does intent, rename, folder sync and result.
 static void measure_publishing(struct bench *bench)
 {
     stop_daemon(bench);

@@ -1,4 +1,4 @@
-// What parts of a scene cost, one feature after the other: feature_bench IMAGE. A frame of 960x540 each, medians of several.
+// The cost of the features of a scene, one after the other: feature_bench IMAGE. Medians of several frames of 960x540.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
@@ -119,7 +119,7 @@ static int compare(const void *a, const void *b)
     return (*left > *right) - (*left < *right);
 }
 
-// KiB of the first frame's fragment shader; 0 when there is none.
+// Returns the KiB of the first frame's fragment shader; 0 when there is none.
 static double text_kib(const struct job *job)
 {
     struct scene_files files;

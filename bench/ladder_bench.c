@@ -1,9 +1,9 @@
 // Time against error of a frame: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB...
 // SPDX-License-Identifier: Apache-2.0
-// The jobs show the same scene at the same size, each its own way. TRUTH keeps the light of every STRIDE-th pixel and
-// row, from STRIDE / 2 on, as doubles; it is measured when it is not there. --once: times are those of one rendering,
-// with compiling and reading, and truth is good to 1e-3. ladder_bench [--frame N] --reach JOB says between which
-// distances, in metres, camera rays meet media.
+// The jobs show the same scene at the same size with different methods. The file TRUTH has the light of every STRIDE-th
+// pixel and row, from STRIDE / 2 on, as doubles; it is measured when it is missing. With --once, times are of one
+// rendering, compiling and reading included, and the truth is converged to 1e-3. ladder_bench [--frame N] --extent JOB
+// prints the distances, in metres, between which camera rays meet media.
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -43,19 +43,19 @@ static bool load_job(struct job *job, const char *path, struct error *error)
     return ok;
 }
 
-static struct truth_point *list_places(const struct job *job, int stride, size_t *count)
+static struct truth_point *list_points(const struct job *job, int stride, size_t *count)
 {
     size_t limit = (size_t)job->width_px * (size_t)job->height_px;
-    struct truth_point *places = xcalloc(limit, sizeof *places);
+    struct truth_point *points = xcalloc(limit, sizeof *points);
 
     *count = 0;
     for (int y = stride / 2; y < job->height_px; y += stride)
         for (int x = stride / 2; x < job->width_px; x += stride)
-            places[(*count)++] = (struct truth_point){x, y};
-    return places;
+            points[(*count)++] = (struct truth_point){x, y};
+    return points;
 }
 
-static bool measure_truth(const struct ladder *ladder, const struct job *job, const struct truth_point *places,
+static bool measure_truth(const struct ladder *ladder, const struct job *job, const struct truth_point *points,
                           size_t count, double *light, struct error *error)
 {
     static const struct integrate_accuracy rough = {.relative = 1e-3};
@@ -63,7 +63,7 @@ static bool measure_truth(const struct ladder *ladder, const struct job *job, co
     struct truth_pixel *pixels = xcalloc(count, sizeof *pixels);
 
     if (truth) {
-        truth_measure_many(truth, &(struct truth_many){.points = places,
+        truth_measure_many(truth, &(struct truth_many){.points = points,
                                                        .pixels = pixels,
                                                        .count = count,
                                                        .accuracy = ladder->is_once ? &rough : NULL});
@@ -75,7 +75,7 @@ static bool measure_truth(const struct ladder *ladder, const struct job *job, co
     return truth != NULL;
 }
 
-static bool load_truth(const struct ladder *ladder, const struct job *job, const struct truth_point *places,
+static bool load_truth(const struct ladder *ladder, const struct job *job, const struct truth_point *points,
                        size_t count, double *light, struct error *error)
 {
     const char *path = ladder->truth;
@@ -87,7 +87,7 @@ static bool load_truth(const struct ladder *ladder, const struct job *job, const
         if (!ok) error_set(error, "%s: expected the light of %zu pixels", path, count);
         return ok;
     }
-    if (!measure_truth(ladder, job, places, count, light, error)) return false;
+    if (!measure_truth(ladder, job, points, count, light, error)) return false;
     file = fopen(path, "we");
     ok = file && fwrite(light, 3 * sizeof *light, count, file) == count;
     if (file && fclose(file) != 0) ok = false;
@@ -95,7 +95,7 @@ static bool load_truth(const struct ladder *ladder, const struct job *job, const
     return ok;
 }
 
-// The first frame compiles and reads; of the next ones the fastest counts.
+// The first frame compiles and reads; the fastest of the others counts.
 static bool render(const struct ladder *ladder, const struct job *job, struct image *image, double best[static 2],
                    struct error *error)
 {
@@ -117,7 +117,7 @@ static bool render(const struct ladder *ladder, const struct job *job, struct im
 
 static bool print_job(const struct ladder *ladder, const char *path, struct error *error)
 {
-    struct truth_point *places = NULL;
+    struct truth_point *points = NULL;
     struct reference_error found;
     struct image image = {0};
     struct job job = {0};
@@ -127,15 +127,15 @@ static bool print_job(const struct ladder *ladder, const char *path, struct erro
     bool ok = load_job(&job, path, error) && image_init(&image, job.width_px, job.height_px, false, false, error);
 
     if (!ok) goto out;
-    places = list_places(&job, ladder->stride, &count);
+    points = list_points(&job, ladder->stride, &count);
     light = xcalloc(3 * count, sizeof *light);
     seen = xcalloc(3 * count, sizeof *seen);
-    ok = load_truth(ladder, &job, places, count, light, error) && render(ladder, &job, &image, best, error);
+    ok = load_truth(ladder, &job, points, count, light, error) && render(ladder, &job, &image, best, error);
     if (!ok) goto out;
     for (size_t i = 0; i < 3 * count; i++) {
-        const struct truth_point *place = &places[i / 3];
+        const struct truth_point *point = &points[i / 3];
 
-        seen[i] = image.rgba[4 * ((size_t)place->y * (size_t)job.width_px + (size_t)place->x) + i % 3];
+        seen[i] = image.rgba[4 * ((size_t)point->y * (size_t)job.width_px + (size_t)point->x) + i % 3];
     }
     found = reference_image_error(seen, light, 3 * count);
     printf("%.6f %.6f %.6e %s\n", best[0], best[1], found.relative_rmse, path);
@@ -143,7 +143,7 @@ static bool print_job(const struct ladder *ladder, const char *path, struct erro
 out:
     free(seen);
     free(light);
-    free(places);
+    free(points);
     image_finish(&image);
     job_finish(&job);
     return ok;
@@ -156,9 +156,9 @@ static bool print_reach(const char *path, int32_t frame, struct error *error)
     bool ok = load_job(&job, path, error) && scene_inputs_open(&inputs, &job, frame, NULL, NULL, error);
 
     if (ok) {
-        struct scene_extent reach = scene_extent_find(&job, &inputs, frame);
+        struct scene_extent extent = scene_extent_find(&job, &inputs, frame);
 
-        printf("%.9g %.9g\n", reach.near, reach.far);
+        printf("%.9g %.9g\n", extent.near, extent.far);
     }
     scene_inputs_finish(&inputs);
     job_finish(&job);
@@ -186,22 +186,22 @@ int main(int argc, char *argv[])
 {
     struct ladder ladder = {0};
     struct error error = {0};
-    bool is_reach = false;
+    bool is_extent = false;
     char **left = argv + 1;
 
     for (; *left && !strncmp(*left, "--", 2); left++) {
         if (!strcmp(*left, "--frame") && left[1]) ladder.frame = atoi(*++left);
         if (!strcmp(*left, "--once")) ladder.is_once = true;
-        if (!strcmp(*left, "--reach")) is_reach = true;
+        if (!strcmp(*left, "--extent")) is_extent = true;
     }
-    if (is_reach && left[0]) {
+    if (is_extent && left[0]) {
         if (print_reach(left[0], ladder.frame, &error)) return 0;
         fprintf(stderr, "%s: %s\n", left[0], error.message);
         return 1;
     }
     ladder.stride = argc - (left - argv) > 2 ? atoi(left[1]) : 0;
     if (ladder.stride < 1) {
-        fprintf(stderr, "usage: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB... | [--frame N] --reach JOB\n");
+        fprintf(stderr, "usage: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB... | [--frame N] --extent JOB\n");
         return 2;
     }
     ladder.truth = left[0];

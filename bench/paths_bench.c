@@ -1,7 +1,7 @@
 // Time against error of a job whose rays are reflected and refracted: paths_bench JOB.
 // SPDX-License-Identifier: Apache-2.0
-// Each setting is timed at the job's own resolution with one sample a pixel, and compared with reference/ along the
-// same rays in pixels spread over the picture.
+// Each setting is timed at the job's resolution with one sample a pixel, and compared with reference/ along the same
+// rays in pixels spread over the picture.
 #include "cli/job/job_document.h"
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
@@ -20,7 +20,7 @@
 
 enum { ROWS = 54, COLUMNS = 96, RUNS = 3, FRAME = 48 };
 
-// What is taken for the truth follows rays far beyond every setting here.
+// The truth follows rays much further than every setting here.
 static const int TRUE_DEPTH = 24;
 static const double TRUE_THROUGHPUT = 1e-7;
 
@@ -50,7 +50,7 @@ static bool load_textures(struct still_inputs *inputs, const struct job *job, st
     return true;
 }
 
-// Where pixel `i` of the compared ones lies.
+// Finds the position of the compared pixel `i`.
 static void find_place(const struct job *job, int i, int *x, int *y)
 {
     *x = (2 * (i % COLUMNS) + 1) * job->width_px / (2 * COLUMNS);
@@ -103,7 +103,7 @@ static int compare(const void *a, const void *b)
     return (*left > *right) - (*left < *right);
 }
 
-// Frames in turn, so that none is a copy; the last one is that of the truth.
+// Renders different frames, so that none is a copy; the last one is the truth's.
 static bool render(struct gl_context *context, const struct job *job, struct image *image, double *median,
                    struct ray_counts *counts, struct error *error)
 {

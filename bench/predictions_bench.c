@@ -1,8 +1,8 @@
-// What plans predict beside what is then measured: predictions_bench WIDTH TOLERANCE JOB...
+// The predictions of plans beside measurements: predictions_bench WIDTH TOLERANCE JOB...
 // SPDX-License-Identifier: Apache-2.0
-// Each job is a row of a table, its resolution brought to WIDTH. The first segment gives seconds of processors (of the
-// clock, where a GPU renders) of frames spread over it, and their error by many pixels against reference/; a job with
-// code of the user's is compared with a march in finer steps.
+// Each job is a row of a table, with its resolution scaled to WIDTH. Frames spread over the first segment give CPU
+// seconds (wall clock seconds where a GPU renders) and the error of many pixels against reference/. A job with a user's
+// own code is compared with a march in finer steps.
 #include "cli/job/job_document.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -25,7 +25,7 @@
 
 enum { FRAMES = 8, RAYS = 192, FINER_RUNGS = 4 };
 
-// Of the tolerance: as if that were allowed, so that what the reference leaves open is not seen.
+// The truth is measured as if this share of the tolerance were allowed, so that its own error does not show.
 static const double EXACT_SHARE = 0.2;
 
 struct stage {
@@ -34,13 +34,13 @@ struct stage {
     struct job job;
     struct plan plan;
     struct plan_evidence evidence;
-    struct truth *truth; // NULL: there is no twin
+    struct truth *truth; // NULL: the density has no twin
     struct image image;
     double seconds, square; // sums over frames
     int frame_count, missed_count;
 };
 
-// As the command line does it.
+// Does the same as the command line.
 static bool load_job(struct job *job, const char *path, int width_px, double tolerance, struct error *error)
 {
     char *document = job_document_load(path, NULL, 0, error);
@@ -157,11 +157,11 @@ static bool measure(struct stage *stage, struct error *error)
 static void print_row(const struct stage *stage, double plan_s)
 {
     const struct plan *plan = &stage->plan;
-    double foretold_s = stage->by_processor ? plan->predicted_processor_s : plan->predicted_s;
+    double predicted_s = stage->by_processor ? plan->predicted_processor_s : plan->predicted_s;
     double seconds = stage->seconds / stage->frame_count, error = sqrt(stage->square / stage->frame_count);
 
     printf("| `%s` | %s | %.3g | %.3g | %.2f | %.1e | %.1e | %.2f | %d of %d | %.1f |\n", stage->job.name,
-           job_method_name(plan->quality.method), foretold_s, seconds, foretold_s / seconds, plan->predicted_error,
+           job_method_name(plan->quality.method), predicted_s, seconds, predicted_s / seconds, plan->predicted_error,
            error, plan->predicted_error / error, stage->missed_count, stage->frame_count, plan_s);
     fflush(stdout);
 }
@@ -203,8 +203,9 @@ int main(int argc, char *argv[])
         gl_context_destroy(context);
         return 2;
     }
-    printf("| job | method | s foretold | measured | ratio | error foretold | measured | ratio | frames over | plan, s "
-           "|\n");
+    printf(
+        "| job | method | s predicted | measured | ratio | error predicted | measured | ratio | frames over | plan, s "
+        "|\n");
     printf("|---|---|---|---|---|---|---|---|---|---|\n");
     for (int i = 3; i < argc; i++)
         if (!predict(renderer, argv[i], width_px, tolerance, &error)) {

@@ -1,7 +1,7 @@
-// What the programs of jobs cost in CPU time: program_bench JOB...
+// The CPU time of jobs' programs: program_bench JOB...
 // SPDX-License-Identifier: Apache-2.0
-// Compile and link, then tiny frames of each on a new renderer: the first also lets the driver make machine code, the
-// others should not.
+// Measures compiling and linking, then tiny frames of each on a new renderer. In the first the driver also makes
+// machine code; in the others it should not.
 #include "cli/job/job_document.h"
 #include "core/base/error.h"
 #include "core/job/job.h"

@@ -103,7 +103,7 @@ static void measure_jobs(void)
     queue_destroy(queue);
 }
 
-// Taken once and returned, so that every page of it is in use.
+// Every frame is taken once and returned, so that all pages are in use.
 static void measure_memory(void)
 {
     struct queue_ticket *tickets = malloc(FRAME_COUNT * sizeof tickets[0]);

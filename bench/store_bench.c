@@ -1,4 +1,4 @@
-// What durability costs: frames per second with the store committing, submit latency, restarts with a million frames.
+// The cost of durability: frames per second with the store committing, submit latency, restarts with a million frames.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
@@ -162,7 +162,7 @@ static void remove_store(const char *folder)
     }
 }
 
-// store_bench [FOLDER]: the store is made in it, on the disk to be measured, and removed.
+// store_bench [FOLDER]: makes the store in the folder, on the disk to be measured, and removes it.
 int main(int argc, char **argv)
 {
     char *folder = xasprintf("%s/store_bench_%ld", argc > 1 ? argv[1] : ".", (long)getpid());

@@ -1,18 +1,18 @@
 // A worker that renders nothing: it speaks the protocol, for the daemon's benchmarks and process tests.
 // SPDX-License-Identifier: Apache-2.0
 //
-// stub-worker --fd N [--mode MODE], other options are taken and ignored. MODE is
+// stub-worker --fd N [--mode MODE], other options are ignored. MODE is
 //   skip         answers each frame with frame.skipped at once (default)
 //   sleep:MS     the same after MS milliseconds
 //   write:MS     writes a small file after MS milliseconds and reports it finished
-//   audited:MS   the same, and says how exact it is
-//   plan:MS      like write, and says that it plans first
-//   lie:MS       the same, but says of the file what is not so, and of frames it was not given that they are finished
+//   audited:MS   the same, and reports its accuracy
+//   plan:MS      like write, and reports that it plans first
+//   lie:MS       like write, but reports a wrong file, and frames that it was not given as finished
 //   fail:FAULT   answers frame.failed with that fault
 //   crash        dies when it begins a frame
-//   hang         begins a frame and says nothing more
-//   garbage      begins a frame and says what is no message
-//   nocontext    says worker.failed and exits 1
+//   hang         begins a frame and sends nothing more
+//   garbage      begins a frame and sends bytes that are no message
+//   nocontext    sends worker.failed and exits 1
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -56,7 +56,7 @@ struct stub {
     int64_t frame_ms; // 0: answered at once
     struct message_stream stream;
     struct json_writer out;
-    struct stub_frame *frames; // [next, count) are in hand; the one at `next` is begun if `is_begun`
+    struct stub_frame *frames; // [next, count) are in flight; the one at `next` is begun if `is_begun`
     size_t next, count, capacity;
     bool is_begun, is_exiting;
     int64_t due_ms, beat_ms;
@@ -211,7 +211,7 @@ static void say_finished(struct stub *stub, const struct stub_frame *frame, uint
     end_report(stub);
 }
 
-// Each would be published if it were believed.
+// Each would be published if the daemon did not check it.
 static void say_lies(struct stub *stub, const struct stub_frame *frame, const struct stat *status, const char *hash)
 {
     const struct stub_frame untold[] = {{frame->job + 1, frame->frame, frame->attempt},
@@ -282,7 +282,7 @@ static void end_frame(struct stub *stub)
         say_skipped(stub, &frame);
 }
 
-// Begins and ends what is due; the milliseconds until there is more to do, or -1.
+// Begins and ends the frames that are due. Returns the milliseconds until there is more to do, or -1.
 static int work(struct stub *stub)
 {
     while (stub->next < stub->count) {
@@ -357,7 +357,7 @@ static void forget_job(struct stub *stub, int64_t id)
     }
 }
 
-// Job 0: of all jobs.
+// Job 0 stands for all jobs.
 static void drop_frames(struct stub *stub, int64_t job, bool running)
 {
     size_t first = stub->is_begun && !running ? stub->next + 1 : stub->next;
@@ -396,7 +396,7 @@ static void note_message(struct stub *stub, const struct message *message)
     }
 }
 
-// False at the end of the stream.
+// Returns false at the end of the stream.
 static bool take_messages(struct stub *stub)
 {
     size_t room, length;
@@ -457,7 +457,7 @@ int main(int argc, char **argv)
     colon = strchr(stub.mode, ':');
     if (colon) stub.frame_ms = atoi(colon + 1);
     signal(SIGPIPE, SIG_IGN);
-    // As march-worker: what a dead daemon's worker writes, nobody removes.
+    // Ends with the daemon, as march-worker does: nothing removes what a dead daemon's worker writes.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (has_mode(&stub, "nocontext")) {
         say_unable(&stub);

@@ -1,7 +1,7 @@
-// Two ways to find the first surface along a ray, timed against each other.
+// Two methods that find the first surface along a ray, timed against each other.
 // SPDX-License-Identifier: Apache-2.0
-// Spans in closed form are one, marching a distance field with a bound on its steps the other. A ball and a box stand
-// over a floor, as the examples have them.
+// One uses spans in closed form, the other marches a distance field with a bound on its steps. The scene is that of the
+// examples: a ball and a box over a floor.
 #include "core/base/clock.h"
 #include "core/base/error.h"
 #include "worker/gl/gl_context.h"
@@ -26,7 +26,8 @@ static const char SCENE[] = "const vec3 EYE = vec3(0.0, 0.6, 4.0);\n"
                             "    return normalize(vec3((p - vec2(960.0, 540.0)) * vec2(1.0, -1.0) / 1080.0, -1.0));\n"
                             "}\n";
 
-// Each ray is asked several times, from eyes a little apart, as reflections and shadows would: one draw alone is too short.
+// Each ray is traced several times from points a little apart, as reflections and shadows would be: one draw is too
+// short.
 static const char MAIN[] = "layout(location = 0) out vec4 rgba;\n"
                            "void main()\n"
                            "{\n"
@@ -66,17 +67,17 @@ static const char MARCHED[] = "float field(vec3 p)\n"
                               "    return FAR_AWAY;\n"
                               "}\n";
 
-struct way {
+struct method {
     const char *name, *hit;
     int steps;
     double near;
 };
 
-static const struct way ways[] = {{"spans in closed form", CLOSED, 0, 0.0},
-                                  {"field, 64 steps, 1e-3 m", MARCHED, 64, 1e-3},
-                                  {"field, 128 steps, 1e-4 m", MARCHED, 128, 1e-4},
-                                  {"field, 256 steps, 1e-5 m", MARCHED, 256, 1e-5},
-                                  {"field, 1024 steps, 1e-5 m", MARCHED, 1024, 1e-5}};
+static const struct method methods[] = {{"spans in closed form", CLOSED, 0, 0.0},
+                                        {"field, 64 steps, 1e-3 m", MARCHED, 64, 1e-3},
+                                        {"field, 128 steps, 1e-4 m", MARCHED, 128, 1e-4},
+                                        {"field, 256 steps, 1e-5 m", MARCHED, 256, 1e-5},
+                                        {"field, 1024 steps, 1e-5 m", MARCHED, 1024, 1e-5}};
 
 static double nearest_plane(double from, double to, double position, double direction, double *exit)
 {
@@ -86,23 +87,24 @@ static double nearest_plane(double from, double to, double position, double dire
     return fmin(a, b);
 }
 
-// The distance in double precision; INFINITY for none.
+// Returns the distance in double precision; INFINITY: no hit.
 static double true_distance(int x, int y)
 {
     const double eye[3] = {0.0, 0.6, 4.0}, low[3] = {1.7, -1.2, -1.5}, high[3] = {2.7, -0.2, -0.5};
-    double way[3] = {(x + 0.5 - 960.0) / 1080.0, (540.0 - y - 0.5) / 1080.0, -1.0};
-    double length = hypot(hypot(way[0], way[1]), way[2]), nearest = INFINITY, along = 0.0, square = -1.0;
+    double direction[3] = {(x + 0.5 - 960.0) / 1080.0, (540.0 - y - 0.5) / 1080.0, -1.0};
+    double length = hypot(hypot(direction[0], direction[1]), direction[2]), nearest = INFINITY, along = 0.0,
+           square = -1.0;
     double entry = -INFINITY, exit = INFINITY;
 
     for (int i = 0; i < 3; i++) {
-        way[i] /= length;
-        along -= eye[i] * way[i];
+        direction[i] /= length;
+        along -= eye[i] * direction[i];
         square += eye[i] * eye[i];
-        entry = fmax(entry, nearest_plane(low[i], high[i], eye[i], way[i], &exit));
+        entry = fmax(entry, nearest_plane(low[i], high[i], eye[i], direction[i], &exit));
     }
     if (along * along > square) nearest = along - sqrt(along * along - square);
     if (entry < exit && entry > 0.0) nearest = fmin(nearest, entry);
-    if (way[1] < 0.0) nearest = fmin(nearest, -(eye[1] + 1.2) / way[1]);
+    if (direction[1] < 0.0) nearest = fmin(nearest, -(eye[1] + 1.2) / direction[1]);
     return nearest;
 }
 
@@ -115,7 +117,7 @@ static void append(char **text, const char *part)
     strcpy(*text + length, part);
 }
 
-static char *fragment_text(const struct way *way)
+static char *fragment_text(const struct method *method)
 {
     static const char *const modules[] = {"math/constants.glsl", "region/span.glsl", "region/sphere.glsl",
                                           "region/box.glsl"};
@@ -129,10 +131,10 @@ static char *fragment_text(const struct way *way)
         free(module);
     }
     snprintf(numbers, sizeof numbers, "const int STEPS = %d;\nconst float NEAR = %.9e;\nconst int ROUNDS = %d;\n",
-             way->steps, way->near, ROUNDS);
+             method->steps, method->near, ROUNDS);
     append(&text, numbers);
     append(&text, SCENE);
-    append(&text, way->hit);
+    append(&text, method->hit);
     append(&text, MAIN);
     return text;
 }
@@ -162,7 +164,7 @@ static double draw(const struct gl_functions *gl, const struct gl_target *target
     return seconds[RUNS / 2];
 }
 
-static void print_way(const struct way *way, const struct image *image, double seconds)
+static void print_method(const struct method *method, const struct image *image, double seconds)
 {
     double largest = 0.0;
     long wrong = 0;
@@ -178,19 +180,19 @@ static void print_way(const struct way *way, const struct image *image, double s
             else
                 largest = fmax(largest, error);
         }
-    printf("%-28s %14.1f %18.4f %22.1e\n", way->name, 1e-6 * WIDTH * HEIGHT * ROUNDS / seconds,
+    printf("%-28s %14.1f %18.4f %22.1e\n", method->name, 1e-6 * WIDTH * HEIGHT * ROUNDS / seconds,
            100.0 * (double)wrong / (WIDTH * HEIGHT), largest);
 }
 
 static bool measure(const struct gl_functions *gl, const struct gl_target *target, struct image *image,
-                    const struct way *way, struct error *error)
+                    const struct method *method, struct error *error)
 {
-    char *vertex = shader_sources_load(NULL, VERTEX, error), *fragment = fragment_text(way);
+    char *vertex = shader_sources_load(NULL, VERTEX, error), *fragment = fragment_text(method);
     unsigned program =
         !vertex ? 0 : gl_program_create(gl, &(struct gl_program_params){.vertex = vertex, .fragment = fragment}, error);
 
     if (program) {
-        print_way(way, image, draw(gl, target, program, image));
+        print_method(method, image, draw(gl, target, program, image));
         gl->DeleteProgram(program);
     }
     free(vertex);
@@ -213,10 +215,10 @@ int main(void)
     if (ok) {
         gl.CreateVertexArrays(1, &vertex_array);
         gl.BindVertexArray(vertex_array);
-        printf("%-28s %14s %18s %22s\n", "way", "million rays/s", "wrong pixels in %", "largest other error");
+        printf("%-28s %14s %18s %22s\n", "method", "million rays/s", "wrong pixels in %", "largest other error");
     }
-    for (size_t i = 0; ok && i < sizeof ways / sizeof *ways; i++)
-        ok = measure(&gl, &target, &image, &ways[i], &error);
+    for (size_t i = 0; ok && i < sizeof methods / sizeof *methods; i++)
+        ok = measure(&gl, &target, &image, &methods[i], &error);
     if (!ok) printf("%s\n", error.message);
     if (vertex_array) gl.DeleteVertexArrays(1, &vertex_array);
     gl_target_finish(&target);

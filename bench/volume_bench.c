@@ -1,4 +1,4 @@
-// What a volume costs: reading it, the first frame, the next ones, and memory. Each volume in a process of its own.
+// The cost of a volume: reading it, the first frame, the next ones, and memory. Each volume has its own process.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
@@ -27,7 +27,7 @@ static const struct {
     size_t voxel_bytes;
 } volumes[] = {{16, "uint8", 1}, {256, "uint8", 1}, {256, "float32", 4}, {512, "uint8", 1}, {512, "float32", 4}};
 
-// The most memory this process ever held, bytes.
+// Returns the peak memory of this process, bytes.
 static double peak_bytes(void)
 {
     FILE *status = fopen("/proc/self/status", "re");
@@ -40,7 +40,7 @@ static double peak_bytes(void)
     return 1024.0 * kib;
 }
 
-// A ball whose inside ripples, values 0 to 255.
+// Returns the value, 0 to 255, of a ball with ripples inside.
 static void fill_slice(double *slice, int side, int k)
 {
     for (int j = 0; j < side; j++)
@@ -118,7 +118,7 @@ static bool render(struct renderer *renderer, const struct job *job, int frame, 
     return ok;
 }
 
-// `folder` has both files. The small volume comes first, so that what GL itself takes is not counted.
+// `folder` has both files. The small volume comes first, so that GL's own memory is not counted.
 static bool measure(const char *small_path, const char *path, double volume_bytes)
 {
     struct error error = {0};

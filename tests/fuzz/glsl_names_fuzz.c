@@ -1,4 +1,4 @@
-// Any text is either refused with its place or read into names that can be written as directives.
+// Any text is either refused with its position or read into names that can be written as directives.
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/glsl/glsl_names.h"
 

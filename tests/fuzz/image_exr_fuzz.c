@@ -1,4 +1,4 @@
-// EXR files of anybody's: textures are read by the same module as our own frames.
+// EXR files from outside: the module that reads our frames also reads textures.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "worker/picture/image.h"
@@ -13,7 +13,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 enum { PIXEL_LIMIT = 1 << 16 };
 
-// What is taken has the size that its header says; what is not says why.
+// A file that is read has the size in its header; one that is refused has a reason.
 static void read_image(int fd)
 {
     struct image_exr_facts facts;
@@ -25,7 +25,7 @@ static void read_image(int fd)
         return;
     }
     if (facts.width_px < 1 || facts.height_px < 1) abort();
-    if ((int64_t)facts.width_px * facts.height_px > PIXEL_LIMIT) return; // only takes time
+    if ((int64_t)facts.width_px * facts.height_px > PIXEL_LIMIT) return; // too slow
     if (!image_exr_read(fd, &image, NULL, 2, &error)) {
         if (image.rgba || !error.message[0]) abort();
         return;

@@ -1,4 +1,4 @@
-// The sums of all chunks are put right first: a fuzzer does not find them.
+// Checksums of all chunks are corrected first, because a fuzzer does not find them.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "worker/picture/image.h"
@@ -30,7 +30,7 @@ static void put_sums(uint8_t *bytes, size_t size)
     }
 }
 
-// What is taken has albedos only; what is not says why.
+// A file that is read has values in [0, 1] only; one that is refused has a reason.
 static void read_image(int fd)
 {
     struct image_png_facts facts;
@@ -41,7 +41,7 @@ static void read_image(int fd)
         if (strncmp(error.message, "PNG: ", 5) != 0) abort();
         return;
     }
-    if ((int64_t)facts.width_px * facts.height_px > PIXEL_LIMIT) return; // only takes time
+    if ((int64_t)facts.width_px * facts.height_px > PIXEL_LIMIT) return; // too slow
     if (!image_png_read(fd, false, &image, NULL, &error)) {
         if (image.rgba || !error.message[0]) abort();
         return;

@@ -10,7 +10,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
-// What the header of a scene promises about what points and counts.
+// Checks what scene.h promises about pointers and counts.
 static void check_media(const struct job *job)
 {
     for (size_t i = 0; i < job->scene.medium_count; i++) {
@@ -49,7 +49,7 @@ static void check_objects(const struct job *job)
     }
 }
 
-// A job that is taken can be asked for any of its times; one that is refused says why and leaves nothing behind.
+// A job that is read can be evaluated at all its times; one that is refused has a reason and leaves nothing behind.
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     struct error error = {0};

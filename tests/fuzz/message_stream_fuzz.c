@@ -20,7 +20,7 @@ static void require(bool condition)
     if (!condition) abort();
 }
 
-// What a decoded message says is written and read again without a change.
+// A decoded message is the same after it is encoded and decoded again.
 static void check_round_trip(const struct message *message)
 {
     struct json_writer writer = {0};

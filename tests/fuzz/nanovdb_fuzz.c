@@ -36,7 +36,7 @@ static const struct nanovdb_made *made_file(void)
     return &made;
 }
 
-// A grid that is taken has a value for every voxel, and those of its bricks are finite.
+// A grid that is read has a value for every voxel, and those of its bricks are finite.
 static void decode(const void *bytes, size_t size)
 {
     struct nanovdb_bytes file = {bytes, size};
@@ -47,7 +47,7 @@ static void decode(const void *bytes, size_t size)
         if (!error.message[0]) abort();
         return;
     }
-    for (size_t i = 0; i < sparse_grid_brick_total(grid) && i < 65536; ++i) // more only takes time
+    for (size_t i = 0; i < sparse_grid_brick_total(grid) && i < 65536; ++i) // more would be slow
         if (grid->bricks[i].leaf >= (int32_t)grid->leaf_count ||
             !(grid->bricks[i].value - grid->bricks[i].value == 0.0F))
             abort();
@@ -65,8 +65,8 @@ static void decode(const void *bytes, size_t size)
     sparse_grid_destroy(grid);
 }
 
-// A whole grid is too large to be found by chance: the input says what to change in one. A patch is a byte for the piece, one
-// for how many bytes (1 to 8), two for where in the piece, then the bytes.
+// A whole grid is too large to be found by chance, so the input is a list of patches to one. A patch is a byte for the
+// piece, one for the number of bytes (1 to 8), two for the position in the piece, then the bytes.
 static void decode_patched(const uint8_t *patches, size_t size)
 {
     const struct nanovdb_made *made = made_file();

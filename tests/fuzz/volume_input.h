@@ -1,4 +1,4 @@
-// A fuzzer's bytes as a volume's file: what opens is in itself consistent and can be read to its end or says why not.
+// A fuzzer's bytes as a volume's file: one that opens is consistent, and is read to its end or fails with a reason.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// Far fewer voxels than may be in a file, so that what a header only pretends costs no time.
+// Far fewer voxels than a file may have, so that headers that only claim many cost no time.
 enum { VOLUME_INPUT_VOXEL_LIMIT = 1 << 20 };
 
 static char volume_input_folder[] = "/tmp/marchd-fuzz-XXXXXX";

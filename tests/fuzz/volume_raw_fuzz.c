@@ -6,7 +6,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 enum { KEY_BYTES = 9, NAME_LIMIT = 100 };
 
-// As a job's keys can be: sizes of 0 stand for the name's; no number is negative.
+// Keys as a job may have them: a size of 0 stands for that in the name; no number is negative.
 static void take_keys(struct volume_source *source, const uint8_t *bytes)
 {
     for (int axis = 0; axis < 3; axis++) {

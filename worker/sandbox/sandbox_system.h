@@ -1,4 +1,4 @@
-// Allows what a fenced worker reads of the machine: libraries, GL drivers, their settings, devices, facts of /proc and /sys.
+// Allows what a fenced worker reads of the machine: libraries, GL drivers, their settings, devices, /proc and /sys.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -26,7 +26,7 @@ static struct gl_context *create_or_skip(enum gl_backend backend)
     return context;
 }
 
-// Clears a float target to a colour beyond what bytes hold and reads it back.
+// Clears a float target to a colour that bytes cannot hold and reads it back.
 static void assert_renders_floats(struct gl_context *context)
 {
     static const float colour[] = {1234.5f, -0.25f, 1e-20f, 3e30f};

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-enum { COUNT = 1021 }; // no multiple of what a processor takes at once
+enum { COUNT = 1021 }; // no multiple of the width of vector instructions
 
 static float float_of_bits(uint32_t bits)
 {
@@ -21,7 +21,7 @@ static float float_of_bits(uint32_t bits)
     return value;
 }
 
-// A half's value, the next float above and below, and the middle to the next half with its neighbours.
+// Checks a half's value, the floats next to it, and the middle to the next half with its neighbours.
 static float value_near_half(uint32_t index)
 {
     static const int32_t offsets[] = {-1, 0, 1, 0x0fff, 0x1000, 0x1001};
@@ -40,7 +40,7 @@ static void assert_row(const float *values, size_t count)
     half_row_from_floats(halves, values, count);
     for (size_t i = 0; i < count; i++) {
         uint16_t expected = imath_float_to_half(values[i]);
-        // Which NaN it becomes does not matter.
+        // Any NaN is right.
         if ((expected & 0x7fff) > 0x7c00 ? (halves[i] & 0x7fff) <= 0x7c00 : halves[i] != expected)
             fail_msg("%a: expected 0x%04x, got 0x%04x", (double)values[i], expected, halves[i]);
     }

@@ -26,7 +26,7 @@ static const enum job_compression compressions[] = {JOB_COMPRESSION_NONE, JOB_CO
                                                     JOB_COMPRESSION_ZIP, JOB_COMPRESSION_PIZ};
 enum { COMPRESSION_COUNT = sizeof compressions / sizeof compressions[0] };
 
-// Half smooth, half noise, so that both sides of every compressor's choice occur.
+// Half of the picture is smooth and half is noise, so that some chunks compress and some do not.
 static struct image make_image(int width, int height, bool has_depth, bool has_transmittance, uint32_t seed)
 {
     struct random random = {seed};
@@ -141,7 +141,8 @@ static void every_compression_and_pixel_type_comes_back_to_the_bit(void **state)
                     assert_round_trip(sizes[size][0], sizes[size][1], (enum job_pixel)pixel, compressions[i], aovs);
 }
 
-// A chunk that compresses to exactly its own size must not be taken for a stored one; one in some hundred of these does.
+// A chunk that compresses to exactly its own size must not be taken for a raw one. About one in a hundred of these
+// does.
 static void chunk_that_does_not_shrink_comes_back_to_the_bit(void **state)
 {
     struct random random = {1};
@@ -293,7 +294,7 @@ static void a_scene_without_paths_says_nothing_of_rays(void **state)
     close(fd);
 }
 
-// `path` reaches the descriptor of another process of ours, so no file has to be made.
+// `path` names a descriptor of this process for another one, so no file is needed.
 static void descriptor_path(int fd, char path[static 64])
 {
     snprintf(path, 64, "/proc/%d/fd/%d", (int)getpid(), fd);
@@ -353,7 +354,7 @@ static void standard_attributes_have_their_types_and_values(void **state)
     close(fd);
 }
 
-// exrheader is built on the C++ library, which shares no code with the one that wrote the file.
+// exrheader uses the C++ library, which shares no code with the library that wrote the file.
 static void another_library_reads_the_header(void **state)
 {
     struct image image = make_image(31, 18, true, true, 1);

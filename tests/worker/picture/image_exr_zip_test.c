@@ -16,7 +16,7 @@ enum { LARGEST = 5000 };
 static const size_t sizes[] = {2, 4, 14, 16, 18, 30, 32, 34, 62, 64, 66, 4098, LARGEST};
 enum { SIZE_COUNT = sizeof sizes / sizeof sizes[0] };
 
-// Bytes that rise, with jumps of every size, and pack well.
+// Rising bytes with jumps of every size, which pack well.
 static void fill(uint8_t *chunk, size_t count, uint32_t seed)
 {
     struct random random = {seed};
@@ -25,7 +25,7 @@ static void fill(uint8_t *chunk, size_t count, uint32_t seed)
         chunk[i] = (uint8_t)(i % 8 ? chunk[i - 1] + (i % 2) : random_between(&random, 0, 256));
 }
 
-// What is in the zlib stream of a chunk, as "Technical Introduction to OpenEXR" and its library have it, byte by byte.
+// The zlib stream of a chunk, byte by byte, as "Technical Introduction to OpenEXR" and its library define it.
 static void filter(uint8_t *filtered, const uint8_t *chunk, size_t count)
 {
     for (size_t i = 0; i < count; i++)

@@ -62,7 +62,7 @@ static int put(const void *bytes, size_t size)
     return fd;
 }
 
-// The stored value in [0, 1] of a channel as the standard defines it.
+// Returns the stored value of a channel in [0, 1] as the standard defines it.
 static double value_of(const struct png_params *params, size_t pixel, size_t channel)
 {
     size_t channels = (size_t)png_maker_channels(params->color);
@@ -97,7 +97,7 @@ static void assert_read(const struct png_params *params, bool is_linear)
         for (size_t c = 0; c < 3; c++) {
             double value = value_of(params, i, c), wanted = is_linear ? value : light_of(value);
 
-            // Rounded once to a float, the formula's own roundings in double precision apart.
+            // The value is rounded once to a float; the formula in double precision rounds much less.
             assert_true(fabs((double)image.rgba[4 * i + c] - wanted) <= wanted * 0.5000001 * 0x1p-23);
         }
         assert_true(image.rgba[4 * i + 3] == 1.0f);
@@ -123,7 +123,7 @@ static void every_form_gives_its_values(void **state)
 static void curve_is_that_of_the_standard(void **state)
 {
     assert_true(srgb_decode(0) == 0 && srgb_decode(1) == 1);
-    // Half of the code values of 8 bits: the standard's formula by hand.
+    // Half of the code values of 8 bits, by the standard's formula.
     assert_true(fabs(srgb_decode(128 / 255.0) - 0.2158605) < 1e-7);
     assert_true(fabs(srgb_decode(10 / 255.0) - 10 / 255.0 / 12.92) < 1e-16);
     assert_true(fabs(srgb_decode(11 / 255.0) - 0.0033465358) < 1e-10);
@@ -170,7 +170,7 @@ static void file_cut_anywhere_is_refused(void **state)
     }
 }
 
-// Each chunk has a sum over its bytes, and so has the stream of pixels.
+// Each chunk has a checksum, and so has the stream of pixels.
 static void flipped_byte_is_refused(void **state)
 {
     struct png_params params = make_params(5, 19, 11, false);
@@ -191,7 +191,7 @@ static void flipped_byte_is_refused(void **state)
         close(fd);
         bytes[at] ^= 0x10;
     }
-    // All but those of the gamma, which nobody asks for.
+    // All but those of gamma, which is not read.
     assert_true(refused >= size - 16);
     free(bytes);
 }

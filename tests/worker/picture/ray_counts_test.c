@@ -16,7 +16,7 @@
 
 static const struct job_quality quality = {.max_depth = 3, .min_throughput = 0.001, .max_cut = 0.01};
 
-// Black but for pixel (1, 0), whose green is `brightest`.
+// Makes a picture that is black except for pixel (1, 0), whose green is `brightest`.
 static struct image make_image(float brightest)
 {
     struct image image;

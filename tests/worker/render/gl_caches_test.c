@@ -23,7 +23,7 @@
 
 #include <cmocka.h>
 
-// More rows of groups than the first strips take, and groups that are not full.
+// The sizes need more rows of groups than the first strips have, and groups that are not full.
 enum { WIDTH = 19, HEIGHT = 83, DEPTH = 11, UNIT = TEXTURE_UNIT_LIGHTS };
 
 struct stage {
@@ -55,7 +55,7 @@ static void evaluate_time(const void *source, double time, double value[static 9
     value[0] = time;
 }
 
-// Texels say where they are, and the frame's time.
+// Each texel holds its position and the frame's time.
 static struct scene_cache cache_of(const char *body, int layers)
 {
     struct scene_cache cache = {
@@ -96,7 +96,7 @@ static enum gl_caches_end bind_at(struct stage *stage, const struct scene_cache 
         error);
 }
 
-// What a fragment shader finds in the texture: a row of pixels for each layer and row.
+// Samples the texture in a fragment shader: one row of pixels for each layer and row.
 static void read_texels(struct stage *stage, struct image *image)
 {
     static const char fragment[] = "#version 450 core\n"
@@ -151,7 +151,7 @@ static void check_every_texel(enum gl_backend backend, const char *body, int lay
     struct scene_cache cache = cache_of(body, layers);
 
     open_stage(&stage, backend);
-    for (int time = 1; time < 4; time++) { // strips grow from one to the next
+    for (int time = 1; time < 4; time++) { // strips grow from time to time
         assert_int_equal(bind_at(&stage, &cache, 1, time, "", NULL), GL_CACHES_BOUND);
         assert_places(&stage, time);
     }
@@ -184,7 +184,7 @@ static void what_stays_is_not_filled_again(void **state)
         assert_int_equal(bind_at(&stage, &cache, 1, 1, i == 2 ? "other" : "", NULL), GL_CACHES_BOUND);
     assert_int_equal(gl_caches_count_fills(stage.caches), 1);
     bind_at(&stage, &cache, 1, 2, "", NULL);
-    bind_at(&stage, &cache, 1, 1, "", NULL); // the first is still there
+    bind_at(&stage, &cache, 1, 1, "", NULL); // the first texture is still kept
     assert_int_equal(gl_caches_count_fills(stage.caches), 2);
     assert_places(&stage, 1);
     cache.reads_files = true;
@@ -198,7 +198,7 @@ static void what_stays_is_not_filled_again(void **state)
     scene_cache_finish(&cache);
 }
 
-// The text of a program that doubles what another's texture has.
+// Writes a program that doubles the values of another cache's texture.
 static void write_reading(struct scene_cache *cache)
 {
     struct shader_assembly text;
@@ -216,7 +216,7 @@ static void make_pair(struct scene_cache caches[2])
 {
     caches[0] = cache_of(of_rays, 1);
     caches[1] = cache_of("    imageStore(cache_image, at, vec4(7.0));\n", DEPTH);
-    frame_uniforms_finish(&caches[1].uniforms); // time is nothing to it
+    frame_uniforms_finish(&caches[1].uniforms); // its values do not depend on time
     write_reading(&caches[1]);
     caches[1].unit = UNIT + 1;
 }
@@ -237,7 +237,7 @@ static void a_cache_follows_the_one_that_it_reads(void **state)
     assert_int_equal(gl_caches_count_fills(stage.caches), 5);
     bind_at(&stage, caches, 2, 4, "", NULL);
     assert_int_equal(gl_caches_count_fills(stage.caches), 7);
-    caches[1].unit = UNIT; // where the test looks
+    caches[1].unit = UNIT; // the unit that the test samples
     bind_at(&stage, &caches[1], 1, 4, "", NULL);
     for (size_t i = 0; i < 2; i++)
         scene_cache_finish(&caches[i]);
@@ -255,7 +255,7 @@ static void a_step_is_there_while_another_is_filled(void **state)
     make_pair(caches);
     caches[0].is_step = true;
     caches[1].reads = 1;
-    caches[1].unit = UNIT; // once the step has served, the other takes its place
+    caches[1].unit = UNIT; // the other cache replaces the intermediate one
     bind_at(&stage, caches, 2, 1, "", NULL);
     bind_at(&stage, caches, 2, 1, "", NULL);
     assert_int_equal(gl_caches_count_fills(stage.caches), 2);
@@ -264,10 +264,10 @@ static void a_step_is_there_while_another_is_filled(void **state)
     image_finish(&image);
     bind_at(&stage, caches, 2, 2, "", NULL);
     assert_int_equal(gl_caches_count_fills(stage.caches), 4);
-    bind_at(&stage, caches, 1, 2, "", NULL); // nobody reads it
+    bind_at(&stage, caches, 1, 2, "", NULL); // no cache reads it
     assert_int_equal(gl_caches_count_fills(stage.caches), 4);
     caches[0].is_step = false;
-    bind_at(&stage, caches, 1, 2, "", NULL); // nothing was kept of it
+    bind_at(&stage, caches, 1, 2, "", NULL); // its texture was not kept
     assert_int_equal(gl_caches_count_fills(stage.caches), 5);
     for (size_t i = 0; i < 2; i++)
         scene_cache_finish(&caches[i]);
@@ -326,7 +326,7 @@ static void filling_can_be_stopped(void **state)
     assert_int_equal(gl_caches_bind(stage.caches, &request, NULL), GL_CACHES_STOPPED);
     assert_int_equal(count, 2);
     assert_int_equal(gl_caches_count_fills(stage.caches), 0);
-    assert_int_equal(bind_at(&stage, &cache, 1, 0, "", NULL), GL_CACHES_BOUND); // half a texture was not kept
+    assert_int_equal(bind_at(&stage, &cache, 1, 0, "", NULL), GL_CACHES_BOUND); // the half-filled texture was dropped
     assert_int_equal(gl_caches_count_fills(stage.caches), 1);
     close_stage(&stage);
     scene_cache_finish(&cache);

@@ -18,10 +18,10 @@
 
 #include <cmocka.h>
 
-// More rows than are read at a time, and not a multiple of them.
+// More rows than are read at once, and no multiple of that.
 enum { WIDTH_PX = 37, HEIGHT_PX = 53, PASSES = 3 };
 
-// Each of a pixel's numbers of rays says where it is.
+// Each of a pixel's counts depends on its position.
 static const char fragment[] = "#version 450 core\n"
                                "layout(location = 0) out vec4 color;\n"
                                "layout(location = 1) out vec4 transmittance;\n"

@@ -1,4 +1,4 @@
-// When light grids are made and when they are kept, and that pictures do not depend on it.
+// Light grids are filled when needed and kept otherwise, and pictures do not depend on it.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -86,14 +86,14 @@ static void only_the_light_that_moves_has_a_new_grid(void **state)
     parse(&job, "[0, 0, -2]", MOVING, "6", "");
     assert_int_equal(count_fills(stage, &job, 0), 2 * LIGHT_GRID_CACHES);
     assert_int_equal(count_fills(stage, &job, 1), LIGHT_GRID_CACHES);
-    assert_int_equal(count_fills(stage, &job, 0), 0); // the first is still there
+    assert_int_equal(count_fills(stage, &job, 0), 0); // the first grid is still kept
     job.quality.light_grid = 30;
     assert_int_equal(count_fills(stage, &job, 0), 2 * LIGHT_GRID_CACHES);
     job_finish(&job);
     gl_stage_close(stage);
 }
 
-// The picture's own uniforms may be those of the frame before: what its grids hold still counts.
+// A picture with the uniforms of the frame before is rendered when its grids differ.
 static void another_density_is_another_picture(void **state)
 {
     struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
@@ -136,7 +136,7 @@ static double difference(const struct image *a, const struct image *b)
     return sqrt(square / sum);
 }
 
-// A frame is the same whatever was rendered before it, on whatever grids were kept.
+// A frame does not depend on the frames rendered before it or on the grids that were kept.
 static void frames_do_not_depend_on_what_is_kept(void **state)
 {
     struct gl_stage used = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir()),

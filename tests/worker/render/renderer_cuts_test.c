@@ -1,4 +1,4 @@
-// What becomes of rays that no surface ends: followed, counted and cut as closed forms say.
+// Rays that no surface ends are followed, counted and cut as closed forms say.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "core/base/error.h"
@@ -19,17 +19,17 @@
 
 #include <cmocka.h>
 
-// Two mirrors that face each other, the camera in the middle: each ray stays one, and none gets out.
+// Two mirrors that face each other, with the camera between them: rays neither split nor escape.
 #define HALL                                                                                                           \
     "{\"kind\": \"plane\", \"point\": [0, 0, -1], \"normal\": [0, 0, 1], \"material\": {\"kind\": \"mirror\", "        \
     "\"reflectance\": %s}}, {\"kind\": \"plane\", \"point\": [0, 0, 1], \"normal\": [0, 0, -1], \"material\": "        \
     "{\"kind\": \"mirror\", \"reflectance\": %s}}"
-// A pane that reflects a quarter whatever the angle, all of it in view.
+// A pane that reflects a quarter at every angle and fills the view.
 #define PANE                                                                                                           \
     "{\"kind\": \"box\", \"center\": [0, 0, 2], \"size\": [1000, 1000, 1], \"material\": {\"kind\": \"dielectric\", "  \
     "\"ior\": 1.5, \"fresnel\": \"schlick\", \"f0\": 0.25, \"f90\": 0.25}}"
 
-// A job whose camera looks along z; all its numbers of rays are the same in each pixel. Free with job_finish.
+// Makes a job whose camera looks along z, with the same counts of rays in each pixel. Free with job_finish.
 static struct job make_job(const char *media, const char *objects, const char *quality)
 {
     struct error error = {{0}};
@@ -84,7 +84,7 @@ static void assert_counts(enum gl_backend backend, struct job job, const struct 
     assert_true(counts->is_known);
     assert_near(counts->rays, expected->rays, 1e-9);
     assert_near(counts->cut_rays, expected->cut_rays, 1e-9);
-    // A float's rounding at each surface.
+    // The tolerance is a float's rounding at each surface.
     assert_near(counts->cut_throughput, expected->cut_throughput, 1e-6 * expected->cut_throughput);
     assert_near(counts->cut_by_depth, expected->by_depth, 1e-6 * expected->cut_throughput);
     assert_near(counts->cut_share, expected->cut_throughput, 1e-5 * expected->cut_throughput);
@@ -108,7 +108,7 @@ static void a_hall_of_mirrors_is_cut_at_its_depth(void **state)
 
 static void a_hall_of_mirrors_is_cut_where_little_is_left(void **state)
 {
-    // A ray that has just the limit is followed.
+    // A ray exactly at the limit is followed.
     assert_counts(GL_BACKEND_OSMESA, make_hall("", "0.5", "\"min_throughput\": 0.25"),
                   &(struct expectation){3, 1, 0.125, 0, 0});
     assert_counts(GL_BACKEND_OSMESA, make_hall("", "0.5", "\"min_throughput\": 0.2501"),
@@ -132,14 +132,15 @@ static void media_on_the_way_count(void **state)
     float color[4];
     struct renderer_result result = render(&stage, &job, 0, color);
 
-    // Rays at half the angle of view, 0.6 degrees, go 6e-5 farther.
+    // Rays at half the angle of view, 0.6 degrees, are longer by 6e-5.
     assert_near(result.ray_counts.cut_throughput, left, 2e-4 * left);
     assert_near(result.ray_counts.rays, 3, 0);
     job_finish(&job);
     gl_stage_close(stage);
 }
 
-// Inside the pane a ray of depth k has (1 - F) F^(k-1) and sends two on; what the last one would send is cut.
+// Inside the pane a ray of depth k has throughput (1 - F) F^(k-1) and splits in two. The rays that the last one would
+// send are cut.
 static void assert_pane(enum gl_backend backend, const char *samples)
 {
     for (int depth = 1; depth <= 5; depth += 2) {
@@ -187,7 +188,7 @@ static bool count_tiles(void *user, double done)
     return true;
 }
 
-// Panes behind one another split rays faster than the depth ends them. The frame is given up at its first tile.
+// Panes behind one another split rays faster than the depth limit ends them. The frame fails at its first tile.
 static void more_rays_than_the_driver_follows_are_an_error(void **state)
 {
     enum { WIDTH = 16, HEIGHT = 96 };

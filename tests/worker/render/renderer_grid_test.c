@@ -1,4 +1,4 @@
-// How the renderer deals with the files of a scene: read once while they stay, anew when they change, never half of each.
+// The renderer reads a scene's files once while they stay, again when they change, and never mixes two versions.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job_json.h"
@@ -40,7 +40,7 @@ static void write_even(const char *path, unsigned char value)
     volume_maker_write(path, voxels, sizeof voxels);
 }
 
-// `medium`: members beside the density, of which `density` has members beside the file.
+// `medium` has members beside the density, `density` has members beside the file.
 static void take_job(struct stage *stage, const char *density, const char *medium)
 {
     char text[2048];
@@ -73,7 +73,7 @@ static void close_stage(struct stage *stage)
     job_finish(&stage->job);
 }
 
-// Between slabs nothing of the picture is done yet.
+// Between slabs no part of the picture is done.
 static bool on_progress(void *user, double done)
 {
     struct stage *stage = user;
@@ -137,7 +137,7 @@ static void changed_file_is_read_again(void **state)
     close_stage(&stage);
 }
 
-// The file stays, but not where it is empty.
+// The file stays, but the transfer function changes which bricks are empty.
 static void each_transfer_function_finds_its_own_empty_space(void **state)
 {
     const char *path = temp_folder_path(state, "v_8x8x8xuint8.raw");
@@ -212,7 +212,8 @@ static long read_status_kilobytes(const char *key)
     return kilobytes;
 }
 
-// Software GL's texture is this process' own memory: with it, all that reading takes is at most 1.3 times the volume.
+// Software GL's textures are in this process' memory. Reading takes at most 1.3 times the volume's size with the
+// texture.
 static void volume_is_never_held_twice(void **state)
 {
     enum { BIG = 192, VOLUME_KILOBYTES = BIG * BIG * BIG * 4 / 1024 };
@@ -224,7 +225,7 @@ static void volume_is_never_held_twice(void **state)
     long before, peak;
     FILE *reset = fopen("/proc/self/clear_refs", "w");
 
-    if (!reset || fputs("5\n", reset) < 0 || fclose(reset) != 0) skip(); // the peak cannot be told
+    if (!reset || fputs("5\n", reset) < 0 || fclose(reset) != 0) skip(); // the peak cannot be measured
     volume_maker_write_raw(path, (int[]){BIG, BIG, BIG}, VOLUME_STORED_FLOAT32, false);
     assert_true(gl_functions_load(&gl, stage.gl.context, NULL));
     reset = fopen("/proc/self/clear_refs", "w");

@@ -45,7 +45,7 @@ static struct image render(struct gl_stage stage, const struct job *job, int32_t
     return image;
 }
 
-// On a context and a renderer of its own: what a worker that has just started makes.
+// Renders with a new context and a new renderer, as a worker that has just started.
 static struct image render_afresh(const struct job *job, int32_t frame)
 {
     struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
@@ -151,7 +151,7 @@ static void progress_counts_all_passes(void **state)
 
 static void passes_that_show_the_same_are_drawn_once(void **state)
 {
-    // Without a seen medium all points of a pixel are alike.
+    // Without a visible medium all points of a pixel are equal.
     struct job job =
         ball("\"sigma_s\": 0, \"sigma_a\": 0", "\"background\": [0.1, 0.2, 0.3], " BALL_JOB_MIDPOINT, 64, 1);
     struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
@@ -173,7 +173,7 @@ static void a_background_that_moves_is_averaged_over_the_shutter(void **state)
                           "\"background\": {\"start\": [1, 1, 1], \"rate\": [24, 48, 0]}, " BALL_JOB_MIDPOINT, 8, 0.5);
     struct image image = render_afresh(&job, 2);
 
-    // The mean of what is linear is its middle: exact but for the rounding of a sum of eight.
+    // The mean of a linear function is its value in the middle, exact except for the rounding of a sum of eight.
     assert_near(image.rgba[0], 3.25, 1e-6);
     assert_near(image.rgba[1], 5.5, 1e-6);
     assert_near(image.rgba[2], 1, 0);
@@ -196,7 +196,7 @@ static void one_sample_sees_the_middle_of_the_shutter(void **state)
     job_finish(&still);
 }
 
-// The mean light along the rays that the job's samples take, by the reference.
+// Finds the mean light along the rays of the job's samples with the reference.
 static struct reference_pixel measure_mean(const struct job *job, int32_t frame, int x, int y)
 {
     struct reference_sample samples[8];
@@ -230,7 +230,8 @@ static void assert_is_mean_of_reference(const struct job *job)
     }
     error = reference_image_error(values, wanted, 4 * PIXELS);
     print_message("relative RMSE %.2e, largest error %.2e\n", error.relative_rmse, error.largest);
-    // Midpoint steps of a thirtieth of the scene, of second order; other points or times are off by a hundred times more.
+    // Midpoint steps have second order and are a thirtieth of the scene. Other points or times differ a hundred times
+    // more.
     assert_true(error.relative_rmse <= 5e-4);
     image_finish(&image);
 }
@@ -263,7 +264,7 @@ static void a_moving_fractal_and_camera_are_the_mean_along_the_same_rays(void **
     job_finish(&job);
 }
 
-// Share of the pixel that the opaque unit ball covers, by points on a fine grid.
+// Finds the share of the pixel that the opaque unit ball covers, by points on a fine grid.
 static double measure_coverage(const struct still *still, int x, int y)
 {
     enum { SIDE = 64 };
@@ -279,7 +280,7 @@ static double measure_coverage(const struct still *still, int x, int y)
     return inside / (double)(SIDE * SIDE);
 }
 
-// Mean square error of alpha at the pixels where the ball ends.
+// Finds the mean square error of alpha in the pixels at the ball's edge.
 static double measure_edge(int samples, int *pixels)
 {
     struct job job = ball("\"sigma_s\": 0, \"sigma_a\": 1e5", BALL_JOB_MIDPOINT, samples, 0);
@@ -300,10 +301,10 @@ static double measure_edge(int samples, int *pixels)
         squares += error * error;
         sum += error;
         ++*pixels;
-        // The edge crosses at most three of four strata; each of the others is all in or all out.
+        // The edge crosses at most three of four strata; the others are inside or outside.
         if (samples == 4) assert_true(fabs(error) <= 3.0 / 4 + 1e-3);
     }
-    // Unbiased: the sum of independent errors, each at most 1/2 in deviation, within four of its own.
+    // The estimate is unbiased: the sum of independent errors with deviations of at most 1/2 is within four deviations.
     if (samples > 1) assert_true(fabs(sum) <= 4 * 0.5 / sqrt(samples) * sqrt(*pixels));
     image_finish(&image);
     job_finish(&job);
@@ -316,10 +317,11 @@ static void an_edge_gets_the_share_of_its_pixel(void **state)
     double four = measure_edge(4, &pixels), sixteen = measure_edge(16, &pixels), many = measure_edge(64, &pixels);
 
     print_message("mean square errors %.2e, %.2e, %.2e over %d pixels\n", four, sixteen, many, pixels);
-    // An edge crosses about 1.3 sqrt(n) of n strata, each with a variance of at most 1/4 / n^2: half of that is typical.
-    // Points that are not stratified have 1/6 / n.
+    // An edge crosses about 1.3 sqrt(n) of n strata, each with a variance of at most 1/4 / n^2: half of that is
+    // typical. Points that are not stratified have 1/6 / n.
     assert_true(four <= 0.75 * 1.3 * 2 / 4 / 16);
-    // As n^(-3/2): sixteen times the samples make it 64 times less, where chance alone makes it 16 times less.
+    // The error falls as n^(-3/2): sixteen times the samples make it 64 times smaller. Independent points make it 16
+    // times smaller.
     assert_true(many <= four / 32);
     assert_true(sixteen <= four / 5);
 }
@@ -334,7 +336,7 @@ static void depth_is_the_mean_of_those_that_have_one(void **state)
         double alpha = (double)of_many.rgba[4 * i + 3];
 
         assert_true((of_many.depth[i] > 0) == (alpha > 0));
-        // Of the ball's half that is seen, whatever its share of the pixel.
+        // Depth is that of the visible half of the ball, whatever its share of the pixel.
         if (alpha > 0) assert_true(of_many.depth[i] > 2.99f && of_many.depth[i] < 4.0f);
         if (alpha == 1) assert_near(of_many.depth[i], of_one.depth[i], 0.1);
     }
@@ -346,7 +348,7 @@ static void depth_is_the_mean_of_those_that_have_one(void **state)
 
 static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
 {
-    // The ball shrinks away: only the first pass has anything to march through.
+    // The ball shrinks to nothing: only the first pass has a medium to march through.
     struct job job = ball(BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT, 4, 1);
     struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     struct renderer_result result;

@@ -37,7 +37,7 @@ static struct image render(struct gl_stage stage, const struct job *job, int32_t
     return image;
 }
 
-// Renders one frame of a ball with a renderer of its own.
+// Renders one frame of a ball with a new renderer.
 static struct image render_ball(const char *medium, const char *rest, struct renderer_result *result)
 {
     struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
@@ -117,7 +117,7 @@ static void tiles_do_not_change_pixels(void **state)
     int tiles[2] = {0, 0};
     struct job job;
 
-    // So cheap that tiles grow on a busy machine too.
+    // The frame is so cheap that tiles grow on a busy machine too.
     ball_job_parse(&job, BALL_JOB_SIGMA_S_1,
                    "\"lights\": [{\"kind\": \"point\", \"intensity\": 3, \"position\": {\"start\": [2, 1, 2], \"rate\":"
                    " [1, 0, 0]}}], " BALL_JOB_MIDPOINT);
@@ -127,7 +127,7 @@ static void tiles_do_not_change_pixels(void **state)
 
         images[i] = make_image(&job);
         assert_true(renderer_render(stage.renderer, &job, 0, &images[i], count_tile, &tiles[i], &result, NULL));
-        between = render(stage, &job, 1, &result); // what is shown changes, and tiles grow
+        between = render(stage, &job, 1, &result); // the picture changes, and tiles grow
         image_finish(&between);
     }
     assert_true(tiles[0] > tiles[1]);
@@ -172,7 +172,7 @@ static void grey_and_rgb_give_equal_pictures_of_a_grey_scene(void **state)
 
         snprintf(rest, sizeof rest, "%s, %s", BALL_JOB_POINT_LIGHT, qualities[i]);
         grey = render_ball(BALL_JOB_SIGMA_S_1 ", \"emission\": 0.5", rest, &result);
-        // Moves, so that it counts as coloured, but is grey at the first frame.
+        // The albedo moves, so that it counts as coloured, but is grey in the first frame.
         rgb = render_ball(BALL_JOB_SIGMA_S_1 ", \"emission\": {\"start\": [0.5, 0.5, 0.5], \"rate\": [0, 1, 0]}", rest,
                           &result);
         // Only the order of rounding differs.
@@ -184,7 +184,7 @@ static void grey_and_rgb_give_equal_pictures_of_a_grey_scene(void **state)
     }
 }
 
-// Where a world point is in pixels, by the matrix that goes into the file's header.
+// Projects a world point to pixels by the matrix of the file's header.
 static void project(const struct renderer_result *result, const struct image *image, const double point[3],
                     double at[2])
 {
@@ -231,7 +231,7 @@ static void the_camera_looks_where_its_matrices_say(void **state)
         job.width_px = 96;
         job.height_px = 64;
         job.scene.camera.mirror = mirrored;
-        // Far and to the left and below of the ball: it is seen right of and above the middle.
+        // The camera is far to the left of and below the ball, so the ball is right of and above the middle.
         job.scene.camera.position.value[2] = 40;
         job.scene.camera.clip_far = 100;
         job.scene.camera.target.value[0] = -4;
@@ -240,7 +240,8 @@ static void the_camera_looks_where_its_matrices_say(void **state)
         image = render(stage, &job, 0, &result);
         find_centre(&image, seen);
         project(&result, &image, origin, expected);
-        // The ball's picture is an ellipse whose centre is a little farther out than the centre's picture.
+        // The ball's picture is an ellipse. Its centre is a little farther out than the projection of the ball's
+        // centre.
         assert_true(fabs(seen[0] - expected[0]) < 0.1);
         assert_true(fabs(seen[1] - expected[1]) < 0.1);
         assert_true(mirrored ? seen[0] < 40 : seen[0] > 56);
@@ -274,7 +275,7 @@ static void an_absorbing_ball_follows_beer_and_lambert(void **state)
                                : 0;
             const float *aov = &image.transmittance[4 * (y * image.width_px + x)];
 
-            // Where the ball begins and ends is known to half a step at either side.
+            // The ball's edges are known to half a step at either side.
             assert_true(fabs(1 - transmittance - pixel(&image, x, y)[3]) < 0.05);
             assert_true(fabs(aov[0] + pixel(&image, x, y)[3] - 1) < 1e-6 && aov[0] == aov[1] && aov[1] == aov[2]);
             if (fabs(transmittance - 0.5) > 0.05) assert_true(fabs(depth - image.depth[y * image.width_px + x]) < 0.05);
@@ -306,7 +307,7 @@ static void a_light_is_brighter_where_forward_scattering_leads_to_the_eye(void *
     struct image against = render_ball(forward, behind, &result), along = render_ball(forward, before, &result);
     double ratio = (double)pixel(&against, 24, 16)[0] / pixel(&along, 24, 16)[0];
 
-    // ((1 + g) / (1 - g))^3 = 729 exactly on the axis; the pixel's centre is a hair beside it.
+    // ((1 + g) / (1 - g))^3 = 729 exactly on the axis; the pixel's centre is slightly beside it.
     assert_true(ratio > 700 && ratio < 730);
     image_finish(&against);
     image_finish(&along);
@@ -340,7 +341,7 @@ static void a_march_that_the_driver_cuts_is_an_error(void **state)
     struct image image;
     struct job job;
 
-    // A shadow ray of a million turns; only camera rays go on in another slice.
+    // The shadow ray needs a million iterations; only camera rays continue in another slice.
     ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
     job.width_px = job.height_px = 4;
     job.quality.light_step = 1e-6;
@@ -392,7 +393,7 @@ static void a_camera_that_cannot_look_is_an_error(void **state)
     assert_non_null(strstr(error.message, "camera.target"));
     job.scene.camera.target.value[2] = 0;
     job.scene.camera.up.value[1] = 0;
-    job.scene.camera.up.value[2] = 1; // along the view: the picture may lie at any angle, but it is there
+    job.scene.camera.up.value[2] = 1; // along the view: the picture may have any rotation
     assert_true(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
     assert_true(image_is_finite(&image, false, NULL));
     assert_true(pixel(&image, 24, 16)[3] > 0.8f);

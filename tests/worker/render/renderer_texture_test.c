@@ -1,4 +1,4 @@
-// Images on surfaces from the file to the picture: against closed forms, and what becomes of files that change or fail.
+// Images on surfaces, from the file to the picture, against closed forms; files that change or cannot be read.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job_json.h"
@@ -52,7 +52,7 @@ static void write_image(const char *path, unsigned seed)
     png_maker_write_rgb(path, WIDTH, HEIGHT, bytes);
 }
 
-// `object`: its kind and where it is. `texture`: members beside the file.
+// `object` has its kind and position, `texture` has members beside the file.
 static void take_job(struct stage *stage, const char *object, const char *texture)
 {
     char text[8192];
@@ -101,7 +101,7 @@ static void render_well(struct stage *stage, int32_t frame)
     if (!render(stage, frame)) fail_msg("%s", stage->error.message);
 }
 
-// What follows is the picture by hand: rays, places, light.
+// The functions below compute the picture by hand: rays, points, light.
 struct surface {
     struct vec3 point, normal, right, up;
     bool is_nearest, is_linear;
@@ -127,7 +127,7 @@ static double light_of(const struct surface *surface, int column, int row, int c
     return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4); // IEC 61966-2-1
 }
 
-// `x` and `y` in pixels of the image, from the top left corner of the tile.
+// `x` and `y` are in pixels of the image, from the top left corner of the tile.
 static double albedo_at(const struct surface *surface, double x, double y, int channel)
 {
     double left = floor(x - 0.5), top = floor(y - 0.5), sum = 0;
@@ -140,7 +140,7 @@ static double albedo_at(const struct surface *surface, double x, double y, int c
     return sum;
 }
 
-// False where the ray misses, or so near a border of texels that rounding decides.
+// Returns false where the ray misses, or hits so near a texel's border that rounding decides.
 static bool find_place(const struct surface *surface, const struct ray *ray, double *x, double *y)
 {
     double way = vec3_dot(surface->normal, ray->direction);
@@ -166,7 +166,7 @@ static void assert_picture(const struct stage *stage, const struct surface *surf
 
         if (!find_place(surface, &ray, &x, &y)) continue;
         ++seen;
-        for (int c = 0; c < 3; ++c) // places are rounded to some 1e-6 m, thousandths of a texel far away
+        for (int c = 0; c < 3; ++c) // positions are rounded to about 1e-6 m, thousandths of a texel far away
             assert_near(stage->image.rgba[4 * i + (size_t)c],
                         colors[c] * albedo_at(surface, x, y, c) * IRRADIANCE * cos_sun / PI, 2e-4);
     }
@@ -194,7 +194,7 @@ static void floor_is_lit_as_its_image_says(void **state)
     close_stage(&stage);
 }
 
-// A ramp that rises away from the camera: its up lies in it as steep as can be.
+// A ramp that rises away from the camera. The texture's up direction is the steepest one on it.
 static void tilted_plane_is_lit_as_its_image_says(void **state)
 {
     const struct vec3 normal = vec3_normalize((struct vec3){0.3, 2, 0.8});
@@ -211,7 +211,7 @@ static void tilted_plane_is_lit_as_its_image_says(void **state)
     close_stage(&stage);
 }
 
-// A ball, a box and a union of both on a floor, from two sides; not up to the horizon, near which a float finds no place.
+// A ball, a box and a union of both on a floor, from two sides, without the horizon, where floats are too coarse.
 static void shapes_are_lit_as_their_twins(void **state, const char *eye, enum gl_backend backend)
 {
     const char *path = temp_folder_path(state, "image.png");
@@ -283,7 +283,7 @@ static void texture_that_cannot_be_read_fails_the_frame(void **state)
 
     write_image(path, 7);
     stage = open_stage(path);
-    // Another attempt may meet a file that is written to the end.
+    // Another attempt may find the file written to its end.
     volume_maker_write(path, "\x89PNG\r\n\x1a\n", 8);
     assert_false(render(&stage, 0));
     assert_int_equal(stage.result.fault, RENDERER_FAULT_FRAME);
@@ -320,7 +320,7 @@ static void reading_can_be_stopped(void **state)
     close_stage(&stage);
 }
 
-// A file that tells its sides and has no pixels.
+// A file with a header and no pixels.
 static void write_sides(const char *path, int width, int height)
 {
     static const uint16_t zero;

@@ -1,4 +1,4 @@
-// Plays the daemon to the real worker that is fenced in for one job: what a job may show is shown, what leads out is not.
+// Acts as the daemon for a real worker that is fenced for one job: it renders its own files and reaches no others.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/file.h"
 #include "core/wire/worker_status.h"
@@ -25,7 +25,7 @@
 
 #define SEEDS PROJECT_ROOT "/tests/fuzz/seeds/"
 
-// The message's start; then a body follows.
+// Writes the start of a message; its body follows.
 #define SAY(method) "{\"jsonrpc\":\"2.0\",\"method\":\"" method "\",\"params\":"
 
 enum { COPY_LIMIT = 64 << 20 };
@@ -37,7 +37,7 @@ static const char *at(const struct worker_child *child, const char *name)
     return temp_folder_path(state, name);
 }
 
-// A worker that waits for its fence; in/ann/ is where inputs lie; the secret beside in/ is nobody's to read.
+// Starts a worker that waits for its fence. Inputs are in in/ann/; no job may read the secret beside in/.
 static void start(struct worker_child *child, const char *backend)
 {
     const char *const options[] = {"--backend", backend, "--fenced", "--memory", "2000000000", NULL};
@@ -69,7 +69,7 @@ static void say_fence(const struct worker_child *child, const char *name, bool h
         child->root, child->root, name, child->root, has_converter ? "true" : "false");
 }
 
-// Skips the test where there is no such context.
+// Skips the test where there is no context of this kind.
 static void expect_ready(struct worker_child *child, const char *sandbox)
 {
     struct message message;
@@ -87,7 +87,7 @@ static void expect_ready(struct worker_child *child, const char *sandbox)
     message_finish(&message);
 }
 
-// One frame of what `scene` shows.
+// Renders one frame of `scene`.
 static void say_frame(const struct worker_child *child, const char *scene)
 {
     worker_child_say(child,
@@ -192,7 +192,7 @@ static void textures_are_read(void **state)
     expect_frame_and_end(&child);
 }
 
-// The file that a job names while its fence says another: what a daemon would never send, but a worker taken over would open.
+// The job names another file than its fence does. No daemon sends that, but a worker that is taken over would open it.
 static void file_of_another_job_stays_closed(void **state)
 {
     struct worker_child child;
@@ -292,7 +292,7 @@ static void nothing_is_done_without_a_fence(void **state)
     expect_unable(&child, "worker", "expected worker.fence");
 }
 
-// Thirty doublings of a line of GLSL: what reads it runs out of memory, and must not take the machine's.
+// Thirty doublings of a line of GLSL make the compiler run out of its own memory, not of the machine's.
 static void source_that_grows_without_end_ends_the_worker(void **state)
 {
     static const char words[] = "\"media\":[{\"density\":{\"kind\":\"glsl\",\"bounds\":{\"kind\":\"sphere\",\"center\":"
@@ -317,7 +317,7 @@ static void source_that_grows_without_end_ends_the_worker(void **state)
     assert_true(asprintf(&scene, words, lines) > 0);
     say_frame(&child, scene);
     free(scene);
-    // It dies, and all that it says before is that it lives and has begun.
+    // The worker dies, and before that it reports only that it lives and has begun.
     while (worker_child_hear(&child, &message)) {
         if (strcmp(message.method, "worker.beat") != 0) assert_string_equal(message.method, "frame.started");
         message_finish(&message);

@@ -39,7 +39,7 @@ static int reach_for_sockets(void)
     if (!fence_places_is_refused(socket(AF_INET, SOCK_STREAM, 0))) return 2;
     if (!fence_places_is_refused(socket(AF_INET6, SOCK_DGRAM, 0))) return 3;
     if (!fence_places_is_refused(socket(AF_NETLINK, SOCK_RAW, 0))) return 4;
-    // Those that libraries wake themselves with; one cannot be led elsewhere.
+    // Sockets that libraries use to wake themselves; such a socket cannot be connected elsewhere.
     if (socketpair(AF_UNIX, SOCK_DGRAM, 0, pair) != 0) return 5;
     if (!fence_places_is_refused(connect(pair[0], (struct sockaddr *)&(struct sockaddr_un){.sun_family = AF_UNIX},
                                          sizeof(struct sockaddr_un))))
@@ -81,11 +81,12 @@ static int reach_for_processes(void)
     if (!IS_SANITIZED && !fence_places_is_refused(syscall(SYS_fork))) return 10;
     if (!fence_places_is_refused(execl("/bin/true", "true", NULL))) return 11;
     if (!fence_places_is_refused(syscall(SYS_clone3, NULL, 0))) return 12;
-    // The kernel takes the lower half of an order for all of it.
+    // The kernel ignores the upper half of a request.
     if (!fence_places_is_refused(syscall(SYS_prctl, (UINT64_C(1) << 32) + PR_SET_PDEATHSIG, 0, 0, 0, 0))) return 13;
     if (!fence_places_is_refused(setpriority(PRIO_USER, 0, 19))) return 14;
     if (!fence_places_is_refused(fcntl(STDIN_FILENO, F_SETOWN, parent))) return 15;
-    if (!fence_places_is_refused(fcntl(STDIN_FILENO, F_SETLEASE, F_UNLCK))) return 18; // who opens a leased file waits
+    if (!fence_places_is_refused(fcntl(STDIN_FILENO, F_SETLEASE, F_UNLCK)))
+        return 18; // others who open a leased file wait
     if (!fence_places_is_refused(ioctl(STDIN_FILENO, TIOCSTI, "x"))) return 16;
     if (!fence_places_is_refused(syscall(SYS_ioctl, STDIN_FILENO, (UINT64_C(1) << 32) + TIOCSTI, "x"))) return 17;
     return 0;

@@ -106,7 +106,8 @@ static int read_a_sequence(void)
         fence_places_can_open(fence_places_at("in/s.01.raw2"), O_RDONLY))
         return 3;
     if (fence_places_can_open(fence_places_at("in/s.04.raw"), O_RDONLY)) return 4; // a link that leads out
-    if (fence_places_can_open(fence_places_at("in/s.05.raw"), O_RDONLY)) return 5; // likewise, and not to the store
+    if (fence_places_can_open(fence_places_at("in/s.05.raw"), O_RDONLY))
+        return 5; // a link out of the root, to the store
     return 0;
 }
 
@@ -142,7 +143,7 @@ static void folder_that_holds_the_store_is_not_opened(void **state)
     fence_places_run(fence, read_beside_the_store);
 }
 
-// In a process of its own that cannot be entered: why.
+// Enters the sandbox in another process, which must fail with this reason.
 static void assert_refused(struct fence fence, enum sandbox_fault wanted, const char *words)
 {
     pid_t child = fork();
@@ -208,7 +209,7 @@ static void what_leads_out_of_a_root_is_refused(void **state)
     assert_refused(holder, SANDBOX_FAULT_OUTPUT, "which is the daemon's");
 }
 
-// Its worker would not be ready in time, again and again.
+// Such a job's worker would never be ready in time.
 static void more_links_than_can_be_opened_in_time_are_refused(void **state)
 {
     assert_int_equal(mkdir(fence_places_at("in/many"), 0700), 0);
@@ -282,7 +283,7 @@ static int convert_and_kill(void)
 {
     int status = convert();
 
-    // Signals are Landlock's to keep in, from its version 6 on.
+    // Landlock confines signals from its version 6 on.
     return status ? status : fence_places_is_refused(kill(getppid(), 0)) ? 0 : 9;
 }
 

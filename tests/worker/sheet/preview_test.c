@@ -48,7 +48,7 @@ static void tear_down(struct folder *folder)
     assert_int_equal(rmdir(folder->path), 0);
 }
 
-// Grey pixels; the value of each is `even` or `odd` by the parity of its column.
+// Writes grey pixels with the value `even` or `odd` by the parity of the column.
 static void add_file(struct folder *folder, int width, int height, float even, float odd)
 {
     struct image_exr_header header = {.pixel = JOB_PIXEL_FLOAT, .fps_numerator = 24, .fps_denominator = 1};
@@ -74,7 +74,7 @@ static struct preview_params make_params(const struct folder *folder)
     return (struct preview_params){.files = folder->names, .file_count = folder->count, .out = folder->sheet};
 }
 
-// The bytes of the sheet, 3 a pixel; owned by the caller.
+// Reads the sheet's bytes, 3 a pixel. The caller owns them.
 static unsigned char *read_png(const char *path, int *width, int *height)
 {
     png_image png = {.version = PNG_IMAGE_VERSION};
@@ -227,7 +227,7 @@ static void label_stands_in_the_lower_left_corner(void **state)
     params.tile_width_px = 64;
     write_sheet(&params);
     rgb = read_png(folder.sheet, &width, &height);
-    // The foot of the 1 lies above the box's margin, which is black.
+    // The foot of the 1 is above the box's black margin.
     assert_int_equal(rgb[(62 * 64 + 3) * 3], 255);
     assert_int_equal(rgb[(63 * 64 + 3) * 3], 0);
     assert_true(rgb[(30 * 64 + 30) * 3] > 200);

@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-// Two clumps far apart, each across a corner of bricks.
+// Two clumps far apart, each across a corner where bricks meet.
 static float clumps(const int voxel[3])
 {
     int near = abs(voxel[0]) + abs(voxel[1] - 8) + abs(voxel[2]);
@@ -60,7 +60,7 @@ static struct brick_atlas *make_atlas(const struct sparse_grid *density, const s
     return atlas;
 }
 
-// What the atlas has for a voxel and the offset (0 or 1 per axis) of another of the same cell.
+// Returns the atlas's value of a voxel at an offset (0 or 1 per axis) from another in the same cell.
 static float look_up(const struct brick_atlas *atlas, int which, const int voxel[3], const int offset[3])
 {
     size_t index = 0, texel = 0;
@@ -115,13 +115,14 @@ static void what_glows_is_there_where_density_is(void **state)
         struct error error = {{0}};
 
         assert_null(brick_atlas_create(&(struct brick_atlas_params){.density = density, .glow = glow}, &error));
-        assert_string_equal(error.message, "the two grids' voxels lie in different positions; expected one map for both");
+        assert_string_equal(error.message,
+                            "the two grids' voxels lie in different positions; expected one map for both");
     }
     sparse_grid_destroy(glow);
     sparse_grid_destroy(density);
 }
 
-// The cube of bricks that a reach promises has no density, nor has anything that interpolation there touches.
+// Checks that no brick within the stored distance has density, nor any voxel that interpolation there uses.
 static void no_density_lies_within_reach(void **state)
 {
     struct sparse_grid *density = make_grid(&scattered);
@@ -150,7 +151,7 @@ static void no_density_lies_within_reach(void **state)
     sparse_grid_destroy(density);
 }
 
-// What a texture holds follows from how many bricks have density, not from how large the box is.
+// A texture's size depends on how many bricks have density, not on the size of the box.
 static void bricks_without_density_take_no_room(void **state)
 {
     struct sparse_grid *density = make_grid(&scattered);
@@ -160,7 +161,7 @@ static void bricks_without_density_take_no_room(void **state)
     for (size_t n = 0; n < sparse_grid_brick_total(density); ++n)
         with_density += atlas->index[n][3] == 0;
     assert_true(with_density >= 16 && with_density < sparse_grid_brick_total(density) / 8);
-    // One slot for all that are empty, and less than a layer more to make it a box.
+    // All empty bricks share one slot; less than a layer of slots completes the box.
     assert_true(slots >= with_density + 1 && slots < with_density + 1 + 9);
     brick_atlas_destroy(atlas);
     sparse_grid_destroy(density);

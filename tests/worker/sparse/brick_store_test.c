@@ -26,7 +26,7 @@ static float value_of(const int voxel[3])
     return 1;
 }
 
-// A grid of `side` active voxels along x, so that files can be told apart.
+// Writes a grid of `side` active voxels along x, so that files differ.
 static void write_grid(const char *path, int side)
 {
     struct nanovdb_params params = {
@@ -73,7 +73,7 @@ static void a_file_is_read_as_it_is_now(void **state)
     brick_store_destroy(store);
 }
 
-// Files count as settled two seconds after they were written: this one is waited for.
+// Waits until a file counts as settled, two seconds after it was written.
 static void what_is_at_hand_is_not_read_again(void **state)
 {
     struct brick_store *store = brick_store_create();
@@ -90,7 +90,7 @@ static void what_is_at_hand_is_not_read_again(void **state)
     second = take(store, path);
     assert_ptr_equal(first, second);
     brick_store_release(store, second);
-    // Read ahead as well: taking it later finds the very same.
+    // A file that was read ahead is the same object when it is taken.
     brick_store_expect(store, &(struct brick_source){.path = path});
     second = take(store, path);
     assert_ptr_equal(first, second);
@@ -122,7 +122,7 @@ static void files_read_ahead_are_there_when_taken(void **state)
     brick_store_destroy(store); // while one may still be read
 }
 
-// What went wrong ahead of time says nothing about later.
+// A failure while reading ahead is not kept.
 static void a_file_that_was_missing_ahead_may_be_there_later(void **state)
 {
     struct brick_store *store = brick_store_create();
@@ -159,7 +159,7 @@ static void what_is_wrong_names_the_file(void **state)
     brick_store_destroy(store);
 }
 
-// The same file, where what is 1 has no opacity, and where what is 0 has some.
+// The same file with a transfer function where 1 has no opacity and one where 0 has some.
 static void bricks_follow_the_transfer_function(void **state)
 {
     static const struct scene_transfer_point hollow[] = {{0.5, {0, 0, 0, 0.5}}, {1, {0, 0, 0, 0}}},
@@ -184,7 +184,7 @@ static void bricks_follow_the_transfer_function(void **state)
     brick_store_destroy(store);
 }
 
-// Opening a pipe would wait for who writes; reading one that is larger than memory would end the process.
+// Opening a pipe would wait for a writer; reading more than the memory would end the process.
 static void what_cannot_be_a_grid_is_not_waited_for(void **state)
 {
     struct brick_store *store = brick_store_create();
@@ -207,7 +207,7 @@ static void what_cannot_be_a_grid_is_not_waited_for(void **state)
     brick_store_destroy(store);
 }
 
-// Stands for nanovdb_convert: packs what it is given as it is.
+// Writes a script that stands in for nanovdb_convert.
 static void write_converter(void **state, const char *body)
 {
     const char *path = temp_folder_path(state, "nanovdb_convert");

@@ -19,7 +19,7 @@
 
 enum { COUNT = 512, POINTS = 7 };
 
-// Up, down to nothing, nothing for a while, a step, nearly opaque; values that are not the same in float and double.
+// The opacity rises, falls to 0, stays 0, steps up and is nearly 1; the values differ in float and double.
 static const struct scene_transfer_point points[POINTS] = {
     {-10.1, {0.1, 0.2, 0.3, 0}},  {0.3, {1, 0, 0.7, 1e-5}},  {20.7, {0.3, 5, 0, 0.6}},  {40.9, {0, 0, 0, 0}},
     {60.2, {0.9, 0.1, 0.1, 0.0}}, {60.21, {2, 1, 3, 0.999}}, {90, {0, 1, 2, 1 - 1e-6}},
@@ -58,8 +58,8 @@ static void shader_is_its_twin(void **state)
     probe();
     for (size_t i = 0; i < COUNT; i++) {
         double value = inputs[i][0], extinction = transfer_function_extinction(&twin, value), rgb[3];
-        // Points are rounded to float, 2e-6 at 60, and the steepest step is 0.01 wide: 4e-4 of its height there. Elsewhere
-        // a few roundings of a color; those of an opacity by as much as it lacks to 1.
+        // Points are rounded to float, 2e-6 at 60, and the steepest step is 0.01 wide: 4e-4 of its height there.
+        // Elsewhere a few roundings of a color; those of an opacity by as much as it lacks to 1.
         bool is_steep = fabs(value - 60.2) < 0.1;
         double share = is_steep ? 1e-3 : 4e-6;
 
@@ -70,7 +70,7 @@ static void shader_is_its_twin(void **state)
     }
 }
 
-// -ln(1 - a) of opacities down to the smallest is exact to a float's digits, where 1 - a has none left.
+// -ln(1 - a) is exact to a float's precision for the smallest opacities, where 1 - a would be 1.
 static void faint_opacity_keeps_its_digits(void **state)
 {
     static const char *const modules[] = {"transfer/piecewise.glsl", NULL};

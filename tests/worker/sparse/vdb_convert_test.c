@@ -24,7 +24,7 @@
 
 enum { LONG_MS = 600 * 1000, SHORT_MS = 200 };
 
-// Has "nanovdb_convert" be this script, and temporary files lie in "temporary", both in the test's folder.
+// Makes this script "nanovdb_convert" and "temporary" the folder of temporary files, both in the test's folder.
 static void use_converter(void **state, const char *body)
 {
     static char *search;
@@ -103,7 +103,7 @@ static pid_t wait_for_pid(const char *path)
     return -1;
 }
 
-// A zombie is gone too: it waits for whoever adopted it.
+// A zombie has ended too: it only waits for its new parent.
 static bool is_gone(pid_t pid)
 {
     char path[64], *text = NULL;

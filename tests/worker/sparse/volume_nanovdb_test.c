@@ -15,13 +15,13 @@
 
 #include <cmocka.h>
 
-// Another number for each voxel.
+// Returns a different number for each voxel.
 static float value_of(const int voxel[3])
 {
     return (float)(1 + (voxel[0] + 64) + 128 * (voxel[1] + 64) + 16384 * (voxel[2] + 64));
 }
 
-// Across the origin, where neither division nor remainder may round towards zero, and none of its ends on a leaf's.
+// The box contains the origin, where division and remainder must not round towards zero, and no end of it is a leaf's.
 static const struct nanovdb_params asymmetric = {.name = "density",
                                                  .map = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, -11, 12},
                                                  .min = {-11, -3, 5},
@@ -140,7 +140,7 @@ static void tiles_of_every_size_have_their_value(void **state)
     assert_true(at(grid, 15, 8, -8) == 0.25F && at(grid, 16, 8, 0) == 0.25F);
     sparse_grid_destroy(grid);
 
-    // Inactive ones do not widen the box; where they reach into the lattice they count.
+    // Inactive tiles do not widen the box; their part inside the lattice counts.
     memcpy(params.min, (int[]){-4090, 0, 0}, sizeof params.min);
     memcpy(params.max, (int[]){-4090, 0, 0}, sizeof params.max);
     params.tiles = &(struct nanovdb_tile){{-3968, 0, 0}, 128, 5, false};
@@ -175,7 +175,7 @@ static void a_grid_without_active_voxels_is_one_of_background(void **state)
     sparse_grid_destroy(grid);
 }
 
-// One file after another is a file of all their grids.
+// Concatenated files are a file of all their grids.
 static struct nanovdb_made join(const struct nanovdb_params *a, const struct nanovdb_params *b)
 {
     struct nanovdb_made first, second;
@@ -365,7 +365,7 @@ static void a_file_cut_anywhere_is_refused(void **state)
         for (size_t cut = 0; cut < made.size_bytes; cut += cut < 256 ? 1 : 4099) {
             struct nanovdb_made part = made;
 
-            part.bytes = malloc(cut + 1); // its own memory, so that a read past the end is seen
+            part.bytes = malloc(cut + 1); // separate memory, so that a read past the end is found
             memcpy(part.bytes, made.bytes, cut);
             part.size_bytes = cut;
             assert_null(decode(&part, NULL, &error));

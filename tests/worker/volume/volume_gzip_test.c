@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-// Some 300 KiB, so that neither side's buffer holds all of it.
+// About 300 KiB, more than either buffer holds.
 static const int size[3] = {60, 50, 100};
 
 struct fixture {
@@ -51,7 +51,7 @@ static void truncated_files_are_refused_wherever_they_end(void **state)
     refuse(&fixture, 1, "its gzip data end before they are complete, after 1 bytes");
     refuse(&fixture, 20, "its gzip data end before they are complete, after 20 bytes");
     refuse(&fixture, fixture.zipped_bytes / 2, "its gzip data end before they are complete");
-    // All voxels have come by then; the checksum has not.
+    // All voxels are read by then; the checksum is not.
     refuse(&fixture, fixture.zipped_bytes - 1, "its gzip data end before they are complete");
     finish(&fixture);
 }
@@ -85,7 +85,7 @@ static void what_follows_is_refused(void **state)
     finish(&fixture);
 }
 
-// As block-wise compressors write it.
+// Block-wise compressors write such members.
 static void members_in_a_row_are_one_file(void **state)
 {
     struct fixture fixture = make(state);

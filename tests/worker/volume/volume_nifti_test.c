@@ -13,7 +13,7 @@
 #include <cmocka.h>
 
 static const int size[3] = {5, 4, 3};
-// Positions go through single precision in the file: 1e-7 of some 10 mm.
+// Positions are single precision in the file: 1e-7 of about 10 mm.
 static const double tolerance = 2e-9;
 
 static struct volume *open_bytes(void **state, const struct volume_maker_nifti *nifti)
@@ -183,7 +183,7 @@ static void slope_scales_unless_it_is_zero(void **state)
     }
 }
 
-// Extensions stand between the header and the voxels; 0 is how some say that there are none.
+// Extensions are between the header and the voxels; some writers store 0 when there are none.
 static void voxels_begin_at_their_offset(void **state)
 {
     for (int version = 1; version <= 2; version++)

@@ -16,7 +16,7 @@ static const double tolerance = 1e-15; // rounding of sums of a few numbers belo
 
 #define BYTES "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 5 4 3\nencoding: raw\n"
 
-// `header` and behind it bytes 0 to 59 as volume_maker_value has them, or what `voxels` says.
+// Writes `header` and then the bytes 0 to 59 of volume_maker_value, or `voxels`.
 static struct volume_source write_nrrd(void **state, const char *header, const void *voxels, size_t voxel_bytes)
 {
     struct volume_source source = {.path = temp_folder_path(state, "a.nrrd")};
@@ -98,7 +98,7 @@ static void every_type_in_both_byte_orders_and_encodings(void **state)
             }
 }
 
-// The same voxel in three spaces whose axes point elsewhere.
+// The same voxel in three spaces with different axes.
 static void spaces_turn_to_right_anterior_superior(void **state)
 {
 #define DIRECTIONS "space directions: (0,2,0) (0,0,3) (4,0,0)\nspace origin: (10,20,30)\n\n"
