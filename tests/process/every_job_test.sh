@@ -58,7 +58,7 @@ start_daemon --backend osmesa --workers 1
 farm again reversed
 stop_daemon
 same once again 0 0
-start_daemon --backend egl
+start_daemon --backend egl --workers 1
 farm egl
 stop_daemon
 # Depth is where half the light is gone: a threshold, which rounding moves in a pixel here and there.

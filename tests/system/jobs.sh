@@ -110,6 +110,6 @@ reload()
     cursor=$(inside journalctl -u marchd.service -n 1 --show-cursor -q -o cat | sed -n 's/^-- cursor: //p')
     set_conf "$@"
     inside systemctl reload marchd.service
-    until_true 10 "the daemon speaks of its settings" eval \
+    until_true "the daemon speaks of its settings" eval \
         'inside journalctl -q -u marchd.service --after-cursor="'"$cursor"'" -o cat -g "^settings: " >"$work/settings"'
 }

@@ -5,7 +5,7 @@ user_daemon_runs()
     local id
 
     inside loginctl enable-linger eve
-    until_true 20 "eve's service manager runs" eval 'as eve systemctl --user is-system-running | grep -qE "running|degraded"'
+    until_true "eve's service manager runs" eval 'as eve systemctl --user is-system-running | grep -qE "running|degraded"'
     as eve systemctl --user start marchd.service
     expect "eve's daemon" "$(as eve systemctl --user is-active marchd.service)" active
     expect "who runs it" "$(inside ps -o user= -p "$(as eve systemctl --user show -P MainPID marchd.service)")" eve

@@ -43,7 +43,7 @@ service_is_active()
     expect "the socket's rights" "$(inside stat -c '%G %a' /run/marchd/marchd.sock)" "marchd 660"
     expect "who runs it" "$(inside ps -o user= -p "$(main_pid)")" marchd
     expect "the queue's folder" "$(inside stat -c '%U %a' /var/lib/marchd)" "marchd 700"
-    until_true 20 "a worker is ready" eval '[ "$(journal -u marchd.service | grep -c "ready: ")" -ge 1 ]'
+    until_true "a worker is ready" eval '[ "$(journal -u marchd.service | grep -c "ready: ")" -ge 1 ]'
 }
 
 status_tells()
@@ -53,7 +53,7 @@ status_tells()
         inside systemctl status --no-pager -l marchd.service >"$work/status"
         grep -q 'Status: "jobs: 0; frames: 0 queued, 0 running"' "$work/status"
     }
-    comes_true 10 tells_status || { cat "$work/status"; fail "no such line"; }
+    comes_true tells_status || { cat "$work/status"; fail "no such line"; }
     expect "failed units" "$(inside systemctl --failed --no-legend --plain | grep -c marchd)" 0
 }
 
@@ -71,7 +71,7 @@ upgrade_goes_on()
     local id
 
     id=$(submit ann "$(cloud_job 1-10 480 270 upgraded)")
-    until_true 30 "two frames are done" has_done ann "$id" 2
+    until_true "two frames are done" has_done ann "$id" 2
     list_files upgraded >"$work/list"
     apt install /root/marchd-next.deb
     [[ $(inside dpkg-query -W -f '${Version}' marchd) == *+next ]] || fail "the package is not the next"

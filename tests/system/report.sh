@@ -21,25 +21,26 @@ expect()
     [ "$2" = "$3" ] || fail "$1: expected \"$3\", got \"$2\""
 }
 
-# comes_true SECONDS COMMAND...
+patience_s=600 # a guard against what never happens, not a measure: machines are slow and busy
+
+# comes_true COMMAND...
 comes_true()
 {
-    local end=$((SECONDS + $1))
+    local end=$((SECONDS + patience_s))
 
-    shift
     until "$@"; do
         [ "$SECONDS" -lt "$end" ] || return 1
         sleep 0.1
     done
 }
 
-# until_true SECONDS WHAT COMMAND...
+# until_true WHAT COMMAND...
 until_true()
 {
-    local seconds=$1 what=$2
+    local what=$1
 
-    shift 2
-    comes_true "$seconds" "$@" || fail "not within $seconds s: $what"
+    shift
+    comes_true "$@" || fail "not within $patience_s s: $what"
 }
 
 # check TITLE FUNCTION: a check of its own; what it says is shown only if it fails. Must not stand in a condition, which
