@@ -30,7 +30,7 @@ static enum exit_status fail_usage(const char *verb, bool wants_json, const stru
     return EXIT_STATUS_USAGE;
 }
 
-// For arguments that cannot be parsed.
+// Finds --json in arguments that cannot be parsed.
 static bool has_json_option(const char *const arguments[], size_t count)
 {
     for (size_t i = 0; i < count; i++)

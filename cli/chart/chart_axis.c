@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-// So that a power of ten, as floating-point numbers have it, is the end of its decade and not in the next.
+// Makes a power of ten, despite rounding, the end of its decade and not part of the next.
 static const double SLACK = 1e-9;
 
 void chart_axis_add(struct chart_axis *axis, double value)
@@ -19,7 +19,7 @@ void chart_axis_add(struct chart_axis *axis, double value)
     axis->count++;
 }
 
-double chart_axis_place(const struct chart_axis *axis, double value)
+double chart_axis_position(const struct chart_axis *axis, double value)
 {
     int decades = axis->last > axis->first ? axis->last - axis->first : 1;
 

@@ -1,19 +1,19 @@
-// An axis of decades: where values lie on it, and what its decades are called.
+// A logarithmic axis: the positions of values, and the labels of its decades.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stddef.h>
 
-// Whole decades that hold all values put in. The zero value holds none.
+// The whole decades that contain all added values. The zero value has none.
 struct chart_axis {
     int first, last; // 10^first to 10^last
     size_t count;    // of values
 };
 
-// Values that are not finite and positive are passed over.
+// Ignores values that are not finite and positive.
 void chart_axis_add(struct chart_axis *axis, double value);
-// [0, 1] within the axis, beyond it outside of it; 0 to 1 spans at least one decade.
-double chart_axis_place(const struct chart_axis *axis, double value);
+// The position of a value: [0, 1] within the axis, outside it beyond. The axis spans at least one decade.
+double chart_axis_position(const struct chart_axis *axis, double value);
 
 enum { CHART_LABEL_SIZE = 24 };
 void chart_axis_format_seconds(double seconds, char label[static CHART_LABEL_SIZE]); // "10 ms"

@@ -89,7 +89,8 @@ bool chart_csv_save(const struct chart_points *points, const char *path, struct 
     return ok;
 }
 
-// Cuts a field out of `*at` in place and moves on behind it. NULL where the text is no CSV; `*is_last` of its line.
+// Cuts a field out of `*at` and moves `*at` behind it; `*is_last` says whether it ends the line. NULL where the text is
+// no CSV.
 static char *take_field(char **at, bool *is_last)
 {
     char *from = *at, *field = from, *to = from;
@@ -168,13 +169,13 @@ static bool read_points(struct chart_points *points, char *text, struct error *e
         struct chart_point point;
 
         if (!take_line(&at, fields) || !read_point(&point, fields)) {
-            error_set(error, "expected a chart's points, got a line that is none behind the %zu of before",
-                      points->count);
+            error_set(error, "expected a chart's points, got another line after %zu of them", points->count);
             return false;
         }
         chart_points_add(points, &point);
         if (is_same(&points->facts, fields)) continue;
-        error_set(error, "has points of another scene, frame, size or backend: remove it, or choose another --out");
+        error_set(error,
+                  "the points are of another scene, frame, size or backend: remove the file, or choose another --out");
         return false;
     }
     return true;

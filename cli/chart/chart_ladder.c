@@ -12,20 +12,20 @@
 #include <string.h>
 
 enum {
-    FIRST_CELLS = 8, // of the scene's length, or voxels a step, on the lowest rung
+    FIRST_CELLS = 8, // on the lowest rung: steps in the scene's length, or voxels in a step
     GRID_LIMIT = 512,
     SAMPLE_LIMIT = 1024,
     LIGHT_STEPS_LIMIT = 60 * 1000,
     POINT_LIMIT = 1000,
-    // Rungs that may be refused one after another before the climb is given up.
+    // Consecutive refused rungs that end a ladder.
     REFUSED_LIMIT = 3,
-    // Rungs that must together bring something.
+    // Consecutive rungs over which the error must fall to STALE_GAIN of its value.
     STALE_COUNT = 3
 };
-// Of the light: what a ray that ends early may have missed on the lowest rung.
-static const double FIRST_REST = 0.02;
+// min_transmittance on the lowest rung.
+static const double FIRST_TRANSMITTANCE = 0.02;
 static const double STALE_GAIN = 0.85;
-// How far over the limit a picture must be expected to be for it not to be tried.
+// A picture is not tried when its expected time exceeds this multiple of the limit.
 static const double FAR_BEYOND = 1.5;
 
 const char CHART_PLANNED[] = "auto";
@@ -44,24 +44,24 @@ static int count_up(double first, double rung, int limit)
     return (int)fmin(round(first * exp2(rung)), limit);
 }
 
-// Of a method whose error falls with the square of its steps, or with steps alone.
-static void write_rest(struct json_writer *out, int rung, int order)
+// `order` 2: the error is proportional to the square of the step; 1: to the step.
+static void write_min_transmittance(struct json_writer *out, int rung, int order)
 {
-    json_write_number_member(out, "min_transmittance", FIRST_REST * exp2(-(double)order * rung));
+    json_write_number_member(out, "min_transmittance", FIRST_TRANSMITTANCE * exp2(-(double)order * rung));
 }
 
 static void write_riemann(struct json_writer *out, int rung, const struct chart_scale *scale)
 {
     json_write_number_member(out, "step", fmin(scale_step(scale, rung), scale->far - scale->near));
     json_write_integer_member(out, "light_steps", count_up(FIRST_CELLS, rung, LIGHT_STEPS_LIMIT));
-    write_rest(out, rung, 1);
+    write_min_transmittance(out, rung, 1);
 }
 
 static void write_steps(struct json_writer *out, int rung, const struct chart_scale *scale)
 {
     json_write_number_member(out, "step", scale_step(scale, rung));
     json_write_number_member(out, "light_step", 2 * scale_step(scale, rung));
-    write_rest(out, rung, 2);
+    write_min_transmittance(out, rung, 2);
 }
 
 static void write_points(struct json_writer *out, int rung, const struct chart_scale *scale)
@@ -87,13 +87,13 @@ static void write_gauss_4(struct json_writer *out, int rung, const struct chart_
     json_write_integer_member(out, "order", 4);
 }
 
-// A light's grid has two cells a step: its linear look-ups are what errs most.
+// A light's grid has two cells in a step: linear interpolation in it is the largest error.
 static void write_cached(struct json_writer *out, int rung, const struct chart_scale *scale)
 {
     double half = rung / 2.0;
 
     json_write_number_member(out, "step", scale_step(scale, half));
-    json_write_number_member(out, "min_transmittance", FIRST_REST * exp2(-rung));
+    json_write_number_member(out, "min_transmittance", FIRST_TRANSMITTANCE * exp2(-rung));
     json_write_integer_member(out, "light_grid", count_up(2.0 * FIRST_CELLS, half, GRID_LIMIT));
 }
 
@@ -113,10 +113,9 @@ static void write_tracking(struct json_writer *out, int rung, const struct chart
 static const struct series {
     const char *name, *method;
     write_function *write;
-    // Those not PLAIN know no objects. HAS_SAMPLES: its ladder is one of samples.
+    // Only PLAIN series render scenes with objects. HAS_SAMPLES: the free number is that of samples.
     enum { PLAIN, NEEDS_CLIP, HAS_SAMPLES } kind;
-    const char
-        *plainer; // the series that it is the same as, rung by rung, where its own way has nothing to do; NULL: none
+    const char *base; // see chart_ladder_base; NULL: none
 } all_series[] = {
     {"riemann", "riemann", write_riemann, NEEDS_CLIP, NULL},
     {"midpoint", "midpoint", write_steps, PLAIN, NULL},
@@ -153,14 +152,14 @@ bool chart_ladder_needs_clip(size_t series)
     return all_series[series].kind == NEEDS_CLIP;
 }
 
-int chart_ladder_plainer(size_t series)
+int chart_ladder_base(size_t series)
 {
-    for (size_t i = 0; all_series[series].plainer && i < SERIES_COUNT; i++)
-        if (strcmp(all_series[i].name, all_series[series].plainer) == 0) return (int)i;
+    for (size_t i = 0; all_series[series].base && i < SERIES_COUNT; i++)
+        if (strcmp(all_series[i].name, all_series[series].base) == 0) return (int)i;
     return -1;
 }
 
-// What is the same on all rungs, from `first` to `end` of these.
+// Indices of the keys of a quality that are kept on all rungs.
 enum { KEPT_ALL, KEPT_BUT_SAMPLES, KEPT_END = 4, KEPT_SAMPLES_END = 1 };
 
 static void write_kept(struct json_writer *out, const struct json_node *quality, int first, int end)
@@ -193,7 +192,7 @@ char *chart_ladder_quality(size_t series, int rung, const struct chart_scale *sc
     return out.text;
 }
 
-char *chart_ladder_wish(double tolerance, const struct json_node *quality)
+char *chart_ladder_tolerance(double tolerance, const struct json_node *quality)
 {
     struct json_writer out = {0};
 
@@ -217,7 +216,7 @@ static double find_least(const struct chart_points *points, const char *series, 
     return least;
 }
 
-// Each rung takes as much longer as the one before did.
+// Assumes that the time of a picture grows by the same factor from rung to rung.
 static bool is_next_too_slow(const struct chart_point *before, const struct chart_point *point, double limit_s)
 {
     return before && point->seconds > before->seconds &&
@@ -258,7 +257,7 @@ static bool is_known(const char *name)
     return false;
 }
 
-// Takes `text`, one name with perhaps a rung behind it, over.
+// Takes over `text`, a name and an optional rung.
 static bool add_name(struct chart_choice *choice, char *text, struct error *error)
 {
     char *colon = strchr(text, ':'), *end = NULL;
@@ -279,7 +278,7 @@ static bool add_name(struct chart_choice *choice, char *text, struct error *erro
         *colon = 0;
     }
     if (is_known(text)) return true;
-    error_set(error, "--methods: no ladder is called \"%s\"", text);
+    error_set(error, "--methods: there is no method \"%s\"", text);
     return false;
 }
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Errors below it are as good as none, so that there is a logarithm of them.
+// Smaller errors count as this one, so that they have a logarithm.
 static const double LEAST_ERROR = 1e-9;
 
 void chart_points_finish(struct chart_points *points)
@@ -45,7 +45,7 @@ bool chart_points_is_best(const struct chart_points *points, size_t index)
     return true;
 }
 
-// The most exact point of a series that takes less than `seconds`.
+// The most exact point of a series below `seconds`.
 static const struct chart_point *find_before(const struct chart_points *points, const char *series, double seconds)
 {
     const struct chart_point *found = NULL;
@@ -60,7 +60,7 @@ static const struct chart_point *find_before(const struct chart_points *points, 
     return found;
 }
 
-// The fastest of a series that is at least as exact.
+// The fastest point of a series with at most that error.
 static const struct chart_point *find_enough(const struct chart_points *points, const char *series, double error)
 {
     const struct chart_point *found = NULL;

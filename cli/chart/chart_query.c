@@ -44,7 +44,7 @@ static char *set_value(char *document, const char *key, const char *value, struc
     return edited;
 }
 
-// Where media end; a scene whose media do not keeps none.
+// Unbounded media have no far end.
 static char *set_clip(char *document, const struct chart_scale *scale, struct error *error)
 {
     char *clip, *edited;
@@ -104,7 +104,7 @@ bool chart_query_is_there(const char *path)
     return access(path, F_OK) == 0;
 }
 
-// A worker that ended is reaped. Beats that came meanwhile are of no use to us.
+// Reaps a worker that ended. Heartbeats that arrived meanwhile are dropped.
 static enum exit_status ask(struct chart_query *query, const char *method, const struct json_writer *params,
                             struct message *reply, struct error *error)
 {
@@ -143,7 +143,7 @@ static void copy_text(const struct message *reply, const char *key, char *text, 
     snprintf(text, size, "%s", json_read_string(&node, &value, NULL) ? value : "");
 }
 
-// Of the document alone.
+// A request whose only parameter is the document.
 static enum exit_status ask_of(struct chart_query *query, const char *method, const char *document,
                                struct message *reply, struct error *error)
 {
@@ -157,7 +157,7 @@ static enum exit_status ask_of(struct chart_query *query, const char *method, co
     return status;
 }
 
-enum exit_status chart_query_reach(struct chart_query *query, const char *document, struct chart_scale *scale,
+enum exit_status chart_query_scale(struct chart_query *query, const char *document, struct chart_scale *scale,
                                    struct error *error)
 {
     struct message reply;

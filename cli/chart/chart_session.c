@@ -16,12 +16,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Seconds. A quick chart leaves the rest of its five minutes to the picture of the errors.
+// Seconds. A quick chart keeps the remainder of its five minutes for the strip of errors.
 static const double QUICK_TRUTH = 40, TRUTH = 120, QUICK_POINTS = 200, QUICK_LIMIT = 8, LIMIT = 60;
-static const double STRIP_ERROR = 0.01; // about which pictures are shown
-// Truth is known to some 1e-4 of itself a pixel, less in the mean; halves are rounded to some 2e-4.
+static const double STRIP_ERROR = 0.01; // the strip shows the pictures nearest to it
+// The truth of a pixel has a relative error of about 1e-4, the mean less; rounding to half adds about 2e-4.
 static const double LEAST_FLOAT = 3e-5, LEAST_HALF = 2.5e-4;
-// Of a job that does not state one.
+// For a job that states none.
 static const double TOLERANCE = 0.01;
 
 struct session {
@@ -43,7 +43,7 @@ static struct json_node job_quality(const struct session *session, struct json_n
     return json_node_child(job, "quality");
 }
 
-// The job with the quality of a rung, as text; NULL, with the reason, when that is no job.
+// The job with the quality of a rung; NULL, with the reason, when that is no valid job.
 static char *make_document(const struct session *session, size_t series, const char *quality, struct error *error)
 {
     return chart_query_document(session->params->document, quality,
@@ -64,13 +64,13 @@ static int samples_of(const char *quality)
     return samples ? (int)strtol(samples + strlen("\"samples\":"), NULL, 10) : 1;
 }
 
-// Of the first method that serves the scene, two settings that tell where errors are.
+// Makes two settings of the first method that can render the scene: their difference shows where errors are large.
 static bool make_map_documents(const struct session *session, int samples, char **finer, char **coarser,
                                struct error *error)
 {
     enum { FINER = 3, COARSER = 2 };
 
-    struct error reason = {{0}}; // why the first one does not
+    struct error reason = {{0}}; // of the first method
 
     *finer = *coarser = NULL;
     for (size_t series = 0; series < chart_ladder_count(); series++) {
@@ -120,8 +120,8 @@ static bool keep(struct session *session, struct chart_point *point, struct erro
     return chart_csv_save(session->points, session->params->csv_path, error);
 }
 
-// Takes the point, of which series, rung and quality are given, over, and the document: NULL where `reason` refused it. A worker
-// that ends over a setting is replaced, and the setting counts as refused.
+// Takes over `point`, in which series, rung and quality are set, and `document`, which is NULL where `why` refused it.
+// A worker that ends during a setting is replaced, and the setting counts as refused.
 static enum exit_status measure_point(struct session *session, struct chart_point point, char *document,
                                       struct error *why, struct error *error)
 {
@@ -150,10 +150,10 @@ static enum exit_status measure_point(struct session *session, struct chart_poin
     return keep(session, &point, error) ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;
 }
 
-// True when rungs of the series render by the very programs of the plainer one: they would be its line once more.
-static bool is_same_as(struct session *session, size_t series, size_t plainer, int rung)
+// True when the series renders a rung by the same program as its base: their lines would coincide.
+static bool is_same_as(struct session *session, size_t series, size_t base, int rung)
 {
-    const size_t both[] = {series, plainer};
+    const size_t both[] = {series, base};
     char hashes[2][HASH_TEXT_SIZE] = {"", ""};
 
     for (int i = 0; i < 2; i++) {
@@ -170,30 +170,30 @@ static bool is_same_as(struct session *session, size_t series, size_t plainer, i
 static enum exit_status measure_rung(struct session *session, size_t series, int rung, struct error *error)
 {
     struct chart_point point = {.rung = rung, .quality = rung_quality(session, series, rung)};
-    int plainer = chart_ladder_plainer(series);
+    int base = chart_ladder_base(series);
     struct error reason = {{0}};
     char *document = NULL;
 
-    if (plainer >= 0 && is_same_as(session, series, (size_t)plainer, rung))
-        error_set(&reason, "here it is the same program as %s", chart_ladder_name((size_t)plainer));
+    if (base >= 0 && is_same_as(session, series, (size_t)base, rung))
+        error_set(&reason, "here it is the same program as %s", chart_ladder_name((size_t)base));
     else
         document = make_document(session, series, point.quality, &reason);
     snprintf(point.series, sizeof point.series, "%s", chart_ladder_name(series));
     return measure_point(session, point, document, &reason, error);
 }
 
-// The planner's choice, as a point of its own. A scene for which it has none gets no such point.
+// Measures the planner's choice as a point of its own. A scene that cannot be planned gets none.
 static enum exit_status measure_planned(struct session *session, struct error *error)
 {
     struct json_node job, quality = job_quality(session, &job);
-    char *wish = chart_ladder_wish(session->tolerance, &quality);
-    char *document = chart_query_document(session->params->document, wish, NULL, NULL), *planned = NULL;
+    char *quality_text = chart_ladder_tolerance(session->tolerance, &quality);
+    char *document = chart_query_document(session->params->document, quality_text, NULL, NULL), *planned = NULL;
     struct chart_point point = {0};
     struct error reason = {{0}};
     enum exit_status status = EXIT_STATUS_DONE;
 
     snprintf(point.series, sizeof point.series, "%s", CHART_PLANNED);
-    free(wish);
+    free(quality_text);
     if (document) status = chart_query_plan(&session->query, document, &point.quality, &reason);
     free(document);
     if (status == EXIT_STATUS_INTERRUPTED) *error = reason;
@@ -212,7 +212,7 @@ static void mark_planned(const struct session *session, struct chart_svg_mark *m
     mark->error = point->error;
 }
 
-// Rung by rung over all series, so that a chart that is ended early shows as much of each.
+// Measures rung by rung across all series, so that a chart that ends early shows the same rungs of each.
 static enum exit_status climb(struct session *session, struct error *error)
 {
     bool has_climbed = true;
@@ -232,7 +232,7 @@ static enum exit_status climb(struct session *session, struct error *error)
     return EXIT_STATUS_DONE;
 }
 
-// The point of a series that is nearest to what the strip shows; NULL when none was measured.
+// The point of a series whose error is nearest to STRIP_ERROR; NULL when none was measured.
 static const struct chart_point *find_shown(const struct session *session, size_t series)
 {
     const struct chart_point *shown = NULL;
@@ -294,8 +294,8 @@ static enum exit_status draw_strip(struct session *session, struct error *error)
     return status;
 }
 
-// True when it is what the ladder of today has there, and what it was refused for may not be gone: what never reached a worker
-// is asked again.
+// True when a loaded point equals that of the current ladder. A point that was refused before it reached a worker is
+// tried again.
 static bool is_current(const struct session *session, const struct chart_point *point)
 {
     bool is_same = false;
@@ -329,7 +329,7 @@ static bool load_points(struct session *session, struct error *error)
     return true;
 }
 
-// What the job says of how exact pictures are to be, and can be.
+// Reads the job's tolerance, and the smallest error that its pixels allow.
 static bool read_exactness(struct session *session, struct error *error)
 {
     struct json_node job, quality, tolerance, output, pixel;
@@ -356,7 +356,7 @@ static enum exit_status run(struct session *session, struct chart_svg_mark *mark
     enum exit_status status;
 
     free(text);
-    status = chart_query_reach(&session->query, params->document, &session->scale, error);
+    status = chart_query_scale(&session->query, params->document, &session->scale, error);
     if (status == EXIT_STATUS_DONE) status = find_truth(session, samples, &facts, error);
     if (status != EXIT_STATUS_DONE) return status;
     session->points->facts = facts.facts;

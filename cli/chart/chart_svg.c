@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// In the picture's own units, which are pixels where it is not scaled.
+// In units of the picture, which are pixels at its natural size.
 enum {
     WIDTH = 920,
     HEIGHT = 560,
@@ -27,10 +27,10 @@ enum {
     COLOR_COUNT = 12
 };
 
-// As low as errors are drawn.
+// The lowest error that is drawn.
 static const double LEAST_ERROR = 1e-7;
 
-// Colours of the same hue on either ground, light enough or dark enough to be read on it.
+// Pairs of colours of one hue, for light and for dark ground.
 static const char *const COLORS[COLOR_COUNT][2] = {
     {"#5f6368", "#b4b9bf"}, {"#0b66c3", "#62aef7"}, {"#c2410c", "#fb9a5b"}, {"#15803d", "#5fd38a"},
     {"#a21caf", "#e78bf0"}, {"#9a6700", "#e6bd4a"}, {"#b91c1c", "#ff8a8a"}, {"#0e7490", "#4fd0e4"},
@@ -63,14 +63,14 @@ static void put_text(FILE *out, const char *text)
     }
 }
 
-static double place_x(const struct drawing *drawing, double seconds)
+static double position_x(const struct drawing *drawing, double seconds)
 {
-    return LEFT + (RIGHT - LEFT) * chart_axis_place(&drawing->seconds, seconds);
+    return LEFT + (RIGHT - LEFT) * chart_axis_position(&drawing->seconds, seconds);
 }
 
-static double place_y(const struct drawing *drawing, double error)
+static double position_y(const struct drawing *drawing, double error)
 {
-    return BOTTOM - (BOTTOM - TOP) * chart_axis_place(&drawing->error, fmax(error, LEAST_ERROR));
+    return BOTTOM - (BOTTOM - TOP) * chart_axis_position(&drawing->error, fmax(error, LEAST_ERROR));
 }
 
 static bool is_drawn(const struct chart_point *point)
@@ -138,7 +138,7 @@ static void write_axes(const struct drawing *drawing)
     char label[CHART_LABEL_SIZE];
 
     for (int decade = drawing->seconds.first; decade <= drawing->seconds.last; decade++) {
-        double x = place_x(drawing, pow(10, decade));
+        double x = position_x(drawing, pow(10, decade));
 
         chart_axis_format_seconds(pow(10, decade), label);
         fprintf(out,
@@ -146,7 +146,7 @@ static void write_axes(const struct drawing *drawing)
                 x, TOP, BOTTOM, x, BOTTOM + 20, label);
     }
     for (int decade = drawing->error.first; decade <= drawing->error.last; decade++) {
-        double y = place_y(drawing, pow(10, decade));
+        double y = position_y(drawing, pow(10, decade));
 
         chart_axis_format_percent(pow(10, decade), label);
         fprintf(out,
@@ -162,7 +162,7 @@ static void write_axes(const struct drawing *drawing)
             (TOP + BOTTOM) / 2);
 }
 
-// The measured points of a series by rung; their count.
+// Writes the indices of the measured points of a series, by rung; returns their count.
 static size_t list_series(const struct chart_points *points, size_t series, size_t indices[CHART_RUNG_LIMIT])
 {
     size_t count = 0;
@@ -182,12 +182,12 @@ static void write_series(const struct drawing *drawing, size_t series)
 
     if (count > 1) fprintf(drawing->out, "<path class=\"line c%zu\" d=\"M", series % COLOR_COUNT);
     for (size_t i = 0; count > 1 && i < count; i++)
-        fprintf(drawing->out, "%s%.1f %.1f", i ? "L" : "", place_x(drawing, points->list[indices[i]].seconds),
-                place_y(drawing, points->list[indices[i]].error));
+        fprintf(drawing->out, "%s%.1f %.1f", i ? "L" : "", position_x(drawing, points->list[indices[i]].seconds),
+                position_y(drawing, points->list[indices[i]].error));
     if (count > 1) fputs("\"/>\n", drawing->out);
     for (size_t i = 0; i < count; i++)
-        write_marker(drawing->out, place_x(drawing, points->list[indices[i]].seconds),
-                     place_y(drawing, points->list[indices[i]].error), series,
+        write_marker(drawing->out, position_x(drawing, points->list[indices[i]].seconds),
+                     position_y(drawing, points->list[indices[i]].error), series,
                      chart_points_is_best(points, indices[i]));
 }
 
@@ -201,7 +201,7 @@ static int compare_seconds(const void *left, const void *right)
 static void write_front(const struct drawing *drawing)
 {
     const struct chart_points *points = drawing->points;
-    struct chart_point *best = xcalloc(points->count + 1, sizeof *best); // borrows what its points own
+    struct chart_point *best = xcalloc(points->count + 1, sizeof *best); // its texts are borrowed
     size_t count = 0;
 
     for (size_t i = 0; i < points->count; i++)
@@ -209,8 +209,8 @@ static void write_front(const struct drawing *drawing)
     qsort(best, count, sizeof *best, compare_seconds);
     if (count > 0) fputs("<path class=\"front\" d=\"M", drawing->out);
     for (size_t i = 0; i < count; i++)
-        fprintf(drawing->out, "%s%.1f %.1f", i ? "L" : "", place_x(drawing, best[i].seconds),
-                place_y(drawing, best[i].error));
+        fprintf(drawing->out, "%s%.1f %.1f", i ? "L" : "", position_x(drawing, best[i].seconds),
+                position_y(drawing, best[i].error));
     if (count > 0) fprintf(drawing->out, "%s\"/>\n", count == 1 ? "h.1" : "");
     free(best);
 }
@@ -222,7 +222,7 @@ static void write_mark(const struct drawing *drawing)
     double y;
 
     if (mark->tolerance > 0.0) {
-        y = place_y(drawing, mark->tolerance);
+        y = position_y(drawing, mark->tolerance);
         chart_axis_format_percent(mark->tolerance, label);
         fprintf(drawing->out, "<path class=\"tolerance\" d=\"M%d %.1fH%d\"/>\n", LEFT, y, RIGHT);
         fprintf(drawing->out,
@@ -230,7 +230,7 @@ static void write_mark(const struct drawing *drawing)
                 RIGHT - 6, y - 5, label);
     }
     if (mark->seconds > 0.0)
-        write_star(drawing->out, place_x(drawing, mark->seconds), place_y(drawing, mark->error), "star");
+        write_star(drawing->out, position_x(drawing, mark->seconds), position_y(drawing, mark->error), "star");
 }
 
 static void write_legend_text(FILE *out, int line, const char *text)
@@ -272,7 +272,7 @@ static void write_title(const struct drawing *drawing)
     fprintf(drawing->out, "<text class=\"dim\" x=\"%d\" y=\"50\">lower and farther left is better</text>\n", LEFT);
 }
 
-// What the points have in common: of those that were measured, the first speaks for all.
+// Writes what the measured points have in common, taken from the first of them.
 static void write_facts(const struct drawing *drawing)
 {
     const struct chart_facts *facts = &drawing->points->facts;
@@ -290,7 +290,7 @@ static void write_facts(const struct drawing *drawing)
     if (strcmp(first->truth, "reference") == 0)
         fprintf(out, "against the converged integral in %lld pixels", (long long)first->pixels);
     else
-        fputs("against the finest midpoint march, for the density is code that has no twin", out);
+        fputs("against the finest midpoint march, for the reference has no GLSL densities", out);
     fprintf(out, "; %s time, warm, median</text>\n", strcmp(first->timer, "gpu") == 0 ? "GPU" : "wall-clock");
 }
 

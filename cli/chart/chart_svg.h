@@ -1,4 +1,4 @@
-// A chart's picture: seconds against error, both in decades, a line a method, readable on light and on dark.
+// A chart as SVG: seconds against error, both logarithmic, a line for each method, readable on light and dark ground.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,13 +9,13 @@ struct error;
 
 struct chart_svg_mark {
     double tolerance; // drawn as a line; 0: none
-    // What the planner chose for it, drawn as a star; 0: it was not asked.
+    // The planner's choice, drawn as a star; 0: none.
     double seconds, error;
-    const char *label; // borrowed; of the star; its method and numbers
+    const char *label; // borrowed; of the star: method and numbers
 };
 
-// The text of an SVG file, owned by the caller. Of no measured points it is an empty chart that says so. The best points of
-// all, the Pareto front, are joined by a band.
+// The text of an SVG file, owned by the caller. Without measured points it is an empty chart that says so. A band joins
+// the best points, the Pareto front.
 char *chart_svg_format(const struct chart_points *points, const struct chart_svg_mark *mark);
 bool chart_svg_save(const struct chart_points *points, const struct chart_svg_mark *mark, const char *path,
                     struct error *error);

@@ -25,7 +25,7 @@
 
 enum { WIDTH_PX = 320, HEIGHT_PX = 180 };
 
-// At which times are told.
+// Errors for which the time of each method is printed.
 static const double ERRORS[] = {0.1, 0.03, 0.01, 0.003, 0.001};
 enum { ERROR_COUNT = sizeof ERRORS / sizeof *ERRORS };
 
@@ -41,7 +41,7 @@ static void finish_files(struct chart_files *files)
     free(files->truth);
 }
 
-// FOLDER/NAME.csv and so on, NAME being the job's with '_' for what does not belong in a file's name.
+// FOLDER/NAME.csv and so on, with the job's NAME, in which '_' replaces characters unfit for file names.
 static bool name_files(struct chart_files *files, const char *folder, const char *job_name, struct error *error)
 {
     char absolute[PATH_MAX], name[JOB_NAME_LIMIT + 1], *with_slash = xasprintf("%s/", folder);
@@ -181,7 +181,7 @@ static void write_times(struct json_writer *out, const struct chart_points *poin
         json_write_key(out, "seconds");
         json_write_begin_array(out);
         for (int i = 0; i < ERROR_COUNT; i++)
-            json_write_number(out, chart_points_time(points, name, ERRORS[i])); // null where it is never reached
+            json_write_number(out, chart_points_time(points, name, ERRORS[i])); // null: never reached
         json_write_end_array(out);
         json_write_end_object(out);
     }

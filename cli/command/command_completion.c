@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// Verbs that a job which is over has no use for.
+// The params of job.list: some verbs make no sense for jobs that have ended.
 static const char *states_of_verb(const char *verb)
 {
     static const char *const names[] = {"watch", "wait", "pause", "resume", "cancel", "prio"};
@@ -22,7 +22,7 @@ static const char *states_of_verb(const char *verb)
     return "{}";
 }
 
-// Silent where no daemon answers, and ended by SIGALRM where one hangs: somebody waits for a key to do something.
+// Prints no error, and is ended by SIGALRM when the daemon hangs: the user is waiting for a key to have an effect.
 static void write_ids(FILE *out, const char *verb)
 {
     const struct options options = {.socket = NULL};
@@ -47,7 +47,7 @@ enum exit_status command_completion(const struct options *options, struct error 
     const char *shell = options->operands[0];
     const char *script;
 
-    // What the scripts ask: march completion words -- WORD...
+    // The scripts run: march completion words -- WORD...
     if (strcmp(shell, "words") == 0) {
         completion_write(stdout, options->operands + 1, options->operand_count - 1, write_ids);
         return EXIT_STATUS_DONE;

@@ -45,6 +45,6 @@ enum exit_status command_delete(const struct options *options, struct error *err
                             &(struct daemon_call_each){.method = "job.delete",
                                                        .more = options->files ? ",\"files\":true" : "",
                                                        .key = "deleted",
-                                                       .tell = tell_deleted},
+                                                       .report = tell_deleted},
                             error);
 }

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FEATURE_WIDTH = 28 }; // at least
+enum { FEATURE_WIDTH = 28 }; // the least
 
 static const char *text_of(const struct json_node *object, const char *key)
 {
@@ -65,7 +65,7 @@ static void print_explanation(const struct json_node *result)
            text_of(result, "shader_hash"), strlen(text_of(result, "shader")), uniform_bytes);
 }
 
-// Only what a tolerance comes down to has to be tried.
+// A job with a tolerance is planned first, which needs GL.
 static enum exit_status explain(const struct options *options, const struct job *job, const char *document,
                                 struct error *error)
 {

@@ -45,7 +45,7 @@ static void print_share(const struct json_node *frame, const char *key)
         printf("  %7s", "-");
 }
 
-// Columns of fixed width, so that a page can be printed before the next one is asked for.
+// Columns have fixed widths, so that each page is printed before the next is requested.
 static void print_frame(const struct json_node *frame)
 {
     double size = number_of(frame, "size_bytes");

@@ -23,7 +23,7 @@ static bool ends_in(const char *text, const char *end)
     return length > end_length && strcmp(text + length - end_length, end) == 0;
 }
 
-// The worker takes absolute paths only; the file itself need not be there.
+// The absolute path of a file that need not exist, for the worker takes no other.
 static char *make_absolute(const char *path, struct error *error)
 {
     char *folder, *absolute;
@@ -49,7 +49,7 @@ static void write_sequence(struct json_writer *params, const struct options *opt
     if (!isnan(options->exposure)) json_write_number_member(params, "exposure", options->exposure);
 }
 
-// Prints {"out":..., the members of the worker's answer}, or the path alone.
+// Prints {"out":..., and the members of the worker's answer}, or only the path.
 static void print_made(const struct options *options, const char *out, const struct json_node *result)
 {
     struct json_node exposure = json_node_child(result, "exposure"), member = {0};
@@ -66,7 +66,7 @@ static void print_made(const struct options *options, const char *out, const str
     while (json_node_next(result, &member)) {
         char *text;
 
-        if (strcmp(member.key, "files") == 0) continue; // of a folder that is gone by now
+        if (strcmp(member.key, "files") == 0) continue; // their folder has been removed
         text = json_node_format(&member);
         json_write_key(&writer, member.key);
         json_write_raw(&writer, text, strlen(text));

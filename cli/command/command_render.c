@@ -18,15 +18,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What is told while frames end, and at the end.
+// The output while frames end, and at the end.
 struct telling {
     const struct options *options; // borrowed
     const struct job *job;         // borrowed
     struct progress_display display;
-    struct json_writer frames; // an array that stays open until the end
+    struct json_writer frames; // an array that is closed at the end
     int64_t counts[RENDER_FAILED + 1];
     int64_t began_ms;
-    bool knows_worker; // it was told what renders
+    bool knows_worker; // the renderer has been printed
 };
 
 static const char *const outcome_names[] = {"succeeded", "skipped", "failed"};
@@ -67,7 +67,7 @@ static void on_worker_lost(void *user, const char *why)
     struct telling *telling = user;
 
     progress_display_clear(&telling->display);
-    fprintf(stderr, "%s; what it had in hand is tried again\n", why);
+    fprintf(stderr, "%s; its frames are tried again\n", why);
 }
 
 static void write_result(struct json_writer *writer, const struct render_result *result)

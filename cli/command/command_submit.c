@@ -34,20 +34,20 @@ static char *load_document(const struct options *options, struct error *error)
     return edited;
 }
 
-static void print_plan(const struct options *options, const struct job *job, const struct json_node *foretold)
+static void print_plan(const struct options *options, const struct job *job, const struct json_node *plan)
 {
     struct json_writer writer = {0};
 
     if (!options->json) {
         job_summary_print(job);
-        if (foretold) plan_report_print(foretold);
+        if (plan) plan_report_print(plan);
         return;
     }
     json_write_begin_object(&writer);
     json_write_bool_member(&writer, "dry_run", true);
     job_summary_write_members(job, &writer);
-    if (foretold) {
-        char *text = json_node_format(foretold);
+    if (plan) {
+        char *text = json_node_format(plan);
 
         json_write_key(&writer, "plan");
         json_write_raw(&writer, text, strlen(text));
@@ -58,8 +58,8 @@ static void print_plan(const struct options *options, const struct job *job, con
     json_writer_finish(&writer);
 }
 
-// A job that says itself how it is rendered needs nothing to be tried.
-static enum exit_status tell_plan(const struct options *options, const struct job *job, const char *document,
+// Prints the plan of a job with a tolerance; others need none.
+static enum exit_status show_plan(const struct options *options, const struct job *job, const char *document,
                                   struct error *error)
 {
     enum exit_status status;
@@ -101,7 +101,7 @@ static bool send_document(const struct options *options, struct connection *conn
     return ok;
 }
 
-// The job is on disk by now, so nothing here can fail the submission.
+// The job is on disk, so failures here are not failures of the submission.
 static void tell_job(struct connection *connection, int64_t id)
 {
     struct job_report report = {0};
@@ -167,7 +167,7 @@ enum exit_status command_submit(const struct options *options, struct error *err
     struct job job = {0};
 
     if (!document || !job_document_check(options->operands[0], document, "/", &job, error)) goto out;
-    status = options->dry_run ? tell_plan(options, &job, document, error) : submit(options, document, error);
+    status = options->dry_run ? show_plan(options, &job, document, error) : submit(options, document, error);
 out:
     job_finish(&job);
     free(document);

@@ -29,7 +29,7 @@ static enum exit_status tell(const struct options *options, const struct verify_
     return verify_print_is_good(sequences, count) ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;
 }
 
-// The files are sorted by sequence.
+// The files must be sorted by sequence.
 static enum exit_status judge_sequences(const struct options *options, struct verify_list *list, size_t count,
                                         const struct frame_range *range)
 {
@@ -85,7 +85,7 @@ static int compare_frames(const void *left, const void *right)
     return (a->frame > b->frame) - (a->frame < b->frame);
 }
 
-// A folder that is not there has none of the frames.
+// A missing folder has none of the frames.
 static bool read_files_of(struct verify_list *list, const struct job *job, const char *root, struct error *error)
 {
     const struct output_path *path = &job->output.path;
@@ -124,7 +124,7 @@ static enum exit_status verify_frames(const struct options *options, const struc
     return status;
 }
 
-// What is no text is no job; pictures begin so.
+// Refuses EXR files, by their first bytes.
 static bool check_is_text(const char *path, struct error *error)
 {
     static const unsigned char magic[] = {0x76, 0x2f, 0x31, 0x01};
@@ -148,7 +148,7 @@ static enum exit_status verify_job(const struct options *options, const char *pa
     if (!document) goto out;
     if (options->range && !json_set_text(&document, "frames", options->range, error)) goto out;
     root = output_root_choose(options->out, false, &document, error);
-    // An absolute path may be a farm's, whose root is not known here.
+    // An absolute path may be below a farm's output root, which is unknown here.
     if (root && job_document_check(path, document, "/", &job, error))
         status = verify_frames(options, &job, document, job.output.path_is_absolute ? "" : root, error);
 out:

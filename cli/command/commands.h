@@ -1,4 +1,4 @@
-// The verbs of `march`: what each accepts and who carries it out.
+// The verbs of `march`: the operands, options and function of each.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -12,13 +12,13 @@ struct error;
 struct json_writer;
 struct options;
 
-// Data goes to stdout, all else to stderr. When `error` is set on return, main prints it, and nothing was printed on stdout
-// that it could contradict.
+// Prints data to stdout, all else to stderr. When `error` is set on return, main prints it; nothing on stdout may
+// contradict it.
 typedef enum exit_status command_run(const struct options *options, struct error *error);
 
 struct command {
     const char *name;
-    const char *operands; // as the help shows them
+    const char *operands; // as in the help
     size_t operand_min, operand_max;
     uint64_t options; // OPTION_BITs, OPTION_HELP and OPTION_JSON included
     const char *summary;
@@ -27,7 +27,7 @@ struct command {
 };
 
 const struct command *command_find(const char *name); // NULL when there is none
-const struct command *command_at(size_t index);       // in the order of the help; NULL behind the last
+const struct command *command_at(size_t index);       // in the order of the help; NULL after the last
 void command_fail_unknown(const char *name, struct error *error);
 void command_print_help(FILE *out, const struct command *command);
 void command_print_overview(FILE *out);

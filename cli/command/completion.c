@@ -17,8 +17,8 @@ static const char *const shells[] = {"bash", "zsh", "fish", NULL};
 
 struct typing {
     FILE *out;
-    const char *before; // borrowed; stands before each word written: "--state=running,"
-    const char *begun;  // borrowed; what is typed of the word
+    const char *before; // borrowed; precedes each word written: "--state=running,"
+    const char *begun;  // borrowed; the typed part of the word
 };
 
 static void offer(const struct typing *typing, const char *word, const char *what)
@@ -27,7 +27,7 @@ static void offer(const struct typing *typing, const char *word, const char *wha
     fprintf(typing->out, "%s%s\t%s\n", typing->before, word, what);
 }
 
-// One of `names`, or several with commas between them.
+// Offers a name, or the next one in a list with commas.
 static void offer_names(const struct typing *typing, const char *const names[], const char *what)
 {
     const char *comma = strrchr(typing->begun, ',');
@@ -98,7 +98,7 @@ static void offer_value(const struct typing *typing, const struct command *comma
     }
 }
 
-// By what the help calls it.
+// Finds the kind of an operand by its name in the help.
 static void offer_operand(const struct typing *typing, const struct command *command, size_t at,
                           completion_write_ids *write_ids)
 {
@@ -132,27 +132,28 @@ static bool find_option(const struct command *command, const char *word, size_t 
     return false;
 }
 
-struct place {
-    bool has_option; // the word typed is its value
+struct position {
+    bool has_option; // the typed word is its value
     enum option option;
-    bool has_ended; // behind "--" there are operands only
+    bool has_ended; // after "--" there are only operands
     size_t operand_count;
 };
 
-// Reads what stands before the word that is typed.
-static void find_place(struct place *place, const struct command *command, const char *const words[], size_t count)
+// Reads the words before the one that is typed.
+static void find_position(struct position *position, const struct command *command, const char *const words[],
+                          size_t count)
 {
-    *place = (struct place){.has_option = false};
+    *position = (struct position){.has_option = false};
     for (size_t i = 0; i < count; i++) {
-        if (place->has_option && strcmp(words[i], "=") == 0) continue;
-        if (place->has_option) {
-            place->has_option = false;
-        } else if (!place->has_ended && strcmp(words[i], "--") == 0) {
-            place->has_ended = true;
-        } else if (!place->has_ended && strncmp(words[i], "--", 2) == 0) {
-            place->has_option = find_option(command, words[i] + 2, strlen(words[i] + 2), &place->option);
+        if (position->has_option && strcmp(words[i], "=") == 0) continue;
+        if (position->has_option) {
+            position->has_option = false;
+        } else if (!position->has_ended && strcmp(words[i], "--") == 0) {
+            position->has_ended = true;
+        } else if (!position->has_ended && strncmp(words[i], "--", 2) == 0) {
+            position->has_option = find_option(command, words[i] + 2, strlen(words[i] + 2), &position->option);
         } else {
-            place->operand_count++;
+            position->operand_count++;
         }
     }
 }
@@ -162,16 +163,16 @@ void completion_write(FILE *out, const char *const words[], size_t count, comple
     const char *typed = count > 0 ? words[count - 1] : "", *equals = strchr(typed, '=');
     const struct command *command = count > 1 ? command_find(words[0]) : NULL;
     struct typing typing = {out, "", typed};
-    struct place place;
+    struct position position;
     enum option option;
 
     if (count <= 1) offer_verbs(&typing);
     if (!command) return;
-    find_place(&place, command, words + 1, count - 2);
-    if (place.has_option) {
+    find_position(&position, command, words + 1, count - 2);
+    if (position.has_option) {
         if (strcmp(typed, "=") == 0) typing.begun = "";
-        offer_value(&typing, command, place.option);
-    } else if (!place.has_ended && equals && strncmp(typed, "--", 2) == 0) {
+        offer_value(&typing, command, position.option);
+    } else if (!position.has_ended && equals && strncmp(typed, "--", 2) == 0) {
         char *before = xstrndup(typed, (size_t)(equals + 1 - typed));
 
         typing.before = before;
@@ -179,9 +180,9 @@ void completion_write(FILE *out, const char *const words[], size_t count, comple
         if (find_option(command, typed + 2, (size_t)(equals - typed) - 2, &option))
             offer_value(&typing, command, option);
         free(before);
-    } else if (!place.has_ended && typed[0] == '-') {
+    } else if (!position.has_ended && typed[0] == '-') {
         offer_options(&typing, command);
     } else {
-        offer_operand(&typing, command, place.operand_count, write_ids);
+        offer_operand(&typing, command, position.operand_count, write_ids);
     }
 }

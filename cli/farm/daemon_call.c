@@ -90,7 +90,7 @@ static bool call(struct connection *connection, const struct daemon_call_each *e
 
     snprintf(params, sizeof params, "{\"id\":%" PRId64 "%s}", id, each->more);
     if (!connection_call(connection, each->method, params, &reply, error)) return false;
-    ok = each->tell(&reply.body, id, results, error);
+    ok = each->report(&reply.body, id, results, error);
     message_finish(&reply);
     return ok;
 }
@@ -124,7 +124,7 @@ static void print_results(const char *key, struct json_writer *jobs, struct json
 enum exit_status daemon_call_each_job(const struct options *options, const char *method, struct error *error)
 {
     return daemon_call_each(
-        options, &(struct daemon_call_each){.method = method, .more = "", .key = "jobs", .tell = tell_job}, error);
+        options, &(struct daemon_call_each){.method = method, .more = "", .key = "jobs", .report = tell_job}, error);
 }
 
 enum exit_status daemon_call_each(const struct options *options, const struct daemon_call_each *each,

@@ -1,4 +1,4 @@
-// One question to the daemon: connects, asks, hangs up.
+// Sends one request to the daemon on a connection of its own.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,25 +10,26 @@ struct error;
 struct json_writer;
 struct options;
 
-// Connects where the options and the environment say. On failure NULL, and `status` is the exit code to end with.
+// Connects to the socket that options or environment name. On failure NULL, and `status` is the exit status to end
+// with.
 struct connection *daemon_call_connect(const struct options *options, enum exit_status *status, struct error *error);
 // `params` is one JSON value; NULL: {}. On EXIT_STATUS_DONE the caller frees `reply` with message_finish.
 enum exit_status daemon_call(const struct options *options, const char *method, const char *params,
                              struct message *reply, struct error *error);
-// Writes member "state" as an array from "failed,canceled"; nothing when `states` is NULL.
+// Writes the member "state" as an array, from "failed,canceled"; writes nothing when `states` is NULL.
 void daemon_call_write_states(struct json_writer *params, const char *states);
-// Reads the result for job `id`; prints it when `results` is NULL, else adds a value to it.
-typedef bool daemon_call_tell(const struct json_node *result, int64_t id, struct json_writer *results,
-                              struct error *error);
+// Reads the result for job `id`. Prints it when `results` is NULL, else appends a value to `results`.
+typedef bool daemon_call_report(const struct json_node *result, int64_t id, struct json_writer *results,
+                                struct error *error);
 
-// For verbs of the form VERB ID...: calls `method` with each id, goes on with the others when one fails, and returns the
-// first failure. `more` is what the params have beside the id (",\"files\":true", or empty), `key` names the array of results
-// in what --json prints.
+// For verbs of the form VERB ID...: calls `method` with each id, continues when one fails, and returns the first
+// failure. `more` is appended to the id in the params (",\"files\":true", or empty). `key` is the name of the array of
+// results in the output of --json.
 struct daemon_call_each {
     const char *method, *more, *key;
-    daemon_call_tell *tell;
+    daemon_call_report *report;
 };
 enum exit_status daemon_call_each(const struct options *options, const struct daemon_call_each *each,
                                   struct error *error);
-// For those that are answered with the job: calls `method` likewise and prints what became of each job.
+// For methods whose result is the job: prints each job's new state.
 enum exit_status daemon_call_each_job(const struct options *options, const char *method, struct error *error);

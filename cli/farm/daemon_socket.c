@@ -16,7 +16,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-// The connected socket; -1 with errno set.
+// Returns the connected socket, or -1 with errno set.
 static int connect_to(const char *path)
 {
     struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -44,8 +44,8 @@ static bool is_refused(int reason)
     return reason == EACCES || reason == EPERM;
 }
 
-// Who may connect there, and how to become one of them; empty where the socket does not tell.
-static char *tell_group(const char *path)
+// Says which group may connect and how to join it; empty when the socket has no such group. Owned by the caller.
+static char *describe_group(const char *path)
 {
     struct stat status;
     const struct passwd *user = getpwuid(geteuid());
@@ -58,29 +58,29 @@ static char *tell_group(const char *path)
                      group->gr_name, group->gr_name, user ? user->pw_name : "YOU");
 }
 
-// "A (why) or B (why)"; NULL when there is nothing but what is refused.
-static char *tell_silent(char *const paths[], const int reasons[], size_t count)
+// "A (why) or B (why)" for sockets that failed otherwise than by permission; NULL when there is none.
+static char *list_silent(char *const paths[], const int reasons[], size_t count)
 {
-    char *told = NULL;
+    char *list = NULL;
 
     for (size_t i = 0; i < count; i++) {
         char *longer;
 
         if (is_refused(reasons[i])) continue;
-        longer = xasprintf("%s%s%s (%s)", told ? told : "", told ? " or " : "", paths[i], strerrordesc_np(reasons[i]));
-        free(told);
-        told = longer;
+        longer = xasprintf("%s%s%s (%s)", list ? list : "", list ? " or " : "", paths[i], strerrordesc_np(reasons[i]));
+        free(list);
+        list = longer;
     }
-    return told;
+    return list;
 }
 
 static enum exit_status fail(char *const paths[], const int reasons[], size_t count, struct error *error)
 {
-    char *silent = tell_silent(paths, reasons, count), *group;
+    char *silent = list_silent(paths, reasons, count), *group;
 
     for (size_t i = 0; i < count; i++) {
         if (!is_refused(reasons[i])) continue;
-        group = tell_group(paths[i]);
+        group = describe_group(paths[i]);
         error_set(error, "the socket %s is not for you%s%s%s", paths[i], group,
                   silent ? "; nor does a daemon of your own answer at " : "", silent ? silent : "");
         free(group);

@@ -9,7 +9,8 @@
 struct connection;
 struct error;
 
-// Tries the sockets at `paths` in their order. NULL when none answers or none may be reached: the message names each path, why
-// it did not do and what to do; `status` is the exit code to end with, EXIT_STATUS_NOT_ALLOWED when one is not for the user.
+// Tries the sockets at `paths` in order. NULL when none answers: the message names each path, the reason and what to
+// do. `status` is then the exit status to end with, EXIT_STATUS_NOT_ALLOWED when the user may not connect to one of
+// them.
 struct connection *daemon_socket_connect(char *const paths[], size_t count, enum exit_status *status,
                                          struct error *error);

@@ -19,7 +19,7 @@ enum { TICK_MS = 250, SHOWN_LIMIT = 16 };
 
 struct followed {
     struct job_report report;
-    char *json; // owned; the job as it was last said
+    char *json; // owned; the last state of the job
 };
 
 struct follow {
@@ -43,7 +43,7 @@ static struct followed *find_followed(struct follow *follow, int64_t id)
     return NULL;
 }
 
-// The job as events have it: without the document that job.show adds.
+// The job as in events, without the document that job.show adds.
 static char *format_job(const struct json_node *job)
 {
     struct json_writer writer = {0};
@@ -138,7 +138,7 @@ static bool ask_all(struct follow *follow, struct connection *connection, struct
     return ok;
 }
 
-// What the jobs are now: events tell only of changes.
+// Reads the current states of the jobs; events report only changes.
 static bool ask_jobs(struct follow *follow, struct connection *connection, struct error *error)
 {
     if (follow->params->id_count == 0) return ask_all(follow, connection, error);

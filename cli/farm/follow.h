@@ -1,4 +1,4 @@
-// Follows jobs by the daemon's events until they have ended.
+// Follows jobs until they have ended, by the daemon's events.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -17,9 +17,9 @@ struct follow_params {
     const int64_t *ids;       // borrowed
     size_t id_count;          // 0: all jobs, until interrupted
     bool shows_progress;      // on stderr
-    bool prints_events;       // on stdout, a JSON object a line; begins with the jobs as they are
-    struct json_writer *jobs; // borrowed; may be NULL: receives {"jobs":[...]} as they ended
-    FILE *ends;               // borrowed; may be NULL: a line a job, how it ended
+    bool prints_events;       // on stdout, one JSON object a line, the current state of the jobs first
+    struct json_writer *jobs; // borrowed, or NULL; receives {"jobs":[...]} in their last states
+    FILE *ends;               // borrowed, or NULL; receives a line for each job that ends
 };
 
 // EXIT_STATUS_DONE when all jobs succeeded, EXIT_STATUS_FAILED when one did not.

@@ -1,4 +1,4 @@
-// What the daemon says about a job.
+// The daemon's report about a job.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,7 @@ struct error;
 struct json_node;
 struct progress;
 
-// Texts are owned and may be NULL; numbers that the daemon does not know are negative.
+// Texts are owned and may be NULL; unknown numbers are negative.
 struct job_report {
     int64_t id, priority;
     int64_t frames, queued, running, succeeded, failed, canceled, skipped;
@@ -21,9 +21,10 @@ struct job_report {
     double seconds_per_frame, eta_s;
 };
 
-// `node` is a *job* of docs/protocol.md. The report must be empty; on failure it is.
+// `node` is a *job* of docs/protocol.md. The report must be empty; after a failure it is empty again.
 bool job_report_read(struct job_report *report, const struct json_node *node, struct error *error);
 void job_report_finish(struct job_report *report);
 bool job_report_has_ended(const struct job_report *report);
-enum exit_status job_report_status(const struct job_report *report);                       // of one that has ended
-void job_report_fill_progress(const struct job_report *report, struct progress *progress); // lends the texts
+enum exit_status job_report_status(const struct job_report *report); // the job must have ended
+void job_report_fill_progress(const struct job_report *report,
+                              struct progress *progress); // `progress` borrows the texts

@@ -1,4 +1,4 @@
-// Where the daemon's socket is expected.
+// The paths at which the daemon's socket is expected.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,7 +22,7 @@ struct socket_path_list {
     size_t count;
 };
 
-// The places to try in their order: the option alone, else the environment alone, else the system's and the user's own,
-// which is where a daemon that the user starts puts it: in the runtime folder, else in its state folder.
+// Lists the paths to try, in order: the option alone, else the environment alone, else the system's socket and that of
+// a daemon that the user started, in the runtime folder or else in the state folder.
 void socket_path_choose(struct socket_path_list *list, const struct socket_path_params *params);
 void socket_path_finish(struct socket_path_list *list); // accepts an empty list

@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-// Returns 0 and the exit status, or why the program could not be started.
+// Returns 0 and the program's exit status, or the errno value why it could not be started.
 static int run(char *const arguments[], int *exit_status)
 {
     posix_spawn_file_actions_t actions;
@@ -66,7 +66,7 @@ bool film_encode(const char *folder, double fps, const char *out, struct error *
 {
     char *rate = xasprintf("%.10g", fps), *in = xasprintf("%s/%%06d.png", folder);
     char *part = xasprintf("%s.%ld.part", out, (long)getpid());
-    // H.264 in 4:2:0 has even sides only.
+    // H.264 with 4:2:0 chroma needs even sides.
     char *const arguments[] = {(char *)"ffmpeg",
                                (char *)"-y",
                                (char *)"-loglevel",

@@ -7,8 +7,8 @@
 struct error;
 
 bool film_has_ffmpeg(struct error *error); // the message says what to install
-// Reads FOLDER/000000.png and on; `out` appears only when it is whole.
+// Reads FOLDER/000000.png, 000001.png, ...; `out` appears only when it is complete.
 bool film_encode(const char *folder, double fps, const char *out, struct error *error);
-// A new folder for the pictures, owned by the caller; NULL on failure.
+// Makes a folder for the pictures. Returns its path, owned by the caller; NULL on failure.
 char *film_create_folder(struct error *error);
-void film_remove_folder(const char *folder); // with the files in it; accepts NULL
+void film_remove_folder(const char *folder); // and the files in it; accepts NULL

@@ -11,8 +11,8 @@ struct error;
 // One file; its texts are owned.
 struct sequence_file {
     char *path;    // absolute
-    char *label;   // the frame's number, else the file's name
-    int32_t frame; // -1 when the name tells none
+    char *label;   // the frame's number; without one, the file's name
+    int32_t frame; // -1 when the name has none
 };
 
 // The zero value is empty.
@@ -21,7 +21,7 @@ struct sequence {
     size_t count, capacity;
 };
 
-// Adds what `operand` names: "cloud/cloud.####.exr" every file there is with a frame number (by number), else the file itself.
-// Nothing found is an error. `range` (NULL: all) keeps only those frames of a pattern.
+// Adds the files of `operand`: for a pattern such as "cloud/cloud.####.exr" all existing files, in the order of their
+// frame numbers, else the file itself. Finding none is an error. `range` (NULL: all) selects frames of a pattern.
 bool sequence_add(struct sequence *sequence, const char *operand, const char *range, struct error *error);
 void sequence_finish(struct sequence *sequence);

@@ -19,7 +19,7 @@
 
 static const int64_t FRAMES_CHECKED = 10 * 1000;
 
-// The folder that relative paths start from, owned by the caller; NULL on failure.
+// The folder of relative paths, owned by the caller; NULL on failure.
 static char *find_folder(const char *job_path, struct error *error)
 {
     const char *slash = strrchr(job_path, '/');
@@ -31,7 +31,7 @@ static char *find_folder(const char *job_path, struct error *error)
     return absolute;
 }
 
-// Some editors begin a UTF-8 text with a byte order mark; what it becomes part of has it nowhere.
+// Removes the byte order mark that some editors put before UTF-8 text: it is not allowed within JSON.
 static void skip_byte_order_mark(char *text, size_t *length)
 {
     static const char mark[] = "\xef\xbb\xbf";
@@ -74,8 +74,8 @@ static bool set_member(char **document, const char *place, const char *key, cons
     return ok;
 }
 
-// Owned by the caller. Ways up ("../volumes/a.nvdb") are gone once: a daemon takes none, for they might lead out of its
-// roots.
+// The absolute path, owned by the caller. Resolves ".." ("../volumes/a.nvdb"), which daemons refuse because it could
+// lead out of their roots.
 static char *make_absolute(const char *path, const char *folder)
 {
     char *joined = *path == '/' ? xstrdup(path) : xasprintf("%s/%s", strcmp(folder, "/") == 0 ? "" : folder, path);
@@ -93,10 +93,10 @@ static char *make_absolute(const char *path, const char *folder)
     return plain;
 }
 
-// Of the object in the document that is resolved next.
+// A JSON object whose file is resolved.
 struct site {
     char **document;
-    const char *folder; // that relative paths start from
+    const char *folder; // of relative paths
     const char *place;
 };
 

@@ -1,4 +1,4 @@
-// The files that a job reads: found from the job file's folder, so that who runs the job later need not know it.
+// Resolves the input files of a job relative to the job file, so that the job can run in any folder.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,8 +7,9 @@
 struct error;
 struct job;
 
-// Makes the paths of `*document` absolute, relative ones from the folder of `job_path` ("-": the current one), and puts
-// the text of GLSL files in. What is no job yet is left for job_parse to complain about. Messages name the place in the job.
+// Makes relative paths in `*document` absolute, starting from the folder of `job_path` ("-": the current folder), and
+// inserts the text of GLSL files. Other errors of the job are left to job_parse. Messages name the place in the job.
 bool job_inputs_resolve(char **document, const char *job_path, struct error *error);
-// Whether the files of all frames (of at most 10,000) are there and may be read. Messages name the place in the job.
+// Checks that the files of all frames (at most 10,000 of them) exist and may be read. Messages name the place in the
+// job.
 bool job_inputs_check(const struct job *job, struct error *error);

@@ -1,4 +1,4 @@
-// What a job would do, told before it is done.
+// Summarizes a job before it is rendered.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -16,7 +16,7 @@ enum { STEP_LIMIT = JSON_DEPTH_LIMIT, INDEX_DIGITS_LIMIT = 7 };
 struct step {
     char *key; // owned
     size_t index;
-    size_t end; // offset in the path behind this step
+    size_t end; // offset behind this step in the path
 };
 
 struct edit {
@@ -85,7 +85,7 @@ static void write_value(struct edit *edit)
         json_write_string(&edit->writer, edit->value);
 }
 
-// The steps from `step` on lead nowhere yet: objects and arrays are made on the way.
+// Writes the objects and arrays that the steps from `step` on lack, and the value.
 static bool write_missing(struct edit *edit, size_t step, struct error *error)
 {
     bool ok;
@@ -169,17 +169,17 @@ static bool write_edited_array(struct edit *edit, const struct json_node *array,
 static bool write_edited(struct edit *edit, const struct json_node *node, size_t step, struct error *error)
 {
     if (step == edit->step_count) {
-        // frames=48 means the text: what is a string stays one when a mere number comes.
+        // A string that is replaced by a number stays a string: frames=48 means "48".
         if (json_node_type(node) == JSON_STRING && edit->value_is_number) edit->value_is_json = false;
         write_value(edit);
         return true;
     }
     if (edit->steps[step].key) {
         if (json_node_type(node) == JSON_OBJECT) return write_edited_object(edit, node, step, error);
-        return fail_path(edit, error, step, "what it is in is no object");
+        return fail_path(edit, error, step, "its parent is no object");
     }
     if (json_node_type(node) == JSON_ARRAY) return write_edited_array(edit, node, step, error);
-    return fail_path(edit, error, step, "what it is in is no array");
+    return fail_path(edit, error, step, "its parent is no array");
 }
 
 char *json_set(const char *document, const char *assignment, struct error *error)

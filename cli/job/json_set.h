@@ -6,8 +6,8 @@
 
 struct error;
 
-// `assignment` is PATH=VALUE: keys joined by dots, elements as [N]. VALUE is JSON, else taken as a string; a number in place
-// of a string is taken as a string too. A missing key is added, an index equal to the array's count appends. Returns the
+// `assignment` is PATH=VALUE: keys joined by dots, elements as [N]. VALUE is JSON, or else a string; a number that
+// replaces a string becomes a string. A missing key is added, an index equal to the array's count appends. Returns the
 // whole edited document as compact JSON, owned by the caller; NULL on failure, with `error` naming the place.
 char *json_set(const char *document, const char *assignment, struct error *error);
 // Replaces `*document` by one whose value at `path` is the string `text`.

@@ -22,11 +22,11 @@ struct connection {
     const char *peer;            // borrowed
     struct interrupt *interrupt; // borrowed; may be NULL
     struct message_stream stream;
-    struct message *kept; // owned; came while an answer was awaited, oldest first
+    struct message *kept; // owned; arrived during a call, oldest first
     size_t kept_count, kept_capacity, kept_start;
     int64_t last_id;
     enum exit_status failure;
-    void (*on_wait)(void *user); // NULL: nobody
+    void (*on_wait)(void *user); // NULL: none
     void *wait_user;
 };
 
@@ -122,7 +122,7 @@ static enum connection_event read_bytes(struct connection *connection, struct er
     return CONNECTION_CLOSED;
 }
 
-// The next message from the socket, be it an answer or not.
+// The next message from the socket, an answer or another one.
 static enum connection_event receive(struct connection *connection, int64_t timeout_ms, struct message *message,
                                      struct error *error)
 {
@@ -168,7 +168,7 @@ static enum exit_status status_of_code(int code)
     }
 }
 
-// True when `message` ends the call with that id; an error without id can only mean the one call that is open.
+// True when `message` answers the call with that id. An error without an id answers the one open call.
 static bool is_answer(const struct message *message, const char *id)
 {
     if (message->kind == MESSAGE_ERROR && (!message->id[0] || strcmp(message->id, "null") == 0)) return true;
@@ -209,7 +209,7 @@ bool connection_call(struct connection *connection, const char *method, const ch
     message_begin_request(&line, connection->last_id, method);
     json_write_raw(&line, params ? params : "{}", params ? strlen(params) : 2);
     message_end(&line);
-    // A peer that takes no messages any more may have said why before it closed.
+    // A peer that closed may have sent the reason before.
     connection_send(connection, &line, error);
     ok = await_answer(connection, id, reply, error);
     json_writer_finish(&line);

@@ -48,7 +48,8 @@ static void exec_child(const char *program, char *const arguments[], int fd, pid
 {
     sigset_t none;
 
-    // Ours to end: a Ctrl-C meant for the whole terminal must not reach it before we took back what it has begun.
+    // A process group of its own: this program ends the child after it took its frames back, Ctrl-C in the terminal
+    // does not.
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(127);
@@ -59,7 +60,7 @@ static void exec_child(const char *program, char *const arguments[], int fd, pid
         fcntl(fd, F_SETFD, 0);
     else
         dup2(fd, CHILD_FD);
-    dup2(STDERR_FILENO, STDOUT_FILENO); // stdout holds our data only
+    dup2(STDERR_FILENO, STDOUT_FILENO); // stdout is for data of this program only
     execv(program, arguments);
     _exit(127);
 }
@@ -129,7 +130,7 @@ bool worker_child_start(struct worker_child *child, const struct options *option
     return start(child, options, options->backend ? options->backend : "auto", interrupt, error);
 }
 
-// Waits up to `limit_ms`; true when the child is reaped.
+// Waits up to `limit_ms`; true when the child was reaped.
 static bool reap(struct worker_child *child, int limit_ms, int *wait_status)
 {
     const struct timespec pause = {.tv_nsec = END_POLL_MS * 1000000L};
@@ -172,7 +173,7 @@ void worker_child_explain_end(struct worker_child *child, struct error *error)
         error_set(error, "march-worker ended with exit status %d", WEXITSTATUS(wait_status));
 }
 
-// What the worker said before it went, if it said why.
+// Looks for an error that the worker sent before it ended.
 static void find_last_words(struct worker_child *child, struct error *error)
 {
     struct message message;

@@ -1,4 +1,4 @@
-// A march-worker of our own, at the other end of a socket pair.
+// A march-worker as a child process, connected by a socket pair.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,28 +19,28 @@ struct worker_child {
     struct connection *connection; // owned
 };
 
-// Starts the program of --worker-program, else $MARCH_WORKER, else the march-worker beside this binary. Its stderr is ours;
-// it dies with us.
+// Starts the program of --worker-program, else $MARCH_WORKER, else the march-worker beside this binary. The child
+// inherits stderr and dies with its parent.
 bool worker_child_start(struct worker_child *child, const struct options *options, struct interrupt *interrupt,
                         struct error *error);
-// Lets it end by itself, for a few seconds at most, or kills it at once. Accepts the zero value.
+// Waits a few seconds for the child to end, then kills it; or kills it at once. Accepts the zero value.
 void worker_child_stop(struct worker_child *child, bool at_once);
-// Replaces `error` by how the child ended when its end is why the connection broke. Call it after CONNECTION_CLOSED.
+// When the connection broke because the child ended, replaces `error` by how it ended. Call it after CONNECTION_CLOSED.
 void worker_child_explain_end(struct worker_child *child, struct error *error);
 
-// One that needs no GL.
+// Starts a worker without GL.
 bool worker_child_start_without_gl(struct worker_child *child, const struct options *options,
                                    struct interrupt *interrupt, struct error *error);
-// A request to it, as connection_call has it; how the child ended is told where that is why there is no answer.
+// As connection_call; when the child ends instead of answering, `error` says how.
 enum exit_status worker_child_call(struct worker_child *child, const char *method, const char *params,
                                    struct message *reply, struct error *error);
 
 struct worker_question {
-    const char *method, *params; // as connection_call has them
+    const char *method, *params; // as for connection_call
     bool needs_gl;               // else the worker makes no context
-    const char *label;           // shown on a terminal, with the time gone by, while the answer takes long; may be NULL
+    const char *label;           // shown on a terminal, with the time, while a call takes long; may be NULL
 };
 
-// One request to a worker started for it and stopped after it; `reply` is as connection_call has it.
+// Starts a worker for one request and stops it; `reply` as for connection_call.
 enum exit_status worker_child_ask(const struct options *options, const struct worker_question *question,
                                   struct message *reply, struct error *error);

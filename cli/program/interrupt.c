@@ -7,7 +7,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
-// What we were started to ignore (nohup, a shell's background) stays ignored.
+// Signals that were ignored at the start (nohup, background jobs of a shell) stay ignored.
 static void catch_signal(sigset_t *caught, int number)
 {
     struct sigaction action;

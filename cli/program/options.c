@@ -16,8 +16,8 @@ struct option_rule {
     const char *name;
     enum option_kind kind;
     size_t offset;
-    const char *value; // what the help calls it; NULL for a flag
-    int64_t min, max;  // of an integer
+    const char *value; // its name in the help; NULL for a flag
+    int64_t min, max;  // for integers
     const char *help;
 };
 
@@ -29,14 +29,14 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_SOCKET] = {"socket", KIND_TEXT, FIELD(socket), "PATH", 0, 0,
                        "the daemon's socket (default: $MARCHD_SOCKET, else the system's, else your own)"},
     [OPTION_WAIT] = {"wait", KIND_FLAG, FIELD(wait), NULL, 0, 0,
-                     "return when the job has ended; 1 unless it succeeded"},
+                     "wait until the job has ended; exit code 1 unless it succeeded"},
     [OPTION_WATCH] = {"watch", KIND_FLAG, FIELD(watch), NULL, 0, 0, "like --wait, and show progress"},
     [OPTION_DRY_RUN] = {"dry-run", KIND_FLAG, FIELD(dry_run), NULL, 0, 0, "check the job and say what would be done"},
     [OPTION_PAUSED] = {"paused", KIND_FLAG, FIELD(paused), NULL, 0, 0, "queue the job paused"},
     [OPTION_PRIORITY] = {"priority", KIND_INTEGER, FIELD(priority), "N", 0, 100, "0 to 100; higher goes first"},
     [OPTION_SET] = {"set", KIND_LIST, FIELD(sets), "PATH=VALUE", 0, 0,
                     "change the job, as in camera.position=[0,0,-3]"},
-    [OPTION_STATE] = {"state", KIND_TEXT, FIELD(state), "STATE[,STATE]", 0, 0, "only what is in these states"},
+    [OPTION_STATE] = {"state", KIND_TEXT, FIELD(state), "STATE[,STATE]", 0, 0, "only jobs or frames in these states"},
     [OPTION_RANGE] = {"range", KIND_TEXT, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
     [OPTION_FRAME] = {"frame", KIND_INTEGER, FIELD(frame), "N", 0, INT32_MAX, "only this frame"},
     [OPTION_FRAMES] = {"frames", KIND_TEXT, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
@@ -49,23 +49,23 @@ static const struct option_rule rules[OPTION_COUNT] = {
                                "end a worker that makes no progress for so long (default 120)"},
     [OPTION_WORKER_PROGRAM] = {"worker-program", KIND_TEXT, FIELD(worker_program), "PATH", 0, 0,
                                "march-worker (default: $MARCH_WORKER, else beside march)"},
-    [OPTION_SHADER] = {"shader", KIND_FLAG, FIELD(shader), NULL, 0, 0, "print the shader alone"},
+    [OPTION_SHADER] = {"shader", KIND_FLAG, FIELD(shader), NULL, 0, 0, "print only the shader"},
     [OPTION_SHADER_DIR] = {"shader-dir", KIND_TEXT, FIELD(shader_dir), "FOLDER", 0, 0,
-                           "shader modules to use in place of our own"},
-    [OPTION_COLUMNS] = {"columns", KIND_INTEGER, FIELD(columns), "N", 1, 1000, "pictures a row"},
+                           "shader modules in place of the built-in ones"},
+    [OPTION_COLUMNS] = {"columns", KIND_INTEGER, FIELD(columns), "N", 1, 1000, "pictures in a row"},
     [OPTION_TILE_WIDTH] = {"tile-width", KIND_INTEGER, FIELD(tile_width_px), "PIXELS", 8, 8192, "width of a picture"},
     [OPTION_EXPOSURE] = {"exposure", KIND_NUMBER, FIELD(exposure), "STOPS", 0, 0,
-                         "default: chosen once for all pictures"},
+                         "exposure (default: chosen once for all pictures)"},
     [OPTION_FPS] = {"fps", KIND_NUMBER, FIELD(fps), "N", 0, 0, "frames a second of a film (default 24)"},
     [OPTION_TOLERANCE] = {"tolerance", KIND_NUMBER, FIELD(tolerance), "E", 0, 0,
                           "largest relative RMSE of a frame (default: what its job states)"},
     [OPTION_METHODS] = {"methods", KIND_TEXT, FIELD(methods), "NAME[,NAME]", 0, 0,
-                        "only these; NAME:N is rung N of its ladder alone"},
+                        "only these methods; NAME:N is only rung N of its ladder"},
     [OPTION_SIZE] = {"size", KIND_TEXT, FIELD(size), "WIDTHxHEIGHT", 0, 0, "pixels (default 320x180)"},
-    [OPTION_FILES] = {"files", KIND_FLAG, FIELD(files), NULL, 0, 0, "remove the files too that the jobs published"},
+    [OPTION_FILES] = {"files", KIND_FLAG, FIELD(files), NULL, 0, 0, "also remove the files that the jobs published"},
     [OPTION_QUICK] = {"quick", KIND_FLAG, FIELD(quick), NULL, 0, 0, "end within 5 minutes"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
-                            "no picture may take longer (default 60; with --quick 8)"},
+                            "longest time of a picture (default 60; with --quick 8)"},
 };
 
 static bool find_rule(const char *name, size_t length, uint64_t accepted, enum option *found)
@@ -187,7 +187,7 @@ static bool parse_option(struct options *options, uint64_t accepted, const char 
     }
     if (!value) {
         if (*at + 1 == count) {
-            error_set(error, "--%s: expected %s behind it", rules[option].name, rules[option].value);
+            error_set(error, "--%s: expected %s after it", rules[option].name, rules[option].value);
             return false;
         }
         value = arguments[++*at];

@@ -1,4 +1,4 @@
-// What the user asked of a verb: one set of options, of which each verb accepts some.
+// The options of a command line: one set for all verbs, of which each verb accepts some.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -54,22 +54,22 @@ struct options {
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE
     size_t set_count;
-    const char **operands; // owned array; what is no option
+    const char **operands; // owned array; all but options
     size_t operand_count;
 };
 
-// `arguments` are those behind the verb. `accepted` holds the OPTION_BITs of the verb; every other option is an error that
-// names the nearest one. On failure `options` is empty; free with options_finish either way.
+// `arguments` follow the verb. `accepted` has the OPTION_BITs of the verb; any other option is an error that names the
+// nearest one. On failure `options` is empty. Free with options_finish in both cases.
 bool options_parse(struct options *options, uint64_t accepted, const char *const arguments[], size_t count,
                    struct error *error);
 void options_finish(struct options *options);
 
-// What an option is called, what its value is called (NULL of a flag) and what it does.
+// The name of an option, the name of its value (NULL for a flag) and its help.
 const char *option_name(enum option option);
 const char *option_value(enum option option);
 const char *option_help(enum option option);
 
-// One line of help an accepted option.
+// Prints a line of help for each accepted option.
 void options_print_help(FILE *out, uint64_t accepted);
 
 // A job id: a positive integer.

@@ -46,7 +46,7 @@ enum exit_status plan_report_ask(const struct options *options, const char *docu
     return status;
 }
 
-// The method and each of its numbers, by the names that a job has for them.
+// Prints the method and its numbers by their keys in a job.
 static void print_quality(const struct json_node *quality)
 {
     struct json_node member = {0};

@@ -1,4 +1,4 @@
-// What a worker foretells of a job that states a tolerance: asked for and told to people.
+// Asks a worker for the plan of a job that states a tolerance, and prints it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,7 +9,7 @@ struct json_node;
 struct message;
 struct options;
 
-// Has a worker started for it plan the job of `document` (worker.plan); `reply` is as connection_call has it.
+// Starts a worker to plan the job of `document` (worker.plan); `reply` as for connection_call.
 enum exit_status plan_report_ask(const struct options *options, const char *document, struct message *reply,
                                  struct error *error);
 // Prints a result of worker.plan.

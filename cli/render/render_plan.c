@@ -8,36 +8,36 @@
 bool render_plan_take(struct render_plan *plan, struct render_ticket *ticket)
 {
     if (plan->lost_count > 0) {
-        // Alone, so that its next failure can only be its own.
-        if (plan->in_hand_count > 0) return false;
+        // Retried alone, so that the next failure is certainly its own.
+        if (plan->in_flight_count > 0) return false;
         *ticket = plan->lost[0];
         memmove(plan->lost, plan->lost + 1, --plan->lost_count * sizeof *plan->lost);
     } else {
-        if (plan->in_hand_count == RENDER_PLAN_AHEAD) return false;
+        if (plan->in_flight_count == RENDER_PLAN_AHEAD) return false;
         if (plan->next >= frame_range_count(plan->frames)) return false;
         *ticket = (struct render_ticket){.frame = frame_range_at(plan->frames, plan->next++), .attempt = 1};
     }
-    plan->in_hand[plan->in_hand_count++] = *ticket;
+    plan->in_flight[plan->in_flight_count++] = *ticket;
     return true;
 }
 
 void render_plan_start(struct render_plan *plan, int32_t frame)
 {
-    for (size_t i = 0; i < plan->in_hand_count; i++)
-        if (plan->in_hand[i].frame == frame) plan->in_hand[i].is_started = true;
+    for (size_t i = 0; i < plan->in_flight_count; i++)
+        if (plan->in_flight[i].frame == frame) plan->in_flight[i].is_started = true;
 }
 
 void render_plan_render(struct render_plan *plan, int32_t frame)
 {
-    for (size_t i = 0; i < plan->in_hand_count; i++)
-        if (plan->in_hand[i].frame == frame) plan->in_hand[i].is_rendered = true;
+    for (size_t i = 0; i < plan->in_flight_count; i++)
+        if (plan->in_flight[i].frame == frame) plan->in_flight[i].is_rendered = true;
 }
 
 bool render_plan_end(struct render_plan *plan, int32_t frame, int attempt)
 {
-    for (size_t i = 0; i < plan->in_hand_count; i++) {
-        if (plan->in_hand[i].frame != frame || plan->in_hand[i].attempt != attempt) continue;
-        memmove(plan->in_hand + i, plan->in_hand + i + 1, (--plan->in_hand_count - i) * sizeof *plan->in_hand);
+    for (size_t i = 0; i < plan->in_flight_count; i++) {
+        if (plan->in_flight[i].frame != frame || plan->in_flight[i].attempt != attempt) continue;
+        memmove(plan->in_flight + i, plan->in_flight + i + 1, (--plan->in_flight_count - i) * sizeof *plan->in_flight);
         return true;
     }
     return false;
@@ -49,8 +49,8 @@ size_t render_plan_lose(struct render_plan *plan, bool is_endless,
     struct render_ticket waiting[RENDER_PLAN_AHEAD];
     size_t given_up_count = 0, waiting_count = 0;
 
-    for (size_t i = 0; i < plan->in_hand_count; i++) {
-        struct render_ticket ticket = plan->in_hand[i];
+    for (size_t i = 0; i < plan->in_flight_count; i++) {
+        struct render_ticket ticket = plan->in_flight[i];
 
         if (ticket.is_started && (ticket.attempt == RENDER_PLAN_ATTEMPTS || (is_endless && !ticket.is_rendered))) {
             given_up[given_up_count++] = ticket;
@@ -60,16 +60,16 @@ size_t render_plan_lose(struct render_plan *plan, bool is_endless,
         ticket.is_started = ticket.is_rendered = false;
         waiting[waiting_count++] = ticket;
     }
-    // While something lost waits, at most one frame is in hand: both together fit.
+    // While lost frames wait, at most one frame is in flight: both together fit.
     for (size_t i = 0; i < plan->lost_count && waiting_count < RENDER_PLAN_AHEAD; i++)
         waiting[waiting_count++] = plan->lost[i];
     memcpy(plan->lost, waiting, waiting_count * sizeof *waiting);
     plan->lost_count = waiting_count;
-    plan->in_hand_count = 0;
+    plan->in_flight_count = 0;
     return given_up_count;
 }
 
 bool render_plan_is_done(const struct render_plan *plan)
 {
-    return plan->in_hand_count == 0 && plan->lost_count == 0 && plan->next >= frame_range_count(plan->frames);
+    return plan->in_flight_count == 0 && plan->lost_count == 0 && plan->next >= frame_range_count(plan->frames);
 }

@@ -33,10 +33,10 @@ struct session {
     int64_t epoch;
     int64_t failed;
     bool is_ready;
-    double progress;    // as the worker counts it
-    int64_t moved_ms;   // when it last moved on
-    bool is_stuck;      // it did not for too long
-    struct error fault; // what the worker itself said of its end, or what was held against it
+    double progress;    // from the worker's heartbeats
+    int64_t moved_ms;   // when `progress` last grew
+    bool is_stuck;      // it has not grown for too long
+    struct error fault; // the worker's own reason for its end, or why it was ended
 };
 
 static void report(struct session *session, struct render_result *result)
@@ -71,11 +71,11 @@ static void remove_part(struct session *session, const struct render_ticket *tic
 
 static void remove_parts(struct session *session)
 {
-    for (size_t i = 0; i < session->plan.in_hand_count; i++)
-        remove_part(session, &session->plan.in_hand[i]);
+    for (size_t i = 0; i < session->plan.in_flight_count; i++)
+        remove_part(session, &session->plan.in_flight[i]);
 }
 
-// Nothing below looks whether sending worked: a worker that is gone shows where its messages are read, with its last words.
+// Failures to send are ignored: that a worker is gone shows when its messages are read, which include its last words.
 static void send_job(struct session *session)
 {
     const struct passwd *user = getpwuid(getuid());
@@ -190,7 +190,7 @@ static void on_skipped(struct session *session, const struct render_ticket *tick
     report(session, &result);
 }
 
-// A fault of the job or of the output is every frame's: the others are not tried.
+// A fault of the job or of the output concerns all frames: the others are not tried.
 static enum step on_failed(struct session *session, const struct render_ticket *ticket, const struct json_node *body,
                            struct error *error)
 {
@@ -233,7 +233,7 @@ static enum step on_frame(struct session *session, const struct message *message
         render_plan_render(&session->plan, ticket.frame);
         return STEP_ON;
     }
-    // A worker that lost its context goes after this; the frame is tried again by the next one.
+    // A worker that lost its context ends after this message; the next worker tries the frame again.
     if (strcmp(event, "failed") == 0 && strcmp(text_of(&message->body, "fault"), "worker") == 0) {
         error_set(&session->fault, "%s", text_of(&message->body, "error"));
         return STEP_ON;
@@ -251,7 +251,7 @@ static enum step on_frame(struct session *session, const struct message *message
     return step;
 }
 
-// Beats go on while a frame does not.
+// Heartbeats continue even if a frame makes no progress.
 static void note_progress(struct session *session, const struct message *message)
 {
     struct json_node node = json_node_child(&message->body, "progress");
@@ -264,14 +264,14 @@ static void note_progress(struct session *session, const struct message *message
     session->moved_ms = progress_now_ms();
 }
 
-// True when a worker with frames in hand stands still: it is to be ended.
+// True when a worker with frames in flight makes no progress and must be ended.
 static bool is_stuck(struct session *session)
 {
     const struct options *options = session->params->options;
     const char *code = scene_find_code(&session->params->job->scene);
     int64_t limit_s = options->progress_limit_s > 0 ? options->progress_limit_s : PROGRESS_LIMIT_S;
 
-    if (!session->is_ready || session->plan.in_hand_count == 0) return false;
+    if (!session->is_ready || session->plan.in_flight_count == 0) return false;
     if (progress_now_ms() - session->moved_ms <= 1000 * limit_s) return false;
     error_set(&session->fault, "no progress for %lld s%s%s%s", (long long)limit_s, code ? ": does density in " : "",
               code ? code : "", code ? " end?" : "");
@@ -297,7 +297,7 @@ static enum step on_message(struct session *session, const struct message *messa
     return STEP_ON;
 }
 
-// The worker is gone: what it had in hand is tried again by a new one. False when that is pointless.
+// Hands the frames of a worker that is gone to a new one. False when that is pointless.
 static bool replace_worker(struct session *session, struct error *error)
 {
     struct render_ticket given_up[RENDER_PLAN_AHEAD];
@@ -308,7 +308,7 @@ static bool replace_worker(struct session *session, struct error *error)
     if (session->fault.message[0]) *error = session->fault;
     worker_child_stop(&session->child, true);
     remove_parts(session);
-    // What one's own code did not end would not the next time, either.
+    // The job's own code that did not end would not end in a second attempt either.
     is_endless = session->is_stuck && scene_find_code(&session->params->job->scene);
     count = render_plan_lose(&session->plan, is_endless, given_up);
     for (size_t i = 0; i < count; i++)

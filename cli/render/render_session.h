@@ -1,4 +1,4 @@
-// Renders a job's frames with one worker after another until each is there or given up.
+// Renders a job's frames with a worker, which is replaced when it dies, until each frame is there or given up.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,7 +15,7 @@ struct options;
 
 enum render_outcome {
     RENDER_SUCCEEDED,
-    RENDER_SKIPPED, // was there already, and is this job's
+    RENDER_SKIPPED, // the file existed and is this job's
     RENDER_FAILED
 };
 
@@ -24,11 +24,11 @@ struct render_result {
     int32_t frame;
     enum render_outcome outcome;
     const char *name;               // the file's, below the output root; borrowed for the call
-    double render_s, encode_s;      // succeeded only
-    struct frame_accuracy accuracy; // not of a failed one; what is known
-    int64_t size_bytes;             // not of a failed one
+    double render_s, encode_s;      // if succeeded
+    struct frame_accuracy accuracy; // unless failed; as far as known
+    int64_t size_bytes;             // unless failed
     const char *hash;               // borrowed for the call; NULL when failed
-    const char *error;              // failed only; borrowed for the call
+    const char *error;              // if failed; borrowed for the call
 };
 
 struct render_session_params {
@@ -45,5 +45,5 @@ struct render_session_params {
 };
 
 // Returns EXIT_STATUS_DONE when every frame succeeded or was there, EXIT_STATUS_FAILED when one failed. `error` is set
-// when the rest of the frames was not tried: no context, a fault of the job itself, an output that takes no files.
+// when the remaining frames were not tried: no GL context, a fault of the job itself, an unwritable output folder.
 enum exit_status render_session_run(const struct render_session_params *params, struct error *error);

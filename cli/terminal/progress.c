@@ -16,7 +16,7 @@ enum {
     PLAIN_INTERVAL_MS = 5000,
     BAR_MIN = 8,
     BAR_MAX = 40,
-    FACTS_MIN = 7, // with less room for facts there is no bar
+    FACTS_MIN = 7, // columns; with less room for the facts there is no bar
     LABEL_MAX = 24,
     WIDTH_UNKNOWN = 100,
     PLAIN_WIDTH = 1000
@@ -117,7 +117,7 @@ char *progress_format(const struct progress *progress, int width, bool has_color
 
     if (!out) abort();
     fit_text(label, LABEL_MAX < width ? LABEL_MAX : width);
-    room = width - (int)table_text_width(label) - 2; // behind the label and its gap
+    room = width - (int)table_text_width(label) - 2; // after the label and its gap
     bar = room - facts_width - 4;                    // two brackets, two spaces
     if (bar > BAR_MAX) bar = BAR_MAX;
     if (bar < BAR_MIN) bar = BAR_MIN;

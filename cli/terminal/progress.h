@@ -1,4 +1,4 @@
-// A live line a job on a terminal, a plain line now and then elsewhere.
+// Shows progress: live lines on a terminal, one for each job; elsewhere a plain line from time to time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-// How far one job is. Strings are borrowed and may be NULL.
+// The progress of a job. Strings are borrowed and may be NULL.
 struct progress {
     const char *label;
     const char *state; // shown when it is not "running"
@@ -16,31 +16,31 @@ struct progress {
     int64_t failed;           // failed or canceled
     double seconds_per_frame; // negative: unknown
     double eta_s;             // negative: unknown
-    const char *reason;       // why it waits or failed
+    const char *reason;       // why the job waits or failed
 };
 
-// One line without newline, at most `width` columns, for a bar of the room that is left; owned by the caller.
+// A line of at most `width` columns without newline; a bar fills the space that remains. Owned by the caller.
 char *progress_format(const struct progress *progress, int width, bool has_color);
 // "1.2 s", "4:05", "2:03:09", "3 d 04:00"; owned by the caller.
 char *progress_format_duration(double seconds);
 // "<0.001", "0.0231", "6.41", "1234": seconds a frame; owned by the caller.
 char *progress_format_pace(double seconds_per_frame);
 
-// Where progress is shown. Zero value: nothing shown yet.
+// The state of what is shown. The zero value: nothing.
 struct progress_display {
     FILE *out; // borrowed
     bool is_live;
     bool has_color;
-    int lines;          // now on the screen, the cursor below them
-    int64_t next_ms;    // not drawn again before this time
-    uint64_t last_hash; // of what a plain display showed last
+    int lines;          // on the screen; the cursor is below them
+    int64_t next_ms;    // earliest time of the next drawing
+    uint64_t last_hash; // of the last text of a plain display
 };
 
 // Live when `out` is a terminal that understands cursor movement; coloured unless NO_COLOR is set.
 void progress_display_init(struct progress_display *display, FILE *out);
-// Draws at most 10 times a second when live, every 5 s otherwise and then only what changed; `is_final` always draws.
+// Draws at most 10 times a second when live; otherwise every 5 s, and only changes. `is_final` always draws.
 void progress_display_draw(struct progress_display *display, const struct progress *jobs, size_t count, int64_t now_ms,
                            bool is_final);
-// Takes the live lines off the screen so that other text can be printed; the next draw puts them back.
+// Removes the live lines so that other text can be printed; the next draw restores them.
 void progress_display_clear(struct progress_display *display);
 int64_t progress_now_ms(void); // monotonic

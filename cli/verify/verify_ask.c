@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 64 }; // files a request: an interrupt is heard between two of them
+enum { BATCH = 64 }; // files in a request; an interrupt takes effect between two requests
 
 static char *format_params(const struct verify_list *list, size_t first, size_t count, const struct options *options,
                            const char *document)

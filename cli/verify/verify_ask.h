@@ -1,4 +1,4 @@
-// Has a worker look into the files that are verified.
+// Lets a worker read the files that are verified.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,6 +8,7 @@ struct error;
 struct options;
 struct verify_list;
 
-// Notes what it says of each. With `document` (NULL: none), a job whose outputs may lie anywhere, each file is held to that job.
+// Records its findings in `list`. With `document` (a job with any output path; NULL: none), compares each file with
+// that job.
 enum exit_status verify_ask(struct verify_list *list, const struct options *options, const char *document,
                             struct error *error);

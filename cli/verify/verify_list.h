@@ -1,4 +1,4 @@
-// Files that are verified: what a folder has of them, and what is known of each.
+// The files of a folder that are verified, and what is known about each.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,16 +15,16 @@ struct output_path;
 
 struct verify_file {
     char *name;                       // owned; in the folder
-    int32_t frame;                    // by its name; -1: it has no number
-    size_t digits_start, digit_count; // of that number in the name; none: not looked for, or it has none
-    size_t sequence;                  // which of the sequences in the folder it belongs to
-    char *wrong;                      // owned; NULL: nothing is
-    bool is_known;                    // its header could be read and says what follows
+    int32_t frame;                    // from its name; -1: it has no number
+    size_t digits_start, digit_count; // of that number in the name; 0: unknown or none
+    size_t sequence;                  // the number of its sequence in the folder
+    char *wrong;                      // owned; its defects; NULL: none
+    bool is_known;                    // its header could be read; the members below are from it
     int32_t header_frame;
     int width_px, height_px;
-    char picture_hash[HASH_TEXT_SIZE];  // empty: it says none
+    char picture_hash[HASH_TEXT_SIZE];  // empty: none
     char sequence_hash[HASH_TEXT_SIZE]; // likewise
-    double tolerance;                   // 0: it states none
+    double tolerance;                   // 0: none
     struct frame_accuracy accuracy;
 };
 
@@ -33,14 +33,14 @@ struct verify_list {
     char *folder;              // owned; absolute
     struct verify_file *files; // owned
     size_t count, capacity;
-    size_t part_count; // files that are being written
+    size_t part_count; // part files, which are being written
 };
 
-// All EXR files of a folder, in no order, and none of its folders'; false when it cannot be read.
+// Reads the names of a folder's EXR files, unsorted, without subfolders. False when the folder cannot be read.
 bool verify_list_read(struct verify_list *list, const char *folder, struct error *error);
-// Keeps the files that hold a frame of the range, by their names, and notes their frames.
+// Keeps only files whose names have a frame of the range, and sets their frames.
 void verify_list_keep(struct verify_list *list, const struct output_path *path, const struct frame_range *range);
 void verify_list_finish(struct verify_list *list);
 
-// Adds to what is wrong with a file.
+// Adds to the defects of a file.
 __attribute__((format(printf, 2, 3))) void verify_file_blame(struct verify_file *file, const char *format, ...);

@@ -1,4 +1,4 @@
-// Tells the sequences of a folder apart by the names of their files.
+// Groups the files of a folder into sequences, by their names.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,7 +6,7 @@
 
 struct verify_list;
 
-// Finds which digits of each name are its frame's number: those that its header says where they are among them, else those in
-// whose place most files of the folder have a number, else the last. Files whose names are the same but for it are of one sequence.
-// Sorts the files by sequence and frame and numbers the sequences from 0; returns how many there are.
+// Finds the frame's number in each name: the one in its header; else the one whose stem most files of the folder share;
+// else the last. Files whose names differ only in that number form a sequence. Sorts the files by sequence and frame,
+// numbers the sequences from 0 and returns their count.
 size_t verify_names_sort(struct verify_list *list);

@@ -15,7 +15,7 @@ struct spans {
     FILE *out;
     char *text;
     size_t length;
-    int64_t first, last, step, count; // of the span that is still growing
+    int64_t first, last, step, count; // of the span that may still grow
 };
 
 static void spans_init(struct spans *spans)
@@ -40,7 +40,7 @@ static void end_span(struct spans *spans)
     spans->count = 0;
 }
 
-// Of two numbers that turn out to be no span the second may begin one.
+// Ends a pair that turned out to be no span: its second number may begin one.
 static void split_pair(struct spans *spans)
 {
     int64_t last = spans->last;
@@ -51,7 +51,7 @@ static void split_pair(struct spans *spans)
     spans->count = 1;
 }
 
-// `count` numbers from `first` on.
+// Adds `count` numbers from `first` on.
 static void spans_add(struct spans *spans, int64_t first, int64_t step, int64_t count)
 {
     int64_t gap = first - spans->last;
@@ -87,7 +87,7 @@ static int64_t common_divisor(int64_t a, int64_t b)
     return a;
 }
 
-// Between neighbours there may be millions of frames: they are counted, not listed.
+// Millions of frames may be missing between two files: they are counted, not listed.
 static void find_gaps(struct verify_sequence *sequence, const struct verify_file *files, struct spans *missing)
 {
     int64_t step = 0;
@@ -160,8 +160,8 @@ static int compare_votes(const void *left, const void *right)
     return order ? order : (a->file > b->file) - (a->file < b->file);
 }
 
-// Blames the files whose text is not what most have; of equally many the one with the first file is right. Of files
-// of which nothing is known (NULL) nothing is said.
+// Blames the files whose text differs from the most frequent one; in a tie the text of the earliest file is right.
+// Files with an unknown text (NULL) are not blamed.
 static void blame_odd_ones(struct verify_file *files, size_t file_count, char *const texts[], const char *what)
 {
     struct vote *votes = xcalloc(file_count + 1, sizeof *votes);
@@ -218,7 +218,7 @@ static void check_frames(struct verify_file *files, size_t file_count)
     }
 }
 
-// The number's digits, as many as the first file has, become number signs.
+// Replaces the digits of the first file's number by number signs.
 static char *find_pattern(const struct verify_file *file)
 {
     char *pattern = xstrdup(file->name);

@@ -1,4 +1,4 @@
-// What a sequence of files is as a whole: complete, of one job and size, and how exact.
+// Judges a sequence of files as a whole: complete, of one job and size, and how exact.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -13,22 +13,22 @@ struct verify_sequence {
     char *pattern;            // owned; "cloud.####.exr"
     size_t first, file_count; // its files in the list
     size_t wrong_count;
-    char *frames;  // owned; that are there, as "0-9,12-20x2"; empty: its files have no numbers
-    char *missing; // owned; likewise; empty: none is
+    char *frames;  // owned; the frames found, as "0-9,12-20x2"; empty: the files have no numbers
+    char *missing; // owned; the frames missing; empty: none
     int64_t missing_count;
     size_t worst; // the file with the largest error, by index in the list; SIZE_MAX: none has an error
 };
 
-// What is expected beside what the files themselves say.
+// Expectations beside those that the files themselves state.
 struct verify_expected {
-    const struct frame_range
-        *range;          // borrowed; NULL: from the first frame there is to the last, in the steps they have in common
-    const char *pattern; // borrowed; NULL: as the files are named
-    bool is_job;         // each file was held to a job: to compare them with one another adds nothing
+    const struct frame_range *range; // borrowed; NULL: from the first frame found to the last, in their common step
+    const char *pattern;             // borrowed; NULL: from the names of the files
+    bool is_job;                     // each file was compared with a job, so that they need not be with each other
 };
 
-// Of `file_count` files of the list from `first` on, sorted by frame, may be 0 where a range is expected. Blames files
-// that differ from most of the others in size or job, repeat a frame, or whose name says another frame than the header.
+// Judges `file_count` files of the list from `first` on, sorted by frame; the count may be 0 where a range is expected.
+// Blames files that differ from most others in size or job, repeat a frame, or whose name and header differ in the
+// frame.
 void verify_sequence_judge(struct verify_sequence *sequence, struct verify_list *list, size_t first, size_t file_count,
                            const struct verify_expected *expected);
 void verify_sequence_finish(struct verify_sequence *sequence);

@@ -74,7 +74,7 @@ grep -q ',riemann,2,.*,refused,' glass/glass.csv || fail "riemann among objects"
 grep -q ',equiangular,0,.*,measured,' glass/glass.csv || fail "equiangular among objects"
 
 expect 2 chart "$jobs/cloud.json" --methods magic
-grep -q 'no ladder is called "magic"' err || fail "an unknown method"
+grep -q 'there is no method "magic"' err || fail "an unknown method"
 expect 2 chart "$jobs/cloud.json" --size 0x9
 expect 2 chart "$jobs/cloud.json" --size 16x9x
 grep -q -- "--size: expected WIDTHxHEIGHT" err || fail "a wrong size"

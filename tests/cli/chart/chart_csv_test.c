@@ -137,7 +137,7 @@ static void half_a_line_is_refused(void **state)
     assert_true(file_read_text(path, 1 << 20, &text, &length, &error));
     for (size_t cut = 1; cut < 60; cut++) {
         text[length - cut] = 0;
-        if (text[length - cut - 1] != '\n') assert_refused(state, &facts, text, "a line that is none");
+        if (text[length - cut - 1] != '\n') assert_refused(state, &facts, text, "got another line after");
     }
     free(text);
     chart_points_finish(&points);

@@ -111,7 +111,7 @@ static void riemann_is_told_of_no_paths(void **state)
     text = chart_ladder_quality(find_series("riemann"), 2, &ball, &quality);
     assert_non_null(strstr(text, "\"samples\":4}"));
     free(text);
-    text = chart_ladder_wish(0.02, &quality);
+    text = chart_ladder_tolerance(0.02, &quality);
     assert_string_equal(text, "{\"tolerance\":0.02,\"samples\":4,\"max_depth\":3,\"max_cut\":0.5}");
     free(text);
     json_delete(root);

@@ -38,7 +38,7 @@ static void axis_holds_whole_decades(void **state)
     chart_axis_add(&axis, NAN);
     assert_int_equal(axis.first, -3);
     assert_int_equal(axis.last, 1);
-    assert_float_equal(chart_axis_place(&axis, 0.1), 0.5, 1e-12);
+    assert_float_equal(chart_axis_position(&axis, 0.1), 0.5, 1e-12);
 }
 
 static void one_value_is_an_axis_too(void **state)
@@ -46,7 +46,7 @@ static void one_value_is_an_axis_too(void **state)
     struct chart_axis axis = {0};
 
     chart_axis_add(&axis, 0.01);
-    assert_float_equal(chart_axis_place(&axis, 0.01), 0.0, 1e-12);
+    assert_float_equal(chart_axis_position(&axis, 0.01), 0.0, 1e-12);
 }
 
 static void labels_have_units(void **state)

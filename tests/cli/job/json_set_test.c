@@ -79,8 +79,8 @@ static void nested_arrays_are_reached(void **state)
 static void wrong_paths_are_named(void **state)
 {
     assert_refused("media[3].s=1", "media[3]: the array has 2 elements, index 2 would append");
-    assert_refused("name.x=1", "name.x: what it is in is no object");
-    assert_refused("camera[0]=1", "camera[0]: what it is in is no array");
+    assert_refused("name.x=1", "name.x: its parent is no object");
+    assert_refused("camera[0]=1", "camera[0]: its parent is no array");
     assert_refused("new[1]=1", "new[1]: the array has no elements, only [0] can be added");
     assert_refused("media", "\"media\": expected PATH=VALUE");
 }

@@ -88,7 +88,7 @@ static void wrong_values_say_what_was_expected(void **state)
     assert_refused(every, ARGUMENTS("--fps", "nan"), "--fps: expected a number, got \"nan\"");
     assert_refused(every, ARGUMENTS("--backend", "none"), "--backend: expected auto, egl or osmesa, got \"none\"");
     assert_refused(every, ARGUMENTS("--json=yes"), "--json takes no value");
-    assert_refused(every, ARGUMENTS("--out"), "--out: expected PATH behind it");
+    assert_refused(every, ARGUMENTS("--out"), "--out: expected PATH after it");
 }
 
 static void job_ids_are_positive_integers(void **state)
