@@ -184,7 +184,7 @@ void timeline_find_bounds(const struct timeline *timeline, struct timeline_span 
 
 double timeline_find_largest(const struct timeline *timeline, struct timeline_span span)
 {
-    double min[3], max[3];
+    double min[3] = {0.0}, max[3] = {0.0};
 
     timeline_find_bounds(timeline, span, min, max);
     return max[0];
