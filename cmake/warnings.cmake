@@ -3,6 +3,8 @@ add_compile_definitions(_GNU_SOURCE MARCHD_VERSION="${PROJECT_VERSION}")
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wvla -Wundef
                     -Wpointer-arith -Wwrite-strings -Wformat=2 -Wno-unused-parameter -Wno-overlength-strings)
 include_directories(${PROJECT_SOURCE_DIR})
+# What a library's own CMake file adds is linked only where it is used: OpenEXR's of Debian 13 adds Imath.
+add_link_options(-Wl,--as-needed)
 
 if(MARCHD_WERROR)
     add_compile_options(-Werror)
