@@ -10,7 +10,7 @@ uint pixel_samples_permute(uint index, uint count, uint seed)
     uint top = uint(findMSB(count - 1u));
     uint mask = (2u << top) - 1u;
     uint shift = top / 2u + 1u;
-    for (int turn = 0; turn < 1024; ++turn) {
+    for (int iteration = 0; iteration < 1024; ++iteration) {
         uint key = seed;
         for (int round = 0; round < 3; ++round) {
             key = random_hash(key);

@@ -46,10 +46,10 @@ uvec4 density_bricks_find(usampler3D index, vec3 at)
 // How far in metres a ray runs through bricks without density from `at`, which lies in such a brick.
 float density_bricks_skip(DensityBricks grid, uvec4 brick, vec3 at, vec3 direction)
 {
-    float reach = float(brick.w);
+    float empty_bricks = float(brick.w);
     vec3 slope = density_bricks_slope(grid, direction);
     // The cube of such bricks around this one ends ahead at `side`.
-    vec3 side = BRICK_SIDE * (floor(at / BRICK_SIDE) + mix(vec3(1.0 - reach), vec3(reach), greaterThan(slope, vec3(0.0))));
+    vec3 side = BRICK_SIDE * (floor(at / BRICK_SIDE) + mix(vec3(1.0 - empty_bricks), vec3(empty_bricks), greaterThan(slope, vec3(0.0))));
     vec3 exits = (side - at) / slope;
     return max(min(min(exits.x, exits.y), exits.z), 0.0);
 }

@@ -7,10 +7,10 @@ float density_grid_skip(sampler3D bricks, DensityGrid grid, vec3 at, vec3 direct
 {
     vec3 last = vec3(textureSize(bricks, 0) - 1);
     vec3 brick = clamp(floor(at * (1.0 / DENSITY_GRID_BRICK)), vec3(0.0), last);
-    float reach = round(255.0 * texelFetch(bricks, ivec3(brick), 0).r);
+    float empty_bricks = round(255.0 * texelFetch(bricks, ivec3(brick), 0).r);
     vec3 slope = density_grid_slope(grid, direction);
     // The cube of empty bricks around this one ends ahead at `side`.
-    vec3 side = DENSITY_GRID_BRICK * (brick + mix(1.0 - vec3(reach), vec3(reach), greaterThan(slope, vec3(0.0))));
+    vec3 side = DENSITY_GRID_BRICK * (brick + mix(1.0 - vec3(empty_bricks), vec3(empty_bricks), greaterThan(slope, vec3(0.0))));
     vec3 exits = (side - at) * (1.0 / slope); // the same for the whole ray, as compilers see
-    return reach > 0.0 ? max(min(min(exits.x, exits.y), exits.z), 0.0) : 0.0;
+    return empty_bricks > 0.0 ? max(min(min(exits.x, exits.y), exits.z), 0.0) : 0.0;
 }

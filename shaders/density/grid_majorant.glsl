@@ -1,9 +1,9 @@
 // The largest value of each of a grid's bricks, or the largest opacity that a transfer function makes of its values. Bricks as
 // in density/grid_bricks.glsl.
 
-// That of the brick at index coordinates; `reach` is how far in metres the ray runs through it, at least a thousandth of a
+// That of the brick at index coordinates; `extent` is how far in metres the ray runs through it, at least a thousandth of a
 // voxel, so that rounding at a face keeps nobody there.
-float density_grid_majorant(sampler3D majorants, DensityGrid grid, vec3 at, vec3 direction, out float reach)
+float density_grid_majorant(sampler3D majorants, DensityGrid grid, vec3 at, vec3 direction, out float extent)
 {
     const float LEAST = 1e-3;
     vec3 last = vec3(textureSize(majorants, 0) - 1);
@@ -13,6 +13,6 @@ float density_grid_majorant(sampler3D majorants, DensityGrid grid, vec3 at, vec3
     vec3 low = mix(DENSITY_GRID_BRICK * brick, vec3(-1.0), lessThan(brick, vec3(0.5)));
     vec3 side = mix(low, DENSITY_GRID_BRICK * (brick + 1.0), greaterThan(slope, vec3(0.0)));
     vec3 exits = (side - at) / slope;
-    reach = max(min(min(exits.x, exits.y), exits.z), LEAST / length(slope));
+    extent = max(min(min(exits.x, exits.y), exits.z), LEAST / length(slope));
     return texelFetch(majorants, ivec3(brick), 0).r;
 }

@@ -14,37 +14,37 @@ void integrator_adaptive(IntegratorAdaptive method, vec3 origin, vec3 direction,
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
-    vec2 place = march_resume(vec2(0.0, method.step), end, gathered);
-    float at = place.x;
-    float reach = place.y;
-    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
+    vec2 position = march_resume(vec2(0.0, method.step), end, gathered);
+    float at = position.x;
+    float next_length = position.y;
+    for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         // Of second order, errors of segments in balance are as the cubes of their lengths.
         float wanted = method.depth_step * pow(max(spectrum_max(gathered.transmittance), LEAST_LEFT), -1.0 / 3.0);
         float half_length = 0.0;
         float depth = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
-        for (; turn < MARCH_TURNS && at < end; ++turn) {
-            reach = min(reach, march_reach(entry + at * direction, method.step));
-            half_length = 0.5 * min(reach, media_next_edge(ahead, at, end) - at);
+        for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
+            next_length = min(next_length, march_step_limit(entry + at * direction, method.step));
+            half_length = 0.5 * min(next_length, media_next_edge(ahead, at, end) - at);
             float middle = at + half_length;
             field = media_field(ahead, entry + middle * direction, direction, middle);
             if (field.distance < 0.0) {
                 depth = 2.0 * half_length * spectrum_max(media_extinction(field));
                 if (!(depth > TOO_THICK * wanted)) break; // NaN is gathered, and reported
-                reach = 2.0 * half_length * wanted / depth;
+                next_length = 2.0 * half_length * wanted / depth;
             } else {
                 at += half_length + max(half_length, field.distance);
-                reach = method.step;
+                next_length = method.step;
             }
         }
-        march_keep(vec2(at, reach), at >= end, gathered);
+        march_keep(vec2(at, next_length), at >= end, gathered);
         if (at >= end) break;
         gather(gathered, field, entry + (at + half_length) * direction, direction, interval.x + at, 2.0 * half_length);
         at += 2.0 * half_length;
-        reach = min(method.step, 2.0 * half_length * wanted / max(depth, THIN * wanted));
+        next_length = min(method.step, 2.0 * half_length * wanted / max(depth, THIN * wanted));
         if (at >= end || gathered_is_over(gathered)) {
-            march_keep(vec2(at, reach), true, gathered);
+            march_keep(vec2(at, next_length), true, gathered);
             break;
         }
     }

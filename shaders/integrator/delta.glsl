@@ -3,8 +3,8 @@
 // ANL-7050, 1965. Colours share their collisions and are weighted, which keeps the mean of what is left at 1: Kutz, Habel,
 // Li and Novak, ACM Transactions on Graphics 36(4), 2017.
 
-// `looks`: that many at least, on the average, on the ray's way: what glows without taking light away has no collisions.
-struct IntegratorDelta { float looks; };
+// `samples`: that many at least, on the average, on the ray's way: what glows without taking light away has no collisions.
+struct IntegratorDelta { float samples; };
 
 void integrator_delta(IntegratorDelta method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
                       inout Gathered gathered)
@@ -12,14 +12,14 @@ void integrator_delta(IntegratorDelta method, vec3 origin, vec3 direction, vec2 
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
-    float least = method.looks / max(end, 1e-30);
+    float least = method.samples / max(end, 1e-30);
     float at = march_resume(vec2(0.0), end, gathered).x;
-    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         float rate = 0.0;
         float odds = 0.0; // of a real one
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them look at lights together.
-        for (; turn < MARCH_TURNS && at < end; ++turn) {
+        for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
             float edge = media_next_edge(ahead, at, end);
             rate = media_rate(ahead, entry + at * direction, direction, at, least, edge);
             float flight = tracking_flight(rate);
@@ -30,22 +30,22 @@ void integrator_delta(IntegratorDelta method, vec3 origin, vec3 direction, vec2 
             at += flight;
             field = media_field(ahead, entry + at * direction, direction, at);
             if (field.distance < 0.0) {
-                Spectrum left = gathered_left(gathered);
+                Spectrum transmittance = gathered_transmittance(gathered);
                 Spectrum extinction = media_extinction(field);
-                odds = min(spectrum_mean(left * extinction) / (rate * spectrum_mean(left)), 1.0);
+                odds = min(spectrum_mean(transmittance * extinction) / (rate * spectrum_mean(transmittance)), 1.0);
                 if (odds <= 0.0 || random_next() < odds) break;
-                gathered_pass(gathered, left * (max(1.0 - extinction / rate, spectrum(0.0)) / (1.0 - odds)),
+                gathered_pass(gathered, transmittance * (max(1.0 - extinction / rate, spectrum(0.0)) / (1.0 - odds)),
                               interval.x + at);
             }
             at += max(field.distance, 0.0);
         }
-        if (at >= end || turn >= MARCH_TURNS) {
+        if (at >= end || iteration >= MARCH_ITERATIONS) {
             march_keep(vec2(at, 0.0), at >= end, gathered);
             break;
         }
         bool is_end = odds > 0.0;
         gather(gathered, field, entry + at * direction, direction,
-               gathered_left(gathered) / (rate * (is_end ? odds : 1.0)));
+               gathered_transmittance(gathered) / (rate * (is_end ? odds : 1.0)));
         if (is_end) gathered_pass(gathered, spectrum(0.0), interval.x + at);
         march_keep(vec2(at, 0.0), is_end, gathered);
         if (is_end) break;

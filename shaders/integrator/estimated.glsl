@@ -11,21 +11,21 @@ void integrator_estimated(IntegratorEstimated method, vec3 origin, vec3 directio
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
     float at = march_resume(vec2(0.0), end, gathered).x;
-    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         float length = min(method.step, media_next_edge(ahead, at, end) - at);
-        float place = random_next() * length;
-        vec3 point = entry + (at + place) * direction;
-        MediaField field = media_field(ahead, point, direction, at + place);
-        Spectrum left = gathered_left(gathered);
+        float offset = random_next() * length;
+        vec3 point = entry + (at + offset) * direction;
+        MediaField field = media_field(ahead, point, direction, at + offset);
+        Spectrum transmittance = gathered_transmittance(gathered);
         int part = 0;
         for (; part < 2; ++part) {
-            vec2 way = at + (part == 0 ? vec2(0.0, place) : vec2(place, length));
-            left *= media_left(ahead, entry, direction, way, method.step);
-            if (part == 0 && field.distance < 0.0) gather(gathered, field, point, direction, left * length);
+            vec2 piece = at + (part == 0 ? vec2(0.0, offset) : vec2(offset, length));
+            transmittance *= media_transmittance_estimate(ahead, entry, direction, piece, method.step);
+            if (part == 0 && field.distance < 0.0) gather(gathered, field, point, direction, transmittance * length);
         }
         if (part < 2) march_was_cut = true;
-        gathered_pass(gathered, left, interval.x + at + length);
-        at += max(length, place + field.distance);
+        gathered_pass(gathered, transmittance, interval.x + at + length);
+        at += max(length, offset + field.distance);
         bool is_end = at >= end || gathered_is_over(gathered);
         march_keep(vec2(at, 0.0), is_end, gathered);
         if (is_end) break;

@@ -11,12 +11,12 @@ void integrator_gauss(IntegratorGauss method, vec3 origin, vec3 direction, vec2 
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
     float at = march_resume(vec2(0.0), end, gathered).x;
-    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         float length = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
-        for (; turn < MARCH_TURNS && at < end; ++turn) {
-            length = min(march_reach(entry + at * direction, method.step), media_next_edge(ahead, at, end) - at);
+        for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
+            length = min(march_step_limit(entry + at * direction, method.step), media_next_edge(ahead, at, end) - at);
             float first = GAUSS_NODES[0] * length;
             field = media_field(ahead, entry + (at + first) * direction, direction, at + first);
             if (field.distance < length - first) break;
@@ -27,10 +27,10 @@ void integrator_gauss(IntegratorGauss method, vec3 origin, vec3 direction, vec2 
         Spectrum sigma_t[GAUSS_ORDER];
         Spectrum source[GAUSS_ORDER];
         for (int i = 0; i < GAUSS_ORDER; ++i) {
-            float place = at + GAUSS_NODES[i] * length;
-            vec3 point = entry + place * direction;
-            if (i > 0) field = media_field(ahead, point, direction, place);
-            gather_node(gathered, field, point, direction, length, place - at, sigma_t[i], source[i]);
+            float position = at + GAUSS_NODES[i] * length;
+            vec3 point = entry + position * direction;
+            if (i > 0) field = media_field(ahead, point, direction, position);
+            gather_node(gathered, field, point, direction, length, position - at, sigma_t[i], source[i]);
         }
         Spectrum optical_depth;
         Spectrum light = gauss_segment(sigma_t, source, length, optical_depth);

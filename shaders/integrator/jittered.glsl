@@ -11,23 +11,23 @@ void integrator_jittered(IntegratorJittered method, vec3 origin, vec3 direction,
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
     float at = march_resume(vec2(0.0), end, gathered).x;
-    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         float length = 0.0;
-        float place = 0.0;
+        float offset = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
-        for (; turn < MARCH_TURNS && at < end; ++turn) {
-            length = min(march_reach(entry + at * direction, method.step), media_next_edge(ahead, at, end) - at);
-            place = random_next() * length;
-            field = media_field(ahead, entry + (at + place) * direction, direction, at + place);
+        for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
+            length = min(march_step_limit(entry + at * direction, method.step), media_next_edge(ahead, at, end) - at);
+            offset = random_next() * length;
+            field = media_field(ahead, entry + (at + offset) * direction, direction, at + offset);
             if (field.distance < 0.0) break;
-            at += max(length, place + field.distance);
+            at += max(length, offset + field.distance);
         }
-        if (at >= end || turn >= MARCH_TURNS) {
+        if (at >= end || iteration >= MARCH_ITERATIONS) {
             march_keep(vec2(at, 0.0), at >= end, gathered);
             break;
         }
-        gather(gathered, field, entry + (at + place) * direction, direction, interval.x + at, length, place);
+        gather(gathered, field, entry + (at + offset) * direction, direction, interval.x + at, length, offset);
         at += length;
         bool is_end = at >= end || gathered_is_over(gathered);
         march_keep(vec2(at, 0.0), is_end, gathered);

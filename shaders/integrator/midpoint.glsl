@@ -11,13 +11,13 @@ void integrator_midpoint(IntegratorMidpoint method, vec3 origin, vec3 direction,
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
     float at = march_resume(vec2(0.0), end, gathered).x;
-    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         float half_length = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them march to the lights together.
-        for (; turn < MARCH_TURNS && at < end; ++turn) {
-            float reach = march_reach(entry + at * direction, method.step);
-            half_length = 0.5 * min(reach, media_next_edge(ahead, at, end) - at);
+        for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
+            float limit = march_step_limit(entry + at * direction, method.step);
+            half_length = 0.5 * min(limit, media_next_edge(ahead, at, end) - at);
             float middle = at + half_length;
             field = media_field(ahead, entry + middle * direction, direction, middle);
             if (field.distance < 0.0) break;

@@ -22,14 +22,14 @@ void integrator_preintegrated(IntegratorPreintegrated method, vec3 origin, vec3 
     bool is_known = false;             // what the values are at `at`
     float before = 0.0;                // length of the segment that ends there; 0 for none
     MediaEnds begin = media_ends(entry);
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_LIMIT && at < end; ++iteration) {
         float length = 0.0;
         float bend = 0.0;
         MediaEnds next;
         MediaField field;
         // Where media are lit, rays that share a SIMD unit wait here for one another to march to the lights together.
-        for (; turn < MARCH_LIMIT && at < end; ++turn) {
-            for (; turn < MARCH_LIMIT && at < end; ++turn) {
+        for (; iteration < MARCH_LIMIT && at < end; ++iteration) {
+            for (; iteration < MARCH_LIMIT && at < end; ++iteration) {
                 float clear = min(media_clear(ahead, entry + at * direction, direction, at), clear_end - at);
                 if (clear <= 0.0) break;
                 at += max(clear, PREINTEGRATED_LEAST * method.step);

@@ -3,8 +3,8 @@
 // right on the average. Galtier, Blanco, Caliot, Coustet, Dauchet, El Hafi, Eymet, Fournier, Gautrais, Khuong, Piaud and
 // Terree, Journal of Quantitative Spectroscopy and Radiative Transfer 125, 2013; Novak, Selle and Jarosz, SIGGRAPH Asia 2014.
 
-// `looks`: that many at least, on the average, on the ray's way through media, however thin they are.
-struct IntegratorRatio { float looks; };
+// `samples`: that many at least, on the average, on the ray's way through media, however thin they are.
+struct IntegratorRatio { float samples; };
 
 // Distances are counted from where the media begin. A look remembers nothing of those before, so that a ray can go on anywhere.
 void integrator_ratio(IntegratorRatio method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
@@ -14,13 +14,13 @@ void integrator_ratio(IntegratorRatio method, vec3 origin, vec3 direction, vec2 
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
     float end = interval.y - interval.x;
-    float least = method.looks / max(end, 1e-30);
+    float least = method.samples / max(end, 1e-30);
     float at = march_resume(vec2(0.0), end, gathered).x;
-    for (int turn = 0; turn < MARCH_TURNS && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         float rate = 0.0;
         MediaField field;
         // Rays that share a SIMD unit wait here for one another, so that all of them look at lights together.
-        for (; turn < MARCH_TURNS && at < end; ++turn) {
+        for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
             float edge = media_next_edge(ahead, at, end);
             rate = media_rate(ahead, entry + at * direction, direction, at, least, edge);
             float flight = tracking_flight(rate);
@@ -33,13 +33,13 @@ void integrator_ratio(IntegratorRatio method, vec3 origin, vec3 direction, vec2 
             if (field.distance < 0.0) break;
             at += field.distance;
         }
-        if (at >= end || turn >= MARCH_TURNS) {
+        if (at >= end || iteration >= MARCH_ITERATIONS) {
             march_keep(vec2(at, 0.0), at >= end, gathered);
             break;
         }
-        Spectrum left = gathered_left(gathered);
-        gather(gathered, field, entry + at * direction, direction, left / rate);
-        gathered_pass(gathered, tracking_thin(left * max(1.0 - media_extinction(field) / rate, spectrum(0.0)), FAINT),
+        Spectrum transmittance = gathered_transmittance(gathered);
+        gather(gathered, field, entry + at * direction, direction, transmittance / rate);
+        gathered_pass(gathered, tracking_thin(transmittance * max(1.0 - media_extinction(field) / rate, spectrum(0.0)), FAINT),
                       interval.x + at);
         bool is_end = gathered_is_over(gathered);
         march_keep(vec2(at, 0.0), is_end, gathered);

@@ -6,11 +6,11 @@ void integrator_riemann(IntegratorRiemann method, vec3 origin, vec3 direction, M
                         inout Gathered gathered)
 {
     int k = int(march_resume(vec2(1.0, 0.0), float(method.count) + 0.5, gathered).x);
-    for (int turn = 0; turn < MARCH_TURNS && k <= method.count; ++turn) {
+    for (int iteration = 0; iteration < MARCH_ITERATIONS && k <= method.count; ++iteration) {
         float at = 0.0;
         MediaField field;
         // Samples before the distance where there may be density again have none either.
-        for (; turn < MARCH_TURNS && k <= method.count; ++turn) {
+        for (; iteration < MARCH_ITERATIONS && k <= method.count; ++iteration) {
             at = method.near + float(k) * method.step;
             field = media_field(spans, origin + at * direction, direction, at);
             if (field.distance < 0.0) break;

@@ -19,8 +19,8 @@ LightGridRay light_grid_beam_ray(LightGridBeam grid, vec2 column)
 {
     vec2 aside = column - grid.origin.xy;
     float begin = -grid.origin.z;
-    vec3 way = grid.from_unit * vec3(aside * grid.taper, 1.0);
-    float length = length(way);
+    vec3 axis = grid.from_unit * vec3(aside * grid.taper, 1.0);
+    float length = length(axis);
     vec3 start = grid.center + grid.from_unit * vec3(aside * (1.0 + grid.taper * begin), begin);
-    return LightGridRay(start, way / length, length);
+    return LightGridRay(start, axis / length, length);
 }

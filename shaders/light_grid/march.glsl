@@ -10,7 +10,7 @@ void light_grid_march(LightGridRay ray, ivec2 at_grid, int cells)
     float end = min(interval.y, ray.length);
     float at = max(interval.x, 0.0);
     int node = 0;
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_LIMIT && at < end; ++iteration) {
         for (; node <= cells && float(node) * cell <= at; ++node)
             light_grid_store(ivec3(at_grid, node), column);
         float until = min(media_column_next_edge(spans, at, end), float(node) * cell);

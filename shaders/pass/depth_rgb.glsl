@@ -2,14 +2,14 @@
 // so that Newton's steps from its beginning never go too far.
 
 // Drivers make straight code of fewer turns, and all rays would run it to its end, though few look for a depth.
-const int DEPTH_TURN_LIMIT = 64;
+const int DEPTH_ITERATION_LIMIT = 64;
 
 float depth_half(vec3 before, vec3 sigma_t, float length)
 {
     float at = 0.0;
-    for (int i = 0; i < DEPTH_TURN_LIMIT; ++i) {
-        vec3 left = before * exp(-sigma_t * at);
-        float step = (spectrum_mean(left) - 0.5) / max(spectrum_mean(left * sigma_t), 1e-30);
+    for (int i = 0; i < DEPTH_ITERATION_LIMIT; ++i) {
+        vec3 transmittance = before * exp(-sigma_t * at);
+        float step = (spectrum_mean(transmittance) - 0.5) / max(spectrum_mean(transmittance * sigma_t), 1e-30);
         at += step;
         if (step <= 1e-6 * at) break;
     }

@@ -1,7 +1,7 @@
 // Follows a ray and all that surfaces send on, one at a time.
 void path_trace(PathRay ray)
 {
-    for (int turn = 0; turn < MARCH_LIMIT; ++turn) {
+    for (int iteration = 0; iteration < MARCH_LIMIT; ++iteration) {
         path_follow(ray);
         if (!path_take(ray)) return;
     }

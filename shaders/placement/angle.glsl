@@ -5,7 +5,7 @@ struct PlacementAngle {
     float height; // of the light over the ray
     float ahead;  // where the stretch begins, counted from the light's foot on the ray
     float angle;  // the whole stretch's
-    float reach;  // of the stretch
+    float extent; // of the stretch
     float optical_depth; // that the angle is shared out by
 };
 
@@ -23,11 +23,12 @@ PlacementAngle placement_angle(vec3 toward, vec3 direction, float length, float 
 }
 
 // At a share in [0, 1]; the weight is that of the light's intensity, in 1/m, the transmittance not yet in it.
-Placed placement_angle_at(PlacementAngle way, float share)
+Placed placement_angle_at(PlacementAngle placement, float share)
 {
-    Placed placed = placement_share(way.optical_depth, share);
-    float s = sin(placed.at * way.angle);
-    float c = cos(placed.at * way.angle);
-    float at = s * (way.height * way.height + way.ahead * way.ahead) / max(way.height * c - way.ahead * s, 1e-30);
-    return Placed(min(at, way.reach), placed.weight * way.angle / way.height);
+    Placed placed = placement_share(placement.optical_depth, share);
+    float s = sin(placed.at * placement.angle);
+    float c = cos(placed.at * placement.angle);
+    float at = s * (placement.height * placement.height + placement.ahead * placement.ahead) /
+               max(placement.height * c - placement.ahead * s, 1e-30);
+    return Placed(min(at, placement.extent), placed.weight * placement.angle / placement.height);
 }

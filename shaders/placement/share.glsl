@@ -7,6 +7,6 @@ Placed placement_share(float optical_depth, float share)
     const float THIN = 0.1;
     if (optical_depth < THIN) return Placed(share, 1.0);
     float lost = 1.0 - exp(-optical_depth);
-    float left = 1.0 - share * lost;
-    return Placed(-log(left) / optical_depth, lost / (left * optical_depth));
+    float transmittance = 1.0 - share * lost;
+    return Placed(-log(transmittance) / optical_depth, lost / (transmittance * optical_depth));
 }

@@ -1,9 +1,9 @@
 // Points along a homogeneous stretch at even steps of its transmittance.
-struct PlacementTransmittance { float optical_depth, reach; };
+struct PlacementTransmittance { float optical_depth, extent; };
 
 // At a share in [0, 1]; the weight is a length, the transmittance not yet in it.
-Placed placement_transmittance_at(PlacementTransmittance way, float share)
+Placed placement_transmittance_at(PlacementTransmittance placement, float share)
 {
-    Placed placed = placement_share(way.optical_depth, share);
-    return Placed(placed.at * way.reach, placed.weight * way.reach);
+    Placed placed = placement_share(placement.optical_depth, share);
+    return Placed(placed.at * placement.extent, placed.weight * placement.extent);
 }

@@ -5,10 +5,10 @@ struct RegionBox { vec3 center, half_size; };
 vec2 region_box_span(RegionBox box, vec3 origin, vec3 direction)
 {
     const float PARALLEL = 1e-20;
-    vec3 way = mix(direction, vec3(PARALLEL), lessThan(abs(direction), vec3(PARALLEL)));
+    vec3 slope = mix(direction, vec3(PARALLEL), lessThan(abs(direction), vec3(PARALLEL)));
     vec3 from = origin - box.center;
-    vec3 low = (-box.half_size - from) / way;
-    vec3 high = (box.half_size - from) / way;
+    vec3 low = (-box.half_size - from) / slope;
+    vec3 high = (box.half_size - from) / slope;
     vec3 entries = min(low, high);
     vec3 exits = max(low, high);
     vec2 span = vec2(max(max(entries.x, entries.y), entries.z), min(min(exits.x, exits.y), exits.z));

@@ -5,9 +5,9 @@ struct RegionPlane { vec3 point, normal; };
 vec2 region_plane_span(RegionPlane plane, vec3 origin, vec3 direction)
 {
     const float PARALLEL = 1e-20;
-    float way = dot(plane.normal, direction);
-    if (abs(way) < PARALLEL) way = PARALLEL;
-    float crossing = clamp(dot(plane.normal, plane.point - origin) / way, -FAR_AWAY, FAR_AWAY);
-    vec2 span = way < 0.0 ? vec2(crossing, FAR_AWAY) : vec2(-FAR_AWAY, crossing);
+    float slope = dot(plane.normal, direction);
+    if (abs(slope) < PARALLEL) slope = PARALLEL;
+    float crossing = clamp(dot(plane.normal, plane.point - origin) / slope, -FAR_AWAY, FAR_AWAY);
+    vec2 span = slope < 0.0 ? vec2(crossing, FAR_AWAY) : vec2(-FAR_AWAY, crossing);
     return span.x < span.y ? span : SPAN_MISSED;
 }

@@ -5,11 +5,11 @@ struct RegionSlab { vec3 center, normal; float half_thickness; };
 vec2 region_slab_span(RegionSlab slab, vec3 origin, vec3 direction)
 {
     const float PARALLEL = 1e-20;
-    float way = dot(slab.normal, direction);
-    if (abs(way) < PARALLEL) way = PARALLEL;
+    float slope = dot(slab.normal, direction);
+    if (abs(slope) < PARALLEL) slope = PARALLEL;
     float from = dot(slab.normal, origin - slab.center);
-    float low = (-slab.half_thickness - from) / way;
-    float high = (slab.half_thickness - from) / way;
+    float low = (-slab.half_thickness - from) / slope;
+    float high = (slab.half_thickness - from) / slope;
     return clamp(vec2(min(low, high), max(low, high)), -FAR_AWAY, FAR_AWAY);
 }
 

@@ -17,13 +17,13 @@ int surface_region(uint inside)
     return findMSB(inside) + 1;
 }
 
-// Where a ray that is outside of a shape enters it. One that is found in it enters at once, but not what ends before `reach`:
+// Where a ray that is outside of a shape enters it. One that is found in it enters at once, but not what ends before `limit`:
 // that lies at `from`, but for rounding. From far away a shape may be shorter than a distance's last digit: it is missed, or it
 // would be entered again and again.
-float surface_entry(vec2 span, float from, float reach)
+float surface_entry(vec2 span, float from, float limit)
 {
     if (span.x >= from) return span.x < span.y ? span.x : FAR_AWAY;
-    return span.y > reach ? from : FAR_AWAY;
+    return span.y > limit ? from : FAR_AWAY;
 }
 
 // The objects that a ray from within a region begins in. Those that the region's own object is there instead of are entered at

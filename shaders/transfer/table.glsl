@@ -4,25 +4,25 @@
 
 // A value's place among the table's nodes, how fast it came there, the integral up to there, and the mean of its cell.
 struct TransferEnd {
-    float place, slope; // of the segment that ends there, per metre
+    float position, slope; // of the segment that ends there, per metre
     vec4 sum, cell;
 };
 
 // The first and the last cell go on for ever.
-TransferEnd transfer_end(sampler2D table, float place)
+TransferEnd transfer_end(sampler2D table, float position)
 {
-    float node = clamp(floor(place), 0.0, float(textureSize(table, 0).x - 2));
+    float node = clamp(floor(position), 0.0, float(textureSize(table, 0).x - 2));
     vec4 low = texelFetch(table, ivec2(int(node), 0), 0);
     vec4 cell = texelFetch(table, ivec2(int(node) + 1, 0), 0) - low;
-    return TransferEnd(place, 0.0, low + (place - node) * cell, cell);
+    return TransferEnd(position, 0.0, low + (position - node) * cell, cell);
 }
 
 // Values need not be linear: from how their slope changed to this segment follows how far, in the mean, they lie beside the
 // line, `bend` times the change. Between ends less than a cell apart a difference would have lost its digits.
 vec4 transfer_mean(TransferEnd from, TransferEnd to, float bend)
 {
-    float way = to.place - from.place;
+    float change = to.position - from.position;
     vec4 beside = bend * (to.slope - from.slope) * (to.cell - from.cell);
-    vec4 far = max((to.sum - from.sum - beside) / way, vec4(0.0));
-    return abs(way) < 1.0 ? 0.5 * (from.cell + to.cell) : far;
+    vec4 far = max((to.sum - from.sum - beside) / change, vec4(0.0));
+    return abs(change) < 1.0 ? 0.5 * (from.cell + to.cell) : far;
 }

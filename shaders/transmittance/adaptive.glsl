@@ -14,7 +14,7 @@ MediaColumn transmittance_adaptive(TransmittanceAdaptive method, MediaSpans span
     MediaColumn column = media_column_begin(spans, distance);
     float at = max(interval.x, 0.0);
     float reach = method.step;
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_LIMIT && at < end; ++iteration) {
         float half_length = 0.5 * min(reach, media_column_next_edge(spans, at, end) - at);
         float middle = at + half_length;
         float wanted = method.depth_step * exp(media_column_depth(column) * (1.0 / 3.0));

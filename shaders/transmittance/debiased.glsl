@@ -3,7 +3,7 @@
 // right on the average; how many there are is drawn by lot, each term divided by the odds that it comes. The whole is right on
 // the average, whatever the step, but may be negative. After Kettunen, d'Eon, Pantaleoni and Novak, An unbiased ray-marching
 // transmittance estimator, ACM Transactions on Graphics 40(4), 2021; the lot by Bhanot and Kennedy, Physics Letters 157B, 1985.
-Spectrum transmittance_debiased(MediaSpans spans, vec3 origin, vec3 direction, vec2 way, float step)
+Spectrum transmittance_debiased(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval, float step)
 {
     const int MEANS = 4;         // beyond that order a term is the one before it times a march of its own
     const int ORDER_LIMIT = 100; // nobody draws so many: 1e-158
@@ -11,14 +11,14 @@ Spectrum transmittance_debiased(MediaSpans spans, vec3 origin, vec3 direction, v
     int order = 0;
     while (order < ORDER_LIMIT && random_next() < (order == 0 ? 0.5 : 1.0 / float(order + 1)))
         ++order;
-    Spectrum pivot = transmittance_comb(spans, origin, direction, way, step);
+    Spectrum pivot = transmittance_comb(spans, origin, direction, interval, step);
     Spectrum sums[MEANS]; // of products of 1, 2, ... different marches
     for (int k = 0; k < MEANS; ++k)
         sums[k] = spectrum(0.0);
     Spectrum beyond = spectrum(0.0);
     Spectrum last = spectrum(0.0);
     for (int i = 1; i <= order; ++i) {
-        Spectrum less = pivot - transmittance_comb(spans, origin, direction, way, step);
+        Spectrum less = pivot - transmittance_comb(spans, origin, direction, interval, step);
         if (i > MEANS) {
             last = (i == MEANS + 1 ? sums[MEANS - 1] : last) * less;
             beyond += last;

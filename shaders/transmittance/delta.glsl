@@ -1,12 +1,12 @@
 // Whether light passes media, by lot: free flights among a majorant of particles, the first real one ends it. All or nothing
 // where there is no colour, and right on the average. Woodcock et al., Argonne report ANL-7050, 1965; colours as
 // integrator/delta.glsl.
-Spectrum transmittance_delta(MediaSpans spans, vec3 origin, vec3 direction, vec2 way)
+Spectrum transmittance_delta(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval)
 {
-    Spectrum left = spectrum(1.0);
-    float at = way.x;
-    for (int turn = 0; turn < MARCH_LIMIT && at < way.y; ++turn) {
-        float edge = media_column_next_edge(spans, at, way.y);
+    Spectrum transmittance = spectrum(1.0);
+    float at = interval.x;
+    for (int iteration = 0; iteration < MARCH_LIMIT && at < interval.y; ++iteration) {
+        float edge = media_column_next_edge(spans, at, interval.y);
         float rate = media_column_rate(spans, origin + at * direction, direction, at, edge);
         float flight = tracking_flight(rate);
         if (at + flight >= edge) {
@@ -17,13 +17,13 @@ Spectrum transmittance_delta(MediaSpans spans, vec3 origin, vec3 direction, vec2
         MediaColumn column = media_column_none();
         float empty = media_column_add(column, spans, origin + at * direction, direction, at, 1.0);
         Spectrum extinction = media_column_extinction(column);
-        float odds = min(spectrum_mean(left * extinction) / (rate * spectrum_mean(left)), 1.0);
+        float odds = min(spectrum_mean(transmittance * extinction) / (rate * spectrum_mean(transmittance)), 1.0);
         if (odds > 0.0) {
             if (random_next() < odds) return spectrum(0.0);
-            left *= max(1.0 - extinction / rate, spectrum(0.0)) / (1.0 - odds);
+            transmittance *= max(1.0 - extinction / rate, spectrum(0.0)) / (1.0 - odds);
         }
         at += max(empty, 0.0);
     }
-    if (at < way.y) march_was_cut = true;
-    return left;
+    if (at < interval.y) march_was_cut = true;
+    return transmittance;
 }

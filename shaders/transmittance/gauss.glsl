@@ -9,7 +9,7 @@ MediaColumn transmittance_gauss(TransmittanceGauss method, MediaSpans spans, vec
     float end = min(distance, interval.y);
     MediaColumn column = media_column_begin(spans, distance);
     float at = max(interval.x, 0.0);
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_LIMIT && at < end; ++iteration) {
         float length = min(method.step, media_column_next_edge(spans, at, end) - at);
         float next = length;
         for (int i = 0; i < GAUSS_ORDER; ++i) {

@@ -10,13 +10,13 @@ MediaColumn transmittance_jittered(TransmittanceJittered method, MediaSpans span
     float end = min(distance, interval.y);
     MediaColumn column = media_column_begin(spans, distance);
     float at = max(interval.x, 0.0);
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_LIMIT && at < end; ++iteration) {
         float length = min(method.step, media_column_next_edge(spans, at, end) - at);
-        float place = random_next() * length;
-        float empty = media_column_add(column, spans, point + (at + place) * direction, direction, at + place, length);
+        float offset = random_next() * length;
+        float empty = media_column_add(column, spans, point + (at + offset) * direction, direction, at + offset, length);
         if (media_column_depth(column) > BLACK) break;
         // One sum, not two: a last part may be too small to change `at`.
-        at += max(length, place + empty);
+        at += max(length, offset + empty);
     }
     if (at < end && media_column_depth(column) <= BLACK) march_was_cut = true;
     return column;

@@ -10,7 +10,7 @@ MediaColumn transmittance_midpoint(TransmittanceMidpoint method, MediaSpans span
     float end = min(distance, interval.y);
     MediaColumn column = media_column_begin(spans, distance);
     float at = max(interval.x, 0.0);
-    for (int turn = 0; turn < MARCH_LIMIT && at < end; ++turn) {
+    for (int iteration = 0; iteration < MARCH_LIMIT && at < end; ++iteration) {
         float half_length = 0.5 * min(method.step, media_column_next_edge(spans, at, end) - at);
         float middle = at + half_length;
         float empty = media_column_add(column, spans, point + middle * direction, direction, middle, 2.0 * half_length);

@@ -1,12 +1,12 @@
 // What media leave of light on its way: the product of what each of many looks leaves, which are as far apart as free flights
 // among a majorant of particles. Right on the average, and never negative. Novak, Selle and Jarosz, SIGGRAPH Asia 2014.
-Spectrum transmittance_ratio(MediaSpans spans, vec3 origin, vec3 direction, vec2 way)
+Spectrum transmittance_ratio(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval)
 {
     const float FAINT = 1e-3;
-    Spectrum left = spectrum(1.0);
-    float at = way.x;
-    for (int turn = 0; turn < MARCH_LIMIT && at < way.y; ++turn) {
-        float edge = media_column_next_edge(spans, at, way.y);
+    Spectrum transmittance = spectrum(1.0);
+    float at = interval.x;
+    for (int iteration = 0; iteration < MARCH_LIMIT && at < interval.y; ++iteration) {
+        float edge = media_column_next_edge(spans, at, interval.y);
         float rate = media_column_rate(spans, origin + at * direction, direction, at, edge);
         float flight = tracking_flight(rate);
         if (at + flight >= edge) {
@@ -16,10 +16,10 @@ Spectrum transmittance_ratio(MediaSpans spans, vec3 origin, vec3 direction, vec2
         at += flight;
         MediaColumn column = media_column_none();
         float empty = media_column_add(column, spans, origin + at * direction, direction, at, 1.0);
-        left = tracking_thin(left * max(1.0 - media_column_extinction(column) / rate, spectrum(0.0)), FAINT);
-        if (spectrum_max(left) <= 0.0) return left;
+        transmittance = tracking_thin(transmittance * max(1.0 - media_column_extinction(column) / rate, spectrum(0.0)), FAINT);
+        if (spectrum_max(transmittance) <= 0.0) return transmittance;
         at += max(empty, 0.0);
     }
-    if (at < way.y) march_was_cut = true;
-    return left;
+    if (at < interval.y) march_was_cut = true;
+    return transmittance;
 }

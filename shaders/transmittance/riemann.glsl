@@ -6,11 +6,11 @@ struct TransmittanceRiemann { int steps; };
 MediaColumn transmittance_riemann(TransmittanceRiemann method, MediaSpans spans, vec3 point, vec3 direction,
                                   float distance)
 {
-    float way = distance < FAR_AWAY ? distance : max(media_column_interval(spans).y, 0.0);
-    float step = way / float(method.steps);
+    float path_length = distance < FAR_AWAY ? distance : max(media_column_interval(spans).y, 0.0);
+    float step = path_length / float(method.steps);
     MediaColumn column = media_column_begin(spans, distance);
     int i = 0;
-    for (int turn = 0; turn < MARCH_LIMIT && i < method.steps; ++turn) {
+    for (int iteration = 0; iteration < MARCH_LIMIT && i < method.steps; ++iteration) {
         float at = float(i) * step;
         float empty = media_column_add(column, spans, point + at * direction, direction, at, step);
         i += 1 + int(min(max(empty, 0.0) / max(step, 1e-30), float(method.steps)));

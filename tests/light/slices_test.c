@@ -76,10 +76,10 @@ static void shorten_slices(void **state, const char *turns)
 
     (void)mkdir(temp_folder_path(state, "math"), 0700);
     (void)mkdir(temp_folder_path(state, "integrator"), 0700);
-    snprintf(to, sizeof to, "MARCH_TURNS = %s", turns);
+    snprintf(to, sizeof to, "MARCH_ITERATIONS = %s", turns);
     // Above what a shadow ray takes, below what a camera ray does.
     shorten(state, "math/march.glsl", "MARCH_LIMIT = 60000", "MARCH_LIMIT = 150");
-    shorten(state, "integrator/sliced.glsl", "MARCH_TURNS = 20000", to);
+    shorten(state, "integrator/sliced.glsl", "MARCH_ITERATIONS = 20000", to);
 }
 
 struct variant {

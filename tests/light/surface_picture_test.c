@@ -226,7 +226,7 @@ static void the_clip_range_bends_with_the_ray(void **state)
     image_finish(&picture.image);
 }
 
-// 33 pieces of a ray, 2 lights and 1000 points are more turns than software GL runs, and it is in the last piece that they are
+// 33 pieces of a ray, 2 lights and 1000 points are more iterations than software GL runs, and it is in the last piece that they are
 // used up: nothing comes after it that could miss them.
 static void a_ray_whose_last_loop_is_cut_fails_its_frame(void **state)
 {
@@ -244,7 +244,7 @@ static void a_ray_whose_last_loop_is_cut_fails_its_frame(void **state)
         " \"max_depth\": 32}",
         &error));
     assert_int_equal(picture.result.fault, RENDERER_FAULT_ENDLESS);
-    assert_non_null(strstr(error.message, "turns"));
+    assert_non_null(strstr(error.message, "iterations"));
     image_finish(&picture.image);
 }
 

@@ -142,7 +142,7 @@ static void write_table(FILE *out, const struct scene_grid *grid, size_t i)
     grid_lookup_write_table(out, grid, i);
     fprintf(out,
             "TransferEnd medium_%zu_end(vec3 p)\n{\n"
-            "    return medium_%zu_end_at(medium_%zu_place(medium_%zu_value(density_grid_index(medium_%zu_grid(), "
+            "    return medium_%zu_end_at(medium_%zu_position(medium_%zu_value(density_grid_index(medium_%zu_grid(), "
             "p))));\n}\n"
             "float medium_%zu_clear(vec3 p, vec3 direction)\n{\n"
             "    return medium_%zu_skip(density_grid_index(medium_%zu_grid(), p), direction);\n}\n",
@@ -183,10 +183,10 @@ static void write_most(FILE *out, const struct density_site *site)
 
     fprintf(out,
             "layout(binding = %u) uniform sampler3D medium_%zu_majorants;\n"
-            "float medium_%zu_most(vec3 p, vec3 direction, inout float reach)\n{\n"
+            "float medium_%zu_most(vec3 p, vec3 direction, inout float extent)\n{\n"
             "    vec3 at = density_grid_index(medium_%zu_grid(), p);\n    float own;\n"
             "    float most = density_grid_majorant(medium_%zu_majorants, medium_%zu_grid(), at, direction, own);\n"
-            "    if (most <= 0.0) own = max(own, medium_%zu_skip(at, direction));\n    reach = min(reach, own);\n",
+            "    if (most <= 0.0) own = max(own, medium_%zu_skip(at, direction));\n    extent = min(extent, own);\n",
             texture_unit_of_medium(i, MEDIUM_TEXTURE_EXTRA), i, i, i, i, i, i);
     if (grid->point_count > 0)
         fprintf(out, "    return transfer_extinction(most, medium_%zu_unit_distance);\n}\n", i);

@@ -65,7 +65,7 @@ struct density_kind {
     // - float medium_I_distance(FIELD field): negative where there may be density; else the density is 0 for that
     //   distance along the ray, 0 when nothing is known. Nothing else is asked of such a field.
     // - vec3 medium_I_color(FIELD field) (has_color): source per density.
-    // - TransferEnd medium_I_end(vec3 p), also outside of the support, TransferEnd medium_I_end_at(float place), and
+    // - TransferEnd medium_I_end(vec3 p), also outside of the support, TransferEnd medium_I_end_at(float position), and
     //   float medium_I_clear(vec3 p, vec3 direction): how far along the ray the density is 0, 0 when nothing is known;
     //   and medium_I_density and medium_I_color of a vec4, the value of transfer_mean (has_table).
     // - vec3 medium_I_glow(vec3 p) (the medium has a blackbody): source per density.
@@ -74,7 +74,7 @@ struct density_kind {
     // The next three are for tracking among majorants (scene_features.has_majorants).
     // Adds medium_I_majorant, an upper bound on the density before the bounds' falloff. NULL: there is write_most.
     void (*add_majorant)(struct frame_uniforms *uniforms, const struct density_site *site);
-    // Emits float medium_I_most(vec3 p, vec3 direction, inout float reach): an upper bound that holds for `reach`
+    // Emits float medium_I_most(vec3 p, vec3 direction, inout float extent): an upper bound that holds for `extent`
     // metres from p on, which it may shorten. NULL: medium_I_majorant holds everywhere.
     void (*write_most)(FILE *out, const struct density_site *site);
     const char *majorant_module; // that these and `write` need then; NULL: none

@@ -137,7 +137,7 @@ static void add_place(struct frame_uniforms *uniforms, const struct density_site
                                                 .min = value_range_any.min,
                                                 .max = value_range_any.max,
                                                 .meaning = "density.frequency and rotate"},
-                           "medium_%zu_turn", i);
+                           "medium_%zu_rotation", i);
     else
         frame_uniforms_add(
             uniforms, timeline_value(&noise->frequency, FRAME_VALUE_FLOAT, value_range_positive, "density.frequency"),
@@ -337,7 +337,7 @@ static void write_field(FILE *out, const struct density_site *site)
 
     if (baked > 0) density_bake_write_lookup(out, site);
     fprintf(out, "float medium_%zu_field(vec3 p)\n{\n    vec3 q = medium_%zu_%s * p", i, i,
-            is_rotated(noise) ? "turn" : "frequency");
+            is_rotated(noise) ? "rotation" : "frequency");
     if (is_shifted(site)) fprintf(out, " + medium_%zu_shift", i);
     fputs(";\n", out);
     if (baked > 0)

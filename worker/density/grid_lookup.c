@@ -82,11 +82,12 @@ void grid_lookup_write_table(FILE *out, const struct scene_grid *grid, size_t i)
 {
     double first = grid->points[0].value, last = grid->points[grid->point_count - 1].value;
 
-    fprintf(out,
-            "layout(binding = %u) uniform sampler2D medium_%zu_table;\n"
-            "float medium_%zu_place(float value)\n{\n    return (value - %.9e) * %.9e + 1.0;\n}\n"
-            "TransferEnd medium_%zu_end_at(float place)\n{\n    return transfer_end(medium_%zu_table, place);\n}\n",
-            texture_unit_of_medium(i, MEDIUM_TEXTURE_EXTRA), i, i, first, TRANSFER_TABLE_CELLS / (last - first), i, i);
+    fprintf(
+        out,
+        "layout(binding = %u) uniform sampler2D medium_%zu_table;\n"
+        "float medium_%zu_position(float value)\n{\n    return (value - %.9e) * %.9e + 1.0;\n}\n"
+        "TransferEnd medium_%zu_end_at(float position)\n{\n    return transfer_end(medium_%zu_table, position);\n}\n",
+        texture_unit_of_medium(i, MEDIUM_TEXTURE_EXTRA), i, i, first, TRANSFER_TABLE_CELLS / (last - first), i, i);
     fprintf(out,
             "float medium_%zu_density(vec4 mean)\n{\n    return mean.a / medium_%zu_unit_distance;\n}\n"
             "vec3 medium_%zu_color(vec4 mean)\n{\n    return mean.rgb / max(mean.a, 1e-30);\n}\n",

@@ -76,11 +76,11 @@ static size_t find_extents(const struct light_grid *grid, double time,
 // Returns the largest dot(p, direction) over all media.
 static double support_of(const struct media_extent *extents, size_t count, const double direction[3])
 {
-    double reach = -INFINITY;
+    double support = -INFINITY;
 
     for (size_t i = 0; i < count; ++i)
-        reach = fmax(reach, media_extent_support(&extents[i], direction));
-    return reach;
+        support = fmax(support, media_extent_support(&extents[i], direction));
+    return support;
 }
 
 static double tangent_of(const struct media_extent *extents, size_t count, const double from[3], const double across[3],
@@ -198,16 +198,16 @@ static void place_round(const struct light_grid *grid, double time, struct light
 
     timeline_evaluate(&light_of(grid)->position, time, position);
     placement->near = INFINITY;
-    placement->reach = 0;
+    placement->far = 0;
     for (size_t i = 0; i < count; ++i) {
         double near, far;
 
         media_extent_distances(&extents[i], position, &near, &far);
         placement->near = fmin(placement->near, near);
-        placement->reach = fmax(placement->reach, far);
+        placement->far = fmax(placement->far, far);
     }
     placement->near *= 1 - margin;
-    placement->reach = fmax(placement->reach * (1 + margin), placement->near + 1e-9);
+    placement->far = fmax(placement->far * (1 + margin), placement->near + 1e-9);
 }
 
 void light_grid_place(const struct light_grid *grid, double time, struct light_grid_placement *placement)
@@ -276,7 +276,7 @@ EVALUATE(to_unit, to_unit, 9)
 EVALUATE(origin, origin, 3)
 EVALUATE(taper, taper, 1)
 EVALUATE(near, near, 1)
-EVALUATE(reach, reach, 1)
+EVALUATE(far, far, 1)
 
 void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_grid *grid)
 {
@@ -291,7 +291,7 @@ void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_g
                   {"origin", LIGHT_GRID_BEAM, FRAME_VALUE_VEC3, evaluate_origin},
                   {"taper", LIGHT_GRID_BEAM, FRAME_VALUE_FLOAT, evaluate_taper},
                   {"near", LIGHT_GRID_ROUND, FRAME_VALUE_FLOAT, evaluate_near},
-                  {"reach", LIGHT_GRID_ROUND, FRAME_VALUE_FLOAT, evaluate_reach}};
+                  {"far", LIGHT_GRID_ROUND, FRAME_VALUE_FLOAT, evaluate_far}};
 
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
         if (values[i].kind == grid->kind)

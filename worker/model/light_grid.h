@@ -32,12 +32,12 @@ struct light_grid {
 // The grid's position at a moment, with the names of its shader modules.
 struct light_grid_placement {
     double center[3], from_unit[9], to_unit[9], origin[3], taper; // of a beam; matrices are column-major
-    double near, reach;                                           // of a round one
+    double near, far;                                             // of a round one
 };
 
 // Initializes the grid of a visible light, of the kind that serves all moments of the inputs' frame.
 void light_grid_init(struct light_grid *grid, const struct scene_model *model, size_t light);
 void light_grid_place(const struct light_grid *grid, double time, struct light_grid_placement *placement);
-// Adds light_I_grid_center, _from_unit, _to_unit, _origin, _taper of a beam; light_I_grid_near, _reach of a round grid,
+// Adds light_I_grid_center, _from_unit, _to_unit, _origin, _taper of a beam; light_I_grid_near, _far of a round grid,
 // which also needs light_I_position. The grid outlives the values.
 void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_grid *grid);

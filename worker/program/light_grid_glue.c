@@ -30,7 +30,7 @@ static void write_grid(FILE *out, const struct light_grid *grid)
                 "light_%zu_grid_origin, light_%zu_grid_taper)",
                 i, i, i, i, i);
     else
-        fprintf(out, "LightGridRound(light_%zu_position, light_%zu_grid_near, light_%zu_grid_reach)", i, i, i);
+        fprintf(out, "LightGridRound(light_%zu_position, light_%zu_grid_near, light_%zu_grid_far)", i, i, i);
 }
 
 void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid)

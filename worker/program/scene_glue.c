@@ -45,14 +45,14 @@ void scene_glue_write_step_limit(FILE *out, const struct scene_model *model)
     const struct scene *scene = &model->job->scene;
 
     if (!model->features.has_peaks) {
-        fputs("float march_reach(vec3 point, float step)\n{\n    return step;\n}\n", out);
+        fputs("float march_step_limit(vec3 point, float step)\n{\n    return step;\n}\n", out);
         return;
     }
-    fputs("float march_reach(vec3 point, float step)\n{\n    float away = FAR_AWAY;\n", out);
+    fputs("float march_step_limit(vec3 point, float step)\n{\n    float away = FAR_AWAY;\n", out);
     for (size_t i = 0; i < scene->light_count; ++i)
         if (model->features.light_is_seen[i] && light_kind_of(&scene->lights[i])->is_inverse_square)
             fprintf(out, "    away = min(away, distance(point, light_%zu_position));\n", i);
-    fputs("    return clamp(LIGHT_POINT_REACH * away, step / 1024.0, step);\n}\n", out);
+    fputs("    return clamp(LIGHT_POINT_SHARE * away, step / 1024.0, step);\n}\n", out);
 }
 
 void scene_glue_write_lights(FILE *out, const struct scene_model *model)
@@ -213,7 +213,7 @@ static void write_path_main(FILE *out, const struct scene_model *model)
     if (features->has_transmittance) fputs("    transmittance = vec4(spectrum_rgb(path_behind), 0.0);\n", out);
     if (features->has_depth) write_depth(out, model->job, "path_depth / length(toward)");
     if (features->has_paths) fputs("    paths = path_counts;\n", out);
-    fputs("    if (march_was_cut || path_turns_are_spent())\n"
+    fputs("    if (march_was_cut || path_iterations_are_spent())\n"
           "        rgba.a = -1e6; // no picture has it, nor has a sum of them\n",
           out);
 }

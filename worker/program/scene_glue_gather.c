@@ -49,7 +49,7 @@ void scene_glue_write_transmittance(FILE *out, const struct scene_model *model, 
     bool takes_steps = model->features.estimates_columns && !model->features.has_majorants;
 
     if (model->features.is_tracked) {
-        fprintf(out, "media_left(%s, point, light.direction, vec2(0.0, %s), %s)", spans, distance,
+        fprintf(out, "media_transmittance_estimate(%s, point, light.direction, vec2(0.0, %s), %s)", spans, distance,
                 takes_steps ? "quality_light_step" : "0.0");
         return;
     }
@@ -58,10 +58,10 @@ void scene_glue_write_transmittance(FILE *out, const struct scene_model *model, 
     fputs(")", out);
 }
 
-// Writes the expression of the transmittance from a light to `place`, in the segment's region.
-static void write_shadow(FILE *out, const struct scene_model *model, const char *place)
+// Writes the expression of the transmittance from a light to `position`, in the segment's region.
+static void write_shadow(FILE *out, const struct scene_model *model, const char *position)
 {
-    fprintf(out, "shadow(%s, light, ", place);
+    fprintf(out, "shadow(%s, light, ", position);
     if (model->features.has_dielectrics)
         fputs("surface_set(gathered.region), 0u)", out);
     else
@@ -96,8 +96,8 @@ static void write_sample(FILE *out, const struct scene_model *model, size_t i)
         fprintf(out,
                 "light_point_segment(LightPoint(light_%zu_intensity, light_%zu_position), point, direction, length, "
                 "%s, %s);\n",
-                i, i, features->is_gauss || features->is_jittered ? "place" : "0.5 * length",
-                features->is_gauss ? "0.25" : "0.99 * LIGHT_POINT_REACH");
+                i, i, features->is_gauss || features->is_jittered ? "offset" : "0.5 * length",
+                features->is_gauss ? "0.25" : "0.99 * LIGHT_POINT_SHARE");
     else
         fprintf(out, "light_%zu(point);\n", i);
 }
@@ -122,16 +122,17 @@ static void write_cached_scattering(FILE *out, const struct scene_model *model)
 static void write_scattering(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
-    size_t count = scene_features_count_lights(features), turn = 0;
+    size_t count = scene_features_count_lights(features), iteration = 0;
 
     if (count > 1)
-        fprintf(out, "    for (int turn = 0; turn < %zu; ++turn) {\n        LightSample light;\n", count);
+        fprintf(out, "    for (int iteration = 0; iteration < %zu; ++iteration) {\n        LightSample light;\n",
+                count);
     else
         fputs("    {\n", out);
     for (size_t i = 0; i < model->job->scene.light_count; ++i) {
         if (!features->light_is_seen[i]) continue;
         if (count > 1)
-            fprintf(out, "        if (turn == %zu) light = ", turn++);
+            fprintf(out, "        if (iteration == %zu) light = ", iteration++);
         else
             fputs("        LightSample light = ", out);
         write_sample(out, model, i);
@@ -158,30 +159,31 @@ static void write_placed_scattering(FILE *out, const struct scene_light *light, 
     fputs("    {\n", out);
     if (is_by_angle)
         fprintf(out,
-                "        PlacementAngle way = placement_angle(light_%zu_position - start, direction, seen, "
+                "        PlacementAngle placement = placement_angle(light_%zu_position - start, direction, seen, "
                 "spectrum_min(sigma_t));\n",
                 i);
     else
-        fputs("        PlacementTransmittance way = PlacementTransmittance(spectrum_min(sigma_t) * seen, seen);\n",
-              out);
+        fputs(
+            "        PlacementTransmittance placement = PlacementTransmittance(spectrum_min(sigma_t) * seen, seen);\n",
+            out);
     fputs("        Spectrum sum = spectrum(0.0);\n        for (int i = 0; i < count; ++i) {\n", out);
-    fprintf(out, "            Placed placed = placement_%s_at(way, placed_share(i));\n",
+    fprintf(out, "            Placed placed = placement_%s_at(placement, placed_share(i));\n",
             is_by_angle ? "angle" : "transmittance");
     fprintf(out,
-            "            vec3 place = start + placed.at * direction;\n"
-            "            LightSample light = light_%zu(place);\n",
+            "            vec3 position = start + placed.at * direction;\n"
+            "            LightSample light = light_%zu(position);\n",
             i);
     write_scattered(out, "            ", model);
     if (model->features.has_objects) {
-        fputs("            Spectrum left = ", out);
-        write_shadow(out, model, "place");
+        fputs("            Spectrum light_transmittance = ", out);
+        write_shadow(out, model, "position");
     } else {
-        fputs("            MediaColumn column = transmittance_closed(media_spans(place, light.direction), "
-              "light.distance);\n            Spectrum left = media_transmittance(column)",
+        fputs("            MediaColumn column = transmittance_closed(media_spans(position, light.direction), "
+              "light.distance);\n            Spectrum light_transmittance = media_transmittance(column)",
               out);
     }
     fputs(" * exp(-sigma_t * placed.at);\n"
-          "            sum += scattered * left * (placed_weight(i) * placed.weight);\n        }\n",
+          "            sum += scattered * light_transmittance * (placed_weight(i) * placed.weight);\n        }\n",
           out);
     fprintf(out, "        gathered.radiance += passed * light_%zu_intensity * sum;\n    }\n", i);
 }
@@ -307,7 +309,7 @@ static void write_gather_node(FILE *out, const struct scene_model *model)
     const struct scene_features *features = &model->features;
 
     fputs("void gather_node(Gathered gathered, MediaField field, vec3 point, vec3 direction, float length, float "
-          "place, out Spectrum extinction, out Spectrum light_source)\n{\n"
+          "offset, out Spectrum extinction, out Spectrum light_source)\n{\n"
           "    extinction = spectrum(0.0);\n    light_source = spectrum(0.0);\n"
           "    if (field.distance >= 0.0) return;\n",
           out);
@@ -352,7 +354,7 @@ static void write_tracked(FILE *out, const struct scene_model *model)
         write_sources(out, model);
         fputs("    gathered.radiance += weight * source;\n", out);
     }
-    fprintf(out, "}\nSpectrum gathered_left(Gathered gathered)\n{\n    return %s;\n}\n",
+    fprintf(out, "}\nSpectrum gathered_transmittance(Gathered gathered)\n{\n    return %s;\n}\n",
             features->has_throughput ? "gathered.transmittance" : "spectrum(1.0)");
     fputs("void gathered_pass(inout Gathered gathered, Spectrum after, float at)\n{\n", out);
     if (features->has_extinction && features->has_depth)
@@ -381,7 +383,8 @@ void scene_glue_write_gather(FILE *out, const struct scene_model *model)
             "// `at` is where the segment begins, `point` %s.\n"
             "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
             "length%s)\n{\n",
-            features->marches ? "where the field was taken" : "is there", features->is_jittered ? ", float place" : "");
+            features->marches ? "where the field was taken" : "is there",
+            features->is_jittered ? ", float offset" : "");
     write_densities(out, model);
     if (has_source) write_sources(out, model);
     if (features->has_extinction) write_sigma_t(out, model);

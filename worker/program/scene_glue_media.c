@@ -283,10 +283,11 @@ static void write_tables(FILE *out, const struct scene_model *model)
     fputs(" };\n", out);
     write_ends(out, model, "media_ends(vec3 p)", "medium_#_end(p)");
     write_ends(out, model, "media_ends_between(MediaEnds from, MediaEnds to, float share)",
-               "medium_#_end_at(mix(from.medium_#.place, to.medium_#.place, share))");
+               "medium_#_end_at(mix(from.medium_#.position, to.medium_#.position, share))");
     fputs("void media_set_slopes(inout MediaEnds to, MediaEnds from, float length)\n{\n", out);
     FOR_EACH_MEDIUM (model, is_tabled)
-        fprintf(out, "    to.medium_%zu.slope = (to.medium_%zu.place - from.medium_%zu.place) / length;\n", i, i, i);
+        fprintf(out, "    to.medium_%zu.slope = (to.medium_%zu.position - from.medium_%zu.position) / length;\n", i, i,
+                i);
     fputs("}\nvoid media_set_means(inout MediaField field, MediaEnds from, MediaEnds to, float bend)\n{\n", out);
     FOR_EACH_MEDIUM (model, is_tabled)
         fprintf(out, "    field.medium_%zu = transfer_mean(from.medium_%zu, to.medium_%zu, bend);\n", i, i, i);

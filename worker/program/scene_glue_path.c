@@ -25,7 +25,7 @@ static void write_piece(FILE *out, const struct scene_model *model)
 static void write_opaque_shadow(FILE *out, const struct scene_model *model)
 {
     fputs("        float at = surface_next(shapes, 0.0, inside, left).at;\n"
-          "        if (shape_spans_reach(shapes, at, 1.0) < light.distance) return spectrum(0.0);\n",
+          "        if (shape_spans_limit(shapes, at, 1.0) < light.distance) return spectrum(0.0);\n",
           out);
     if (model->features.has_extinction)
         write_piece(out, model);
@@ -45,9 +45,9 @@ static void write_regions_shadow(FILE *out, const struct scene_model *model)
 {
     if (model->features.has_extinction) fputs("    MediaSpans spans = media_spans(point, light.direction);\n", out);
     fputs("    Spectrum passed = spectrum(1.0);\n    float from = 0.0;\n"
-          "    for (int turn = 0; turn < MARCH_LIMIT; ++turn) {\n"
+          "    for (int iteration = 0; iteration < MARCH_LIMIT; ++iteration) {\n"
           "        SurfaceCrossing next = surface_next(shapes, from, inside, left);\n"
-          "        bool is_there = shape_spans_reach(shapes, next.at, 1.0) >= light.distance;\n"
+          "        bool is_there = shape_spans_limit(shapes, next.at, 1.0) >= light.distance;\n"
           "        int before = surface_region(inside);\n        int after = surface_region(next.inside);\n",
           out);
     if (has_opaque(&model->features))
@@ -144,15 +144,16 @@ static void write_gather(FILE *out, const struct scene_model *model)
 // One loop over the lights compiles the shadow ray once: drivers copy functions to where they are called.
 static void write_lit(FILE *out, const struct scene *scene, const struct scene_features *features)
 {
-    size_t turn = 0, count = scene_features_count_lights(features);
+    size_t iteration = 0, count = scene_features_count_lights(features);
 
     fputs("// Irradiance of the side to which the normal points, over pi.\n"
           "Spectrum surface_lit(vec3 point, vec3 normal, uint inside, uint shapes)\n{\n"
           "    Spectrum sum = spectrum(0.0);\n",
           out);
-    fprintf(out, "    for (int turn = 0; turn < %zu; ++turn) {\n        LightSample light;\n", count);
+    fprintf(out, "    for (int iteration = 0; iteration < %zu; ++iteration) {\n        LightSample light;\n", count);
     for (size_t i = 0; i < scene->light_count; ++i)
-        if (features->light_is_seen[i]) fprintf(out, "        if (turn == %zu) light = light_%zu(point);\n", turn++, i);
+        if (features->light_is_seen[i])
+            fprintf(out, "        if (iteration == %zu) light = light_%zu(point);\n", iteration++, i);
     fputs("        float cos_light = dot(normal, light.direction);\n"
           "        if (cos_light > 0.0) sum += light.irradiance * (cos_light * shadow(point, light, inside,\n"
           "            surface_left(shapes, point, light.direction)));\n"

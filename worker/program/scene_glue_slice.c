@@ -13,15 +13,16 @@ static void write_load(FILE *out, const struct scene_features *features)
     const char *spectrum = features->is_rgb ? "xyz" : "x";
 
     fputs("bool slice_load()\n{\n    ivec2 pixel = ivec2(gl_FragCoord.xy);\n"
-          "    uvec4 light = imageLoad(slice_light, pixel);\n    uvec4 left = imageLoad(slice_left, pixel);\n"
+          "    uvec4 light = imageLoad(slice_light, pixel);\n    uvec4 transmittance = imageLoad(slice_transmittance, "
+          "pixel);\n"
           "    uvec4 marks = imageLoad(slice_marks, pixel);\n",
           out);
     fprintf(out, "    slice_gathered.radiance = uintBitsToFloat(light.%s);\n", spectrum);
     if (features->has_throughput)
-        fprintf(out, "    slice_gathered.transmittance = uintBitsToFloat(left.%s);\n", spectrum);
+        fprintf(out, "    slice_gathered.transmittance = uintBitsToFloat(transmittance.%s);\n", spectrum);
     if (features->has_extinction && features->has_depth)
         fputs("    slice_gathered.depth = uintBitsToFloat(marks.z);\n", out);
-    fputs("    slice_place = uintBitsToFloat(uvec2(light.w, left.w));\n    slice_random = marks.y;\n"
+    fputs("    slice_position = uintBitsToFloat(uvec2(light.w, transmittance.w));\n    slice_random = marks.y;\n"
           "    slice_waits = marks.w;\n    slice_is_begun = marks.x == SLICE_IS_BEGUN;\n"
           "    return marks.x != SLICE_IS_DONE;\n}\n",
           out);
@@ -40,16 +41,18 @@ static void write_store(FILE *out, const struct scene_features *features)
             "    if (is_done) return true;\n",
             has_depth ? "floatBitsToUint(slice_gathered.depth)" : "0u");
     fputs("    imageStore(slice_light, pixel, floatBitsToUint(vec4(spectrum_rgb(slice_gathered.radiance), "
-          "slice_place.x)));\n",
+          "slice_position.x)));\n",
           out);
-    fprintf(out, "    imageStore(slice_left, pixel, floatBitsToUint(vec4(%s, slice_place.y)));\n    return false;\n}\n",
+    fprintf(out,
+            "    imageStore(slice_transmittance, pixel, floatBitsToUint(vec4(%s, slice_position.y)));\n    return "
+            "false;\n}\n",
             features->has_throughput ? "spectrum_rgb(slice_gathered.transmittance)" : "vec3(1.0)");
 }
 
 void scene_glue_write_slice(FILE *out, const struct scene_model *model)
 {
     fputs("layout(rgba32ui, binding = 0) uniform uimage2D slice_light;\n"
-          "layout(rgba32ui, binding = 1) uniform uimage2D slice_left;\n"
+          "layout(rgba32ui, binding = 1) uniform uimage2D slice_transmittance;\n"
           "layout(rgba32ui, binding = 2) uniform uimage2D slice_marks;\n"
           "const uint SLICE_IS_BEGUN = 1u;\nconst uint SLICE_IS_DONE = 2u;\n"
           "// Rays that share a SIMD unit share its turns: one that the others left none may come farther in the next "

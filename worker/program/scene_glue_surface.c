@@ -37,7 +37,7 @@ static void write_spans(FILE *out, const struct scene *scene)
                 shape_kinds[scene->shapes[i].kind].name, i);
     fputs(");\n}\n"
           "// What lies up to there lies at `at`, where the cosine to the normal is `slope`.\n"
-          "float shape_spans_reach(ShapeSpans spans, float at, float slope)\n{\n"
+          "float shape_spans_limit(ShapeSpans spans, float at, float slope)\n{\n"
           "    return at + (spans.sliver + 2e-7 * at) / slope;\n}\n",
           out);
 }
@@ -77,13 +77,13 @@ static void write_single(FILE *out, const struct scene_object *object, size_t i)
     fprintf(out,
             "    uint shape_%zu = %uu;\n"
             "    float at_%zu = (inside & %uu) != 0u ? max(spans.shape_%zu.y, from)\n"
-            "        : (left & %uu) != 0u ? FAR_AWAY : surface_entry(spans.shape_%zu, from, reach);\n",
+            "        : (left & %uu) != 0u ? FAR_AWAY : surface_entry(spans.shape_%zu, from, limit);\n",
             i, 1U << shape, i, 1U << i, shape, 1U << shape, shape);
 }
 
 static void write_extension(FILE *out, const char *indent, size_t shape)
 {
-    fprintf(out, "%sif (spans.shape_%zu.x <= shape_spans_reach(spans, at, 1.0) && spans.shape_%zu.y > at) {\n", indent,
+    fprintf(out, "%sif (spans.shape_%zu.x <= shape_spans_limit(spans, at, 1.0) && spans.shape_%zu.y > at) {\n", indent,
             shape, shape);
     fprintf(out, "%s    at = spans.shape_%zu.y;\n%s    shape = %uu;\n%s}\n", indent, shape, indent, 1U << shape,
             indent);
@@ -115,13 +115,13 @@ static void write_union_entry(FILE *out, const struct scene_object *object, size
 
     fprintf(out,
             "float object_%zu_entry(ShapeSpans spans, float from, uint left, out uint shape)\n{\n"
-            "    float reach = shape_spans_reach(spans, from, SURFACE_FLATTEST);\n    float at = FAR_AWAY;\n    float "
+            "    float limit = shape_spans_limit(spans, from, SURFACE_FLATTEST);\n    float at = FAR_AWAY;\n    float "
             "entry;\n"
             "    shape = %uu;\n",
             i, 1U << first);
     for (size_t k = first; k < end; ++k)
         fprintf(out,
-                "    entry = (left & %uu) != 0u ? FAR_AWAY : surface_entry(spans.shape_%zu, from, reach);\n"
+                "    entry = (left & %uu) != 0u ? FAR_AWAY : surface_entry(spans.shape_%zu, from, limit);\n"
                 "    if (entry < at) {\n        at = entry;\n        shape = %uu;\n    }\n",
                 1U << k, k, 1U << k);
     fputs("    return at;\n}\n", out);
@@ -144,14 +144,14 @@ static void write_nearest(FILE *out, const struct scene *scene)
     for (size_t i = 1; i < scene->object_count; ++i)
         fprintf(out, "    if (at_%zu < at) {\n        at = at_%zu;\n        nearest = shape_%zu;\n    }\n", i, i, i);
     fputs("    if (at >= FAR_AWAY) return SurfaceCrossing(FAR_AWAY, inside, 0u);\n"
-          "    reach = shape_spans_reach(spans, at, SURFACE_FLATTEST);\n    int met = 0;\n",
+          "    limit = shape_spans_limit(spans, at, SURFACE_FLATTEST);\n    int met = 0;\n",
           out);
     for (size_t i = 0; i < scene->object_count; ++i)
-        fprintf(out, "    if (at_%zu <= reach) ++met;\n", i);
+        fprintf(out, "    if (at_%zu <= limit) ++met;\n", i);
     fputs("    if (met > 1) {\n"
           "        vec3 normal = shape_normal(findMSB(nearest), spans.origin + at * spans.direction);\n"
           "        float slope = max(abs(dot(spans.direction, normal)), SURFACE_FLATTEST);\n"
-          "        reach = shape_spans_reach(spans, at, slope);\n    }\n",
+          "        limit = shape_spans_limit(spans, at, slope);\n    }\n",
           out);
 }
 
@@ -163,7 +163,7 @@ static void write_next(FILE *out, const struct scene *scene)
         write_union_entry(out, &scene->objects[i], i);
     }
     fputs("SurfaceCrossing surface_next(ShapeSpans spans, float from, uint inside, uint left)\n{\n"
-          "    float reach = shape_spans_reach(spans, from, SURFACE_FLATTEST);\n",
+          "    float limit = shape_spans_limit(spans, from, SURFACE_FLATTEST);\n",
           out);
     for (size_t i = 0; i < scene->object_count; ++i)
         if (scene->objects[i].shape_count < 2)
@@ -173,7 +173,7 @@ static void write_next(FILE *out, const struct scene *scene)
     write_nearest(out, scene);
     fputs("    uint crossed = 0u;\n    uint shapes = 0u;\n", out);
     for (size_t i = 0; i < scene->object_count; ++i)
-        fprintf(out, "    if (at_%zu <= reach) {\n        crossed |= %uu;\n        shapes |= shape_%zu;\n    }\n", i,
+        fprintf(out, "    if (at_%zu <= limit) {\n        crossed |= %uu;\n        shapes |= shape_%zu;\n    }\n", i,
                 1U << i, i);
     fputs("    return SurfaceCrossing(at, inside ^ crossed, shapes);\n}\n", out);
 }

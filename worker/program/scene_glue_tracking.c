@@ -38,7 +38,7 @@ static void write_most(FILE *out, const struct scene_model *model, size_t i)
         kind->write_most(out, &site);
     else
         fprintf(out,
-                "float medium_%zu_most(vec3 p, vec3 direction, inout float reach)\n{\n"
+                "float medium_%zu_most(vec3 p, vec3 direction, inout float extent)\n{\n"
                 "    return medium_%zu_majorant;\n}\n",
                 i, i);
 }
@@ -46,20 +46,20 @@ static void write_most(FILE *out, const struct scene_model *model, size_t i)
 // Writes the majorant summed over the chosen media. A medium without extinction only counts as present.
 static void write_rate(FILE *out, const struct scene_model *model, choose_medium *choose)
 {
-    fputs("    float reach = edge - at;\n    bool is_there = false;\n    Spectrum sum = spectrum(0.0);\n", out);
+    fputs("    float extent = edge - at;\n    bool is_there = false;\n    Spectrum sum = spectrum(0.0);\n", out);
     for (size_t i = 0; i < model->features.medium_count; ++i) {
         const struct medium_features *medium = &model->features.media[i];
 
         if (!choose(medium)) continue;
         fprintf(out,
                 "    if (span_has(spans.medium_%zu, at)) {\n"
-                "        float most = medium_%zu_most(p, direction, reach);\n"
+                "        float most = medium_%zu_most(p, direction, extent);\n"
                 "        is_there = is_there || most > 0.0;\n",
                 i, i);
         if (medium_features_have_column(medium)) fprintf(out, "        sum += medium_%zu_sigma_t * most;\n", i);
         fputs("    }\n", out);
     }
-    fputs("    edge = min(edge, at + reach);\n", out);
+    fputs("    edge = min(edge, at + extent);\n", out);
 }
 
 static void write_columns(FILE *out, const struct scene_model *model)
@@ -102,7 +102,7 @@ static void write_even(FILE *out, const struct scene_model *model)
     for (size_t i = 0; i < model->features.medium_count; ++i)
         has_even |= model->features.media[i].is_even && medium_features_have_column(&model->features.media[i]);
     if (!has_even) {
-        fputs("    Spectrum left = spectrum(1.0);\n", out);
+        fputs("    Spectrum transmittance = spectrum(1.0);\n", out);
         return;
     }
     fputs("    MediaColumn column = MediaColumn(", out);
@@ -114,20 +114,22 @@ static void write_even(FILE *out, const struct scene_model *model)
         separator = ", ";
         if (medium->is_even)
             fprintf(out,
-                    "max(min(spans.medium_%zu.y, way.y) - max(spans.medium_%zu.x, way.x), 0.0) * "
+                    "max(min(spans.medium_%zu.y, interval.y) - max(spans.medium_%zu.x, interval.x), 0.0) * "
                     "medium_%zu_density(%s(0.0))",
                     i, i, i, density_kind_of(&model->job->scene.media[i].density)->field_type);
         else
             fputs("0.0", out);
     }
-    fputs(");\n    Spectrum left = media_transmittance(column);\n", out);
+    fputs(");\n    Spectrum transmittance = media_transmittance(column);\n", out);
 }
 
-void scene_glue_write_left(FILE *out, const struct scene_model *model)
+void scene_glue_write_estimate(FILE *out, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
 
-    fputs("Spectrum media_left(MediaSpans spans, vec3 origin, vec3 direction, vec2 way, float step)\n{\n", out);
+    fputs("Spectrum media_transmittance_estimate(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval, float "
+          "step)\n{\n",
+          out);
     if (!features->has_extinction) {
         fputs("    return spectrum(1.0);\n}\n", out);
         return;
@@ -135,8 +137,8 @@ void scene_glue_write_left(FILE *out, const struct scene_model *model)
     write_even(out, model);
     if (features->estimates_columns)
         fprintf(out,
-                "    way = span_meet(way, media_column_interval(spans));\n"
-                "    if (way.x < way.y) left *= %sspans, origin, direction, way%s);\n",
+                "    interval = span_meet(interval, media_column_interval(spans));\n"
+                "    if (interval.x < interval.y) transmittance *= %sspans, origin, direction, interval%s);\n",
                 integrator_to_lights(model)->call, features->has_majorants ? "" : ", step");
-    fputs("    return left;\n}\n", out);
+    fputs("    return transmittance;\n}\n", out);
 }

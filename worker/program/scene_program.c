@@ -76,7 +76,8 @@ static void add_tracking(struct assembly *assembly)
         if (!features->has_majorants) add_module(assembly, "transmittance/comb.glsl");
         add_module(assembly, integrator_to_lights(assembly->model)->module);
     }
-    if (features->has_lights || !features->has_majorants) scene_glue_write_left(generate(assembly), assembly->model);
+    if (features->has_lights || !features->has_majorants)
+        scene_glue_write_estimate(generate(assembly), assembly->model);
 }
 
 static void add_media(struct assembly *assembly)
@@ -161,7 +162,7 @@ static void add_slices(struct assembly *assembly)
         add_module(assembly, "integrator/whole.glsl");
         return;
     }
-    add_module(assembly, "path/turns.glsl");
+    add_module(assembly, "path/iterations.glsl");
     scene_glue_write_slice_random(generate(assembly), assembly->model);
     add_module(assembly, "integrator/sliced.glsl");
     scene_glue_write_slice(generate(assembly), assembly->model);
@@ -244,7 +245,7 @@ static void add_path(struct assembly *assembly)
     scene_glue_write_path(generate(assembly), assembly->model);
     add_module(assembly, "path/follow.glsl");
     if (features->has_paths) add_module(assembly, "path/trace.glsl");
-    add_module(assembly, "path/turns.glsl");
+    add_module(assembly, "path/iterations.glsl");
 }
 
 static bool assemble(struct scene_program *program, const char *shader_dir, struct error *error)

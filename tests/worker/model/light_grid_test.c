@@ -128,7 +128,7 @@ static struct vec3 round_node(const struct light_grid_placement *place, struct v
     struct vec3 way = {x, y, z};
 
     if (z < 0) way = (struct vec3){copysign(1 - fabs(y), x), copysign(1 - fabs(x), y), z};
-    return vec3_add(light, vec3_scale(vec3_normalize(way), place->near + at[2] * (place->reach - place->near)));
+    return vec3_add(light, vec3_scale(vec3_normalize(way), place->near + at[2] * (place->far - place->near)));
 }
 
 static struct vec3 find_node(const struct grid_check *check, const int node[3])
