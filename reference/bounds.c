@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-// Inside, dot(normal, p) is between low and high.
+// A layer: inside, dot(normal, p) is between low and high.
 struct layer {
     struct vec3 normal; // of length 1
     double low, high;
@@ -122,7 +122,7 @@ static void split_at_faces(const struct bounds *bounds, const struct ray *ray, s
         faces[i] = (struct face){height - layers[i / 2].low, slope};
         faces[i + 1] = (struct face){layers[i / 2].high - height, -slope};
     }
-    // A quotient by 0 is not finite, and splits nothing.
+    // A quotient by 0 is not finite and splits nothing.
     for (int i = 0; i < count; i++) {
         span_list_split(spans, (bounds->falloff - faces[i].offset) / faces[i].slope);
         for (int j = 0; j < i; j++) {
@@ -135,7 +135,7 @@ static void split_at_sphere(const struct bounds *bounds, const struct ray *ray, 
 {
     double near = -INFINITY, far = INFINITY;
 
-    // Near the centre the distance to it turns sharply.
+    // Near the centre the distance to it changes sharply.
     span_list_split(spans, vec3_dot(vec3_subtract(bounds->center, ray->origin), ray->direction));
     if (bounds->radius <= bounds->falloff) return;
     clip_to_sphere(bounds->center, bounds->radius - bounds->falloff, ray, &near, &far);

@@ -1,4 +1,4 @@
-// A region that a density is kept to, and how the density falls off towards its faces.
+// The region to which a density is limited, and its falloff towards the faces.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,11 +18,11 @@ struct bounds {
     double falloff; // m; 0: none
 };
 
-// The stretch of the ray inside, cut to what `near` and `far` hold; false when nothing is left.
+// The stretch of the ray inside the region, within what `near` and `far` hold; false when it is empty.
 bool bounds_clip(const struct bounds *bounds, const struct ray *ray, double *near, double *far);
 // Distance to the nearest face, negative outside; INFINITY without bounds.
 double bounds_depth(const struct bounds *bounds, struct vec3 position);
-// What the density is multiplied with: 0 outside.
+// The factor of the density: 0 outside.
 double bounds_weight(const struct bounds *bounds, struct vec3 position);
 // Splits spans where the weight is not smooth: where the falloff starts and where another face becomes the nearest.
 void bounds_split(const struct bounds *bounds, const struct ray *ray, struct span_list *spans);

@@ -1,4 +1,4 @@
-// A pinhole camera: which ray a point of the image looks along.
+// A pinhole camera: the ray of a point of the image.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

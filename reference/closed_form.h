@@ -1,12 +1,12 @@
-// Answers known without integrating numerically, to check the integrators by.
+// Integrals in closed form, by which the integrators are checked.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Beer-Lambert: the share that passes `length` metres.
+// Transmittance of `length` metres, by Beer-Lambert.
 double closed_form_transmittance(double sigma_t, double length);
-// Length of a line inside a sphere when it passes the centre at `offset`; 0 when it misses.
+// Length inside a sphere of a line that passes its centre at distance `offset`; 0 when it misses.
 double closed_form_sphere_chord(double radius, double offset);
-// Length of a line inside a slab of `thickness` when it meets its normal at `cos_normal`.
+// Length inside a slab of `thickness` of a line at `cos_normal` to its normal.
 double closed_form_slab_length(double thickness, double cos_normal);
 
 // Radiance of a glowing absorbing slab before a background: source per metre `emission`.
@@ -18,8 +18,8 @@ double closed_form_cone_column(double radius, double offset, int exponent);
 // The integral of a density that changes evenly from `first` to `last`, both >= 0, over `length` metres.
 double closed_form_ramp_column(double first, double last, double length);
 
-// Single scattering in a homogeneous slab seen along its normal, `sun` being its irradiance at normal incidence: light that
-// travels with the camera's rays, enters at the near face and is sent back; and light that comes through the slab.
+// Single scattering in a homogeneous slab seen along its normal. `sun` is the irradiance at normal incidence. The first
+// is for light that enters at the near face and is scattered back, the second for light that comes through the slab.
 double closed_form_front_lit_slab(double sigma_s, double sigma_t, double length, double phase, double sun);
 double closed_form_back_lit_slab(double sigma_s, double sigma_t, double length, double phase, double sun);
 

@@ -24,7 +24,7 @@ static int add_turn(double turn, double *turns, int count)
     return count + 1;
 }
 
-// 0, where it turns, and 1: between two of them it only rises or only falls.
+// 0, the zeros of the derivative, and 1: the cubic is monotonic between two of them.
 static int find_turns(const double c[static 4], double turns[static 4])
 {
     // The derivative: a s^2 + 2 b s + c1.
@@ -33,11 +33,11 @@ static int find_turns(const double c[static 4], double turns[static 4])
 
     turns[0] = 0.0;
     if (square > 0.0) {
-        // Of b and the root the sum that loses no digits.
+        // The sign of the root is that of b, so that the sum loses no digits.
         double sum = -(b + copysign(sqrt(square), b));
         double first = sum / a, second = c[1] / sum;
 
-        // One is not finite when the derivative is linear.
+        // One zero is not finite when the derivative is linear.
         if (!(first < second)) {
             double swap = first;
 
@@ -55,7 +55,7 @@ static double bisect(const double c[static 4], double level, double low, double 
 {
     bool is_above = cubic_at(c, low) > level;
 
-    // Until no double is between the two; 60 halvings of at most 1 at the latest.
+    // Ends when no double lies between the two; 60 halvings of an interval of at most 1 suffice.
     for (int i = 0; i < 60; i++) {
         double middle = 0.5 * (low + high);
 

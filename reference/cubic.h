@@ -3,7 +3,7 @@
 #pragma once
 
 double cubic_at(const double c[static 4], double s);
-// Over [begin, end].
+// The integral over [begin, end].
 double cubic_integral(const double c[static 4], double begin, double end);
-// Where in (0, 1) it passes `level`, ascending; returns how many times.
+// Finds the points in (0, 1) where it passes `level`, ascending, and returns their number.
 int cubic_find_crossings(const double c[static 4], double level, double crossings[static 3]);

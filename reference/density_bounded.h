@@ -1,4 +1,4 @@
-// Any density, kept to a region.
+// A density limited to a region.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -70,7 +70,7 @@ double density_fold_fractal_folded(const struct density_fold_fractal *fractal, s
     return density_at_depth(fractal, fractal->radius - vec3_length(image));
 }
 
-// After i folds only offsets are left to bring a point nearer to the origin, sqrt(3) |offset| each.
+// After i folds, each remaining offset brings a point nearer to the origin by at most sqrt(3) |offset|.
 static double bound_after(const struct density_fold_fractal *fractal, int folds_done)
 {
     return fractal->radius + (fractal->iterations - folds_done) * SQRT_3 * fabs(fractal->offset);
@@ -102,7 +102,7 @@ static bool clip_to_sphere(struct piece *piece, double radius)
     return piece->begin < piece->end;
 }
 
-// Where the piece passes nearest to the origin its distance turns sharply: an end there keeps either side smooth.
+// Cuts the piece at its point nearest to the origin, where the distance changes sharply: both sides are then smooth.
 static void append_piece(const struct piece *piece, struct span_list *spans)
 {
     double nearest = -vec3_dot(piece->image.origin, piece->image.direction);
@@ -112,7 +112,7 @@ static void append_piece(const struct piece *piece, struct span_list *spans)
     span_list_append(spans, cut, piece->end, &piece->image);
 }
 
-// The next plane is always x + y = 0: three turns of the names bring them back.
+// Permutes the coordinates' names, so that every fold is at x + y = 0. Three permutations restore them.
 static struct vec3 turn_names(struct vec3 v)
 {
     return (struct vec3){v.y, v.z, v.x};

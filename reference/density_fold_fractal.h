@@ -20,16 +20,16 @@ struct density_fold_fractal_params {
 
 void density_fold_fractal_init(struct density_fold_fractal *fractal, const struct density_fold_fractal_params *params);
 double density_fold_fractal(const struct density_fold_fractal *fractal, struct vec3 position);
-// Signed, negative inside: no two points' distances differ by more than the points' own distance.
+// Signed distance, negative inside. It is Lipschitz with constant 1.
 double density_fold_fractal_distance(const struct density_fold_fractal *fractal, struct vec3 position);
-// The density is zero where |position| exceeds it.
+// The density is zero farther from the origin than this.
 double density_fold_fractal_bound(const struct density_fold_fractal *fractal);
 
-// The density where the folds have put a point at `image`.
+// The density of a point that the folds map to `image`.
 double density_fold_fractal_folded(const struct density_fold_fractal *fractal, struct vec3 image);
 
-// Appends where the density is positive between `near` and `far` (which may be infinite), cut at every fold: each fold is an
-// isometry on either side of its plane, so that within a span the density is a smooth function
-// of the distance, and the span's image is the folded ray.
+// Appends the stretches between `near` and `far` (which may be infinite) where the density is positive, cut at every
+// fold. Each fold is an isometry on either side of its plane: within a span the density is a smooth function of the
+// distance, and the span's image is the folded ray.
 void density_fold_fractal_spans(const struct density_fold_fractal *fractal, const struct ray *ray, double near,
                                 double far, struct span_list *spans);

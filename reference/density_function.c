@@ -10,7 +10,8 @@ static double at(const void *field, struct vec3 position)
     return function->scale * fmax(function->at(function->context, position, function->time), 0.0);
 }
 
-// Nothing is known of where it is smooth or positive: pieces so short that hardly a feature hides between their nodes.
+// Pieces so short that hardly a feature hides between their nodes: where the function is smooth or positive is not
+// known.
 static void find_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
 {
     const int pieces = 64;

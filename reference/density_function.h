@@ -1,10 +1,10 @@
-// A density that the caller knows as a function: the twin of one written in GLSL.
+// A density given by a C function: the twin of one written in GLSL.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "reference/density.h"
 
-// What `float density(vec3 p, float t)` returns.
+// The value that GLSL's `float density(vec3 p, float t)` returns.
 typedef double density_function_at(const void *context, struct vec3 position, double time);
 
 // density = scale max(at(position, time), 0)

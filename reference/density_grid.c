@@ -52,7 +52,7 @@ static void find_spans(const void *field, const struct ray *ray, double near, do
     }
 }
 
-// The integral over [0, 1] of what is positive.
+// The integral over [0, 1] of the cubic where it is positive.
 static double positive_integral(const struct grid_stretch *stretch)
 {
     double crossings[3], sum = 0.0, begin = 0.0;

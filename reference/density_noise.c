@@ -6,7 +6,7 @@
 
 enum { PIECE_LIMIT = 128, HALVING_LIMIT = 5, ROOT_STEPS = 24 };
 
-// His table.
+// Perlin's table.
 static const unsigned char PERMUTATION[256] = {
     151, 160, 137, 91,  90,  15,  131, 13,  201, 95,  96,  53,  194, 233, 7,   225, 140, 36,  103, 30,  69,  142,
     8,   99,  37,  240, 21,  10,  23,  190, 6,   148, 247, 120, 234, 75,  0,   26,  197, 62,  94,  252, 219, 203,
@@ -22,7 +22,7 @@ static const unsigned char PERMUTATION[256] = {
     67,  29,  24,  72,  243, 141, 128, 195, 78,  66,  215, 61,  156, 180,
 };
 
-// Towards the middles of a cube's edges; four of the twelve come twice.
+// Gradients towards the middles of a cube's edges; four of the twelve come twice.
 static const double GRADIENT[16][3] = {
     {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, //
     {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1}, //
@@ -30,7 +30,7 @@ static const double GRADIENT[16][3] = {
     {1, 1, 0}, {0, -1, 1}, {-1, 1, 0}, {0, -1, -1},
 };
 
-// Of any whole number, by its remainder.
+// The table's entry for any integer, by its remainder.
 static int permuted(int number)
 {
     return PERMUTATION[(unsigned)number % 256];
@@ -41,7 +41,7 @@ static double smooth(double t)
     return ((6.0 * t - 15.0) * t + 10.0) * t * t * t;
 }
 
-// Along one axis: the lattice points on either side, the way from the lower one and the weight of the upper one.
+// Along one axis: the lattice points on either side, the distance from the lower one and the weight of the upper one.
 struct sides {
     int point;
     double away, weight;
@@ -63,7 +63,7 @@ static double ramp(int point, double x, double y, double z)
     return gradient[0] * x + gradient[1] * y + gradient[2] * z;
 }
 
-// What the corners along an edge in z give.
+// The interpolated values of the two corners of an edge along z.
 static double blend_edge(int column, const struct sides *z, double x, double y)
 {
     double below = ramp(column + z->point, x, y, z->away);
@@ -89,7 +89,7 @@ double density_noise_octave(struct vec3 q)
     return below + x.weight * (above - below);
 }
 
-// Rodrigues' formula; `image` turns counter-clockwise seen from the axis' tip.
+// Rodrigues' formula; the rotation is counter-clockwise seen from the axis' tip.
 static struct vec3 turned(struct vec3 v, struct vec3 axis, double angle_rad)
 {
     double along = vec3_dot(axis, v) * (1.0 - cos(angle_rad));
@@ -103,7 +103,7 @@ void density_noise_init(struct density_noise *noise, const struct density_noise_
     struct vec3 axis = vec3_normalize(params->axis);
     double angle_rad = params->angle_deg * M_PI / 180.0;
 
-    // A rotation's rows are what its inverse makes of the axes.
+    // A rotation's rows are the images of the axes under its inverse.
     *noise = (struct density_noise){
         .octaves = params->octaves,
         .mode = params->mode,
@@ -135,7 +135,7 @@ static double sum_of_octaves(const struct density_noise *noise, struct vec3 q)
     return sum;
 }
 
-// What the density is a power of, where that is positive.
+// The base of the power that is the density, where it is positive.
 static double base(const struct density_noise *noise, struct vec3 position)
 {
     struct vec3 local = vec3_subtract(position, noise->center);
@@ -158,7 +158,7 @@ static double at(const void *field, struct vec3 position)
     return density_noise(field, position);
 }
 
-// The sum of what the octaves weigh, each as many times as `growth` to the power of its number.
+// The sum of the octaves' weights, octave i counting growth^i times.
 static double sum_weights(const struct density_noise *noise, double growth)
 {
     double sum = 0.0, weight = 1.0;
@@ -170,17 +170,17 @@ static double sum_weights(const struct density_noise *noise, double growth)
     return sum;
 }
 
-// The base changes by no more than this per metre.
+// A Lipschitz constant of the base, per metre.
 static double steepness_of(const struct density_noise *noise)
 {
-    // Of one octave, per lattice cell: not proven, the steepest of ten million random places was 3.39.
+    // Of one octave, per lattice cell. Not proven: the steepest of ten million random points was 3.39.
     const double of_octave = 4.0;
 
     return of_octave * noise->frequency * sum_weights(noise, noise->lacunarity) *
            (noise->mode == SCENE_NOISE_REMAP ? 0.5 : 1.0);
 }
 
-// The base is no larger than this: eight ramps, each below 2 in its cell, of weights that sum to 1.
+// An upper bound of the base: eight ramps, each below 2 in its cell, with weights that sum to 1.
 static double highest_of(const struct density_noise *noise)
 {
     return 2.0 * sum_weights(noise, 1.0);
@@ -190,9 +190,9 @@ struct search {
     const struct density_noise *noise;
     const struct ray *ray;
     double steepness;
-    double highest;         // what the base cannot exceed in size
-    double last, last_base; // the last place that was asked for, where often the next stretch begins
-    double begin;           // of the piece that is searched
+    double highest;         // upper bound of the base's absolute value
+    double last, last_base; // the last evaluated distance, where the next stretch often begins
+    double begin;           // of the searched piece
     struct span_list *spans;
 };
 
@@ -205,7 +205,7 @@ static double base_at(struct search *search, double distance)
     return search->last_base;
 }
 
-// Stretches that meet within a piece are one.
+// Appends a stretch, joined with the one before where they meet within a piece.
 static void append(const struct search *search, double begin, double end)
 {
     struct span_list *spans = search->spans;
@@ -217,8 +217,8 @@ static void append(const struct search *search, double begin, double end)
     }
 }
 
-// Where the base passes 0, on the side where it is positive. The method of false position in Illinois' form: Dowell and Jarratt,
-// BIT 11, 1971.
+// The zero of the base, on its positive side, by the Illinois method of false position: Dowell and Jarratt, BIT 11,
+// 1971.
 static double find_root(struct search *search, double begin, double at_begin, double end, double at_end)
 {
     bool is_rising = at_end > 0.0;
@@ -227,7 +227,7 @@ static double find_root(struct search *search, double begin, double at_begin, do
     for (int i = 0; i < ROOT_STEPS && high - low > sliver; i++) {
         double middle = low + (high - low) * at_begin / (at_begin - at_end), value;
 
-        // Half a sliver beyond, the other side follows.
+        // Half a sliver beyond the zero, so that the other side moves too.
         middle = fmin(fmax(middle, low + 0.5 * sliver), high - 0.5 * sliver);
         value = base_at(search, middle);
         if ((value > 0.0) == is_rising) {
@@ -262,16 +262,17 @@ static void append_side(struct search *search, double begin, double end)
     }
 }
 
-// A bump between two nodes would be missed however fine the accuracy: where a stretch's middle is farther from 0 than the
-// base can change there is none; elsewhere it is looked for in halves.
+// Finds all positive stretches. Where the base at a stretch's middle is farther from 0 than it can change within the
+// stretch, there is no zero; other stretches are halved, because a bump between two nodes would be missed at any
+// accuracy.
 static void find_positive(struct search *search, double begin, double end, int halvings_left)
 {
     double middle = 0.5 * (begin + end), reach = search->steepness * 0.5 * (end - begin), value = 0.0;
-    // No value is farther from 0 than the highest.
-    bool is_looked_at = halvings_left > 0 && reach <= search->highest;
+    // No value is farther from 0 than `highest`.
+    bool is_sampled = halvings_left > 0 && reach <= search->highest;
 
-    if (is_looked_at) value = base(search->noise, ray_at(search->ray, middle));
-    if (is_looked_at && fabs(value) >= reach) {
+    if (is_sampled) value = base(search->noise, ray_at(search->ray, middle));
+    if (is_sampled && fabs(value) >= reach) {
         if (value > 0.0) append(search, begin, end);
     } else if (halvings_left == 0) {
         append_side(search, begin, end);
@@ -281,7 +282,7 @@ static void find_positive(struct search *search, double begin, double end, int h
     }
 }
 
-// Nothing jumps, but on a stretch of many cells a rule of few nodes could miss them all.
+// Cuts long stretches: a rule of few nodes could miss all features of many cells.
 static void find_spans(const void *field, const struct ray *ray, double near, double far, struct span_list *spans)
 {
     const struct density_noise *noise = field;

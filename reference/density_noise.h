@@ -11,7 +11,7 @@ struct density_noise {
     enum scene_noise_mode mode;
     double frequency; // lattice cells per metre
     double lacunarity;
-    double gain;                     // of an octave over the one before it: lacunarity^-hurst
+    double gain;                     // of an octave relative to the one before it: lacunarity^-hurst
     double exponent;                 // (1 - bias) / (1 + bias)
     struct vec3 offset;              // lattice cells
     struct vec3 center;              // m
@@ -24,16 +24,16 @@ struct density_noise_params {
     enum scene_noise_mode mode;
     double frequency, lacunarity, hurst, bias;
     struct vec3 offset; // lattice cells
-    struct vec3 center; // m: what the noise turns about
+    struct vec3 center; // in metres: the centre of the rotation
     struct vec3 axis;   // of any length but 0
     double angle_deg;
     double scale;
 };
 
 void density_noise_init(struct density_noise *noise, const struct density_noise_params *params);
-// Scene.h's struct scene_noise has the formula.
+// The formula is in core/scene/scene.h at struct scene_noise.
 double density_noise(const struct density_noise *noise, struct vec3 position);
-// One octave: the noise itself at `q`, in lattice cells; 0 where all three are whole, period 256 in each.
+// One octave at `q`, in lattice cells. It is 0 where all three coordinates are integers, and has period 256 in each.
 double density_noise_octave(struct vec3 q);
-// The density as the integrators ask for it; borrows the noise.
+// The density for the integrators; borrows the noise.
 struct density density_noise_field(const struct density_noise *noise);

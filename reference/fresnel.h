@@ -1,4 +1,4 @@
-// Which share of light a smooth boundary reflects, and how the rest is bent.
+// The share of light that a smooth boundary reflects, and the direction of the refracted rest.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,12 +9,12 @@
 
 struct fresnel {
     enum scene_fresnel kind;
-    double f0, f90; // of Schlick's
-    bool has_f0;    // else by the iors
+    double f0, f90; // of Schlick's formula
+    bool has_f0;    // else f0 follows from the iors
 };
 
-// In all of them `cos_in` in [0, 1] is the cosine between the way back and the normal, and `eta` the ior before the boundary
-// relative to the one behind it, > 0. Beyond the critical angle all is reflected.
+// In all functions `cos_in` in [0, 1] is the cosine between the reversed ray and the normal, and `eta` > 0 the ior
+// before the boundary relative to the one behind it. Beyond the critical angle all light is reflected.
 
 // Cosine of the refracted ray; negative beyond the critical angle. Snell's law.
 double fresnel_cos_out(double cos_in, double eta);
@@ -22,8 +22,9 @@ double fresnel_cos_out(double cos_in, double eta);
 double fresnel_exact(double cos_in, double eta);
 // f0 + (f90 - f0) (1 - c)^5, c the cosine on the side of the smaller ior. Schlick, Computer Graphics Forum 13, 1994.
 double fresnel_schlick(double f0, double f90, double cos_in, double eta);
-// By the kind; of SCENE_FRESNEL_NONE 0.
+// The share by the given kind; 0 for SCENE_FRESNEL_NONE.
 double fresnel_share(const struct fresnel *fresnel, double cos_in, double ior_before, double ior_behind);
-// The way on of a ray that is not totally reflected; `direction` and `normal` of length 1, dot(direction, normal) = -cos_in.
+// The direction of the refracted ray, which is not totally reflected. `direction` and `normal` have length 1, and
+// dot(direction, normal) = -cos_in.
 struct vec3 fresnel_refract(struct vec3 direction, struct vec3 normal, double eta);
 struct vec3 fresnel_reflect(struct vec3 direction, struct vec3 normal);

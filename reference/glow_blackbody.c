@@ -6,10 +6,10 @@
 #include <math.h>
 #include <stddef.h>
 
-// Below it no light counts, as blackbody_rgb has it.
+// Below it there is no light, as in blackbody_rgb.
 static const double COLDEST = 400.0;
 
-// In [-1, 1].
+// Chebyshev's nodes in [-1, 1].
 static double node(int i)
 {
     return cos(M_PI * (i + 0.5) / GLOW_BLACKBODY_NODES);

@@ -1,4 +1,4 @@
-// Light of a hot medium: Planck's, at a grid's temperatures.
+// Emission of a hot medium: a black body at a grid's temperatures.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,7 +11,8 @@ struct glow_blackbody {
     struct grid grid;
     double kelvin;    // per unit of the grid's value
     double intensity; // glow = intensity B(kelvin value)
-    // The logarithms of B's tristimulus values, over 1 / temperature at Chebyshev's nodes: there they are nearly straight.
+    // The logarithms of B's tristimulus values as functions of 1 / temperature, at Chebyshev's nodes: they are nearly
+    // linear.
     double coldness_low, coldness_high; // 1 / K
     double log_xyz[GLOW_BLACKBODY_NODES][3];
 };

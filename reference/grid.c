@@ -58,7 +58,7 @@ static int clamp(double index, int size)
     return index < 0.0 ? 0 : index > size - 1 ? size - 1 : (int)index;
 }
 
-// The voxel of a whole index, or the outermost in its direction.
+// The voxel of an integer index, or the outermost voxel in its direction.
 static double voxel(const struct grid *grid, const double index[static 3])
 {
     size_t i = (size_t)clamp(index[0], grid->size[0]), j = (size_t)clamp(index[1], grid->size[1]);
@@ -124,7 +124,7 @@ void grid_walk_init(struct grid_walk *walk, const struct grid *grid, const struc
     walk->far = far;
 }
 
-// Where the ray next passes a plane between cells.
+// The distance at which the ray next passes a plane between cells.
 static double next_plane(const struct grid_walk *walk, int axis)
 {
     double origin = walk->origin[axis], slope = walk->direction[axis];
@@ -134,7 +134,7 @@ static double next_plane(const struct grid_walk *walk, int axis)
     if (slope == 0.0) return INFINITY;
     plane = slope > 0.0 ? floor(here) + 1.0 : ceil(here) - 1.0;
     at = (plane + shift - origin) / slope;
-    // By rounding it may be the plane just passed.
+    // Rounding may give the plane just passed.
     return at > walk->at ? at : (plane + copysign(1.0, slope) + shift - origin) / slope;
 }
 

@@ -1,4 +1,4 @@
-// Values on a lattice of voxels somewhere in the world, and what a ray sees of them.
+// Values on a lattice of voxels in the world, and their course along a ray.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -25,12 +25,12 @@ struct grid_params {
 
 void grid_init(struct grid *grid, const struct grid_params *params);
 bool grid_contains(const struct grid *grid, struct vec3 position);
-double grid_value(const struct grid *grid, struct vec3 position); // outside of the box that of its nearest face
+double grid_value(const struct grid *grid, struct vec3 position); // outside the box: the value at its nearest face
 
-// A stretch of a ray within one cell, where the value is a cubic of s, 0 at its begin and 1 at its end.
+// A stretch of a ray within one cell. The value is a cubic of s, which is 0 at its begin and 1 at its end.
 struct grid_stretch {
     double begin, end; // m along the ray
-    double low, high;  // what the values are between
+    double low, high;  // bounds of the values
     double cubic[4];
 };
 

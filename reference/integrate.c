@@ -14,13 +14,14 @@ static const double DEFAULT_RELATIVE = 1e-4;
 static const double DEFAULT_FLOOR = 1e-6;
 enum { DEFAULT_HALVING_LIMIT = 30 };
 
-// Behind so much extinction no scattered light is looked for.
-static const double DARKNESS = 1e-12, LOOSE_DARKNESS = 1e-3; // the latter times the accuracy
+// The transmittance behind which scattered light is left out; LOOSE_DARKNESS is relative to the accuracy.
+static const double DARKNESS = 1e-12, LOOSE_DARKNESS = 1e-3;
 
-// A cell of more optical depth may hide its bright front from every node, and two halvings agree on black.
+// The optical depth of a cell at most: in a deeper one every node may lie behind the bright front, and two halvings
+// agree on black.
 static const double THICKEST_CELL = 2.0;
 
-// A halving divides a cell's error by 2^2 even at a kink.
+// The factor by which a halving divides a cell's error at least, even at a kink: 2^2.
 static const double LITTLE = 4.0;
 
 struct gatherer {
@@ -30,8 +31,8 @@ struct gatherer {
     double relative;          // accuracy of the radiance
     double shadow_tolerance;  // of optical depths
     double radiance_tolerance[3], share_tolerance;
-    double darkness; // throughput of what nobody sees
-    bool is_loose;   // one agreement is enough
+    double darkness; // throughput below which nothing is visible
+    bool is_loose;   // one agreement of halvings is enough
     bool hit_limit;
 };
 
@@ -44,7 +45,7 @@ static struct cell cell_of(const struct span *span)
     return (struct cell){span->begin, span->end};
 }
 
-// What a cell adds to a ray that enters it undimmed.
+// The light that a cell adds to a ray of throughput 1 at its begin.
 struct cell_light {
     double radiance[3], optical_depth[3];
 };
@@ -130,7 +131,7 @@ static struct cell_light follow(const struct cell_light *first, const struct cel
     return both;
 }
 
-// To within `slack` times the cell's share of the accuracy.
+// True when the change is within `slack` times the cell's share of the accuracy.
 static bool agree(const struct gatherer *gatherer, const double throughput[static 3], const struct cell_light *a,
                   const struct cell_light *b, double slack)
 {
@@ -154,8 +155,8 @@ static bool is_dark(const struct gatherer *gatherer, const double throughput[sta
     return throughput[0] < darkness && throughput[1] < darkness && throughput[2] < darkness;
 }
 
-// Halves the cell until two halvings in a row change little and the second nothing that matters: one alone may do so by
-// accident.
+// Halves the cell until two halvings in a row change little, and the second changes nothing that matters. One alone may
+// agree by accident.
 static struct cell_light refine(struct gatherer *gatherer, struct cell cell, const double throughput[static 3],
                                 const struct cell_light *whole, bool agreed_before, int halvings_left)
 {
@@ -183,13 +184,14 @@ static struct cell_light refine(struct gatherer *gatherer, struct cell cell, con
     return follow(&left_light, &right_light);
 }
 
-// What a light near the ray sends peaks at its foot, as narrow as the light is near; too narrow for the nodes of a long
-// cell, which would then agree on the tails. Each cut is as far from the next as from the foot, a few times.
+// Cuts spans around the foot of a light near the ray. There its irradiance has a peak that is as narrow as the light is
+// near, too narrow for the nodes of a long cell, which would agree on the tails. The cuts' distances from the foot grow
+// by a constant factor, from the light's own distance on.
 static void cut_at_light(struct span_list *spans, const struct ray *ray, struct vec3 light)
 {
     const double growth = 8.0;
-    struct vec3 way = vec3_subtract(light, ray->origin);
-    double foot = vec3_dot(way, ray->direction);
+    struct vec3 to_light = vec3_subtract(light, ray->origin);
+    double foot = vec3_dot(to_light, ray->direction);
     double height = vec3_length(vec3_subtract(light, ray_at(ray, foot)));
     double farthest, side;
 
@@ -204,7 +206,8 @@ static void cut_at_light(struct span_list *spans, const struct ray *ray, struct 
     }
 }
 
-// Ends lie where a medium's density, its glow, a light's distance or the shadow of an object is not smooth.
+// Finds spans whose ends lie where a medium's density, its glow, a light's distance or an object's shadow is not
+// smooth.
 static void find_spans(const struct gatherer *gatherer, double near, double far, struct span_list *spans)
 {
     const struct still *still = gatherer->still;
@@ -225,10 +228,10 @@ static void find_spans(const struct gatherer *gatherer, double near, double far,
     }
 }
 
-// What is known of a span's light before it is refined.
+// A first guess of a span's light.
 struct expectation {
     struct cell_light rough; // as one cell
-    double radiance[3];      // what it adds to the ray's; gathering replaces it by what it did add
+    double radiance[3];      // its part of the ray's radiance: a guess, then replaced by the integrated one
 };
 
 static struct cell_light gather(struct gatherer *gatherer, const struct span_list *spans, struct expectation *expected,
@@ -242,7 +245,8 @@ static struct cell_light gather(struct gatherer *gatherer, const struct span_lis
 
         for (int c = 0; c < 3; c++) {
             throughput[c] = exp(-total.optical_depth[c]);
-            // A third of the accuracy to all spans alike, one by what each is about to add; the rest is the shadows'.
+            // A third of the accuracy is divided equally, a third in proportion to the guesses; the last third is for
+            // shadows.
             gatherer->radiance_tolerance[c] =
                 gatherer->relative / 3.0 * (brightness[c] / (double)spans->count + expected[i].radiance[c]);
         }
@@ -274,7 +278,7 @@ static struct cell_light expect(const struct gatherer *gatherer, const struct sp
     return total;
 }
 
-// A tolerance relative to the radiance needs the radiance: where the guess was too bright the tolerance was too lax.
+// Integrates again where the guess of the radiance was too bright, because the tolerance relative to it was too lax.
 static struct cell_light gather_until_guess_holds(struct gatherer *gatherer, const struct span_list *spans,
                                                   double floor, int halving_limit)
 {

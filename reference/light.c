@@ -14,12 +14,12 @@ static struct light_arrival arrive(const struct light *light, struct vec3 travel
 
 struct light_arrival light_point(const struct light *light, struct vec3 position)
 {
-    struct vec3 way = vec3_subtract(position, light->position);
-    double distance = vec3_length(way);
+    struct vec3 from_light = vec3_subtract(position, light->position);
+    double distance = vec3_length(from_light);
     double factor = light->falloff == SCENE_FALLOFF_INVERSE_SQUARE ? 1.0 / (distance * distance) : 1.0;
 
     // At the light itself no direction is better than another.
-    return arrive(light, vec3_scale(way, distance > 0.0 ? 1.0 / distance : 0.0), distance, factor);
+    return arrive(light, vec3_scale(from_light, distance > 0.0 ? 1.0 / distance : 0.0), distance, factor);
 }
 
 struct light_arrival light_sun(const struct light *light)

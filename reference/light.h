@@ -1,4 +1,4 @@
-// Lights without size: where their light comes from and how much of it arrives when nothing is in the way.
+// Lights without size: the direction of their light and its irradiance where nothing attenuates it.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@ struct light {
     enum scene_falloff falloff; // point only
     double intensity[3];        // W/sr, or W/m^2 without falloff and of a sun
     struct vec3 position;       // point only
-    struct vec3 direction;      // sun only: the way its light travels, of length 1
+    struct vec3 direction;      // sun only: the direction in which its light travels, of length 1
 };
 
 struct light_arrival {

@@ -5,7 +5,8 @@
 
 #include <math.h>
 
-// At the end of a piece. Both sides are air or dielectric; light is taken to come from the thinner one.
+// The transmitted share at the end of a piece, between air and dielectrics. Light is taken to come from the side of the
+// smaller ior.
 static double passed_share(const struct still *still, const struct ray *ray, const struct object_piece *piece,
                            size_t next_region)
 {

@@ -1,6 +1,6 @@
-// Which share of a light's irradiance arrives straight through media and dielectrics.
+// The share of a light's irradiance that arrives in a straight line through media and dielectrics.
 // SPDX-License-Identifier: Apache-2.0
-// Each boundary takes what it reflects. Nothing is bent, and nothing opaque lets anything through.
+// Each boundary takes the share that it reflects. Rays are not refracted. Opaque objects block all light.
 #pragma once
 
 #include "reference/still.h"

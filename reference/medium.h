@@ -12,7 +12,7 @@ struct medium_lobe {
     double weight;
 };
 
-// Source per metre and unit of density that differs from place to place. The zero value is none.
+// Source per metre and unit of density that varies with position. The zero value is none.
 struct medium_glow {
     const void *field; // borrowed; outlives us
     void (*at)(const void *field, struct vec3 position, double source[static 3]);
@@ -32,5 +32,5 @@ struct medium {
 
 // Per steradian; `cos_theta` between the directions of travel before and after.
 double medium_phase(const struct medium *medium, double cos_theta);
-// Source per metre at a position where the density is `density`, scattered light apart.
+// Source per metre at a position where the density is `density`, without scattered light.
 void medium_source(const struct medium *medium, struct vec3 position, double density, double source[static 3]);

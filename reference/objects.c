@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-// Of the distances that take part.
+// Tolerance, relative to the distances that take part.
 static const double SLIVER = 1e-11;
 
 // A stretch of the ray inside one object, and the shapes where it begins and ends.
@@ -28,7 +28,7 @@ static void insert_by_begin(struct stays *stays, const struct stay *stay)
     stays->list[at] = *stay;
 }
 
-// Joins what overlaps or touches.
+// Joins stretches that overlap or touch.
 static void join(struct stays *stays, double sliver)
 {
     size_t kept = 0;
@@ -60,7 +60,7 @@ static void find_stays(const struct objects *objects, const struct object *objec
     if (stays->count > 1) join(stays, SLIVER * (vec3_length(ray->origin) + stays->list[stays->count - 1].begin));
 }
 
-// Where anything begins or ends, ascending.
+// The distances where a stretch begins or ends, ascending.
 struct cuts {
     double at[OBJECT_PIECE_LIMIT + 1];
     size_t count;
@@ -89,7 +89,7 @@ static size_t region_at(const struct stays *stays, size_t object_count, double d
     return 0;
 }
 
-// Appends a piece, or lengthens the last one where that is the same region.
+// Appends a piece, or lengthens the last one if it has the same region.
 static void append(struct object_walk *walk, double begin, double end, size_t region)
 {
     struct object_piece *last = walk->count > 0 ? &walk->pieces[walk->count - 1] : NULL;
@@ -101,7 +101,7 @@ static void append(struct object_walk *walk, double begin, double end, size_t re
     }
 }
 
-// Where the region changes from one object's to a later one's, the later one begins; the other way it ends.
+// The shape that is crossed between two regions: the later object begins there, or ends.
 static size_t find_crossed_shape(const struct stays *stays, const struct object_piece *piece, size_t next_region)
 {
     bool is_entering = next_region > piece->region;
@@ -138,7 +138,7 @@ void objects_walk(const struct objects *objects, const struct ray *ray, double f
         double begin = cuts.at[i], end = cuts.at[i + 1];
         bool is_thin = end - begin <= SLIVER * (vec3_length(ray->origin) + begin);
 
-        // A ray of no length has a region as well.
+        // A ray of length 0 has a region too.
         if (is_thin && (i + 2 < cuts.count || walk->count > 0)) continue;
         append(walk, begin, end,
                region_at(stays, objects->count, isinf(end) ? 2.0 * begin + 1.0 : 0.5 * (begin + end)));

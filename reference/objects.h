@@ -1,7 +1,7 @@
-// Solids, what they are made of, and which of them a ray is in.
+// Solid objects, their materials, and which of them contain a point of a ray.
 // SPDX-License-Identifier: Apache-2.0
-// A region is what one object has for itself, or the air around all of them: where objects overlap, the later one is
-// there alone.
+// A region is the space of one object, or the air around all objects. Where objects overlap, the space is the later
+// one's.
 #pragma once
 
 #include "core/scene/scene.h"
@@ -23,7 +23,7 @@ struct material {
     struct texture texture; // of diffuse
 };
 
-// The union of its shapes.
+// An object: the union of its shapes.
 struct object {
     size_t first_shape, shape_count; // in `shapes`
     struct material material;
@@ -36,12 +36,11 @@ struct objects {
     size_t count;
 };
 
-// Regions are numbered: 0 is air, i + 1 that of object i.
+// A piece of a ray within one region. Region 0 is air, i + 1 is object i.
 struct object_piece {
     double begin, end; // m along the ray
-    size_t region;     // another than the pieces' before and behind
-    size_t
-        shape; // whose boundary is crossed at `end`: one of the later of both regions' objects; not for the last piece
+    size_t region;     // differs from those of the pieces before and after
+    size_t shape;      // whose boundary is crossed at `end`: the later object's; not set for the last piece
 };
 
 enum { OBJECT_PIECE_LIMIT = 2 * SCENE_SHAPE_LIMIT + 1 };
@@ -51,9 +50,9 @@ struct object_walk {
     size_t count; // at least 1
 };
 
-// The regions along the ray from 0 to `far`, which may be INFINITY. What is thinner than roundings is left out, so that
-// boundaries that lie in one place are crossed together.
+// The regions along the ray from 0 to `far`, which may be INFINITY. Pieces thinner than rounding errors are left out,
+// so that coinciding boundaries are crossed together.
 void objects_walk(const struct objects *objects, const struct ray *ray, double far, struct object_walk *walk);
-// Neither air nor dielectric.
+// True when the region is neither air nor dielectric.
 bool objects_is_opaque(const struct objects *objects, size_t region);
 double objects_ior(const struct objects *objects, size_t region); // of air and dielectrics

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-// Below it everywhere an image counts as black, and errors are absolute.
+// An image whose values are all below it counts as black: its errors are absolute.
 static const double BLACK = 1e-6;
 
 static struct reference_pixel measure(const struct still *still, double x, double y, uint64_t seed,
@@ -53,7 +53,7 @@ struct reference_pixel reference_measure_samples(const struct job *job, const st
         for (int c = 0; c < 3; c++) {
             double off = pixel.radiance[c] - mean.radiance[c];
 
-            // The mean and the sum of squares about it. Welford, Technometrics 4, 1962.
+            // The mean and the sum of squares about it: Welford, Technometrics 4, 1962.
             mean.radiance[c] += off / (double)(i + 1);
             squares[c] += off * (pixel.radiance[c] - mean.radiance[c]);
             mean.transmittance[c] += pixel.transmittance[c] * share;
@@ -78,7 +78,7 @@ static double mean_transmittance(const struct still_media *media, const struct r
     return (share[0] + share[1] + share[2]) / 3.0;
 }
 
-// An end of the media along the ray, so that halving has a finite start.
+// A finite end of the media along the ray, at which halving starts.
 static double last_density(const struct still_media *media, const struct ray *ray, double near, double far)
 {
     double last = near;

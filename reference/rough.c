@@ -5,7 +5,7 @@
 
 enum { DRAW_LIMIT = 16 };
 
-// In [0, 1).
+// A random number in [0, 1).
 static double next_number(struct rough_random *random)
 {
     uint64_t z = random->state += 0x9e3779b97f4a7c15u;
@@ -16,7 +16,7 @@ static double next_number(struct rough_random *random)
     return (double)(z >> 11) * 0x1p-53;
 }
 
-// Heights on a sphere are uniform. Archimedes, On the Sphere and Cylinder.
+// A random point of the unit sphere: heights on a sphere are uniform. Archimedes, On the Sphere and Cylinder.
 static struct vec3 next_on_sphere(struct rough_random *random)
 {
     double height = 2.0 * next_number(random) - 1.0, angle = 2.0 * M_PI * next_number(random);

@@ -4,10 +4,11 @@
 #include <math.h>
 #include <stdbool.h>
 
-// Two ends so near, relative to their distance, are one.
+// Two ends nearer than this, relative to their distance, count as one.
 static const double SLIVER = 1e-9;
 
-// All ways from the ray to a light lie in one plane, where shapes are discs, polygons and half-planes.
+// A point of the plane that contains the ray and its shadow rays to one light. In it shapes are discs, polygons and
+// half-planes.
 struct point {
     double x, y; // m along the ray, and towards the light from it
 };
@@ -29,23 +30,23 @@ struct section {
     struct ray ray;
     struct vec3 upwards, normal; // of the plane; of length 1, at right angles to the ray
     bool is_sun;
-    struct point light; // or, of a sun, the way to it
+    struct point light; // or the direction to a sun
     struct disc discs[DISC_LIMIT];
     size_t disc_count;
     struct edge edges[EDGE_LIMIT];
     size_t edge_count;
 };
 
-// False when light and ray are in line: there are many such planes.
-static bool place(struct section *section, const struct light *light, const struct ray *ray)
+// False when the light lies on the ray's line: then the plane is not unique.
+static bool init_section(struct section *section, const struct light *light, const struct ray *ray)
 {
-    struct vec3 way = light->kind == SCENE_LIGHT_SUN ? vec3_scale(light->direction, -1.0)
-                                                     : vec3_subtract(light->position, ray->origin);
-    double along = vec3_dot(way, ray->direction);
-    struct vec3 across = vec3_subtract(way, vec3_scale(ray->direction, along));
+    struct vec3 to_light = light->kind == SCENE_LIGHT_SUN ? vec3_scale(light->direction, -1.0)
+                                                          : vec3_subtract(light->position, ray->origin);
+    double along = vec3_dot(to_light, ray->direction);
+    struct vec3 across = vec3_subtract(to_light, vec3_scale(ray->direction, along));
     double height = vec3_length(across);
 
-    if (!(height > 1e-12 * vec3_length(way))) return false;
+    if (!(height > 1e-12 * vec3_length(to_light))) return false;
     section->ray = *ray;
     section->upwards = vec3_scale(across, 1.0 / height);
     section->normal = vec3_cross(ray->direction, section->upwards);
@@ -66,7 +67,7 @@ static void cut_sphere(struct section *section, const struct shape *sphere)
         (struct disc){{vec3_dot(offset, section->ray.direction), vec3_dot(offset, section->upwards)}, sqrt(square)};
 }
 
-// The plane through `position` that faces along `normal`; false when the section does not cut it.
+// The line in which the section cuts the plane through `position` with that normal; false when it does not cut it.
 static bool cut_plane(const struct section *section, struct vec3 position, struct vec3 normal, struct edge *edge)
 {
     double x = vec3_dot(normal, section->ray.direction), y = vec3_dot(normal, section->upwards);
@@ -131,7 +132,7 @@ static void cut_shape(struct section *section, const struct shape *shape)
     }
 }
 
-// Splits where the way to the light passes `point`, unless that is at an end already.
+// Splits where the shadow ray passes `point`, unless an end is there already.
 static void split_at(const struct section *section, struct point point, struct span_list *spans)
 {
     double x = section->light.x, y = section->light.y, distance;
@@ -158,7 +159,7 @@ static void split_at_tangents(const struct section *section, const struct disc *
     }
     distance = hypot(x, y);
     if (!section->is_sun && distance <= radius) return;
-    // From the centre, towards the light and at right angles to that.
+    // From the centre: towards the light, and at right angles to that.
     along = section->is_sun ? 0.0 : radius * radius / distance;
     across = sqrt(radius * radius - along * along);
     for (int side = -1; side <= 1; side += 2) {
@@ -182,7 +183,7 @@ static void split_at_crossing(const struct section *section, const struct edge *
     double on_a = (x * b->direction.y - y * b->direction.x) / sine;
     double on_b = (x * a->direction.y - y * a->direction.x) / sine;
 
-    // Not "on_a < begin": a NaN, of parallel edges, is nowhere.
+    // Not "on_a < begin": NaN, from parallel edges, must not pass.
     if (on_a >= a->begin && on_a <= a->end && on_b >= b->begin && on_b <= b->end)
         split_at(section, point_of(a, on_a), spans);
 }
@@ -238,7 +239,7 @@ void shadow_edges_split(const struct objects *objects, const struct light *light
 {
     struct section section;
 
-    if (objects->count == 0 || spans->count == 0 || !place(&section, light, ray)) return;
+    if (objects->count == 0 || spans->count == 0 || !init_section(&section, light, ray)) return;
     for (size_t i = 0; i < objects->count; i++) {
         const struct object *object = &objects->list[i];
 

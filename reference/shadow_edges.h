@@ -1,4 +1,4 @@
-// Where along a ray the shadows of objects begin and end, which no quadrature should step over.
+// The distances along a ray where objects' shadows begin and end, which a quadrature must not step over.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,7 +6,7 @@
 #include "reference/objects.h"
 #include "reference/span_list.h"
 
-// Splits the spans where the straight way to the light touches a shape, passes an edge of one, or passes where the
-// boundaries of two meet: elsewhere the order of what it crosses stays the same.
+// Splits the spans where the shadow ray touches a shape, or passes an edge of a shape or of the intersection of two.
+// Between the splits it crosses the same boundaries in the same order.
 void shadow_edges_split(const struct objects *objects, const struct light *light, const struct ray *ray,
                         struct span_list *spans);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-// Of the coordinates that take part: far above their roundings, far below any size.
+// Tolerance, relative to the coordinates that take part: far above rounding errors, far below any size.
 static const double TOUCH = 1e-11;
 
 static double touch_distance(const struct shape *shape, struct vec3 origin)
@@ -91,11 +91,11 @@ static struct vec3 sphere_normal(const struct shape *sphere, struct vec3 positio
     static const struct vec3 UP = {0.0, 1.0, 0.0};
     struct vec3 offset = vec3_subtract(position, sphere->center);
 
-    // All of the boundary is as near to the centre.
+    // Every point of the boundary is equally near to the centre.
     return vec3_length(offset) > 0.0 ? vec3_normalize(offset) : UP;
 }
 
-// Of the face that is nearest.
+// The normal of the nearest face.
 static struct vec3 box_normal(const struct shape *box, struct vec3 position)
 {
     struct vec3 offset = vec3_subtract(position, box->center);

@@ -1,4 +1,4 @@
-// Convex solids in closed form: where a ray is inside, and which way their boundary faces.
+// Convex solids in closed form: the stretch of a ray inside, and the normal of the boundary.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,16 +9,16 @@
 
 struct shape {
     enum scene_shape_kind kind;
-    struct vec3 center; // of a plane: any of its points
+    struct vec3 center; // of a plane: any point of it
     double radius;      // of a sphere
     struct vec3 half;   // of a box: half its sides
     struct vec3 normal; // of a plane, of length 1; the solid lies behind it
 };
 
-// The stretch of the ray, ahead of its origin, that is inside; `end` may be INFINITY. False when there is none. An origin on
-// the boundary, to within roundings, is inside when the ray goes inwards.
+// The stretch of the ray inside the solid, ahead of the origin; `end` may be INFINITY. False when there is none. An
+// origin on the boundary, to within rounding, counts as inside if the ray goes inwards.
 bool shape_cross(const struct shape *shape, const struct ray *ray, double *begin, double *end);
-// Outwards, of length 1, at the boundary's point nearest to `position`.
+// The outward normal, of length 1, at the boundary's point nearest to `position`.
 struct vec3 shape_normal(const struct shape *shape, struct vec3 position);
-// The boundary's point nearest to `position`, which roundings have moved off it.
+// The boundary's point nearest to `position`, which rounding has moved off the boundary.
 struct vec3 shape_snap(const struct shape *shape, struct vec3 position);

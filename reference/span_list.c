@@ -35,7 +35,7 @@ void span_list_split(struct span_list *list, double cut)
             last = middle;
         }
     }
-    // Not "cut <= begin": a NaN splits nothing.
+    // Not "cut <= begin": NaN must not split anything.
     if (first == list->count || !(list->spans[first].begin < cut)) return;
     make_room(list);
     memmove(&list->spans[first + 1], &list->spans[first], (list->count - first) * sizeof list->spans[0]);
@@ -44,7 +44,7 @@ void span_list_split(struct span_list *list, double cut)
     list->count++;
 }
 
-// Two lists may find the same end with other roundings.
+// True for a stretch that rounding leaves: two lists may round the same end differently.
 static bool is_sliver(double begin, double end)
 {
     return end - begin < 1e-12 * fmax(fabs(begin), fabs(end));
@@ -59,7 +59,7 @@ void span_list_split_at_ends(struct span_list *list, const struct span_list *oth
         const struct span *span = &list->spans[i];
         double begin = span->begin;
 
-        // An end of the other may be a begin as well: both are looked at, in order.
+        // An end of the other list may be a begin as well: both are visited, in order.
         while (at < 2 * other->count) {
             double cut = at % 2 ? other->spans[at / 2].end : other->spans[at / 2].begin;
 
@@ -89,7 +89,7 @@ static double next_end(const struct walk *walk)
     return walk->is_inside ? walk->list->spans[walk->at].end : walk->list->spans[walk->at].begin;
 }
 
-// Passes every end that is not beyond `distance`: two may be at one place.
+// Passes every end that is not beyond `distance`; two may coincide.
 static void walk_to(struct walk *walk, double distance)
 {
     while (walk->at < walk->list->count && next_end(walk) <= distance) {

@@ -1,4 +1,4 @@
-// Stretches of a ray, ascending and apart, on which something is smooth.
+// Stretches of a ray on which a function is smooth: ascending and disjoint.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +8,7 @@
 
 struct span {
     double begin, end; // m along the ray, begin < end; end may be INFINITY
-    struct ray image;  // where a field that folds space puts the ray on this stretch; lost by a merge
+    struct ray image;  // the ray as a field that folds space maps it on this stretch; a merge loses it
 };
 
 // The zero value is empty.
@@ -23,6 +23,6 @@ void span_list_append(struct span_list *list, double begin, double end, const st
 void span_list_split(struct span_list *list, double cut);
 // Splits at each end of `other`'s spans.
 void span_list_split_at_ends(struct span_list *list, const struct span_list *other);
-// Makes `list` the union of itself and `other`, with the ends of both as ends, but for slivers that roundings leave.
+// Makes `list` the union of itself and `other`, split at the ends of both, except for slivers due to rounding.
 void span_list_merge(struct span_list *list, const struct span_list *other);
 void span_list_finish(struct span_list *list); // leaves it empty

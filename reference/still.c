@@ -64,7 +64,7 @@ static void stop_fractal(struct density_fold_fractal *fractal, const struct scen
                                        });
 }
 
-// Noise turns about the middle of its bounds.
+// Noise rotates about the centre of its bounds.
 static void stop_noise(struct density_noise *noise, const struct scene_density *source, double time)
 {
     const struct scene_noise *numbers = &source->noise;
@@ -109,7 +109,7 @@ static struct bounds stop_bounds(const struct scene_bounds *source, double time)
     return bounds;
 }
 
-// Moves the grid's middle.
+// Moves the grid's centre.
 static void move_middle(double index_to_world[static 12], const int size[static 3], struct vec3 center)
 {
     const double wanted[3] = {center.x, center.y, center.z};
@@ -121,7 +121,7 @@ static void move_middle(double index_to_world[static 12], const int size[static 
     }
 }
 
-// Moves what the file has at the world's origin: a box of active voxels has no middle that stays from file to file.
+// Moves the file's origin: the centre of the active voxels' box differs from file to file.
 static void move_origin(double index_to_world[static 12], struct vec3 center)
 {
     index_to_world[3] += center.x;
@@ -160,7 +160,7 @@ static void stop_grid(struct density_grid *density, const struct scene_grid *sou
     }
 }
 
-// False when the medium's density is not known.
+// False when the medium's density has neither twin nor input.
 static bool stop_density(struct density *density, union still_field *field, const struct scene_density *source,
                          double time, const struct still_grid *grid, const struct still_function *function)
 {
@@ -217,15 +217,15 @@ static void stop_blackbody(struct glow_blackbody *glow, const struct scene_mediu
                               });
 }
 
-// The still's next medium is the scene's medium `index`.
+// Appends the scene's medium `index` to the still's media.
 static void stop_medium(struct still *still, size_t index, const struct scene_medium *source, double time,
                         const struct still_inputs *inputs)
 {
     static const struct density_homogeneous EMPTY;
-    size_t place = still->medium_count++;
-    struct medium *medium = &still->media[place];
-    struct density_bounded *bounded = &still->bounded[place];
-    union still_field *field = &still->fields[place];
+    size_t slot = still->medium_count++;
+    struct medium *medium = &still->media[slot];
+    struct density_bounded *bounded = &still->bounded[slot];
+    union still_field *field = &still->fields[slot];
 
     stop_colors(medium, source, time);
     medium->region = source->owner;
@@ -236,8 +236,8 @@ static void stop_medium(struct still *still, size_t index, const struct scene_me
         return;
     }
     if (source->density.kind == SCENE_DENSITY_GRID && inputs->temperatures[index].values) {
-        stop_blackbody(&still->glows[place], source, &inputs->temperatures[index], time);
-        medium->glow = glow_blackbody(&still->glows[place]);
+        stop_blackbody(&still->glows[slot], source, &inputs->temperatures[index], time);
+        medium->glow = glow_blackbody(&still->glows[slot]);
     }
     if (source->density.kind == SCENE_DENSITY_GRID && field->grid.has_transfer) {
         // The density is the extinction itself.

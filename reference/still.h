@@ -1,4 +1,4 @@
-// A job's scene stopped at one moment.
+// A job's scene at one moment.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -19,7 +19,7 @@
 
 struct job;
 
-// A grid as it was read; without values there is none.
+// A grid as read from its file; values NULL: none.
 struct still_grid {
     const float *values; // borrowed; outlives the still; i fastest
     int size[3];
@@ -32,16 +32,16 @@ struct still_function {
     const void *context;     // borrowed; outlives the still
 };
 
-// An image as it was read; without values there is none.
+// An image as read from its file; rgb NULL: none.
 struct still_texture {
     const float *rgb; // borrowed; outlives the still; linear, 3 a texel, rows from the top
     int width, height;
 };
 
-// What a still needs beside the job, by the medium's index and the object's.
+// The inputs of a still beside the job, by index of the medium or the object.
 struct still_inputs {
     struct still_grid grids[SCENE_MEDIUM_LIMIT];
-    struct still_grid temperatures[SCENE_MEDIUM_LIMIT];  // of media that are black bodies
+    struct still_grid temperatures[SCENE_MEDIUM_LIMIT];  // of media that glow as black bodies
     struct still_function functions[SCENE_MEDIUM_LIMIT]; // twins of densities in GLSL
     struct still_texture textures[SCENE_OBJECT_LIMIT];
 };
@@ -55,22 +55,23 @@ union still_field {
     struct density_function function;
 };
 
-// Its media point into it: a copy must not outlive it. Tests may fill it by hand.
+// The media point into their still: a copy must not outlive it. Tests may fill it by hand.
 struct still {
     struct camera_pinhole camera;
     struct light lights[SCENE_LIGHT_LIMIT];
     size_t light_count;
-    struct medium media[SCENE_MEDIUM_LIMIT]; // those of one region follow one another
+    struct medium media[SCENE_MEDIUM_LIMIT]; // media of one region are adjacent
     size_t medium_count;
     struct objects objects;
-    int max_depth;         // a ray's reflections and refractions
-    double min_throughput; // of a ray that is followed
+    int max_depth;         // reflections and refractions of a ray
+    double min_throughput; // rays of smaller throughput are cut
     union still_field fields[SCENE_MEDIUM_LIMIT];
     struct density_bounded bounded[SCENE_MEDIUM_LIMIT]; // of the media that have bounds
-    struct glow_blackbody glows[SCENE_MEDIUM_LIMIT];    // of those that glow as black bodies
+    struct glow_blackbody glows[SCENE_MEDIUM_LIMIT];    // of media that glow as black bodies
     double background[3];                               // radiance
     bool has_background;
-    bool is_complete; // false when a density has neither twin nor input, and counts as empty, or a texture none: white
+    // False when a density has neither twin nor input and counts as 0, or a texture has no input and counts as white.
+    bool is_complete;
 };
 
 struct still_media {

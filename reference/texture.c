@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-static struct texture_place find_on_face(const struct texture *texture, struct vec3 offset, struct vec3 normal)
+static struct texture_coordinates find_on_face(const struct texture *texture, struct vec3 offset, struct vec3 normal)
 {
     struct vec3 upwards = fabs(normal.y) > 0.999 ? (struct vec3){0.0, 0.0, -1.0} : (struct vec3){0.0, 1.0, 0.0};
     struct vec3 right = vec3_normalize(vec3_cross(upwards, normal));
@@ -11,20 +11,20 @@ static struct texture_place find_on_face(const struct texture *texture, struct v
     double across = texture->size[0], high = texture->size[1];
 
     if (high == 0.0) high = across * texture->height / texture->width;
-    return (struct texture_place){0.5 + vec3_dot(offset, right) / across, 0.5 + vec3_dot(offset, up) / high};
+    return (struct texture_coordinates){0.5 + vec3_dot(offset, right) / across, 0.5 + vec3_dot(offset, up) / high};
 }
 
-static struct texture_place find_on_sphere(struct vec3 normal)
+static struct texture_coordinates find_on_sphere(struct vec3 normal)
 {
-    return (struct texture_place){0.5 + atan2(normal.x, normal.z) / (2.0 * M_PI),
-                                  0.5 + asin(fmin(fmax(normal.y, -1.0), 1.0)) / M_PI};
+    return (struct texture_coordinates){0.5 + atan2(normal.x, normal.z) / (2.0 * M_PI),
+                                        0.5 + asin(fmin(fmax(normal.y, -1.0), 1.0)) / M_PI};
 }
 
-struct texture_place texture_find(const struct texture *texture, const struct shape *shape, struct vec3 position)
+struct texture_coordinates texture_find(const struct texture *texture, const struct shape *shape, struct vec3 position)
 {
     struct vec3 normal = shape_normal(shape, position), offset = vec3_subtract(position, shape->center);
 
-    // What of the offset is along the normal leads to the face's middle, and changes neither u nor v.
+    // The part of the offset along the normal leads to the face's centre and changes neither u nor v.
     return shape->kind == SCENE_SHAPE_SPHERE ? find_on_sphere(normal) : find_on_face(texture, offset, normal);
 }
 
@@ -39,9 +39,9 @@ static const float *texel_at(const struct texture *texture, double column, doubl
                               (size_t)wrap(column, texture->width))];
 }
 
-void texture_look_up(const struct texture *texture, struct texture_place place, double color[static 3])
+void texture_sample(const struct texture *texture, struct texture_coordinates at, double color[static 3])
 {
-    double across = place.u * texture->width, down = (1.0 - place.v) * texture->height;
+    double across = at.u * texture->width, down = (1.0 - at.v) * texture->height;
     double column = floor(across - 0.5), row = floor(down - 0.5);
     double right = across - 0.5 - column, below = down - 0.5 - row;
 

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-// Of optical depths, beside the accuracy.
+// The tolerance of optical depths, relative to the accuracy.
 static const double SHADOW_SHARE = 0.01, DEFAULT_RELATIVE = 1e-4;
 
 struct tracer {
@@ -21,14 +21,14 @@ struct light_ray {
     double throughput[3];
     double length;     // m from the camera to its origin
     int depth;         // reflections and refractions so far
-    size_t region;     // it was sent into
+    size_t region;     // into which it was sent
     bool is_reflected; // at least once
 };
 
-// Where a ray meets a boundary.
+// The intersection of a ray with a boundary.
 struct hit {
     struct vec3 position, normal; // of length 1, towards the ray's origin
-    struct vec3 rough;            // the normal of this hit
+    struct vec3 rough;            // the random normal of this hit
     size_t region_before, region_behind;
     size_t shape; // whose boundary it is
 };
@@ -40,7 +40,7 @@ static double clamp_cosine(double cosine)
     return fmin(fmax(cosine, 0.0), 1.0);
 }
 
-// Sends a ray on from a hit, or counts it as cut.
+// Follows a ray that leaves a hit, or counts it as cut.
 static void send(struct tracer *tracer, const struct light_ray *from, const struct hit *hit, struct vec3 direction,
                  const double factor[static 3], bool is_reflection)
 {
@@ -101,7 +101,7 @@ static void find_albedo(const struct objects *objects, const struct hit *hit, do
     const struct shape *shape = &objects->shapes[is_own ? hit->shape : object->first_shape];
     double color[3] = {1.0, 1.0, 1.0};
 
-    if (texture->rgb) texture_look_up(texture, texture_find(texture, shape, hit->position), color);
+    if (texture->rgb) texture_sample(texture, texture_find(texture, shape, hit->position), color);
     for (int c = 0; c < 3; c++)
         albedo[c] = object->material.albedo[c] * color[c];
 }
@@ -116,11 +116,11 @@ static void add_lights(struct tracer *tracer, const struct light_ray *ray, const
     find_albedo(&still->objects, hit, albedo);
     for (size_t i = 0; i < still->light_count; i++) {
         struct light_arrival arrival = light_arrive(&still->lights[i], hit->position);
-        struct ray way = {hit->position, vec3_scale(arrival.travel, -1.0)};
+        struct ray shadow_ray = {hit->position, vec3_scale(arrival.travel, -1.0)};
         double cosine = -vec3_dot(arrival.travel, hit->normal), share[3];
 
         if (!(cosine > 0.0)) continue;
-        light_walk(still, &way, arrival.distance, tolerance, share);
+        light_walk(still, &shadow_ray, arrival.distance, tolerance, share);
         for (int c = 0; c < 3; c++)
             tracer->result->radiance[c] +=
                 ray->throughput[c] * rest * albedo[c] / M_PI * arrival.irradiance[c] * cosine * share[c];
@@ -164,7 +164,8 @@ static void answer(struct tracer *tracer, const struct light_ray *ray, struct hi
     }
 }
 
-// The media of the ray's straight piece, between the clips; what they take goes off the throughput.
+// Adds the light of the media along the ray's straight piece, between the clip distances, and attenuates the
+// throughput.
 static void gather(struct tracer *tracer, struct light_ray *ray, const struct object_piece *piece)
 {
     const struct camera_pinhole *camera = &tracer->still->camera;
@@ -193,7 +194,7 @@ static void escape(struct tracer *tracer, const struct light_ray *ray)
     }
 }
 
-// What is known of the hit is its position, to within roundings, its regions and its shape.
+// Fills the hit from its position, which is exact to rounding, its regions and its shape.
 static void meet(struct tracer *tracer, const struct light_ray *ray, struct hit *hit)
 {
     const struct shape *shape = &tracer->still->objects.shapes[hit->shape];
@@ -204,7 +205,7 @@ static void meet(struct tracer *tracer, const struct light_ray *ray, struct hit 
     answer(tracer, ray, hit);
 }
 
-// Where a ray met two boundaries at once, in a corner, the way on from the one may lead right into the other.
+// A ray that meets two boundaries at once, in a corner, may leave the one straight into the other.
 static void meet_edge(struct tracer *tracer, const struct light_ray *ray, size_t region)
 {
     const struct objects *objects = &tracer->still->objects;

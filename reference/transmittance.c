@@ -8,14 +8,14 @@
 
 enum { HALVING_LIMIT = 24 };
 
-// exp(-40) is below what any accuracy asks for.
+// The optical depth that counts as dark: exp(-40) is below any accuracy.
 static const double DARK_DEPTH = 40.0;
-// Metres: a medium that is not dark by then counts as clear.
+// In metres: a medium that is not dark by then counts as clear.
 static const double FARTHEST = 0x1p60;
 
 // One smooth stretch of a ray through a field.
 struct stretch {
-    bool is_loose; // one agreement is enough
+    bool is_loose; // one agreement of halvings is enough
     double (*at)(const void *field, struct vec3 position);
     const void *field;
     struct ray ray;
@@ -36,9 +36,10 @@ static double column_of_cell(const struct stretch *stretch, struct cell cell)
     return sum * length;
 }
 
-// Halves the cell, whose column is `whole`, until two halvings in a row change little and what the second leaves of the
-// error is within the tolerance: one alone may agree by accident. Where the field is smooth a halving divides the error by
-// 2^4 at least; how much it did is seen by `change_before`, of the cell it is half of; negative: there was none.
+// Halves the cell, whose column is `whole`, until two halvings in a row change little and the error that the second
+// leaves is within the tolerance. One alone may agree by accident. Where the field is smooth, a halving divides the
+// error by at least 2^4. The actual factor follows from `change_before`, the change of the cell that this one is half
+// of; negative: there was none.
 static double refine(const struct stretch *stretch, struct cell cell, double whole, double change_before,
                      double tolerance, int halvings_left)
 {
@@ -90,7 +91,7 @@ static bool is_endless(const struct density *density, const struct ray *ray)
     return density->reach && isinf(density->reach(density->field, ray)) && density->reach(density->field, ray) > 0.0;
 }
 
-// Doubles its way along an endless ray until the column is enough to be dark; the way so far goes to `end`.
+// Doubles the distance along an endless ray until its column is dark, and writes the distance to `end`.
 static double follow_to_darkness(const struct density *density, const struct ray *ray, double near, double enough,
                                  double tolerance, double *end)
 {
@@ -105,7 +106,7 @@ static double follow_to_darkness(const struct density *density, const struct ray
     return column;
 }
 
-// The least extinction that is any, per unit of density; INFINITY when there is none.
+// The smallest extinction above 0 per unit of density; INFINITY when there is none.
 static double least_extinction(const struct medium *medium)
 {
     double least = INFINITY;
@@ -147,7 +148,7 @@ void transmittance(const struct medium *media, size_t medium_count, const struct
         column = find_column(medium, ray, near, far, optical_depth_tolerance / (largest * (double)medium_count),
                              optical_depth_tolerance >= TRANSMITTANCE_LOOSE);
         for (int c = 0; c < 3; c++) {
-            // The column may be infinite, and what takes nothing still takes nothing.
+            // The column may be infinite, but a coefficient of 0 still attenuates nothing.
             if (sigma_t[c] > 0.0) optical_depth[c] += sigma_t[c] * column;
         }
     }

@@ -127,7 +127,7 @@ static void assert_color(const struct texture *texture, double u, double v, doub
 {
     double color[3];
 
-    texture_look_up(texture, (struct texture_place){u, v}, color);
+    texture_sample(texture, (struct texture_coordinates){u, v}, color);
     assert_near(color[1], wanted, 1e-12);
 }
 
@@ -162,7 +162,7 @@ static void tiles_are_as_large_as_they_say(void **state)
 {
     const struct shape wall = solid_plane((struct vec3){1.0, 2.0, 3.0}, (struct vec3){0.0, 0.0, 2.0});
     struct texture texture = {.rgb = f_image, .width = 4, .height = 6, .size = {2.0, 0.5}};
-    struct texture_place place = texture_find(&texture, &wall, (struct vec3){1.5, 2.1, 3.0});
+    struct texture_coordinates place = texture_find(&texture, &wall, (struct vec3){1.5, 2.1, 3.0});
 
     assert_near(place.u, 0.5 + 0.25, 1e-15);
     assert_near(place.v, 0.5 + 0.2, 1e-14);
