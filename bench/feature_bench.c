@@ -152,7 +152,8 @@ static bool measure(struct gl_context *context, const struct feature *feature, c
     for (int i = 0; ok && i <= RUNS; i++) { // the first one compiles
         double start = clock_now_s();
 
-        ok = renderer_render(renderer, &job, i, &image, NULL, NULL, &result, error);
+        ok = renderer_render(renderer, &(struct renderer_frame){.job = &job, .frame = i, .image = &image}, &result,
+                             error);
         seconds[i] = clock_now_s() - start;
     }
     if (ok) {

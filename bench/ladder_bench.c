@@ -106,7 +106,10 @@ static bool render(const struct ladder *ladder, const struct job *job, struct im
         double wall = clock_read_s(CLOCK_MONOTONIC), cpu = clock_read_s(CLOCK_PROCESS_CPUTIME_ID);
         struct renderer_result result;
 
-        if (!renderer_render(ladder->renderer, job, ladder->frame + i, image, NULL, NULL, &result, error)) return false;
+        if (!renderer_render(ladder->renderer,
+                             &(struct renderer_frame){.job = job, .frame = ladder->frame + i, .image = image}, &result,
+                             error))
+            return false;
         wall = clock_read_s(CLOCK_MONOTONIC) - wall;
         cpu = clock_read_s(CLOCK_PROCESS_CPUTIME_ID) - cpu;
         if (i < runs && wall < best[0]) best[0] = wall;

@@ -115,7 +115,8 @@ static bool render(struct gl_context *context, const struct job *job, struct ima
     for (int i = 0; ok && i <= RUNS; i++) { // the first one compiles
         double start = clock_now_s();
 
-        ok = renderer_render(renderer, job, FRAME - RUNS + i, image, NULL, NULL, &result, error);
+        ok = renderer_render(renderer, &(struct renderer_frame){.job = job, .frame = FRAME - RUNS + i, .image = image},
+                             &result, error);
         seconds[i] = clock_now_s() - start;
     }
     if (ok) *counts = result.ray_counts;

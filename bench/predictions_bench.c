@@ -67,7 +67,8 @@ static bool render(struct stage *stage, const struct plan *plan, int32_t frame, 
     struct job planned = plan_apply(plan, &stage->job);
     struct renderer_result result;
     double start_s = clock_read_s(clock);
-    bool ok = renderer_render(stage->renderer, &planned, frame, image, NULL, NULL, &result, error);
+    bool ok = renderer_render(
+        stage->renderer, &(struct renderer_frame){.job = &planned, .frame = frame, .image = image}, &result, error);
 
     *seconds = clock_read_s(clock) - start_s;
     return ok;

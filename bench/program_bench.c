@@ -65,7 +65,10 @@ static bool time_frame(struct renderer *renderer, const struct job *job, int ind
     double start = now_ms();
     bool ok = image_init(&image, job->width_px, job->height_px, job->output.has_depth, job->output.has_transmittance,
                          error) &&
-              renderer_render(renderer, job, frame_range_at(&job->frames, index), &image, NULL, NULL, &result, error);
+              renderer_render(
+                  renderer,
+                  &(struct renderer_frame){.job = job, .frame = frame_range_at(&job->frames, index), .image = &image},
+                  &result, error);
 
     *ms = now_ms() - start;
     image_finish(&image);

@@ -111,7 +111,8 @@ static bool render(struct renderer *renderer, const struct job *job, int frame, 
     struct image image = {0};
     double start = clock_now_s();
     bool ok = image_init(&image, WIDTH, HEIGHT, false, false, error) &&
-              renderer_render(renderer, job, frame, &image, NULL, NULL, &result, error);
+              renderer_render(renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image}, &result,
+                              error);
 
     *seconds = clock_now_s() - start;
     image_finish(&image);

@@ -101,7 +101,8 @@ static void render(const struct stage *stage, const struct job *job, int32_t fra
     sized.width_px = width_px;
     sized.height_px = height_px;
     if (!image_init(image, width_px, height_px, job->output.has_depth, job->output.has_transmittance, &error) ||
-        !renderer_render(stage->gl.renderer, &sized, frame, image, NULL, NULL, &result, &error))
+        !renderer_render(stage->gl.renderer, &(struct renderer_frame){.job = &sized, .frame = frame, .image = image},
+                         &result, &error))
         fail_msg("%s", error.message);
 }
 

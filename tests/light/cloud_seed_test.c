@@ -40,7 +40,8 @@ static void render(struct renderer *renderer, double time, struct image *image)
         example_job_load(&job, "cloud_seed");
     }
     example_job_shrink(&job, size_px, size_px, time);
-    if (!renderer_render(renderer, &job, 0, image, NULL, NULL, &result, &error)) fail_msg("%s", error.message);
+    if (!renderer_render(renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = image}, &result, &error))
+        fail_msg("%s", error.message);
     job_finish(&job);
 }
 

@@ -64,7 +64,8 @@ static void add_frames(struct sums *sums, const struct job *job, int count)
 
     assert_true(image_init(&image, WIDTH_PX, HEIGHT_PX, true, true, NULL));
     for (int32_t frame = 0; frame < count; ++frame) {
-        if (!renderer_render(stage.renderer, job, frame, &image, NULL, NULL, &result, &error))
+        if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image},
+                             &result, &error))
             fail_msg("%s", error.message);
         for (int i = 0; i < PIXELS; ++i) {
             sums->light[i] += (double)image.rgba[4 * i];
@@ -294,7 +295,8 @@ static struct image render_up_to(const struct job *job, int32_t first, int32_t l
 
     assert_true(image_init(&image, job->width_px, job->height_px, true, true, NULL));
     for (int32_t frame = first; frame <= last; ++frame)
-        if (!renderer_render(stage.renderer, job, frame, &image, NULL, NULL, &result, &error))
+        if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image},
+                             &result, &error))
             fail_msg("%s", error.message);
     gl_stage_close(stage);
     return image;

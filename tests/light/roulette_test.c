@@ -170,7 +170,10 @@ static int count_slices(const char *roulette, struct error *error)
     job.width_px = job.height_px = 1;
     job.quality.step = 1e-5; // a job says so only where the check cannot know
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, error));
-    if (!renderer_render(stage.renderer, &job, 0, &image, count_call, &calls, &result, error))
+    if (!renderer_render(stage.renderer,
+                         &(struct renderer_frame){
+                             .job = &job, .frame = 0, .image = &image, .on_progress = count_call, .user = &calls},
+                         &result, error))
         fail_msg("%s", error->message);
     gl_stage_close(stage);
     image_finish(&image);

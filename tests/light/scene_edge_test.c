@@ -36,7 +36,9 @@ static struct seen see_middle(const char *medium, const char *rest, double near,
     job.scene.camera.clip_far = far;
     if (job.quality.method == JOB_METHOD_RIEMANN) job.quality.step = 0.5;
     assert_true(image_init(&image, 1, 1, true, true, NULL));
-    if (!renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error)) fail_msg("%s", error.message);
+    if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image}, &result,
+                         &error))
+        fail_msg("%s", error.message);
     memcpy(seen.rgba, image.rgba, sizeof seen.rgba);
     seen.depth = image.depth[0];
     assert_true(image_is_finite(&image, false, NULL));

@@ -45,7 +45,10 @@ static struct image render(const struct job *job, const char *shader_dir, int *c
     struct image image;
 
     assert_true(image_init(&image, job->width_px, job->height_px, true, true, &error));
-    if (!renderer_render(stage.renderer, job, 0, &image, count_call, &counted, &result, &error))
+    if (!renderer_render(stage.renderer,
+                         &(struct renderer_frame){
+                             .job = job, .frame = 0, .image = &image, .on_progress = count_call, .user = &counted},
+                         &result, &error))
         fail_msg("%s", error.message);
     gl_stage_close(stage);
     *calls = counted.calls;

@@ -37,7 +37,8 @@ static bool try_to_render_on(enum gl_backend backend, struct picture *picture, c
 
     object_job_parse(&job, scene, rest);
     ok = image_init(&picture->image, job.width_px, job.height_px, true, true, error) &&
-         renderer_render(stage.renderer, &job, 0, &picture->image, NULL, NULL, &picture->result, error);
+         renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &picture->image},
+                         &picture->result, error);
     gl_stage_close(stage);
     job_finish(&job);
     return ok;

@@ -57,8 +57,9 @@ static void close_stage(struct stage *stage)
 
 static bool render(struct stage *stage, int32_t frame)
 {
-    return renderer_render(stage->gl.renderer, &stage->job, frame, &stage->image, NULL, NULL, &stage->result,
-                           &stage->error);
+    return renderer_render(stage->gl.renderer,
+                           &(struct renderer_frame){.job = &stage->job, .frame = frame, .image = &stage->image},
+                           &stage->result, &stage->error);
 }
 
 static void assert_even(const struct bias_check_scene *scene, float wanted, float tolerance)

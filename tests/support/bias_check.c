@@ -87,7 +87,8 @@ static void render(struct sums *sums, const struct bias_check_scene *scene, cons
     for (int32_t frame = 0; frame < frames; ++frame) {
         struct renderer_result result;
 
-        if (!renderer_render(stage.renderer, &job, frame, &image, NULL, NULL, &result, &error))
+        if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = frame, .image = &image},
+                             &result, &error))
             fail_msg("%s", error.message);
         add(sums, &image, truth);
     }

@@ -23,7 +23,8 @@ void render_frame_counting_rays(enum gl_backend backend, const struct job *job, 
     struct renderer_result result;
 
     if (!image_init(image, job->width_px, job->height_px, true, true, &error) ||
-        !renderer_render(stage.renderer, job, 0, image, NULL, NULL, &result, &error)) {
+        !renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = 0, .image = image}, &result,
+                         &error)) {
         fail_msg("%s", error.message);
     }
     *counts = result.ray_counts;

@@ -137,7 +137,8 @@ static bool render(const struct stand *stand, const struct job *job, int32_t fra
     struct tolerance_result kept;
 
     if (!(stand->method->tolerance > 0))
-        return renderer_render(stand->renderer, job, frame, image, NULL, NULL, &result, error);
+        return renderer_render(stand->renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = image},
+                               &result, error);
     return tolerance_render(
         stand->tolerance,
         &(struct tolerance_params){.job = job, .serial = stand->serial, .frame = frame, .image = image}, &kept, error);

@@ -97,7 +97,8 @@ void studio_render(const struct job *job, int32_t frame, struct studio_picture *
     studio_use(wanted);
     *picture = (struct studio_picture){0};
     if (!image_init(&picture->image, job->width_px, job->height_px, true, true, &error) ||
-        !renderer_render(stage.renderer, job, frame, &picture->image, NULL, NULL, &picture->result, &error) ||
+        !renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &picture->image},
+                         &picture->result, &error) ||
         !image_is_finite(&picture->image, false, &error)) {
         fail_msg("frame %d: %s", (int)frame, error.message);
     }

@@ -38,7 +38,11 @@ enum measure_outcome measure_render(const struct measure_params *params, struct 
 
     renderer_forget(params->renderer);
     if (params->timer) gl_timer_begin(params->timer);
-    ok = renderer_render(params->renderer, params->job, params->frame, image, on_progress, &watch, &result, error);
+    ok = renderer_render(
+        params->renderer,
+        &(struct renderer_frame){
+            .job = params->job, .frame = params->frame, .image = image, .on_progress = on_progress, .user = &watch},
+        &result, error);
     if (params->timer) gpu_s = gl_timer_end(params->timer);
     *seconds = params->timer ? gpu_s : result.seconds;
     if (ok) return MEASURE_DONE;

@@ -41,5 +41,9 @@ bool plan_small_render(const struct plan_params *params, const struct job *job, 
         image_finish(image);
         if (!image_init_for_job(image, job, error)) return false;
     }
-    return renderer_render(params->renderer, job, frame, image, plan_small_on_tile, (void *)params, result, error);
+    return renderer_render(
+        params->renderer,
+        &(struct renderer_frame){
+            .job = job, .frame = frame, .image = image, .on_progress = plan_small_on_tile, .user = (void *)params},
+        result, error);
 }

@@ -181,7 +181,12 @@ static bool render_small(const struct rendering *rendering, const struct plan *p
     job.quality.samples = 1;
     rendering->tolerance->shown_serial = 0;
     if (!image_init_for_job(image, &job, rendering->error)) return false;
-    if (renderer_render(rendering->tolerance->renderer, &job, params->frame, image, params->on_progress, params->user,
+    if (renderer_render(rendering->tolerance->renderer,
+                        &(struct renderer_frame){.job = &job,
+                                                 .frame = params->frame,
+                                                 .image = image,
+                                                 .on_progress = params->on_progress,
+                                                 .user = params->user},
                         &result, rendering->error))
         return true;
     rendering->result->render.fault = result.fault;
@@ -233,8 +238,13 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
     struct job planned = plan_apply(plan, params->job);
 
     result->quality = plan->quality;
-    if (!renderer_render(rendering->tolerance->renderer, &planned, params->frame, params->image, params->on_progress,
-                         params->user, &result->render, rendering->error))
+    if (!renderer_render(rendering->tolerance->renderer,
+                         &(struct renderer_frame){.job = &planned,
+                                                  .frame = params->frame,
+                                                  .image = params->image,
+                                                  .on_progress = params->on_progress,
+                                                  .user = params->user},
+                         &result->render, rendering->error))
         return false;
     rendering->seconds += result->render.seconds;
     result->render.seconds = rendering->seconds;
@@ -315,8 +325,13 @@ bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params
     *result = (struct tolerance_result){.quality = params->job->quality};
     if (params->job->quality.method != JOB_METHOD_AUTO) {
         tolerance->shown_serial = 0;
-        return renderer_render(tolerance->renderer, params->job, params->frame, params->image, params->on_progress,
-                               params->user, &result->render, error);
+        return renderer_render(tolerance->renderer,
+                               &(struct renderer_frame){.job = params->job,
+                                                        .frame = params->frame,
+                                                        .image = params->image,
+                                                        .on_progress = params->on_progress,
+                                                        .user = params->user},
+                               &result->render, error);
     }
     rendering.kept = find_or_make_plan(tolerance, params, &result->render.fault, error);
     return rendering.kept && render_planned(&rendering);

@@ -39,12 +39,10 @@ struct renderer {
     struct shown_frame shown;
 };
 
-// A frame to render. All it points to is borrowed.
-struct frame {
-    const struct job *job;
-    int32_t number;
-    struct scene_inputs inputs; // owned
-    struct image *image;
+// A frame that is being rendered.
+struct rendering {
+    const struct renderer_frame *frame; // borrowed, as is `result`
+    struct scene_inputs inputs;
     struct renderer_result *result;
     struct drawing drawing;
 };
@@ -95,15 +93,15 @@ static void note_shown(struct shown_frame *shown, const struct scene_program *sc
 }
 
 // The message uses the keys of the job.
-static void set_cut_error(const struct renderer *renderer, const struct frame *frame, struct error *error)
+static void set_cut_error(const struct renderer *renderer, const struct rendering *rendering, struct error *error)
 {
-    const struct job *job = frame->job;
+    const struct job *job = rendering->frame->job;
     const char *code = scene_find_code(&job->scene);
     const char *longer_steps = job->scene.medium_count == 0               ? ""
                                : job_quality_has_majorants(&job->quality) ? "thinner media, "
                                                                           : "longer steps, ";
     const char *fewer_paths = renderer->tools.target.has_paths ? "a smaller max_depth, a larger min_throughput, " : "";
-    size_t pixel = frame->drawing.marked_pixel, width = (size_t)renderer->tools.target.width_px;
+    size_t pixel = rendering->drawing.marked_pixel, width = (size_t)renderer->tools.target.width_px;
 
     error_set(error,
               "quality: pixel (%zu, %zu) needs more iterations of its loops than %s runs; expected %s%s%s%s%sor a GPU",
@@ -139,24 +137,24 @@ static bool draw(struct renderer *renderer, struct drawing *drawing, const struc
 }
 
 // Copies what the target shows into the frame's image.
-static bool read_target(struct renderer *renderer, struct frame *frame, struct error *error)
+static bool read_target(struct renderer *renderer, struct rendering *rendering, struct error *error)
 {
-    struct renderer_result *result = frame->result;
+    struct renderer_result *result = rendering->result;
 
-    gl_target_read(&renderer->tools.target, frame->image, &result->ray_counts);
-    ray_counts_find_share(&result->ray_counts, frame->image);
-    if (drawing_check_gl(&frame->drawing, error)) return true;
+    gl_target_read(&renderer->tools.target, rendering->frame->image, &result->ray_counts);
+    ray_counts_find_share(&result->ray_counts, rendering->frame->image);
+    if (drawing_check_gl(&rendering->drawing, error)) return true;
     renderer->shown.is_whole = false;
     return false;
 }
 
-static bool render_scene(struct renderer *renderer, struct frame *frame, const struct scene_program *scene,
+static bool render_scene(struct renderer *renderer, struct rendering *rendering, const struct scene_program *scene,
                          struct passes *passes, struct error *error)
 {
     const struct gl_target_params target = {
-        .image = frame->image, .pass_count = passes->count, .has_paths = scene->model.features.has_paths};
-    struct renderer_result *result = frame->result;
-    struct drawing *drawing = &frame->drawing;
+        .image = rendering->frame->image, .pass_count = passes->count, .has_paths = scene->model.features.has_paths};
+    struct renderer_result *result = rendering->result;
+    struct drawing *drawing = &rendering->drawing;
 
     drawing->scene = scene;
     drawing->passes = passes;
@@ -167,15 +165,15 @@ static bool render_scene(struct renderer *renderer, struct frame *frame, const s
     } else if (drawing->on_progress) {
         (void)drawing->on_progress(drawing->user, 1);
     }
-    return read_target(renderer, frame, error) &&
-           drawing_check_marks(drawing, frame->image->rgba, 0, frame->image->height_px);
+    return read_target(renderer, rendering, error) &&
+           drawing_check_marks(drawing, rendering->frame->image->rgba, 0, rendering->frame->image->height_px);
 }
 
 // Writes the frame's program and draws it. With `is_sliced` each march continues over several draws.
-static bool render_frame(struct renderer *renderer, struct frame *frame, bool is_sliced, struct error *error)
+static bool render_frame(struct renderer *renderer, struct rendering *rendering, bool is_sliced, struct error *error)
 {
-    struct renderer_result *result = frame->result;
-    struct drawing *drawing = &frame->drawing;
+    struct renderer_result *result = rendering->result;
+    struct drawing *drawing = &rendering->drawing;
     int64_t fills = gl_caches_count_fills(renderer->tools.caches);
     struct scene_program scene;
     struct passes passes = {0};
@@ -183,12 +181,12 @@ static bool render_frame(struct renderer *renderer, struct frame *frame, bool is
     bool ok = false;
 
     drawing->fault = RENDERER_FAULT_JOB;
-    if (!(is_sliced ? scene_program_init_sliced : scene_program_init)(&scene, frame->job, &frame->inputs,
+    if (!(is_sliced ? scene_program_init_sliced : scene_program_init)(&scene, rendering->frame->job, &rendering->inputs,
                                                                       renderer->shader_dir, error))
         return false;
-    if (passes_plan(&passes, &scene, frame->job, frame->number, error)) {
+    if (passes_plan(&passes, &scene, rendering->frame->job, rendering->frame->frame, error)) {
         drawing->fault = RENDERER_FAULT_NONE;
-        ok = render_scene(renderer, frame, &scene, &passes, error);
+        ok = render_scene(renderer, rendering, &scene, &passes, error);
         result->seconds = clock_now_s() - start;
         result->cache_fills = gl_caches_count_fills(renderer->tools.caches) - fills;
         result->shader_hash = renderer->shown.program_hash;
@@ -208,23 +206,24 @@ static bool open_inputs(struct renderer *renderer, const struct job *job, int32_
     return false;
 }
 
-static bool can_be_sliced(const struct frame *frame)
+static bool can_be_sliced(const struct rendering *rendering)
 {
-    const struct scene_features features = scene_features_of(frame->job, frame->inputs.is_unneeded);
+    const struct scene_features features = scene_features_of(rendering->frame->job, rendering->inputs.is_unneeded);
 
     return scene_features_can_be_sliced(&features);
 }
 
-bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,
-                     renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error)
+bool renderer_render(struct renderer *renderer, const struct renderer_frame *frame, struct renderer_result *result,
+                     struct error *error)
 {
-    struct frame rendered = {
-        .job = job,
-        .number = frame,
-        .image = image,
-        .result = result,
-        .drawing = {.tools = &renderer->tools, .on_progress = on_progress, .user = user, .fault = RENDERER_FAULT_JOB}};
-    enum renderer_fault *fault = &rendered.drawing.fault;
+    const struct job *job = frame->job;
+    struct rendering rendering = {.frame = frame,
+                                  .result = result,
+                                  .drawing = {.tools = &renderer->tools,
+                                              .on_progress = frame->on_progress,
+                                              .user = frame->user,
+                                              .fault = RENDERER_FAULT_JOB}};
+    enum renderer_fault *fault = &rendering.drawing.fault;
     struct camera_view view;
     bool ok = false;
 
@@ -234,22 +233,23 @@ bool renderer_render(struct renderer *renderer, const struct job *job, int32_t f
         error_set(error, "%s", renderer->unusable.message);
         return false;
     }
-    if (!camera_view_init(&view, &job->scene.camera, pixel_samples_middle(job, frame), job->width_px, job->height_px,
-                          error))
+    if (!camera_view_init(&view, &job->scene.camera, pixel_samples_middle(job, frame->frame), job->width_px,
+                          job->height_px, error))
         goto out;
     camera_view_matrices(&view, result->world_to_camera, result->world_to_ndc);
-    if (!open_inputs(renderer, job, frame, &rendered.inputs, fault, error)) goto out;
-    memcpy(result->picture_hash, rendered.inputs.picture_hash, sizeof result->picture_hash);
-    result->step = rendered.inputs.quality.step;
-    scene_visibility_find(job, &rendered.inputs, frame, rendered.inputs.is_unneeded);
-    ok = render_frame(renderer, &rendered, false, error);
-    if (*fault == RENDERER_FAULT_ENDLESS && can_be_sliced(&rendered))
-        ok = render_frame(renderer, &rendered, true, error);
-    if (*fault == RENDERER_FAULT_ENDLESS) set_cut_error(renderer, &rendered, error);
-    if (*fault == RENDERER_FAULT_MAJORANT) pixel_mark_tell_majorant(&job->scene, rendered.drawing.marked_medium, error);
+    if (!open_inputs(renderer, job, frame->frame, &rendering.inputs, fault, error)) goto out;
+    memcpy(result->picture_hash, rendering.inputs.picture_hash, sizeof result->picture_hash);
+    result->step = rendering.inputs.quality.step;
+    scene_visibility_find(job, &rendering.inputs, frame->frame, rendering.inputs.is_unneeded);
+    ok = render_frame(renderer, &rendering, false, error);
+    if (*fault == RENDERER_FAULT_ENDLESS && can_be_sliced(&rendering))
+        ok = render_frame(renderer, &rendering, true, error);
+    if (*fault == RENDERER_FAULT_ENDLESS) set_cut_error(renderer, &rendering, error);
+    if (*fault == RENDERER_FAULT_MAJORANT)
+        pixel_mark_tell_majorant(&job->scene, rendering.drawing.marked_medium, error);
 out:
     result->fault = *fault;
-    scene_inputs_finish(&rendered.inputs);
+    scene_inputs_finish(&rendering.inputs);
     return ok;
 }
 

@@ -45,7 +45,16 @@ struct renderer_result {
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };
 
-// Renders `frame` into `image` (initialised by the caller with the job's size and channels). Programs and targets are
-// kept from call to call; a frame whose inputs equal the one before is copied, not rendered.
-bool renderer_render(struct renderer *renderer, const struct job *job, int32_t frame, struct image *image,
-                     renderer_progress *on_progress, void *user, struct renderer_result *result, struct error *error);
+// A frame to render. All that it points to is borrowed for the call.
+struct renderer_frame {
+    const struct job *job;
+    int32_t frame;
+    struct image *image;            // initialised with the job's size and channels
+    renderer_progress *on_progress; // may be NULL
+    void *user;
+};
+
+// Renders the frame into its image. Programs and targets are kept from call to call; a frame whose inputs equal the one
+// before is copied, not rendered.
+bool renderer_render(struct renderer *renderer, const struct renderer_frame *frame, struct renderer_result *result,
+                     struct error *error);

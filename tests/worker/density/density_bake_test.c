@@ -174,7 +174,8 @@ static int64_t render(struct gl_stage *stage, const struct job *job, int32_t fra
     struct renderer_result result;
 
     if (!image_init(image, job->width_px, job->height_px, true, true, &error) ||
-        !renderer_render(stage->renderer, job, frame, image, NULL, NULL, &result, &error))
+        !renderer_render(stage->renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = image}, &result,
+                         &error))
         fail_msg("%s", error.message);
     return result.cache_fills;
 }
@@ -290,7 +291,8 @@ static void a_mistake_in_own_code_is_told(void **state)
     set_text(&job, "float density(vec3 p, float t)\n{\n    return nothing;\n}\n");
     stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, NULL));
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
+    assert_false(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
+                                 &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_JOB);
     assert_non_null(strstr(error.message, "clouds.glsl:3"));
     image_finish(&image);

@@ -200,7 +200,8 @@ static void render_and_fail(const char *text, enum renderer_fault fault, struct 
     job.width_px = job.height_px = 4;
     set_text(&job, 0, text);
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, NULL));
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, error));
+    assert_false(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
+                                 &result, error));
     assert_int_equal(result.fault, fault);
     image_finish(&image);
     job_finish(&job);

@@ -153,7 +153,9 @@ static double work_by_halving(struct tolerance_stage stage, const struct job *jo
             struct image image = tolerance_stage_make_image(job);
             struct renderer_result result;
 
-            assert_true(renderer_render(stage.gl.renderer, &planned, frames[i], &image, NULL, NULL, &result, NULL));
+            assert_true(renderer_render(stage.gl.renderer,
+                                        &(struct renderer_frame){.job = &planned, .frame = frames[i], .image = &image},
+                                        &result, NULL));
             is_within = true_error_measure(&planned, frames[i], &image) <= job->quality.tolerance;
             image_finish(&image);
         }
@@ -201,7 +203,9 @@ static void the_coarsest_setting_fails_the_audit(void **state)
         if (!tolerance_render(stage.tolerance, &params, &result, &error)) fail_msg("%s", error.message);
         assert_true(result.is_second && result.audit.error <= 0.01);
         assert_true(true_error_measure(&job, frames[i], &image) <= 0.01);
-        assert_true(renderer_render(stage.gl.renderer, &coarsest, frames[i], &image, NULL, NULL, &rendered, NULL));
+        assert_true(renderer_render(stage.gl.renderer,
+                                    &(struct renderer_frame){.job = &coarsest, .frame = frames[i], .image = &image},
+                                    &rendered, NULL));
         truly = true_error_measure(&job, frames[i], &image);
         print_message("frame %d: truly %.2e, audited %.2e\n", (int)frames[i], truly, result.first_error);
         assert_true(truly > 2.0 * 0.01 && result.first_error > 2.0 * 0.01);
@@ -261,7 +265,9 @@ static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
         struct job planned = plan_apply(&of_frame, &job);
         double start_s = processor_s();
 
-        assert_true(renderer_render(stage.gl.renderer, &planned, 8 * i + 4, &image, NULL, NULL, &result, NULL));
+        assert_true(renderer_render(stage.gl.renderer,
+                                    &(struct renderer_frame){.job = &planned, .frame = 8 * i + 4, .image = &image},
+                                    &result, NULL));
         seconds += (processor_s() - start_s) / FRAMES;
     }
     print_message("%s: foretold %.3g s, took %.3g s\n", plan.reason, plan.predicted_processor_s, seconds);

@@ -48,7 +48,8 @@ static struct image render(struct gl_stage stage, const struct job *job, int32_t
 
     assert_true(
         image_init(&image, job->width_px, job->height_px, job->output.has_transmittance, job->output.has_depth, NULL));
-    if (!renderer_render(stage.renderer, job, frame, &image, NULL, NULL, &result, &error))
+    if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image}, &result,
+                         &error))
         fail_msg("%s", error.message);
     if (fills) *fills = result.cache_fills;
     return image;
@@ -195,7 +196,10 @@ static void a_grid_that_is_made_can_be_stopped(void **state)
     (void)state;
     parse(&job, "[0, 0, -2]", STILL, "6", "");
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, NULL));
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, stop_at_once, &calls, &result, NULL));
+    assert_false(renderer_render(
+        stage.renderer,
+        &(struct renderer_frame){.job = &job, .frame = 0, .image = &image, .on_progress = stop_at_once, .user = &calls},
+        &result, NULL));
     assert_int_equal(result.fault, RENDERER_FAULT_STOPPED);
     assert_int_equal(calls, 1);
     assert_int_equal(result.cache_fills, 0);

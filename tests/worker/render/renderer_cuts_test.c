@@ -63,7 +63,8 @@ static struct renderer_result render(struct gl_stage *stage, const struct job *j
     struct image image;
 
     assert_true(image_init(&image, job->width_px, job->height_px, false, false, NULL));
-    if (!renderer_render(stage->renderer, job, frame, &image, NULL, NULL, &result, &error))
+    if (!renderer_render(stage->renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image},
+                         &result, &error))
         fail_msg("%s", error.message);
     memcpy(color, image.rgba, 4 * sizeof *color);
     image_finish(&image);
@@ -209,7 +210,10 @@ static void more_rays_than_the_driver_follows_are_an_error(void **state)
     job.width_px = WIDTH;
     job.height_px = HEIGHT;
     assert_true(image_init(&image, WIDTH, HEIGHT, false, false, NULL));
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, count_tiles, &tiles, &result, &error));
+    assert_false(renderer_render(
+        stage.renderer,
+        &(struct renderer_frame){.job = &job, .frame = 0, .image = &image, .on_progress = count_tiles, .user = &tiles},
+        &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);
     assert_int_equal(tiles, 0);
     assert_non_null(strstr(error.message, "a smaller max_depth, a larger min_throughput"));

@@ -87,8 +87,11 @@ static bool on_progress(void *user, double done)
 static bool render(struct stage *stage, int32_t frame)
 {
     stage->slabs = 0;
-    return renderer_render(stage->gl.renderer, &stage->job, frame, &stage->image, on_progress, stage, &stage->result,
-                           &stage->error);
+    return renderer_render(
+        stage->gl.renderer,
+        &(struct renderer_frame){
+            .job = &stage->job, .frame = frame, .image = &stage->image, .on_progress = on_progress, .user = stage},
+        &stage->result, &stage->error);
 }
 
 static float alpha(struct stage *stage, int32_t frame)

@@ -39,7 +39,8 @@ static struct image render(struct gl_stage stage, const struct job *job, int32_t
     struct renderer_result result;
     struct error error = {{0}};
 
-    if (!renderer_render(stage.renderer, job, frame, &image, NULL, NULL, &result, &error))
+    if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image}, &result,
+                         &error))
         fail_msg("%s", error.message);
     if (is_copy) *is_copy = result.is_copy;
     return image;
@@ -137,10 +138,17 @@ static void progress_counts_all_passes(void **state)
     struct renderer_result result;
     struct watch all = {0}, some = {.stop_at = 2};
 
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, watch_progress, &some, &result, NULL));
+    assert_false(
+        renderer_render(stage.renderer,
+                        &(struct renderer_frame){
+                            .job = &job, .frame = 0, .image = &image, .on_progress = watch_progress, .user = &some},
+                        &result, NULL));
     assert_int_equal(result.fault, RENDERER_FAULT_STOPPED);
     assert_true(some.last <= 0.5);
-    assert_true(renderer_render(stage.renderer, &job, 0, &image, watch_progress, &all, &result, NULL));
+    assert_true(renderer_render(
+        stage.renderer,
+        &(struct renderer_frame){.job = &job, .frame = 0, .image = &image, .on_progress = watch_progress, .user = &all},
+        &result, NULL));
     assert_false(result.is_copy);
     assert_true(all.calls >= 4);
     assert_near(all.last, 1, 0);
@@ -159,7 +167,11 @@ static void passes_that_show_the_same_are_drawn_once(void **state)
     struct renderer_result result;
     struct watch watch = {0};
 
-    assert_true(renderer_render(stage.renderer, &job, 0, &image, watch_progress, &watch, &result, NULL));
+    assert_true(
+        renderer_render(stage.renderer,
+                        &(struct renderer_frame){
+                            .job = &job, .frame = 0, .image = &image, .on_progress = watch_progress, .user = &watch},
+                        &result, NULL));
     assert_int_equal(watch.calls, 1);
     assert_true(image.rgba[0] == 0.1f && image.rgba[1] == 0.2f && image.rgba[2] == 0.3f && image.rgba[3] == 1.0f);
     image_finish(&image);
@@ -360,7 +372,8 @@ static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
     job.width_px = job.height_px = 4;
     job.quality.light_step = 1e-6;
     image = make_image(&job);
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
+    assert_false(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
+                                 &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);
     assert_non_null(strstr(error.message, "quality: pixel"));
     image_finish(&image);

@@ -32,7 +32,9 @@ static struct image render(struct gl_stage stage, const struct job *job, int32_t
     struct image image = make_image(job);
     struct error error = {{0}};
 
-    if (!renderer_render(stage.renderer, job, frame, &image, NULL, NULL, result, &error)) fail_msg("%s", error.message);
+    if (!renderer_render(stage.renderer, &(struct renderer_frame){.job = job, .frame = frame, .image = &image}, result,
+                         &error))
+        fail_msg("%s", error.message);
     assert_int_equal(result->fault, RENDERER_FAULT_NONE);
     return image;
 }
@@ -126,7 +128,11 @@ static void tiles_do_not_change_pixels(void **state)
         struct image between;
 
         images[i] = make_image(&job);
-        assert_true(renderer_render(stage.renderer, &job, 0, &images[i], count_tile, &tiles[i], &result, NULL));
+        assert_true(renderer_render(
+            stage.renderer,
+            &(struct renderer_frame){
+                .job = &job, .frame = 0, .image = &images[i], .on_progress = count_tile, .user = &tiles[i]},
+            &result, NULL));
         between = render(stage, &job, 1, &result); // the picture changes, and tiles grow
         image_finish(&between);
     }
@@ -152,9 +158,12 @@ static void a_stopped_frame_is_rendered_anew(void **state)
 
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     image = make_image(&job);
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, refuse, NULL, &result, NULL));
+    assert_false(renderer_render(
+        stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image, .on_progress = refuse},
+        &result, NULL));
     assert_int_equal(result.fault, RENDERER_FAULT_STOPPED);
-    assert_true(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, NULL));
+    assert_true(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
+                                &result, NULL));
     assert_false(result.is_copy);
     image_finish(&image);
     job_finish(&job);
@@ -346,7 +355,8 @@ static void a_march_that_the_driver_cuts_is_an_error(void **state)
     job.width_px = job.height_px = 4;
     job.quality.light_step = 1e-6;
     image = make_image(&job);
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
+    assert_false(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
+                                 &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);
     assert_non_null(strstr(error.message, "quality: pixel"));
     image_finish(&image);
@@ -369,7 +379,8 @@ static void a_broken_module_is_named_with_its_line(void **state)
     stage = gl_stage_open(GL_BACKEND_AUTO, *state);
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     image = make_image(&job);
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
+    assert_false(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
+                                 &result, &error));
     assert_int_equal(result.fault, RENDERER_FAULT_JOB);
     if (!strstr(error.message, "region/sphere.glsl:3") || !strstr(error.message, "no_such_name"))
         fail_msg("%s", error.message);
@@ -389,12 +400,14 @@ static void a_camera_that_cannot_look_is_an_error(void **state)
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     image = make_image(&job);
     job.scene.camera.target = job.scene.camera.position;
-    assert_false(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
+    assert_false(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
+                                 &result, &error));
     assert_non_null(strstr(error.message, "camera.target"));
     job.scene.camera.target.value[2] = 0;
     job.scene.camera.up.value[1] = 0;
     job.scene.camera.up.value[2] = 1; // along the view: the picture may have any rotation
-    assert_true(renderer_render(stage.renderer, &job, 0, &image, NULL, NULL, &result, &error));
+    assert_true(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
+                                &result, &error));
     assert_true(image_is_finite(&image, false, NULL));
     assert_true(pixel(&image, 24, 16)[3] > 0.8f);
     image_finish(&image);

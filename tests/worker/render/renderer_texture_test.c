@@ -92,8 +92,9 @@ static void close_stage(struct stage *stage)
 
 static bool render(struct stage *stage, int32_t frame)
 {
-    return renderer_render(stage->gl.renderer, &stage->job, frame, &stage->image, NULL, NULL, &stage->result,
-                           &stage->error);
+    return renderer_render(stage->gl.renderer,
+                           &(struct renderer_frame){.job = &stage->job, .frame = frame, .image = &stage->image},
+                           &stage->result, &stage->error);
 }
 
 static void render_well(struct stage *stage, int32_t frame)
@@ -313,7 +314,10 @@ static void reading_can_be_stopped(void **state)
     write_image(path, 9);
     stage = open_stage(path);
     assert_false(
-        renderer_render(stage.gl.renderer, &stage.job, 0, &stage.image, refuse, &done, &stage.result, &stage.error));
+        renderer_render(stage.gl.renderer,
+                        &(struct renderer_frame){
+                            .job = &stage.job, .frame = 0, .image = &stage.image, .on_progress = refuse, .user = &done},
+                        &stage.result, &stage.error));
     assert_int_equal(stage.result.fault, RENDERER_FAULT_STOPPED);
     assert_true(done == 0); // before the first tile
     render_well(&stage, 0);
