@@ -19,8 +19,8 @@ void ball_job_parse(struct job *job, const char *medium, const char *rest)
     char *text;
     bool ok;
 
-    // Without offset the folds leave distances from the origin as they are, and an exponent near 0 makes density even: 1
-    // to within 2e-4 everywhere but the outermost micrometre.
+    // Without an offset the folds keep distances from the origin, and an exponent near 0 makes the density constant: 1
+    // to within 2e-4, except in the outermost micrometre.
     text = xasprintf(
         "{\"version\": 1, \"name\": \"ball\", \"frames\": \"0-9\", \"fps\": 24, \"resolution\": [48, 32],"
         " \"camera\": {\"position\": [0, 0, 4], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov\": 40, \"clip\": [1, "

@@ -1,4 +1,4 @@
-// Many frames of a still scene, each by random numbers of its own, against the light that it should show.
+// Compares many frames of a still scene, each with its own random numbers, with the true light.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,4 +1,4 @@
-// The jobs of jobs/, read as a user's would be.
+// Reads the example jobs of jobs/ as the command line does.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

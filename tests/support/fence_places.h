@@ -12,7 +12,7 @@ struct error;
 // Makes in/ann, in/bob, out/ann, out/bob and state in a new folder, with some files; `*state` is then the folder. For
 // temp_folder_destroy to remove.
 int fence_places_make(void **state);
-// The path of what is below that folder, in one of a few buffers that take turns.
+// The path of `name` below that folder, in one of a few static buffers.
 const char *fence_places_at(const char *name);
 void fence_places_write_file(const char *path);
 
@@ -26,5 +26,5 @@ bool fence_places_enter(struct fence *fence, enum sandbox_fault *fault, struct e
 void fence_places_run(struct fence fence, int (*probe)(void));
 
 bool fence_places_can_open(const char *path, int flags);
-// Whether a call that returned this was refused for who made it, not for what it said.
+// True when a call that returned this was refused by the sandbox, not for its arguments.
 bool fence_places_is_refused(long result);

@@ -4,7 +4,7 @@
 
 #include "reference/medium.h"
 
-// Density 1 within; all centred on the origin. The makers borrow what they are given.
+// Density 1 inside, centred on the origin. The functions borrow their arguments.
 struct homogeneous_sphere {
     double radius; // m
 };

@@ -1,4 +1,4 @@
-// What becomes of a job's text: it is read, or refused with a message.
+// Reads the text of a job, or expects its refusal with a message.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

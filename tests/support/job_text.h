@@ -7,7 +7,8 @@
 // jobs/NAME, owned by the caller.
 char *job_text_load(const char *name);
 
-// A job that uses every key of camera, lights and output, the fold fractal, and every way to move a value at least once.
+// A job that uses every key of camera, lights and output, the fold fractal, and every way to move a value at least
+// once.
 extern const char job_text_full[];
 // Jobs that use every key of the other densities, of bounds, and of the methods.
 extern const char job_text_noise[];

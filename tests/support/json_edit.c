@@ -12,7 +12,7 @@
 
 struct edit {
     const char *path;
-    const char *value; // NULL: take it away, unless `key` is there
+    const char *value; // NULL: remove it, unless there is a `key`
     const char *key;   // the new key; NULL: the old one
     bool done;
 };
@@ -37,7 +37,7 @@ static void path_below(char *below, size_t size, const char *path, const struct 
         snprintf(below, size, "%s[%zu]", path, child->index);
 }
 
-// The last key of edit->path, if what comes before it is `path`.
+// The last key of edit->path, if `path` precedes it.
 static const char *key_to_append(const struct edit *edit, const char *path)
 {
     size_t length = strlen(path);

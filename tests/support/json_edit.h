@@ -1,11 +1,11 @@
-// Changes one place of a JSON text, so that a test can say how its document differs from one that works.
+// Changes one value of a JSON text, so that a test can derive its document from a valid one.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
 
-// Paths are as messages name places: `scene.media[0].sigma_s`; the empty path is the whole document. Results are owned by
+// Paths are as in messages: `scene.media[0].sigma_s`; the empty path is the whole document. Results are owned by
 // the caller. A text that is no JSON or a path whose parent is not there ends the program.
 
 // Puts `value` (JSON; NULL removes) at `path`; a missing last member is appended.

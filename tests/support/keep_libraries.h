@@ -1,4 +1,4 @@
-// Keeps drivers loaded to the end, so that the leak checker can say whose memory it finds.
+// Keeps drivers loaded to the end, so that the leak checker can name the owner of leaked memory.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

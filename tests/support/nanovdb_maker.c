@@ -8,7 +8,7 @@
 #include <string.h>
 #include <zlib.h>
 
-// What the format says of a grid of floats; all numbers little-endian.
+// The format of a grid of floats; all numbers are little-endian.
 enum {
     SEGMENT = 16,
     METADATA = 176,
@@ -71,7 +71,7 @@ static uint64_t root_key(const int voxel[3])
            (uint32_t)voxel[2] >> 12;
 }
 
-// Which of the upper nodes has a voxel; one more when there is none yet.
+// The index of the upper node of a voxel; appends a node when there is none.
 static size_t upper_of(struct making *making, const int voxel[3])
 {
     size_t i = 0;
@@ -255,7 +255,7 @@ static void write_file(struct nanovdb_made *made, const struct making *making)
     made->size_bytes = made->grid + file_bytes;
 }
 
-// The grid's pieces one after another; counts what there will be.
+// Lays out the parts of the grid one after another, and counts them.
 static void lay_out(struct making *making, struct nanovdb_made *made)
 {
     const struct nanovdb_params *params = making->params;

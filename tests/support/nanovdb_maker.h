@@ -19,7 +19,7 @@ struct nanovdb_params {
     // The active voxels' box, inclusive; leaves cover it. min[0] > max[0]: none.
     int min[3], max[3];
     float (*value)(const int voxel[3]); // of an active voxel
-    float background;                   // of all others that no tile has
+    float background;                   // of voxels outside of leaves and tiles
     const struct nanovdb_tile *tiles;
     size_t tile_count;
     bool is_zip;
@@ -29,7 +29,7 @@ struct nanovdb_params {
 struct nanovdb_made {
     unsigned char *bytes;
     size_t size_bytes;
-    // Places of pieces in the file, when it is not zipped, and of pieces in a node.
+    // Offsets of parts in an uncompressed file, and of parts in a node.
     size_t metadata, grid, tree, root, root_tiles, uppers, lowers, leaves;
     size_t lower_bytes, upper_table, lower_table, leaf_values;
 };

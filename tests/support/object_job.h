@@ -1,12 +1,12 @@
-// A scene of objects: a job around them.
+// A job around a scene of objects.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/job/job.h"
 
-// Reads a job of 48x32 pixels whose camera looks from (0, 0, 4) at the origin, with depth and transmittance. `scene` are the
-// members of its scene ("\"objects\": [...]"), `rest` members of the job beside frames, camera, scene and output. Fails the
-// test when they are wrong. Free with job_finish.
+// Reads a job of 48x32 pixels whose camera looks from (0, 0, 4) at the origin, with depth and transmittance. `scene`
+// are the members of its scene ("\"objects\": [...]"), `rest` members of the job beside frames, camera, scene and
+// output. Fails the test when they are wrong. Free with job_finish.
 void object_job_parse(struct job *job, const char *scene, const char *rest);
 
 #define OBJECT_JOB_BALL(material)                                                                                      \

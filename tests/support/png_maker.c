@@ -12,7 +12,7 @@ struct bytes {
     size_t size;
 };
 
-// Where the passes of an interlaced image begin and how far apart their pixels are: x, y.
+// The passes of an interlaced image: first pixel and spacing, in x and y.
 static const int adam7[7][4] = {{0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4},
                                 {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2}};
 
@@ -72,7 +72,7 @@ static size_t pack_row(const struct png_params *params, int y, int first, int st
     return (bit + 7) / 8;
 }
 
-// Row by row without a filter, as differences from the left and as differences from above.
+// Rows in turn without a filter, as differences from the left, and as differences from above.
 static void append_pass(struct bytes *bytes, const struct png_params *params, const int pass[4])
 {
     size_t limit = (size_t)params->width * 8,

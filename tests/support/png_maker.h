@@ -1,4 +1,4 @@
-// PNG files of every kind, made byte by byte as the standard (ISO/IEC 15948:2004) has them, without the library that reads them.
+// PNG files of every kind, made byte by byte by the standard (ISO/IEC 15948:2004), without the tested library.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -12,7 +12,7 @@ static inline struct vec3 probe_vector(const float value[4])
     return (struct vec3){value[0], value[1], value[2]};
 }
 
-// The fourth component stays as it is.
+// The fourth component stays unchanged.
 static inline void probe_put_vector(float value[4], struct vec3 vector)
 {
     value[0] = (float)vector.x;
@@ -20,7 +20,7 @@ static inline void probe_put_vector(float value[4], struct vec3 vector)
     value[2] = (float)vector.z;
 }
 
-// Of length 1, all directions alike.
+// A random unit vector, uniform over the sphere.
 static inline struct vec3 probe_any_direction(struct random *random)
 {
     double z = random_between(random, -1, 1), angle = random_between(random, 0, 2 * M_PI);

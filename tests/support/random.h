@@ -1,10 +1,10 @@
-// The same random numbers in every run of a test.
+// A generator of random numbers, the same in every run of a test.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdint.h>
 
-// Any start but 0.
+// Seeded with any value but 0.
 struct random {
     uint64_t state;
 };

@@ -58,7 +58,7 @@ static void write_bounds(struct scribe *scribe)
     if (kind == 0) write_number(scribe, "radius", 0.4, 0.8);
     if (kind == 1) write_vector(scribe, "size", 0.7, 1.4);
     if (kind == 2) {
-        // Not along any ray of the camera, in which a slab would be long.
+        // Not parallel to a camera ray, along which a slab would be long.
         double x = number(scribe, -0.3, 0.3), y = number(scribe, -0.3, 0.3);
 
         fprintf(scribe->out, "\"normal\": [%.6f, %.6f, 1], ", x, y);
@@ -135,7 +135,7 @@ static bool write_density(struct scribe *scribe)
     }
     if (kind == 2) write_noise(scribe);
     if (kind == 3) has_transfer = write_grid(scribe);
-    // What has no end of its own needs bounds.
+    // Unbounded densities need bounds.
     if (kind == 0 || kind == 2 || choice(scribe, 2)) write_bounds(scribe);
     fputs("}", scribe->out);
     return has_transfer;
@@ -171,11 +171,11 @@ static void write_light(struct scribe *scribe)
         fputs("{\"kind\": \"sun\", ", scribe->out);
         write_vector(scribe, "direction", -1.0, 1.0);
     } else if (kind == 1) {
-        // Anywhere, inside media too.
+        // Anywhere, also inside media.
         fputs("{\"kind\": \"point\", \"falloff\": \"none\", ", scribe->out);
         write_vector(scribe, "position", -0.8, 0.8);
     } else {
-        // Outside of all: 1 / r^2 beside a ray is a matter of other methods.
+        // Outside of all media: only some methods handle 1 / r^2 beside a ray.
         fputs("{\"kind\": \"point\", ", scribe->out);
         write_vector(scribe, "position", 1.2, 2.0);
     }
@@ -202,7 +202,7 @@ char *random_job_write(const struct random_job *params)
     bool is_inside;
     double x, y, z;
 
-    // The first numbers of near seeds are alike.
+    // The first numbers of neighbouring seeds are similar.
     for (int i = 0; i < 20; i++)
         number(&scribe, 0.0, 1.0);
     scribe.is_colored = choice(&scribe, 2);

@@ -1,4 +1,4 @@
-// Jobs of scenes that nobody chose: every kind of medium, region, light and camera.
+// Random jobs: every kind of medium, bounds, light and camera.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

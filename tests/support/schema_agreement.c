@@ -129,7 +129,7 @@ void schema_agreement_assert(const char *text, const char *change)
              verdicts.code ? "yes" : verdicts.error.message);
 }
 
-// Put in the place of each value, of each string, and of each that is no string.
+// Replacements for every value, for strings, and for values that are no strings.
 static const char *const for_all[] = {"null", "true", "false", "\"\"", "\"x\"", "-1", "0", "1", "[]", "{}", NULL};
 static const char *const for_strings[] = {"\"1-5\"",
                                           "\" 1 , 5-3 ,07-9x2\\t\"",
@@ -283,7 +283,7 @@ static const char *const for_others[] = {
     "{\"orbit\":{\"radius\":2,\"period\":5},\"start\":[0,0,0],\"rate\":[0,0,0]}",
     NULL};
 
-// In objects too.
+// Also in objects.
 static const char *const for_object_strings[] = {
     "\"plane\"", "\"union\"", "\"diffuse\"",  "\"mirror\"", "\"dielectric\"", "\"exact\"", "\"schlick\"",
     "\"srgb\"",  "\"a.png\"", "\"/b/a.EXR\"", "\"a#.png\"", "\"a#/b.png\"",   "\".png\"",  NULL};

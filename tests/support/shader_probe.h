@@ -1,4 +1,4 @@
-// Evaluates shader modules at many inputs and brings back what they say.
+// Evaluates shader modules at many inputs and returns the results.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

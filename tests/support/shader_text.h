@@ -1,4 +1,4 @@
-// Looks at the text of a scene's shader.
+// Checks the text of a scene's shader.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -11,5 +11,5 @@ void shader_text_assert_has(const struct scene_program *program, const char *tex
 void shader_text_assert_lacks(const struct scene_program *program, const char *text);
 // Keeps both shaders in the test's folder (tests/support/temp_folder.h), as number `index`.
 void shader_text_keep(void **state, const struct scene_program *program, size_t index);
-// Has glslangValidator look at all that was kept; without it the test is skipped.
+// Checks all kept shaders with glslangValidator; without it the test is skipped.
 void shader_text_assert_valid(void **state);

@@ -1,4 +1,4 @@
-// Sweeps of one number through where methods of light may fail, each point against reference/.
+// Sweeps of one number through ranges in which methods may fail; each point is compared with reference/.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -9,28 +9,28 @@
 
 enum { STABILITY_POINT_LIMIT = 12 };
 
-// A row of the map: a scene, one number of which goes through `values`.
+// A row of the map: a scene in which one number takes `values`.
 struct stability_sweep {
-    const char *name; // what the number is
+    const char *name; // of the number
     const char *slug; // its short name
     double values[STABILITY_POINT_LIMIT];
     size_t count;
-    size_t quick_count; // the first of them, which tests make do with; 0: all
-    bool is_apart;      // a value is a job of its own; otherwise a frame of one
+    size_t quick_count; // the first of them, used by tests; 0: all
+    bool is_apart;      // each value is a job of its own, else a frame of one job
     bool is_grid;       // it reads voxels
-    bool is_change;     // the error is that of the picture's change since the value was 0
+    bool is_change;     // the error is that of the picture's difference to value 0
 };
 
 extern const struct stability_sweep stability_sweeps[];
 extern const size_t stability_sweep_count;
 
-// A column: a method and the numbers that it has throughout.
+// A column: a method with fixed numbers.
 struct stability_method {
     const char *name;
     const char *quality; // members of the job's "quality"
-    bool wants_even;     // it is for homogeneous media alone
-    const char *only;    // the slug of the one sweep that it is for; NULL: all
-    double tolerance;    // it is the farm's, planned and audited; 0: it is rendered as `quality` says
+    bool wants_even;     // only for homogeneous media
+    const char *only;    // the slug of its only sweep; NULL: all
+    double tolerance;    // planned and audited with this tolerance; 0: rendered with `quality`
 };
 
 extern const struct stability_method stability_methods[];
@@ -41,16 +41,17 @@ struct stability_point {
     char reason[256];
     bool is_finite;
     bool fits_half; // finite, and every value a half holds
-    double gain;    // of all light together: seen over true, less 1
+    double gain;    // total light in the picture over the true one, less 1
     double error;   // relative RMSE, absolute where all light is below 1e-6
 };
 
 struct gl_context;
 
-// What tests make do with of a sweep.
+// The number of values that tests use.
 struct stability_sweep stability_quick(const struct stability_sweep *sweep);
-// False: the method has nothing to do with it.
+// False when the method does not apply to the sweep.
 bool stability_concerns(const struct stability_sweep *sweep, const struct stability_method *method);
-// Fills `points`, one a value, for a method that the sweep concerns. False, with a message printed, when the scene itself cannot be measured.
+// Fills `points`, one for each value, for a method that applies. False, with a message printed, when the scene itself
+// cannot be measured.
 bool stability_measure(struct gl_context *context, const struct stability_sweep *sweep,
                        const struct stability_method *method, struct stability_point *points);

@@ -6,5 +6,6 @@
 
 struct gl_context;
 
-// `form`: "points", "map" (Markdown) or "svg"; `slug`: of one sweep, NULL of all. To stdout; false when something cannot be measured.
+// `form`: "points", "map" (Markdown) or "svg"; `slug`: of one sweep, NULL of all. To stdout; false when something
+// cannot be measured.
 bool stability_map_print(struct gl_context *context, const char *form, const char *slug);

@@ -1,4 +1,4 @@
-// Small pictures of scenes with objects, pixel by pixel beside what is known in closed form.
+// Small pictures of scenes with objects, compared pixel by pixel with closed forms.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -29,7 +29,7 @@ struct studio_scene {
     const char *frames;                   // NULL: 0. There are 24 in a second.
 };
 
-// What a pixel shows. What is NAN is not known.
+// The values of a pixel. NAN: unknown.
 struct studio_light {
     double radiance[3], transmittance[3], alpha, depth;
 };
@@ -52,13 +52,13 @@ int studio_close(void **state); // a group's teardown
 // Through the centre of a pixel.
 struct ray studio_ray(const struct studio_scene *scene, int x_px, int y_px);
 
-// Says what is seen along a ray; `light` is all NAN before.
+// Computes the light along a ray; `light` is all NAN before.
 typedef void studio_truth(const struct ray *ray, struct studio_light *light, const void *user);
-// Each value that is known must be that of the picture to within `tolerance`, values over 1 to within that share of
-// them. Less than `share` of all pixels with a known value fail the test too.
+// Every known value must equal that of the picture to within `tolerance`, absolute up to 1 and relative above. The test
+// also fails if less than `share` of all pixels have a known value.
 void studio_expect(const struct studio_scene *scene, const struct studio_picture *picture, studio_truth *truth,
                    const void *user, double tolerance, double share);
-// Renders a scene and does that.
+// Renders a scene and compares it.
 void studio_check(const struct studio_scene *scene, studio_truth *truth, const void *user, double tolerance,
                   double share);
 

@@ -1,4 +1,4 @@
-// A folder of its own for each test that touches files, removed with all that is in it.
+// A temporary folder for a test, removed with its contents.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -31,7 +31,7 @@ static inline int temp_folder_destroy(void **state)
     return result;
 }
 
-// "FOLDER/NAME" in one of a few buffers that take turns.
+// "FOLDER/NAME" in one of a few static buffers.
 static inline const char *temp_folder_path(void *const *state, const char *name)
 {
     static char paths[4][512];

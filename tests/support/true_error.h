@@ -7,6 +7,6 @@
 struct image;
 struct job;
 
-// The relative RMSE of the values as the job's files have them against the light along the same camera rays. `job` has the
-// size and the samples that `image` was rendered with. A failure fails the test.
+// The relative RMSE of the values as the job's files have them against the light along the same camera rays. `job` has
+// the size and the samples that `image` was rendered with. A failure fails the test.
 double true_error_measure(const struct job *job, int32_t frame, const struct image *image);

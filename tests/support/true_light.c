@@ -99,7 +99,7 @@ static struct reference_error find_error(const struct comparison *comparison, si
                                  comparison->truth + plane * comparison->count, plane_count * comparison->count);
 }
 
-// Takes a pixel for true: where that differs most of which the picture is worst at.
+// Sets the truth of the worst pixel to its value in the picture, so that it no longer counts.
 static void pass_over_worst(struct comparison *comparison)
 {
     static const size_t FIRST[] = {RADIANCE, TRANSMITTANCE, ALPHA, DEPTH}, EACH[] = {3, 3, 1, 1};

@@ -19,7 +19,7 @@ struct true_light {
     struct true_rays rays_seen, rays_true;                        // of scenes that reflect or refract, else 0
 };
 
-// What pixels truly are, kept for further pictures. The zero value is empty.
+// The true values of pixels, kept for further pictures. The zero value is empty.
 struct true_light_truth {
     double *planes; // owned; NULL until measured
     size_t pixel_count;
@@ -29,11 +29,11 @@ struct true_light_truth {
 // Renders frame 0 on `backend` and measures every pixel anew with reference/; prints what came out. A failure fails the
 // test, a backend that is not there skips it.
 struct true_light true_light_compare(const struct job *job, enum gl_backend backend);
-// The same without the `stray_count` pixels that differ most: a float and a double may see a ray on different sides of an
-// edge. They are counted among the rays.
+// The same without the `stray_count` pixels that differ most: a float and a double may see a ray on different sides of
+// an edge. They are counted among the rays.
 struct true_light true_light_compare_but(const struct job *job, enum gl_backend backend, size_t stray_count);
-// The same with a truth that is measured when `truth` is empty and taken from there else: for jobs that differ in nothing but how
-// finely their method looks.
+// The same with a truth that is measured when `truth` is empty and else taken from there: for jobs that differ only in
+// the numbers of their method.
 struct true_light true_light_compare_with(const struct job *job, enum gl_backend backend,
                                           struct true_light_truth *truth);
 void true_light_truth_finish(struct true_light_truth *truth); // accepts an empty one

@@ -1,4 +1,4 @@
-// What tests of volume readers ask again and again; each ends the test if it does not hold.
+// Assertions for tests of volume readers.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

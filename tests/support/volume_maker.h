@@ -1,4 +1,4 @@
-// Small volumes in files of any format, for tests: every voxel's value tells its index, so nothing can be swapped unseen.
+// Small volumes in files of any format: the value of every voxel encodes its index, so that swapped axes show.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -34,7 +34,7 @@ static void add(struct chart_points *points, const char *series, int rung, enum 
     chart_points_add(points, &point);
 }
 
-// A number of a rung's quality.
+// A number in the quality of a rung.
 static double number_of(const char *series, int rung, const struct chart_scale *scale, const char *key)
 {
     char *text = chart_ladder_quality(find_series(series), rung, scale, &(struct json_node){0});

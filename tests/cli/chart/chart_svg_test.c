@@ -106,7 +106,7 @@ static void picture_shows_what_was_measured(void **state)
 
     fill(&points);
     text = chart_svg_format(&points, &mark);
-    // Each series four points, but for the one that is not finite, and its marker in the legend.
+    // Four points in each series, less the one that is not finite, and a marker in the legend.
     assert_int_equal(count(text, "class=\"mark "), 5 * chart_ladder_count() - 1);
     assert_int_equal(count(text, "class=\"line "), 2 * chart_ladder_count());
     assert_int_equal(count(text, "class=\"star\""), 2);

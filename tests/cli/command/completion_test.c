@@ -16,7 +16,7 @@ static void write_ids(FILE *out, const char *verb)
     fprintf(out, "7\t%s\n", verb);
 }
 
-// The first column of what is offered, a blank after each.
+// The first column of the completions, a blank after each.
 static void assert_offered(const char *expected, const char *const words[], size_t count)
 {
     char *text = NULL, offered[4096] = "";

@@ -61,7 +61,7 @@ static int listen_at(const char *path)
     return fd;
 }
 
-// Connects to both; -1 or the number of the listener that got the connection.
+// Tries both; returns the number of the listener that got the connection, or -1.
 static int answered_by(const struct place *place, int first, int second, enum exit_status *status, struct error *error)
 {
     char *const paths[] = {place->first, place->second};
@@ -137,7 +137,7 @@ static void socket_of_a_group_is_not_for_strangers(void **state)
     assert_non_null(strstr(error.message, "your own answer at /"));
     assert_non_null(strstr(error.message, "/second (No such file or directory)"));
 
-    // Their own daemon is theirs.
+    // The user's own daemon.
     second = listen_at(place->second);
     assert_int_equal(chmod(place->second, 0666), 0);
     assert_int_equal(seteuid(65534), 0);

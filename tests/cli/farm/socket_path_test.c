@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-// `second` NULL: there is but one.
+// `second` NULL: there is only one path.
 static void assert_chosen(const struct socket_path_params *params, const char *first, const char *second)
 {
     struct socket_path_list list;

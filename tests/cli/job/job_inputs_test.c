@@ -43,7 +43,7 @@ static struct job load(void **state, const char *const sets[], size_t set_count)
     return job;
 }
 
-// `expected` is what follows the job file's name, "%s" in it the test's folder.
+// `expected` follows the name of the job file; "%s" in it is the test's folder.
 static void assert_refused(void **state, const char *expected)
 {
     const char *path = temp_folder_path(state, "job.json"), *at = strstr(expected, "%s");
@@ -102,7 +102,7 @@ static void absolute_paths_stay(void **state)
     free(density);
 }
 
-// What is behind a link is where the link leads to, as the system itself reads "..".
+// ".." behind a link is relative to the target of the link, as for the system.
 static void ways_up_are_gone(void **state)
 {
     static const char *const sets[] = {"scene.media[0].density.file=link/.././/head.nii"};
@@ -155,7 +155,7 @@ static void glsl_may_begin_with_a_byte_order_mark(void **state)
     free(text);
 }
 
-// What is in the job counts, whether or not there is such a file.
+// The text in the job counts, whether or not the file exists.
 static void a_source_that_is_there_stays(void **state)
 {
     char *text = one_medium("{\"kind\":\"glsl\",\"file\":\"none.glsl\",\"source\":\"float\",\"bounds\":"
@@ -249,7 +249,7 @@ static void what_is_no_job_is_left_for_the_parser(void **state)
     }
 }
 
-// The job of every key of objects, with files of the folder in place of its own.
+// The job with every key of objects, with files of the test's folder.
 static char *objects_in_folder(void)
 {
     char *floor = json_edit_set(job_text_objects, "scene.objects[0].material.texture.file", "\"tiles.png\"");

@@ -95,7 +95,7 @@ static void lost_frames_are_tried_again_alone_and_first(void **state)
     assert_taken(plan, 3, 1);
     render_plan_start(plan, 1);
     assert_int_equal(render_plan_lose(plan, false, given_up), 0);
-    assert_taken(plan, 1, 2); // it had started: that try counts
+    assert_taken(plan, 1, 2); // it had started, so the attempt counts
     assert_enough(plan);
     assert_true(render_plan_end(plan, 1, 2));
     assert_taken(plan, 2, 1);

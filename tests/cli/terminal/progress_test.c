@@ -137,7 +137,7 @@ static void paces_have_no_exponent(void **state)
     assert_pace(1234.4, "1234");
 }
 
-// Draws to a file, which is no terminal.
+// Draws to a file instead of a terminal.
 static void plain_display_repeats_nothing_that_did_not_change(void **state)
 {
     struct progress progress = halfway;

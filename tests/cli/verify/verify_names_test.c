@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-// header_frame -1: nothing is known of the file.
+// header_frame -1: the header is unknown.
 static void add(struct verify_list *list, const char *name, int32_t header_frame)
 {
     struct verify_file file = {.name = xstrdup(name), .frame = -1};
@@ -53,7 +53,7 @@ static void files_that_differ_in_their_number_are_one_sequence(void **state)
     verify_list_finish(&list);
 }
 
-// Without headers it is what most names differ in, and among equals the last number.
+// Without headers it is the number in which most names differ, and in a tie the last one.
 static void number_is_where_most_names_have_one(void **state)
 {
     struct verify_list list = {0};
@@ -71,7 +71,7 @@ static void number_is_where_most_names_have_one(void **state)
     verify_list_finish(&list);
 }
 
-// Ten shots with a frame each differ in the shot's number, but the header says which number is the frame's.
+// Ten shots of one frame differ in the number of the shot; the header has the frame's.
 static void header_says_which_number_is_the_frame(void **state)
 {
     struct verify_list list = {0};

@@ -103,7 +103,7 @@ static void files_unlike_most_are_blamed(void **state)
 
     list.files[0].width_px = 3;
     strcpy(list.files[3].sequence_hash, "two");
-    list.files[4].is_known = false; // it cannot be read: nothing is said of its size
+    list.files[4].is_known = false; // it cannot be read: its size is not judged
     list.files[4].width_px = 0;
     list.files[2].header_frame = 7;
     sequence = judge(&list, NULL);
@@ -117,7 +117,7 @@ static void files_unlike_most_are_blamed(void **state)
     verify_list_finish(&list);
 }
 
-// Of files without the job's hash that of the picture has to do; of as many of either kind the first is right.
+// Without the job's hash that of the picture is compared; in a tie the first file is right.
 static void older_files_are_compared_by_their_pictures(void **state)
 {
     struct verify_list list = LIST(0, 1);
@@ -141,7 +141,7 @@ static void worst_error_is_found(void **state)
         strcpy(list.files[i].accuracy.audit, "reference");
         list.files[i].accuracy.error = i == 1 ? 0.5 : 0.25;
     }
-    list.files[3].accuracy.error = 1; // that was not measured
+    list.files[3].accuracy.error = 1; // not measured
     sequence = judge(&list, NULL);
     assert_int_equal(sequence.worst, 1);
     verify_sequence_finish(&sequence);

@@ -15,7 +15,7 @@ static void hash_is_xxh3_in_canonical_order(void **state)
 {
     char text[HASH_TEXT_SIZE];
 
-    // XXH3_128bits of nothing with seed 0, as the xxHash specification's test vectors have it.
+    // XXH3_128bits of no bytes with seed 0, from the test vectors of xxHash.
     hash_bytes("", 0, text);
     assert_string_equal(text, "99aa06d3014798d86001c324468d497f");
 }

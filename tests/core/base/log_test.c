@@ -1,4 +1,4 @@
-// What the operator's lines may hold, and where they go.
+// Log lines: their contents, and the sink.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/log.h"
 
@@ -106,7 +106,7 @@ static void no_text_looks_like_a_line_of_ours(void **state)
     text[fread(text, 1, sizeof text - 1, file)] = '\0';
     fclose(file);
     assert_non_null(strstr(text, " info: job \"x\n\t12:00:00.000 error: forged\"\n"));
-    // Two lines begin a line; all others are moved in.
+    // Two lines start at the margin; all others are indented.
     for (int lines = 0; *begin; begin = strchr(begin, '\n') + 1) {
         if (*begin != '\t') lines++;
         assert_in_range(lines, 1, 2);

@@ -52,7 +52,7 @@ static struct hash hash_with(const char *path, const char *value)
 static void layout_and_order_of_keys_do_not_count(void **state)
 {
     char *cloud = job_text_load("cloud.json");
-    char *compact = json_edit_set(cloud, "priority", "50"); // parsed and written anew: other spaces, other digits
+    char *compact = json_edit_set(cloud, "priority", "50"); // written anew, with other spaces and digits
     char *moved = json_edit_set(compact, "version", NULL);
     char *reordered = json_edit_set(moved, "version", "1");
 
@@ -90,7 +90,7 @@ static void what_no_picture_depends_on_does_not_count(void **state)
         assert_string_equal(hash_with(edits[i][0], edits[i][1]).text, hash.text);
 }
 
-// The file says what was cut; each job looks for itself whether that is too much.
+// max_cut is not hashed: a file states its cut share, and each job compares it with its own limit.
 static void how_much_may_be_cut_does_not_count(void **state)
 {
     char *text = json_edit_set(job_text_objects, "quality.max_cut", "0.75");
@@ -99,7 +99,7 @@ static void how_much_may_be_cut_does_not_count(void **state)
     free(text);
 }
 
-// Places that have one value only, that no picture depends on, or that change along with another.
+// Values that have only one choice, that no picture depends on, or that change together with another.
 static bool is_left_out(const char *path)
 {
     static const char *const paths[] = {"version",
@@ -140,7 +140,7 @@ static bool some_value_changes_the_hash(const char *document, const char *path, 
     return false;
 }
 
-// Where the text came from is for messages.
+// The file of the text only appears in messages.
 static bool is_glsl_file(const char *document, const char *path)
 {
     return document == job_text_glsl && strlen(path) > 5 && strcmp(path + strlen(path) - 5, ".file") == 0;
@@ -169,7 +169,7 @@ static void check_places(const char *document, const char *prefix, size_t expect
 
 static void every_value_that_a_picture_depends_on_counts(void **state)
 {
-    // Where a falloff is allowed.
+    // Here a falloff is allowed.
     char *fog = json_edit_set(job_text_fog, "quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1}");
 
     check_places(job_text_full, "", 100);
@@ -222,7 +222,7 @@ static void what_changes_along_with_another_counts(void **state)
             if (strcmp(hashes[i].text, hashes[k].text) == 0) fail_msg("edits %zu and %zu hash alike", i, k);
 }
 
-// Frames that are there from before there were objects stay good.
+// The hashes of jobs without objects must stay, so that existing frames remain valid.
 static void jobs_without_objects_keep_their_hashes(void **state)
 {
     assert_string_equal(hash_of(job_text_full).text, "62016974e9a40394de25ffb01fe08c43");
@@ -260,7 +260,7 @@ static void what_objects_are_counts(void **state)
     free(text);
 }
 
-// An interior fills its object, whichever of two alike.
+// An interior belongs to one object, even if two are equal.
 static void whose_interior_it_is_counts(void **state)
 {
     static const char sphere[] = "{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":{\"kind\":"

@@ -264,7 +264,7 @@ static void geometry_without_a_picture_is_refused(void **state)
     free(still);
 }
 
-// A light that turns round may pass 0 between two frames.
+// A direction that reverses may be 0 between two frames.
 static void a_direction_is_checked_at_the_frames(void **state)
 {
     char *text = json_edit_set(job_text_full, "lights[1].direction", "{\"start\":[0.5,0,0],\"rate\":[-0.5,0,0]}");

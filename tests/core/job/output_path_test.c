@@ -197,7 +197,7 @@ static void absolute_path_below_the_root_becomes_relative(void **state)
     assert_null(output_path_below("/srv", "/srv/out", NULL));
     assert_null(output_path_below("/srv/out/b.#.exr", NULL, &error));
     assert_string_equal(error.message, "expected a relative path, got \"/srv/out/b.#.exr\"");
-    // What climbs back out of the root is still there for output_path_parse to refuse.
+    // ".." stays in the result, for output_path_parse to refuse.
     assert_string_equal(output_path_below("/srv/out/../b.#.exr", "/srv/out", NULL), "../b.#.exr");
 }
 
@@ -321,7 +321,7 @@ static void root_may_be_reached_through_a_link(void **state)
     output_path_finish(&path);
 }
 
-// What a sandbox leaves to a worker: folders on the way may be passed, not read.
+// As in a sandbox: the upper folders may be passed but not read.
 static void folders_on_the_way_need_not_be_readable(void **state)
 {
     struct output_path path = parse("a/b/x.#.exr");

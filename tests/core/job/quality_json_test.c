@@ -26,13 +26,13 @@ static void qualities_are_read(void **state)
     assert_int_equal(fog.quality.method, JOB_METHOD_EQUIANGULAR);
     assert_int_equal(fog.quality.points, 8);
     assert_int_equal(fog.quality.samples, 2);
-    // 1 to 9 at 25 a second, and half a frame until the shutter closes.
+    // Frames 1 to 9 at 25 a second, and half a frame of shutter.
     assert_true(fabs(job_time_span(&fog).last - 0.38) < 1e-15);
     job_finish(&noise);
     job_finish(&fog);
 }
 
-// Their parameters are midpoint's.
+// They have the parameters of midpoint.
 static void jittered_and_preintegrated_are_read(void **state)
 {
     static const char *const names[] = {"\"jittered\"", "\"preintegrated\""};

@@ -55,7 +55,7 @@ static void schema_and_code_agree_on_limits_of_objects(void **state)
     free(shapes);
 }
 
-// What no single place of a job that is right shows.
+// Rules that changes of a single value do not reach.
 static void schema_and_code_agree_on_keys_that_join(void **state)
 {
     static const char *const edits[][2] = {

@@ -23,7 +23,7 @@ static void schema_and_code_agree_on_every_change_of_cloud(void **state)
     free(text);
 }
 
-// Elsewhere it is as the cloud.
+// The other values are those of cloud.json.
 static void schema_and_code_agree_on_changes_of_a_tolerance(void **state)
 {
     char *text = json_edit_set(job_text_full, "quality", "{\"method\":\"auto\",\"tolerance\":0.125,\"samples\":2}");

@@ -110,7 +110,7 @@ static void light_grids_need_bounds(void **state)
     job_expect_refused(slab,
                        "scene.media[1].density: expected bounds (a sphere or a box): with cached each light has a grid "
                        "around it");
-    open = json_edit_set(slab, "lights", "[]"); // then there is no grid
+    open = json_edit_set(slab, "lights", "[]"); // without lights there is no grid
     job = job_expect(open);
     job_finish(&job);
     free(open);
@@ -197,7 +197,7 @@ static void equiangular_points_are_limited_along_a_ray(void **state)
                            "\"homogeneous\"},\"sigma_a\":1},"
                            "{\"density\":{\"kind\":\"homogeneous\"},\"sigma_a\":1}]");
     lit = json_edit_set(medium, "lights", lights);
-    // Three media have five stretches at most.
+    // Three media cut a ray into five intervals at most.
     text = json_edit_set(lit, "quality", "{\"method\":\"equiangular\",\"points\":751}");
     snprintf(expected, sizeof expected, "quality.points: expected at most %d with 16 lights and 3 media, got 751",
              60000 / (16 * 5));
@@ -214,7 +214,7 @@ static void equiangular_points_are_limited_along_a_ray(void **state)
     free(medium);
 }
 
-// job_text_objects without camera.clip, its last object another one.
+// job_text_objects without camera.clip and with another last object.
 static char *last_object(const char *object)
 {
     char *open = json_edit_set(job_text_objects, "camera.clip", NULL);
@@ -256,7 +256,7 @@ static void an_interior_ends_with_its_object(void **state)
     free(text);
 }
 
-// Its own bounds may be smaller.
+// The bounds of an interior may be smaller than its object.
 static void an_interior_ends_with_its_bounds(void **state)
 {
     char *text = last_object("{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":3.5," GLASS "}");
@@ -271,7 +271,7 @@ static void an_interior_ends_with_its_bounds(void **state)
     free(text);
 }
 
-// A surface is lit wherever it is, however short the way on which media are gathered.
+// Surfaces are lit also beyond camera.clip, within which media count.
 static void light_marches_to_all_that_it_lights(void **state)
 {
     static const char slab[] = "[{\"sigma_s\":1,\"density\":{\"kind\":\"noise\",\"frequency\":2,\"bounds\":{\"kind\":"

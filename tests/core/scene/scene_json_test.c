@@ -231,7 +231,7 @@ static void wrong_media_are_refused_by_place(void **state)
                         "scene.media[0].density.iterations: expected an integer from 1 to 32, got 2.5");
     assert_edit_refused("scene.media[0].phase", "[]",
                         "scene.media[0].phase: expected an array of 1 to 8, got an array of 0");
-    // As a float it is 1, which scatters nothing anywhere.
+    // Rounded to float this is 1, where the phase function is 0 almost everywhere.
     assert_edit_refused("scene.media[0].phase[0].g", "0.99999999",
                         "scene.media[0].phase[0].g: expected a number in [-0.99999, 0.99999], got 0.99999999");
 }
@@ -291,7 +291,7 @@ static void homogeneous_media_are_read(void **state)
     scene_finish(&scene);
 }
 
-// What moves is asked for until the shutter closes: 10 s and 0.04 s for each frame of shutter.
+// Values are checked until the shutter closes: 10 s, and 0.04 s for each frame of shutter.
 static void values_stay_in_range_while_the_shutter_is_open(void **state)
 {
     char *text = json_edit_set(job_text_full, "camera.fov", "{\"start\":10,\"rate\":16.9}"), *open;

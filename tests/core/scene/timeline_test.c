@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-// Values here are of order 1 and go through a handful of roundings.
+// Values of order 1 after a few roundings.
 static const double ROUNDING = 1e-14;
 
 static void assert_near(double value, double expected, double tolerance)
@@ -98,7 +98,7 @@ static void linear_keys_join_by_straight_lines(void **state)
     assert_near(number_at(&timeline, 3.5), 5.0, ROUNDING);
 }
 
-// A value may rest at the end of its range.
+// A value may equal the end of its range.
 static void between_keys_no_value_is_beyond_them(void **state)
 {
     static const double values[] = {0.1, 10, 0.99999, -0.99999, 1e9};

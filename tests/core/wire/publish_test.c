@@ -23,7 +23,7 @@ static int open_folder(void *const *state)
     return fd;
 }
 
-// Writes `text` as `file` and says what a worker would report of it.
+// Writes `text` to `file` and returns what a worker would report about it.
 static struct published_file write_file(void *const *state, const char *file, const char *text)
 {
     struct published_file written = {.size_bytes = strlen(text)};
