@@ -2,8 +2,9 @@
 # Changes to a job: pause, resume, cancel, retry, priority; and the reason of a waiting job.
 . "$(dirname "$0")/farm.sh"
 
+# 50 s of frames: they are not over before the test is done with them.
 start_daemon --workers 1 --worker-program "$(stub write:50)"
-first=$(submit "$(job 1-100 '.name = "first"')")
+first=$(submit "$(job 1-1000 '.name = "first"')")
 second=$(submit "$(job 1-3 '.name = "second" | .output.path = "second/s.####.exr"')")
 
 wait_until "the first runs" has_state "$first" running
@@ -24,35 +25,35 @@ expect "canceled" "$(ask job.cancel "{\"id\":$first}" | jq -r .result.state)" ca
 expect_error "$(ask job.pause "{\"id\":$first}")" 3 "was canceled"
 wait_until "nothing of it is in hand" eval '[ "$(ask worker.list | jq ".result.workers[0].frames")" = 0 ]'
 files=$(find "$scratch/out/cloud" -name '*.exr' | wc -l)
-expect "frames" "$(field "$first" '.succeeded + .canceled')" 100
+expect "frames" "$(field "$first" '.succeeded + .canceled')" 1000
 expect "files" "$(field "$first" .succeeded)" "$files"
 
 # A retry of some frames makes the job live; the others stay canceled, also after a restart.
-expect "retried" "$(ask job.retry "{\"id\":$first,\"state\":\"canceled\",\"range\":\"95-100\"}" | jq .result.retried)" 6
+expect "retried" "$(ask job.retry "{\"id\":$first,\"state\":\"canceled\",\"range\":\"995-1000\"}" | jq .result.retried)" 6
 wait_until "they are done" eval '[ "$(field "$first" .queued)" = 0 ]'
 kill_daemon
-start_daemon --workers 1 --worker-program "$(stub write:50)"
+start_daemon --workers 1 --worker-program "$(stub write:0)"
 wait_until "the retried frames are done" eval '[ "$(field "$first" ".queued + .running")" = 0 ]'
 expect "its state" "$(field "$first" .state)" canceled
-expect "its frames" "$(field "$first" '.succeeded + .canceled')" 100
-expect "frame 97" "$(ask job.frames "{\"id\":$first,\"range\":\"97\"}" | jq -r '.result.frames[0].state')" succeeded
-expect "retried" "$(ask job.retry "{\"id\":$first,\"state\":[\"canceled\",\"succeeded\"]}" | jq .result.retried)" 100
+expect "its frames" "$(field "$first" '.succeeded + .canceled')" 1000
+expect "frame 997" "$(ask job.frames "{\"id\":$first,\"range\":\"997\"}" | jq -r '.result.frames[0].state')" succeeded
+expect "retried" "$(ask job.retry "{\"id\":$first,\"state\":[\"canceled\",\"succeeded\"]}" | jq .result.retried)" 1000
 wait_state "$first" succeeded
-expect_files cloud 100
+expect_files cloud 1000
 
 # A job that is over may be retried only while no other job writes its files.
-expect "the same output again" "$(submit "$(job 1-100)" true)" $((second + 1))
+expect "the same output again" "$(submit "$(job 1-1000)" true)" $((second + 1))
 expect_error "$(ask job.retry "{\"id\":$first,\"state\":\"succeeded\"}")" 3 "writes its frame"
 expect_error "$(ask job.retry "{\"id\":$first,\"state\":\"queued\"}")" -32602 "params.state"
 
 # A restart changes nothing.
 list=$(ask job.list | jq -c '[.result.jobs[] | {id, name, state, priority, owner, submitted, succeeded, finished}]')
 stop_daemon
-start_daemon --workers 1 --worker-program "$(stub write:50)"
+start_daemon --workers 1 --worker-program "$(stub write:0)"
 expect "the list after a restart" \
     "$(ask job.list | jq -c '[.result.jobs[] | {id, name, state, priority, owner, submitted, succeeded, finished}]')" "$list"
 expect "succeeded jobs" "$(ask job.list '{"state":"succeeded"}' | jq -c '[.result.jobs[].id]')" "[$first,$second]"
-expect "frames of the farm" "$(ask daemon.status | jq -c '.result | [.frames.succeeded, .frames.queued, .jobs.paused]')" '[103,100,1]'
+expect "frames of the farm" "$(ask daemon.status | jq -c '.result | [.frames.succeeded, .frames.queued, .jobs.paused]')" '[1003,1000,1]'
 stop_daemon
 
 # A job whose frames were all queued again has not begun, also after a restart.

@@ -58,7 +58,7 @@ rm -r "$scratch/out/d"
 expect "with a folder that is gone" "$(delete "$id" true | jq -c .result)" '{"files_removed":0,"files_kept":0}'
 
 # A job that is still being swept is deleted after that; a second deletion and a retry in the meantime are refused.
-id=$(submit "$(job 1-400 '.output.path = "e/g.####.exr"')")
+id=$(submit "$(job 1-4000 '.output.path = "e/g.####.exr"')")
 wait_until "it runs" eval '[ "$(field "$id" .succeeded)" -gt 3 ]'
 answers=$(printf '{"jsonrpc":"2.0","id":%s,"method":"%s","params":%s}\n' 1 job.cancel "{\"id\":$id}" \
     2 job.delete "{\"id\":$id,\"files\":true}" 3 job.delete "{\"id\":$id}" 4 job.retry "{\"id\":$id,\"state\":\"canceled\"}" \

@@ -21,11 +21,11 @@ frames_done()
 # A worker killed while it renders: its frame is tried again by a new worker.
 start_daemon --worker-program "$(stub write:100)"
 listen "$scratch/events"
-id=$(submit "$(job 1-30)")
+id=$(submit "$(job 1-120)")
 wait_until "some frames are done" frames_done "$id" 4
 kill -KILL "$(worker_in_hand)"
 wait_state "$id" succeeded
-expect_files cloud 30
+expect_files cloud 120
 published_once "$scratch/events"
 expect "lost attempts" "$(ask job.log "{\"id\":$id}" | jq -r '[.result.attempts[].outcome] | unique | join(" ")')" lost
 [[ $(ask job.log "{\"id\":$id}" | jq -r '.result.attempts[0].log') == *"signal 9"* ]] || fail "the log lacks the signal"
