@@ -1,5 +1,5 @@
 #!/bin/sh
-# `march chart`: what it measures, writes, refuses, and how it goes on from where it was.
+# `march chart`: what it measures, writes and refuses, and how it continues a chart.
 set -u
 PATH=$PROGRAM_FOLDER:$PATH
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_chart_test.XXXXXX")
@@ -28,25 +28,25 @@ grep -q '</svg>' cloud/cloud.svg || fail "a picture"
 [ "$(head -c 4 cloud/cloud_error.png | tail -c 3)" = PNG ] || fail "a picture of the errors"
 grep -q '^midpoint  *[0-9.]* ' out || fail "a table of times"
 
-# Finer is more exact, and riemann worse than midpoint.
+# Finer settings are more exact, and riemann is worse than midpoint.
 error_of() { awk -F'measured,' -v series=",$1," 'index($0, series) { split($2, a, ","); print a[4] }' cloud/cloud.csv; }
 awk -v coarse="$(error_of midpoint,1)" -v fine="$(error_of midpoint,3)" -v plain="$(error_of riemann,2)" \
     'BEGIN { exit !(fine > 0 && fine < coarse / 4 && plain > fine && coarse < 1) }' ||
     fail "errors: midpoint $(error_of midpoint,1), $(error_of midpoint,3), riemann $(error_of riemann,2)"
 
-# What would be the same line once more is left out, and told why.
+# A series that would coincide with another is left out with a reason.
 expect 0 chart "$jobs/cloud.json" --frame 48 --out same --methods preintegrated:2,"cached baked:2","cached:2"
 grep -q ',preintegrated,2,.*,refused,.*here it is the same program as midpoint' same/cloud.csv || fail "preintegrated"
 grep -q ',cached baked,2,.*,refused,.*here it is the same program as cached' same/cloud.csv || fail "cached baked"
 grep -q ',cached,2,.*,measured,' same/cloud.csv || fail "cached itself"
 
-# What the planner chooses for the job's tolerance is a point and a star.
+# The planner's choice for the job's tolerance is a point and a star.
 expect 0 chart "$jobs/cloud.json" --frame 48 --out planned --methods auto,midpoint:2 --set quality='{"tolerance":0.05}'
 grep -q ',auto,0,.*,measured,' planned/cloud.csv || fail "the planner's choice is measured"
 grep -q 'class="star"' planned/cloud.svg || fail "the planner's choice is drawn"
 grep -q 'tolerance 5 %' planned/cloud.svg || fail "the tolerance is drawn"
 
-# What is there is not measured again; what is new is added.
+# Existing points are not measured again; new ones are added.
 before=$(grep measured cloud/cloud.csv)
 expect 0 chart "$jobs/cloud.json" --frame 48 --out cloud --methods riemann:2,midpoint:1,midpoint:2,midpoint:3
 [ "$(grep measured cloud/cloud.csv | grep -v ',midpoint,2,')" = "$before" ] || fail "points are measured once"
@@ -61,12 +61,12 @@ grep -q '"name":"cloud","frame":48,"width_px":16,' out || fail "facts in JSON"
 grep -q '"times":\[{"series":"riemann","seconds":\[' out || fail "times in JSON"
 [ "$(wc -l <out)" -eq 1 ] || fail "JSON is one line"
 
-# A scene of GLSL has no twin: the finest march is its truth.
+# The reference has no GLSL densities: the finest march is the truth.
 expect 0 chart "$jobs/custom.json" --out custom --methods midpoint:1,midpoint:2
 [ "$(grep -c ',measured,.*,midpoint,144,' custom/custom.csv)" -eq 2 ] || fail "the truth of GLSL is named"
 grep -q "finest midpoint march" custom/custom.svg || fail "the picture names the truth of GLSL"
 
-# Riemann's clip is made of the media's reach where the job has none; scenes with objects it cannot render.
+# A missing camera.clip for riemann is set from the extent of the media; riemann cannot render scenes with objects.
 expect 0 chart "$jobs/fog.json" --out fog --methods riemann:2
 grep -q ',riemann,2,.*,measured,' fog/fog.csv || fail "riemann in a job without camera.clip"
 expect 0 chart "$jobs/glass.json" --out glass --methods riemann:2,equiangular:0 --set quality.samples=1
@@ -84,7 +84,7 @@ expect 2 chart "$jobs/cloud.json" --out "$jobs/cloud.json"
 expect 2 march chart
 [ ! -e cloud.csv ] || fail "a chart that was refused leaves no file"
 
-# Interrupted, it ends with 130 and keeps its points.
+# An interrupted chart ends with 130 and keeps its points.
 march chart "$jobs/cloud.json" --backend osmesa --size 32x18 --frame 48 --out stopped >out 2>err &
 pid=$!
 until [ -s stopped/cloud.csv ] || ! kill -0 "$pid"; do sleep 0.05; done

@@ -1,5 +1,5 @@
 #!/bin/bash
-# What bash, zsh and fish offer while `march` and `marchd` are typed: the shells themselves are asked, beside a daemon and without.
+# Completion of `march` and `marchd` in bash, zsh and fish themselves, with a daemon and without.
 . "$PROJECT_ROOT/tests/process/farm.sh"
 PATH=$bin:$PATH
 cd "$scratch" || exit 1
@@ -8,10 +8,10 @@ export MARCHD_SOCKET=$socket
 mkdir jobs.d
 touch a.json b.txt
 
-# typed_bash WORD...: what bash offers for the last of them.
+# typed_bash WORD...: bash's completions of the last word.
 typed_bash()
 {
-    # shellcheck disable=SC2016 # it is the other shell's
+    # shellcheck disable=SC2016 # expanded by the other shell
     bash -c 'eval "$(march completion bash)"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _"$1" 2>/dev/null; echo "${COMPREPLY[*]}"' - "$@"
 }
 
@@ -35,7 +35,7 @@ expect "ids of jobs that are not over" "$(typed_bash march pause '')" "$live"
 if command -v zsh >/dev/null; then
     march completion zsh >_march
     zsh -n _march || fail "zsh reads it"
-    # What zsh gives a completion function, and what that hands back.
+    # Stands in for what zsh gives to a completion function, and prints what it gets back.
     # shellcheck disable=SC2016
     typed_zsh()
     {
@@ -63,7 +63,7 @@ else
     echo "no fish here: not tried"
 fi
 
-# One that hangs holds nobody's keys for long.
+# A daemon that hangs blocks completion for a second at most.
 kill -STOP "$daemon_pid"
 typed_bash march show '' >/dev/null # it would not end
 kill -CONT "$daemon_pid"

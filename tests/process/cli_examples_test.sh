@@ -1,5 +1,5 @@
 #!/bin/bash
-# Every example of `march help VERB` and `marchd --help` runs as it stands; only what is large is made small.
+# Every example of `march help VERB` and `marchd --help` runs as printed; only large pictures are made small.
 . "$PROJECT_ROOT/tests/process/farm.sh"
 PATH=$bin:$PATH
 export MARCHD_SOCKET=$socket
@@ -11,7 +11,7 @@ sed -n '/^\.EX/,/^\.EE/{//!p}' "$PROJECT_ROOT/deploy/man/marchd-job.5" | sed 's/
 start_daemon
 small='--set resolution=[32,18] --set quality.step=0.05 --set quality.light_step=0.05'
 
-# Jobs 7 and 8 are those that the examples speak of.
+# The examples name jobs 7 and 8.
 for id in 1 2 3 4 5; do
     submit "$(job 0 ".output.path = \"other/$id.####.exr\"")" true >/dev/null
 done
@@ -19,7 +19,7 @@ march submit first.json --wait --set 'resolution=[32,18]' >/dev/null || fail "th
 expect "the example's job" "$(submit "$(job 0-120 '.output.path = "seven/seven.####.exr"')" true)" 7
 expect "the other" "$(submit "$(job 0 '.output.path = "eight/eight.####.exr"')")" 8
 
-# example VERB MORE-ARGUMENTS: runs what the help of the verb shows.
+# example VERB MORE-ARGUMENTS: runs the example in the help of the verb.
 tried=
 example()
 {

@@ -1,5 +1,5 @@
 #!/bin/sh
-# `march` with a daemon: a job from submit to its files, and everything that can be asked about it.
+# `march` with a daemon: a job from submission to its files, and all reports about it.
 set -u
 PATH=$PROGRAM_FOLDER:$PATH
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_farm_test.XXXXXX")
@@ -83,7 +83,7 @@ grep -q "99" err || fail "a job that is not there is named"
 expect 0 march workers
 grep -q "osmesa\|egl" out || fail "workers tells the backend"
 
-# One page is 10000 frames; the daemon is asked for as many as there are.
+# A page has 10000 frames; all pages are requested.
 expect 0 submit --paused --set frames=0-25000 --set output.path=many/many.#####.exr
 expect 0 march frames 5
 [ "$(wc -l <out)" -eq 25002 ] || fail "frames of all pages"
@@ -103,7 +103,7 @@ wait "$watcher"
 [ $? -eq 130 ] || fail "an interrupted watch ends with 130"
 
 if [ "$(id -u)" -eq 0 ] && command -v setpriv >/dev/null; then
-    # What another user runs and reads, where they can reach it.
+    # Files for another user, in a folder that they can reach.
     chmod 755 "$scratch"
     cp "$PROGRAM_FOLDER/march" "$PROJECT_ROOT/tests/support/leaks.supp" .
     chmod a+rX march leaks.supp

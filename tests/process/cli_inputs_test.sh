@@ -1,5 +1,5 @@
 #!/bin/sh
-# `march` with jobs that read files: what is there is rendered again when a file changed, and what cannot be read is told.
+# `march` with jobs that read files: a changed file is rendered again, an unreadable one is named.
 set -u
 PATH=$PROGRAM_FOLDER:$PATH
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_inputs_test.XXXXXX")
@@ -19,7 +19,7 @@ cat >jobs/grid.json <<'JOB'
   "output": { "path": "grid/grid.####.exr" } }
 JOB
 
-# The file is beside the job, wherever we are.
+# The file is found beside the job from any folder.
 volume A
 expect 0 march render jobs/grid.json
 [ "$(grep -c 'rendered' out)" -eq 3 ] || fail "three frames"
@@ -46,7 +46,7 @@ expect 0 march explain jobs/grid.json --set scene.media[0].density.interpolation
 grep -q 'density/grid_linear.glsl' out && fail "nearest needs no interpolation"
 expect 0 march validate jobs/grid.json
 
-# What cannot be read.
+# Files that cannot be read.
 head -c 511 /dev/zero >jobs/v_8x8x8xuint8.raw
 expect 1 march render jobs/grid.json
 grep -q 'scene.media\[0\].density.file: .*v_8x8x8xuint8.raw: ' err || fail "a short file is told with its place"

@@ -9,7 +9,7 @@ unset MARCHD_SOCKET
 cloud=$PROJECT_ROOT/jobs/cloud.json
 failures=0
 
-# expect CODE WORDS COMMAND...: the exit code, and the words somewhere in what it prints (stdout and stderr).
+# expect CODE WORDS COMMAND...: checks the exit code, and that stdout or stderr has the words.
 expect() {
     code=$1 words=$2
     shift 2
@@ -21,7 +21,7 @@ expect() {
         failures=$((failures + 1))
     fi
 }
-# expect_stdout TEXT: the last command's whole standard output.
+# expect_stdout TEXT: checks the whole standard output of the last command.
 expect_stdout() {
     [ "$(cat out)" = "$1" ] && return
     echo "FAILED: expected stdout \"$1\", got:"

@@ -38,7 +38,7 @@ ln -s far link
 expect 1 render --frames 1 --out link/cloud.####.exr
 grep -q link err || fail "a link on the way is named"
 
-# A worker that is killed is replaced, and the frames it had are tried again.
+# A killed worker is replaced, and its frames are tried again.
 march render "$cloud" --frames 48-50 --set 'resolution=[480,270]' --out killed/k.####.exr >out 2>err &
 pid=$!
 until ls killed/*.part >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done
@@ -51,7 +51,7 @@ grep -q "ended by signal 9" err || fail "a killed worker is told"
 k.0049.exr
 k.0050.exr" ] || fail "after a killed worker: $(ls killed)"
 
-# Interrupted: no worker, no part file stays.
+# After an interrupt no worker and no part file is left.
 march render "$cloud" --frames 40-239 --set 'resolution=[480,270]' --out stopped/s.####.exr >out 2>err &
 pid=$!
 until ls stopped/*.part >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done

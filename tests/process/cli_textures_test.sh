@@ -1,5 +1,5 @@
 #!/bin/sh
-# `march` with an image on a surface: shown anew when the file changed, and told with its place when it cannot be read.
+# `march` with a texture: a changed file is rendered again, an unreadable one is named with its place.
 set -u
 PATH=$PROGRAM_FOLDER:$PATH
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/cli_textures_test.XXXXXX")
@@ -8,7 +8,7 @@ cd "$scratch" || exit 1
 unset MARCH_WORKER
 . "$PROJECT_ROOT/tests/process/march.sh"
 
-# Two pixels beside each other: both bright, or of two dark colours.
+# Two neighbouring pixels: both bright, or in two dark colours.
 bright=iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAABGdBTUEAAYagMeiWXwAAAAVJREFUeJxjOAFYsVXPAAAABklEQVQGABBvBLEtN2dBAAAAAElFTkSuQmCC
 dark=iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAABGdBTUEAAYagMeiWXwAAAAdJREFUeJxjYJCzib9eF8EAAAAISURBVKqYBgAEIQHDciBkTgAAAABJRU5ErkJggg==
 image() { echo "$1" | base64 -d >jobs/tiles.png; }
@@ -24,7 +24,7 @@ cat >jobs/floor.json <<'JOB'
   "output": { "path": "floor/floor.####.exr" } }
 JOB
 
-# The file is beside the job, wherever we are.
+# The file is found beside the job from any folder.
 image "$bright"
 expect 0 march validate jobs/floor.json
 expect 0 march render jobs/floor.json
@@ -46,7 +46,7 @@ grep -q 'texture/linear.glsl' out || fail "the modules of a texture"
 expect 0 march explain jobs/floor.json --set scene.objects[0].material.texture.filter=nearest
 grep -q 'texture/linear.glsl' out && fail "nearest needs no interpolation"
 
-# More images than a shader samples: software GL takes 32. A grid with its heat is four of them.
+# More images than a shader can sample: software GL has 32 units. A grid with its temperature takes four.
 smoke=$PROJECT_ROOT/jobs/smoke/smoke.0001.nvdb
 jq -c --arg smoke "$smoke" '.scene.objects[0] as $object | .scene.objects = [range(13) | $object] |
     .scene.media = [range(5) | { density: { kind: "grid", file: $smoke, grid: "density" }, sigma_s: 1, sigma_a: 1,
@@ -55,7 +55,7 @@ jq -c --arg smoke "$smoke" '.scene.objects[0] as $object | .scene.objects = [ran
 expect 1 march render jobs/many.json --backend osmesa --out many.####.exr
 grep -q 'scene: its textures and grids are 33 images, of which GL here takes 32; expected fewer' err || fail "too many images"
 
-# What cannot be read.
+# Files that cannot be read.
 image "$bright"
 truncate -s 60 jobs/tiles.png
 expect 1 march render jobs/floor.json

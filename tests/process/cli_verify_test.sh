@@ -1,12 +1,12 @@
 #!/bin/sh
-# march verify: what is wrong with a sequence is named, file by file; the exit code tells.
+# march verify: defects of a sequence are named, file by file, and give exit code 1.
 . "$(dirname "$0")/march.sh"
 PATH=$PROGRAM_FOLDER:$PATH
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch" || exit 1
 
-# sequence FOLDER LAST: frames 0 to LAST, all well.
+# sequence FOLDER LAST: makes frames 0 to LAST without defects.
 sequence() {
     rm -rf "$1"
     mkdir "$1"
@@ -14,7 +14,7 @@ sequence() {
         exr-make "$1/a.000$frame.exr" "frame=$frame" "error=0.00$frame"
     done
 }
-# says TEXT...: each is in what was printed.
+# says TEXT...: checks that each text was printed.
 says() {
     for text; do
         grep -qF -- "$text" out || fail "expected \"$text\""
@@ -34,7 +34,7 @@ says "a.0005.exr  marchd:error: expected at most 0.0049 (tolerance), got 0.005" 
 expect 2 march verify good/a.0000.exr
 grep -q "good/a.0000.exr: expected a folder of EXR files or a job file, got an EXR file" err || fail "a picture is no folder"
 
-# What is being written is left out and told of.
+# Part files are left out and counted.
 : >good/a.0006.exr.7.1.1.part
 expect 0 march verify good
 says "1 file being written (.part) left out"
@@ -69,7 +69,7 @@ says "a.0000.exr  marchd:error: expected the frame's measured error, got nothing
 expect 1 march verify bad --json
 [ "$(grep -o '"wrong":"' out | wc -l)" -eq 11 ] || fail "each wrong file has its reason in JSON"
 
-# A picture has a hash of its own where frames read files of their own: the job's is what a sequence shares.
+# Frames that read files of their own have different picture hashes; the sequence shares that of the job.
 sequence volumes 2
 exr-make volumes/a.0001.exr frame=1 picture=0000000000000000000000000000000f
 expect 0 march verify volumes
@@ -89,7 +89,7 @@ says '"missing":2,"missing_frames":"3,5"'
 rm gaps/a.0007.exr
 expect 0 march verify gaps # every eighth
 
-# Several sequences in a folder are told apart, though numbers stand in other places of their names, too.
+# Several sequences in a folder are separated, even if their names have other numbers too.
 sequence many 3
 for frame in 0 1 2; do
     exr-make "many/s2_v$frame.0007.exr" frame=7 hash=0000000000000000000000000000000a
@@ -115,7 +115,7 @@ mkdir empty
 expect 1 march verify empty
 grep -q "there is no EXR file" err || fail "an empty folder"
 
-# A job says which frames there are, of which size, hash and channels; one that states no tolerance needs no audit.
+# A job determines frames, size, hash and channels; without a tolerance no audit is needed.
 cat >job.json <<'JOB'
 { "version": 1, "name": "fog", "frames": "0-3", "fps": 24, "resolution": [16, 9],
   "camera": { "position": [0, 0, -3], "target": [0, 0, 0], "up": [0, 1, 0], "fov": 50, "clip": [1, 6] },
@@ -147,7 +147,7 @@ says "1 wrong, 0 missing"
 [ ! -e fog ] || fail "verifying makes no folder"
 expect 2 march verify job.json --set quality.stp=1
 
-# A file that is there is left when its error is within what it claims, and tells of it; else it is rendered again.
+# An existing file is kept, and reports its error, when that is within its tolerance; else it is rendered again.
 hash=$(march validate job.json --json | sed 's/.*"hash":"\([0-9a-f]*\)".*/\1/')
 exr-make moved/fog.0003.exr frame=3 "hash=$hash" error=0.005
 expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr"
@@ -158,7 +158,7 @@ exr-make moved/fog.0003.exr frame=3 "hash=$hash" error=0.0101
 expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr"
 says "fog.0003.exr  rendered"
 
-# A job that states a tolerance is audited: its folder verifies without the job, and the job's frames with it.
+# A job with a tolerance is audited: its folder verifies without the job, and with it.
 audited() { march "$@" --set 'quality={"tolerance":0.05}'; }
 expect 0 audited render job.json --backend osmesa --out "$PWD/kept/fog.####.exr"
 [ "$(grep -c 'error .* % (95 %: below ' out)" -eq 4 ] || fail "four frames say how exact they are"
