@@ -22,7 +22,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static enum exit_status tell(const struct options *options, const struct verify_list *list,
+static enum exit_status report(const struct options *options, const struct verify_list *list,
                              const struct verify_sequence sequences[], size_t count)
 {
     (options->json ? verify_print_json : verify_print_text)(list, sequences, count);
@@ -42,7 +42,7 @@ static enum exit_status judge_sequences(const struct options *options, struct ve
             next++;
         verify_sequence_judge(&sequences[i], list, first, next - first, &expected);
     }
-    status = tell(options, list, sequences, count);
+    status = report(options, list, sequences, count);
     for (size_t i = 0; i < count; i++)
         verify_sequence_finish(&sequences[i]);
     free(sequences);
@@ -116,7 +116,7 @@ static enum exit_status verify_frames(const struct options *options, const struc
     if (read_files_of(&list, job, root, error)) status = verify_ask(&list, options, document, error);
     if (status == EXIT_STATUS_DONE) {
         verify_sequence_judge(&sequence, &list, 0, list.count, &expected);
-        status = tell(options, &list, &sequence, 1);
+        status = report(options, &list, &sequence, 1);
     }
     verify_sequence_finish(&sequence);
     verify_list_finish(&list);
