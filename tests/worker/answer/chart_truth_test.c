@@ -31,7 +31,7 @@ static float spot(int x, int y)
     return 0.05f + expf(-0.001f * (float)((x - 200) * (x - 200) + (y - 100) * (y - 100)));
 }
 
-// Wrong in a hundredth of the picture, and by a rim elsewhere.
+// A picture with a wrong hundredth, and small errors at a rim elsewhere.
 static float wrong_spot(int x, int y)
 {
     return spot(x, y) * (x > 180 && x < 240 && y > 80 && y < 120 ? 1.2f : 1.01f);
@@ -66,7 +66,7 @@ static void black_light_has_an_absolute_error(void **state)
     assert_float_equal(chart_truth_compare(&truth, &image, JOB_PIXEL_FLOAT).relative_rmse, sqrt(0.25 / 6), 1e-12);
 }
 
-static void what_is_no_number_is_infinitely_wrong(void **state)
+static void values_that_are_not_finite_are_infinite_errors(void **state)
 {
     const struct chart_truth truth = {.pixels = (struct chart_truth_pixel *)TWO, .count = 2};
     float rgba[] = {1, 2, 2, 1, 0, NAN, 6, 1};
@@ -75,7 +75,7 @@ static void what_is_no_number_is_infinitely_wrong(void **state)
     assert_true(isinf(chart_truth_compare(&truth, &image, JOB_PIXEL_FLOAT).relative_rmse));
 }
 
-static void values_are_as_a_file_has_them(void **state)
+static void values_are_compared_as_encoded(void **state)
 {
     struct chart_truth_pixel pixel = {0, 0, 1, {1.0001, 1.0001, 1.0001}, 0};
     const struct chart_truth truth = {.pixels = &pixel, .count = 1};
@@ -83,10 +83,10 @@ static void values_are_as_a_file_has_them(void **state)
     const struct image image = {.width_px = 1, .height_px = 1, .rgba = rgba};
 
     assert_true(chart_truth_compare(&truth, &image, JOB_PIXEL_FLOAT).largest < 1e-7);
-    assert_float_equal(chart_truth_compare(&truth, &image, JOB_PIXEL_HALF).largest, 1e-4, 1e-7); // half has 1 there
+    assert_float_equal(chart_truth_compare(&truth, &image, JOB_PIXEL_HALF).largest, 1e-4, 1e-7); // half stores 1 there
 }
 
-static void file_has_it_all(void **state)
+static void a_file_keeps_everything(void **state)
 {
     const char *path = temp_folder_path(state, "ball.truth");
     const struct chart_truth truth = {
@@ -185,7 +185,7 @@ static void small_pictures_are_known_whole(void **state)
     job_finish(&job);
 }
 
-// 200,000 draws: the error's spread is well below a hundredth.
+// With 200,000 draws the error's standard deviation is well below a hundredth.
 static void large_pictures_are_known_by_weights(void **state)
 {
     struct chart_truth truth;
@@ -202,7 +202,7 @@ static void large_pictures_are_known_by_weights(void **state)
     job_finish(&job);
 }
 
-// In a ball that only absorbs, before nothing, all light is 0; in one that emits the reference is known.
+// A ball that only absorbs, before black, has no light; for one that emits the light has a closed form.
 static void reference_is_asked(void **state)
 {
     const char *medium = "\"sigma_s\": 0, \"sigma_a\": 1, \"emission\": 1";
@@ -224,9 +224,9 @@ static void reference_is_asked(void **state)
     for (size_t i = 0; i < truth.count; i++) {
         double x = (truth.pixels[i].x - 5.5) / 4 * tan(20 * acos(-1.0) / 180);
         double y = (truth.pixels[i].y - 3.5) / 4 * tan(20 * acos(-1.0) / 180);
-        double square = 1 - 16 * (x * x + y * y) / (1 + x * x + y * y); // of half the way through the ball
+        double square = 1 - 16 * (x * x + y * y) / (1 + x * x + y * y); // of half the path through the ball
 
-        // The fractal's density is 1 but for its outermost layer.
+        // The fractal's density is 1, except in its outermost layer.
         assert_float_equal(truth.pixels[i].rgb[0], square > 0 ? 1 - exp(-2 * sqrt(square)) : 0, 1e-3);
     }
     chart_truth_finish(&truth);
@@ -240,7 +240,7 @@ static bool is_wanted(void *user)
     return false;
 }
 
-static void what_nobody_waits_for_is_no_truth(void **state)
+static void an_unwanted_truth_is_not_found(void **state)
 {
     struct image image;
     struct chart_truth truth;
@@ -265,14 +265,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(errors_are_weighted),
         cmocka_unit_test(black_light_has_an_absolute_error),
-        cmocka_unit_test(what_is_no_number_is_infinitely_wrong),
-        cmocka_unit_test(values_are_as_a_file_has_them),
-        cmocka_unit_test_setup_teardown(file_has_it_all, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test(values_that_are_not_finite_are_infinite_errors),
+        cmocka_unit_test(values_are_compared_as_encoded),
+        cmocka_unit_test_setup_teardown(a_file_keeps_everything, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(broken_files_are_refused, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(small_pictures_are_known_whole),
         cmocka_unit_test(large_pictures_are_known_by_weights),
         cmocka_unit_test(reference_is_asked),
-        cmocka_unit_test(what_nobody_waits_for_is_no_truth),
+        cmocka_unit_test(an_unwanted_truth_is_not_found),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

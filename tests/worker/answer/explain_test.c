@@ -149,7 +149,7 @@ static void a_light_that_nothing_scatters_is_not_modelled(void **state)
     job_finish(&job);
 }
 
-// They are uniforms, so that plans share a program.
+// A plan's numbers are uniforms, so that plans share a program.
 static void numbers_of_a_plan_are_no_motion(void **state)
 {
     struct explanation explanation;
@@ -253,7 +253,7 @@ static void the_users_own_text_is_named(void **state)
     job_finish(&job);
 }
 
-// A floor with an image in tiles, and a ball that the same goes around.
+// A floor with a tiled image, and a ball with the same image around it.
 static void textures_are_explained(void **state)
 {
     static const unsigned char rgb[6] = {0};

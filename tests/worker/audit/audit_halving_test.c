@@ -1,4 +1,4 @@
-// Audits by step halving, held against twins in C of densities in GLSL.
+// Audits by step halving, compared with twins in C of densities in GLSL.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -20,7 +20,7 @@
 
 enum { WIDTH_PX = 24, HEIGHT_PX = 14, PIXELS = WIDTH_PX * HEIGHT_PX };
 
-// Lumps that move, smooth everywhere.
+// Moving lumps, smooth everywhere.
 static const char LUMPS[] = "float density(vec3 p, float t) { "
                             "return 6.0 * exp(-6.0 * dot(p, p)) * (1.0 + 0.6 * sin(5.0 * p.x + t) * cos(4.0 * p.y)); }";
 
@@ -58,16 +58,16 @@ static void measure_light(const struct job *job, density_function_at *at, struct
 {
     const struct still_function functions[SCENE_MEDIUM_LIMIT] = {{.at = at}};
     const struct integrate_accuracy accuracy = {.relative = 3e-3};
-    struct truth_point places[PIXELS];
+    struct truth_point points[PIXELS];
     struct error error = {{0}};
     struct truth *truth;
 
     for (int i = 0; i < PIXELS; i++)
-        places[i] = (struct truth_point){i % WIDTH_PX, i / WIDTH_PX};
+        points[i] = (struct truth_point){i % WIDTH_PX, i / WIDTH_PX};
     truth = truth_open(&(struct truth_params){.job = job, .functions = functions}, &error);
     if (!truth) fail_msg("%s", error.message);
     truth_measure_many(truth,
-                       &(struct truth_many){.points = places, .pixels = light, .count = PIXELS, .accuracy = &accuracy});
+                       &(struct truth_many){.points = points, .pixels = light, .count = PIXELS, .accuracy = &accuracy});
     truth_close(truth);
 }
 
@@ -77,9 +77,9 @@ static double find_error(const struct image *image, const struct truth_pixel *li
 
     for (int i = 0; i < PIXELS; i++) {
         for (int c = 0; c < 3; c++) {
-            double apart = image->rgba[4 * i + c] - light[i].rgb[c];
+            double difference = image->rgba[4 * i + c] - light[i].rgb[c];
 
-            errors += apart * apart;
+            errors += difference * difference;
             squares += light[i].rgb[c] * light[i].rgb[c];
         }
     }

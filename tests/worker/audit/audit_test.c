@@ -37,7 +37,7 @@ static void put(struct image *image, int x, int y, float value)
         image->rgba[4 * (y * image->width_px + x) + c] = value;
 }
 
-// A picture with a bright pixel, and two small ones that differ in one place.
+// A picture with one bright pixel, and two small renders that differ in one pixel.
 struct scenery {
     struct image image, finer, coarser;
     struct audit_map map;
@@ -82,21 +82,21 @@ static void densities_are_probabilities(void **state)
     clear_scenery(&scenery);
 }
 
-// Weights are right only if pixels come up as often as their density says.
+// Weights are right only if pixels are drawn as often as their density says.
 static void draws_follow_densities(void **state)
 {
     enum { DRAWS = 200000 };
-    struct truth_point *places = calloc(DRAWS, sizeof *places);
+    struct truth_point *points = calloc(DRAWS, sizeof *points);
     double *counts = calloc(PIXELS, sizeof *counts), worst = 0.0;
     struct job job = {.hash = "0123"};
     struct scenery scenery;
 
     set_scenery(&scenery);
-    audit_map_draw(&scenery.map, &job, 3, 0, DRAWS, places);
+    audit_map_draw(&scenery.map, &job, 3, 0, DRAWS, points);
     for (int i = 0; i < DRAWS; i++) {
-        assert_in_range(places[i].x, 0, WIDTH_PX - 1);
-        assert_in_range(places[i].y, 0, HEIGHT_PX - 1);
-        counts[places[i].y * WIDTH_PX + places[i].x]++;
+        assert_in_range(points[i].x, 0, WIDTH_PX - 1);
+        assert_in_range(points[i].y, 0, HEIGHT_PX - 1);
+        counts[points[i].y * WIDTH_PX + points[i].x]++;
     }
     for (int i = 0; i < PIXELS; i++) {
         struct truth_point place = {i % WIDTH_PX, i / WIDTH_PX};
@@ -104,35 +104,35 @@ static void draws_follow_densities(void **state)
 
         worst = fmax(worst, fabs(counts[i] - wanted) / sqrt(wanted));
     }
-    // Standard errors: of 1200 counts one is 5 off by chance once in 1500 times, and the seed is fixed.
+    // In standard errors: one of 1200 counts is 5 off by chance once in 1500 runs, and the seed is fixed.
     print_message("the count farthest off its density is %.1f standard errors off\n", worst);
     assert_true(worst < 5.0);
     clear_scenery(&scenery);
-    free(places);
+    free(points);
     free(counts);
 }
 
 static void draws_are_the_jobs_and_the_frames(void **state)
 {
     enum { DRAWS = 50 };
-    struct truth_point places[DRAWS], again[DRAWS], later[DRAWS / 2], other[DRAWS];
+    struct truth_point points[DRAWS], again[DRAWS], later[DRAWS / 2], other[DRAWS];
     struct job job = {.hash = "0123"}, other_job = {.hash = "0124"};
     struct scenery scenery;
 
     set_scenery(&scenery);
-    audit_map_draw(&scenery.map, &job, 3, 0, DRAWS, places);
+    audit_map_draw(&scenery.map, &job, 3, 0, DRAWS, points);
     audit_map_draw(&scenery.map, &job, 3, 0, DRAWS, again);
     audit_map_draw(&scenery.map, &job, 3, DRAWS / 2, DRAWS / 2, later);
-    assert_memory_equal(places, again, sizeof places);
-    assert_memory_equal(places + DRAWS / 2, later, sizeof later);
+    assert_memory_equal(points, again, sizeof points);
+    assert_memory_equal(points + DRAWS / 2, later, sizeof later);
     audit_map_draw(&scenery.map, &job, 4, 0, DRAWS, other);
-    assert_memory_not_equal(places, other, sizeof places);
+    assert_memory_not_equal(points, other, sizeof points);
     audit_map_draw(&scenery.map, &other_job, 3, 0, DRAWS, other);
-    assert_memory_not_equal(places, other, sizeof places);
+    assert_memory_not_equal(points, other, sizeof points);
     clear_scenery(&scenery);
 }
 
-static void what_stands_out_is_looked_at(void **state)
+static void pixels_that_stand_out_are_drawn_more(void **state)
 {
     struct scenery scenery;
     double plain, spike, change;
@@ -151,13 +151,13 @@ static struct truth_pixel light_of(double value)
     return (struct truth_pixel){.rgb = {value, value, value}, .is_converged = true};
 }
 
-static void compare_places(const struct audit_map *map, const struct truth_point *places, size_t count, double value,
+static void compare_points(const struct audit_map *map, const struct truth_point *points, size_t count, double value,
                            struct audit_samples *samples)
 {
     struct truth_pixel light = light_of(value);
 
     for (size_t i = 0; i < count; i++) {
-        struct audit_sample sample = audit_map_compare(map, places[i], &light);
+        struct audit_sample sample = audit_map_compare(map, points[i], &light);
 
         audit_samples_append(samples, &sample);
     }
@@ -174,10 +174,10 @@ static void the_mean_of_many_audits_is_the_error(void **state)
     set_scenery(&scenery);
     for (int i = 0; i < AUDITS; i++) {
         struct audit_samples samples = {0};
-        struct truth_point places[RAYS];
+        struct truth_point points[RAYS];
 
-        audit_map_draw(&scenery.map, &job, i, 0, RAYS, places);
-        compare_places(&scenery.map, places, RAYS, 0.5, &samples);
+        audit_map_draw(&scenery.map, &job, i, 0, RAYS, points);
+        compare_points(&scenery.map, points, RAYS, 0.5, &samples);
         for (size_t k = 0; k < RAYS; k++)
             squares += samples.list[k].square * scenery.map.mean_square / (AUDITS * RAYS);
         audit_samples_finish(&samples);
@@ -198,7 +198,7 @@ static struct audit_samples even_samples(size_t count, double square, double cro
 
 static void errors_are_relative_to_the_light(void **state)
 {
-    // The frame is the light times 1.25: of its values' mean square 0.04 are error, and the cross term is 0.2.
+    // The frame is the light times 1.25: relative to its mean square the squared error is 0.04, and the cross term 0.2.
     struct audit_samples own = even_samples(64, 0.04, 0.2);
     struct audit_verdict verdict = audit_estimate(&(struct audit_evidence){.own = &own, .change = -1.0});
 
@@ -209,7 +209,7 @@ static void errors_are_relative_to_the_light(void **state)
     audit_samples_finish(&own);
 }
 
-static void what_halving_changes_is_below_the_bound(void **state)
+static void changes_by_halving_are_below_the_bound(void **state)
 {
     struct audit_samples own = even_samples(64, 1e-8, 0.0);
     struct audit_evidence evidence = {.own = &own, .change = 0.03, .resolution = 1e-3};
@@ -248,7 +248,7 @@ static void a_frame_unlike_its_pool_is_judged_by_itself(void **state)
     audit_samples_finish(&own);
 }
 
-static void values_that_are_no_numbers_are_no_small_error(void **state)
+static void values_that_are_not_finite_are_infinite_errors(void **state)
 {
     struct audit_samples own = even_samples(64, 1e-6, 0.0);
 
@@ -257,7 +257,7 @@ static void values_that_are_no_numbers_are_no_small_error(void **state)
     audit_samples_finish(&own);
 }
 
-// The fog's example at a moment, as its job has it but for its quality.
+// The example fog at one moment, with another quality than its job's.
 struct shot {
     struct job job;
     struct image image;
@@ -309,7 +309,7 @@ static void a_good_frame_is_within_and_a_coarse_one_is_not(void **state)
     params = params_of(&coarse);
     assert_true(audit_frame(&params, &result));
     assert_true(result.error > 0.02);
-    assert_int_equal(result.ray_count, AUDIT_RAYS_MIN); // that it misses is plain
+    assert_int_equal(result.ray_count, AUDIT_RAYS_MIN); // it is clear that it misses
     finish_shot(&coarse);
 }
 
@@ -321,7 +321,7 @@ static void a_budget_ends_an_audit(void **state)
 
     take_shot(&shot, 32);
     params = params_of(&shot);
-    params.tolerance = 3e-4; // near its error, so it is open for long on which side it is
+    params.tolerance = 3e-4; // near its error, so that it long stays open on which side it is
     assert_true(audit_frame(&params, &result));
     print_message("error %.2e, at most %.2e by %d rays\n", result.error, result.error95, result.ray_count);
     assert_true(result.ray_count > AUDIT_RAYS_MIN);
@@ -362,7 +362,7 @@ static void few_pixels_are_enough_with_a_pool(void **state)
     assert_true(audit_frame(&params, &result));
     assert_int_equal(pool.samples.count, result.ray_count);
     params = params_of(&shot);
-    params.frame = 1; // so that other pixels are drawn
+    params.frame = 1; // draws other pixels
     params.pool = &pool;
     assert_true(audit_frame(&params, &result));
     assert_true(result.is_pooled);
@@ -391,13 +391,13 @@ static void a_spoilt_frame_has_no_finite_error(void **state)
     finish_shot(&shot);
 }
 
-// Two pictures of rough surfaces differ by lot however good they are.
+// Two good pictures of rough surfaces still differ by their random normals.
 static void noise_of_rough_surfaces_is_no_error(void **state)
 {
     struct audit_result result;
     struct audit_params params;
     struct error error = {{0}};
-    double rmse = 0.0, square = 0.0, lot = 0.0;
+    double rmse = 0.0, square = 0.0, noise = 0.0;
     struct truth *truth;
     struct image image;
     struct job job;
@@ -405,7 +405,7 @@ static void noise_of_rough_surfaces_is_no_error(void **state)
     example_job_load(&job, "mirror");
     example_job_shrink(&job, 48, 27, 2.5);
     job.quality.samples = 16;
-    memcpy(job.hash, "0123", sizeof "0123"); // else the pixels depend on where the job lies
+    memcpy(job.hash, "0123", sizeof "0123"); // else the drawn pixels depend on the folder of the job
     render_frame_zero(&job, &image);
     truth = truth_open(&(struct truth_params){.job = &job}, &error);
     if (!truth) fail_msg("%s", error.message);
@@ -415,20 +415,20 @@ static void noise_of_rough_surfaces_is_no_error(void **state)
         for (int c = 0; c < 3; c++) {
             rmse += (image.rgba[4 * i + c] - pixel.rgb[c]) * (image.rgba[4 * i + c] - pixel.rgb[c]);
             square += pixel.rgb[c] * pixel.rgb[c];
-            lot += (1.0 + pixel.share) * pixel.variance[c];
+            noise += (1.0 + pixel.share) * pixel.variance[c];
         }
     }
-    lot = sqrt(lot / square);
+    noise = sqrt(noise / square);
     rmse = sqrt(rmse / square);
     params = (struct audit_params){
         .job = &job, .image = &image, .truth = truth, .tolerance = 1e-3, .ray_min = 512, .ray_max = 512};
     assert_true(audit_frame(&params, &result));
-    print_message("apart by %.2e, by lot %.2e; audited: error %.2e, at most %.2e, by lot %.2e\n", rmse, lot,
+    print_message("difference %.2e, noise %.2e; audited: error %.2e, at most %.2e, noise %.2e\n", rmse, noise,
                   result.error, result.error95, result.sampling_error);
-    assert_near(rmse, lot, 0.2 * lot);
-    assert_near(result.sampling_error, lot / sqrt(1.25), 0.2 * lot);
-    assert_true(result.error95 < 0.5 * lot);
-    // Ten per cent too bright is beyond it.
+    assert_near(rmse, noise, 0.2 * noise);
+    assert_near(result.sampling_error, noise / sqrt(1.25), 0.2 * noise);
+    assert_true(result.error95 < 0.5 * noise);
+    // A picture that is ten per cent too bright differs by more than noise.
     for (int i = 0; i < 48 * 27 * 4; i++)
         image.rgba[i] *= 1.1f;
     assert_true(audit_frame(&params, &result));
@@ -444,12 +444,12 @@ int main(int argc, char *argv[])
         cmocka_unit_test(densities_are_probabilities),
         cmocka_unit_test(draws_follow_densities),
         cmocka_unit_test(draws_are_the_jobs_and_the_frames),
-        cmocka_unit_test(what_stands_out_is_looked_at),
+        cmocka_unit_test(pixels_that_stand_out_are_drawn_more),
         cmocka_unit_test(the_mean_of_many_audits_is_the_error),
         cmocka_unit_test(errors_are_relative_to_the_light),
-        cmocka_unit_test(what_halving_changes_is_below_the_bound),
+        cmocka_unit_test(changes_by_halving_are_below_the_bound),
         cmocka_unit_test(a_frame_unlike_its_pool_is_judged_by_itself),
-        cmocka_unit_test(values_that_are_no_numbers_are_no_small_error),
+        cmocka_unit_test(values_that_are_not_finite_are_infinite_errors),
         cmocka_unit_test(a_good_frame_is_within_and_a_coarse_one_is_not),
         cmocka_unit_test(a_budget_ends_an_audit),
         cmocka_unit_test(an_audit_can_be_stopped),

@@ -117,7 +117,7 @@ static float *find_value(struct image *image, int index, bool is_first)
     return index == 4 ? image->depth + pixel : image->transmittance + 4 * pixel + (index - 5);
 }
 
-// Of frame 7, black, all channels, with one value that is not finite.
+// A file of frame 7: black, all channels, with one value that is not finite.
 static int make_spoilt_file(const struct job *job, int index, bool is_first)
 {
     struct image_exr_header header = {.pixel = job->output.pixel,

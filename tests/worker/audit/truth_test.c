@@ -73,7 +73,7 @@ static void a_pixel_is_the_references(void **state)
     job_finish(&job);
 }
 
-// The camera of the fog's job moves, so a sample at the wrong moment or place shows.
+// The camera of the fog's job moves, so a sample at a wrong moment or position shows.
 static void samples_are_the_renderers_points_and_moments(void **state)
 {
     struct reference_sample samples[4];
@@ -136,9 +136,9 @@ static bool stop_at_once(void *user)
 static void threads_measure_what_one_does(void **state)
 {
     enum { COUNT = 30 };
-    struct truth_point places[COUNT];
+    struct truth_point points[COUNT];
     struct truth_pixel pixels[COUNT];
-    struct truth_many many = {.points = places, .pixels = pixels, .count = COUNT, .thread_count = 3};
+    struct truth_many many = {.points = points, .pixels = pixels, .count = COUNT, .thread_count = 3};
     struct truth *truth;
     struct job job;
     size_t measured;
@@ -146,14 +146,14 @@ static void threads_measure_what_one_does(void **state)
     load(&job, "fog", 0.0);
     truth = open_frame(&job, 0);
     for (int i = 0; i < COUNT; i++)
-        places[i] = (struct truth_point){i * 7 % WIDTH_PX, i * 5 % HEIGHT_PX};
+        points[i] = (struct truth_point){i * 7 % WIDTH_PX, i * 5 % HEIGHT_PX};
     assert_int_equal(truth_measure_many(truth, &many), COUNT);
     for (int i = 0; i < COUNT; i++) {
-        struct truth_pixel pixel = truth_measure(truth, places[i].x, places[i].y, NULL);
+        struct truth_pixel pixel = truth_measure(truth, points[i].x, points[i].y, NULL);
 
         assert_memory_equal(pixel.rgb, pixels[i].rgb, sizeof pixel.rgb);
     }
-    // Of one thread, because others may be through before the first one asks.
+    // In one thread: others might finish before the first one asks.
     many.on_progress = stop_at_once;
     many.thread_count = 1;
     memset(pixels, 0, sizeof pixels);
@@ -224,7 +224,7 @@ static double nothing_at(const void *context, struct vec3 p, double t)
     return 0.0;
 }
 
-static void code_of_the_users_needs_a_twin(void **state)
+static void the_users_code_needs_a_twin(void **state)
 {
     const struct still_function functions[SCENE_MEDIUM_LIMIT] = {{.at = nothing_at}};
     struct error error = {{0}};
@@ -251,7 +251,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(threads_measure_what_one_does),
         cmocka_unit_test(rough_surfaces_have_a_variance),
         cmocka_unit_test(a_sequence_is_read_frame_by_frame),
-        cmocka_unit_test(code_of_the_users_needs_a_twin),
+        cmocka_unit_test(the_users_code_needs_a_twin),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);

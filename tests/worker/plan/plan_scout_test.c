@@ -1,4 +1,4 @@
-// Frames that a plan was not made from: what tiny renders of them say, and what becomes of those that would miss.
+// Scouting: tiny renders of frames that a plan was not made from, and finer plans for those over the tolerance.
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_scout.h"
 
@@ -31,9 +31,9 @@ static void frames_over_the_tolerance_are_finer(void **state)
     assert_int_equal(plan_scouting_find_rungs(&scouting, 48, TOLERANCE), 0);
     assert_int_equal(plan_scouting_find_rungs(&scouting, 78, TOLERANCE), 0);
     assert_int_equal(plan_scouting_find_rungs(&scouting, 88, TOLERANCE), 0);
-    // With the power of three halves of steps as long as half, 0.03 comes to six tenths of the tolerance, and not to much less.
+    // Errors fall with the step to the power of 1.5: 0.03 falls to six tenths of the tolerance, and not to much less.
     assert_true(0.03 * exp2(-0.75 * most) <= 0.6 * TOLERANCE && 0.03 * exp2(-0.75 * most) > 0.3 * TOLERANCE);
-    // What lies between is between.
+    // Frames between scouts are interpolated.
     assert_true(plan_scouting_find_rungs(&scouting, 62, TOLERANCE) > 0);
     assert_true(plan_scouting_find_rungs(&scouting, 62, TOLERANCE) <= most);
     assert_true(plan_scouting_find_rungs(&scouting, 76, TOLERANCE) > 0);
@@ -50,7 +50,7 @@ static void other_frames_are_as_planned(void **state)
 }
 
 // Fine structure from 0.5 to 0.9 s, between the pilot's frames at 0, 0.96 and 1.96 s.
-static void what_the_pilot_does_not_see_is_found(void **state)
+static void frames_between_the_pilots_are_measured(void **state)
 {
     static const char text[] =
         "{\"version\":1,\"name\":\"glow\",\"frames\":\"0-47\",\"fps\":24,\"resolution\":[320,180],"
@@ -77,7 +77,7 @@ static void what_the_pilot_does_not_see_is_found(void **state)
                   within.quality.step, beyond.quality.step, plan.work_ratio);
     assert_true(within.quality.step < 0.75 * plan.quality.step);
     assert_memory_equal(&beyond.quality, &plan.quality, sizeof plan.quality);
-    // A fifth of the frames.
+    // A fifth of the frames is refined.
     assert_true(plan.work_ratio > 1.05 && plan.work_ratio < 4.0);
     assert_true(plan.predicted_error <= TOLERANCE);
     job_finish(&job);
@@ -89,7 +89,7 @@ int main(int argc, char *argv[])
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_over_the_tolerance_are_finer),
         cmocka_unit_test(other_frames_are_as_planned),
-        cmocka_unit_test(what_the_pilot_does_not_see_is_found),
+        cmocka_unit_test(frames_between_the_pilots_are_measured),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);

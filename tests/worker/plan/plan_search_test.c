@@ -1,4 +1,4 @@
-// The walk to the cheapest setting, on errors that are known.
+// The walk to the setting with the least work, on known errors; and the segments of a job.
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/plan_search.h"
 
@@ -13,10 +13,10 @@
 
 #include <cmocka.h>
 
-// Two axes of steps whose errors add as squares, with shares of their own; looking along one costs as much as along the other.
+// Two axes of steps whose squared errors add, weighted. A step along either costs the same work.
 struct terrain {
     double shares[2];
-    int cannot_from; // rungs of the first axis that cannot be; 0: none
+    int cannot_from; // the first axis' rung from which points cannot be measured; 0: none
     int stop_after;  // measurements; 0: never
     int measured;
 };
@@ -53,7 +53,7 @@ static struct plan_finding search(struct terrain *terrain, struct plan_point sta
                                                  .user = terrain});
 }
 
-// By looking at all of them.
+// The least work, by trying all points.
 static double least_work(const struct terrain *terrain)
 {
     double least = INFINITY;
@@ -78,7 +78,7 @@ static void the_cheapest_point_is_found_from_anywhere(void **state)
 
             assert_int_equal(finding.found, PLAN_FOUND);
             assert_true(finding.error <= 0.01);
-            // An exchange of a rung for more than one of another is not tried.
+            // The walk does not try exchanges of one rung for several of another axis.
             assert_true(finding.work <= 1.25 * least_work(&terrain));
             assert_int_equal(finding.measured, terrain.measured);
         }
@@ -91,7 +91,7 @@ static void an_axis_that_does_nothing_is_left_coarse(void **state)
     assert_int_equal(search(&terrain, (struct plan_point){{10, 10}}, INFINITY).point.rungs[1], 0);
 }
 
-static void what_is_too_dear_is_not_measured(void **state)
+static void points_over_the_work_limit_are_not_measured(void **state)
 {
     struct terrain terrain = {.shares = {1.0, 1.0}};
     double least = least_work(&terrain);
@@ -101,7 +101,7 @@ static void what_is_too_dear_is_not_measured(void **state)
     assert_true(finding.work < 0.5 * least);
 }
 
-static void what_cannot_be_is_a_wall(void **state)
+static void points_that_cannot_be_measured_are_avoided(void **state)
 {
     struct terrain terrain = {.shares = {1.0, 0.1}, .cannot_from = 5};
     struct plan_finding finding = search(&terrain, (struct plan_point){{8, 8}}, INFINITY);
@@ -155,8 +155,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cheapest_point_is_found_from_anywhere),
         cmocka_unit_test(an_axis_that_does_nothing_is_left_coarse),
-        cmocka_unit_test(what_is_too_dear_is_not_measured),
-        cmocka_unit_test(what_cannot_be_is_a_wall),
+        cmocka_unit_test(points_over_the_work_limit_are_not_measured),
+        cmocka_unit_test(points_that_cannot_be_measured_are_avoided),
         cmocka_unit_test(a_search_stops_when_it_is_told),
         cmocka_unit_test(segments_share_out_the_range_in_its_order),
         cmocka_unit_test(a_range_backwards_has_the_same_pilot),

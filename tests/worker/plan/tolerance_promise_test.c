@@ -1,4 +1,4 @@
-// What the user's code promises of empty space, where a job states a tolerance.
+// A lipschitz that is too low, in a job that states a tolerance.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-// A shell of slope 20 around a hollow, in a scene that stays, and what its code promises.
+// A shell of slope 20 around a hollow, in a constant scene, with the lipschitz that its code promises.
 static struct job shell_job(double lipschitz)
 {
     struct error error = {{0}};

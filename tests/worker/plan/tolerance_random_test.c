@@ -1,4 +1,4 @@
-// Scenes and moments that no plan was made for by hand keep their tolerance, by the light of every pixel.
+// Random scenes and moments keep their tolerance, measured in every pixel.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -25,7 +25,8 @@ struct outcome {
     int frames, seconds, within, beyond, refused;
 };
 
-// What an estimate leaves open: a frame may pass whose true error is over its tolerance, but not by much, and seldom.
+// The limits of an estimate: a frame may pass although its true error is over its tolerance, but rarely, and not by
+// much.
 static const double SLACK = 1.25;
 
 static void try(struct tolerance *tolerance, const char *text, int64_t serial, double allowed, struct outcome *outcome)
@@ -43,7 +44,7 @@ static void try(struct tolerance *tolerance, const char *text, int64_t serial, d
                          &(struct tolerance_params){.job = &job, .serial = serial, .frame = 0, .image = &image},
                          &result, &error)) {
         truly = true_error_measure(&job, 0, &image);
-        print_message("%d: tolerance %g: truly %.2e, audited %.2e (at most %.2e), foretold by %s\n", (int)serial,
+        print_message("%d: tolerance %g: truly %.2e, audited %.2e (at most %.2e), predicted by %s\n", (int)serial,
                       allowed, truly, result.audit.error, result.audit.error95, result.reason);
         if (truly > SLACK * allowed) print_message("%s\n", text);
         outcome->beyond += truly > SLACK * allowed;
@@ -100,7 +101,7 @@ static void random_scenes_keep_their_tolerance(void **state)
     assert_true(outcome.within >= outcome.frames - 1);
 }
 
-// Held out: nothing is chosen by them. Where one of these fails the method is mended, by other scenes.
+// Held out: no constant is chosen by them. If one of these fails, the method is corrected by means of other scenes.
 static void scenes_held_out_keep_their_tolerance(void **state)
 {
     struct outcome outcome = try_range(&(struct range){7001, 7003, false}, temp_folder_path(state, "random.nrrd"));
@@ -109,7 +110,7 @@ static void scenes_held_out_keep_their_tolerance(void **state)
     assert_true(outcome.within >= outcome.frames - 1);
 }
 
-static struct range asked; // for
+static struct range asked; // seeds from the command line
 
 static void scenes_that_were_asked_for_are_counted(void **state)
 {

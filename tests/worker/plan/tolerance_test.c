@@ -1,4 +1,4 @@
-// Frames of jobs that state a tolerance: planned, audited, rendered again, given up.
+// Frames of jobs that state a tolerance: planned, audited, rendered again, failed.
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/plan/tolerance.h"
 
@@ -53,7 +53,7 @@ static void frames_keep_their_tolerance(void **state)
         struct image image;
         double truly;
 
-        // Of another segment than the last.
+        // A frame of another segment than the last one.
         if (!tolerance_stage_render(stage, &job, 48 * (int32_t)i + 5, &image, &result, &error))
             fail_msg("%s", error.message);
         truly = true_error_measure(&job, 48 * (int32_t)i + 5, &image);
@@ -62,7 +62,7 @@ static void frames_keep_their_tolerance(void **state)
         assert_true(truly <= tolerances[i]);
         assert_true(result.audit.kind == AUDIT_REFERENCE && result.audit.ray_count >= AUDIT_RAYS_MIN);
         assert_true(result.audit.tolerance == tolerances[i] && result.reason[0] != 0);
-        // What is better by far took too long.
+        // A much smaller error would have taken too long.
         assert_true(truly >= 0.1 * tolerances[i]);
         image_finish(&image);
         job_finish(&job);
@@ -81,7 +81,7 @@ static void equal_renderers_make_equal_frames(void **state)
         struct tolerance_stage stage = tolerance_stage_open(NULL);
         struct image other;
 
-        // One has rendered another frame of the segment before.
+        // One renderer has rendered another frame of the segment before.
         if (i == 1) {
             assert_true(tolerance_stage_render(stage, &job, 11, &other, &results[i], NULL));
             image_finish(&other);
@@ -110,7 +110,7 @@ static struct plan make_plan(struct tolerance_stage stage, const struct job *job
     return plan;
 }
 
-// Of rays that are three deep, all through the scene.
+// The work by rays of optical depth 3, all of which meet a medium.
 static double work_of(const struct job *job, const struct job_quality *quality)
 {
     static const float DEPTH = 3.0F;
@@ -132,7 +132,7 @@ static const struct plan_family *find_family(enum job_method method)
     return &plan_families[i];
 }
 
-// What a user would take who halves all steps until the frames of the pilot keep the tolerance.
+// The quality of a user who halves all steps until the pilot's frames keep the tolerance.
 static double work_by_halving(struct tolerance_stage stage, const struct job *job)
 {
     static const int32_t frames[] = {0, 23, 47};
@@ -172,9 +172,9 @@ static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
     struct plan plan = make_plan(stage, &job, PLAN_CHOICE_CHEAPEST);
     struct plan finest = make_plan(stage, &job, PLAN_CHOICE_FINEST);
 
-    print_message("looks a pixel: %.0f by halving, %.0f by plan, %.0f at the finest\n", halving,
+    print_message("evaluations a pixel: %.0f by halving, %.0f by plan, %.0f at the finest\n", halving,
                   work_of(&job, &plan.quality), work_of(&job, &finest.quality));
-    // A plan keeps to six tenths of the tolerance.
+    // A plan uses at most six tenths of the tolerance.
     assert_true(work_of(&job, &plan.quality) <= 1.5 * halving);
     assert_true(work_of(&job, &finest.quality) > 1.5 * halving);
     assert_true(finest.predicted_error < plan.predicted_error);
@@ -182,7 +182,7 @@ static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
     tolerance_stage_close(stage);
 }
 
-// Audited true in its first rendering, that is far over the tolerance, and made good by the second, which goes by how far.
+// The audit of the first rendering is true, and far over the tolerance; the second, refined accordingly, keeps it.
 static void the_coarsest_setting_fails_the_audit(void **state)
 {
     static const int32_t frames[] = {3, 45};
@@ -209,7 +209,7 @@ static void the_coarsest_setting_fails_the_audit(void **state)
         truly = true_error_measure(&job, frames[i], &image);
         print_message("frame %d: truly %.2e, audited %.2e\n", (int)frames[i], truly, result.first_error);
         assert_true(truly > 2.0 * 0.01 && result.first_error > 2.0 * 0.01);
-        // A pool's pixels are those of other frames, too.
+        // A pool has pixels of other frames too.
         assert_true(result.first_error < 4.0 * truly && truly < 4.0 * result.first_error);
         second = plan;
         plan_refine(&second, &job, tolerance_find_retry_rungs(result.first_error, 0.01));
@@ -220,16 +220,16 @@ static void the_coarsest_setting_fails_the_audit(void **state)
     tolerance_stage_close(stage);
 }
 
-// Of an error that falls as the steps to the power of three halves half the tolerance is left, and no more steps are taken than
-// the next class has.
-static void what_is_further_off_is_rendered_finer(void **state)
+// An error that falls with the step to the power of 1.5 comes to half the tolerance, and takes no more rungs than the
+// next class has.
+static void larger_errors_are_rendered_finer(void **state)
 {
     for (double over = 1.001; over <= 64.0; over *= 1.1) {
         int rungs = tolerance_find_retry_rungs(0.01 * over, 0.01);
         double left = over * exp2(-0.75 * rungs);
 
         assert_true(left <= (over <= 32.0 ? 0.5 : 1.0));
-        assert_true(left >= 0.1); // 2.25 powers of 2 below the half: the widest class
+        assert_true(left >= 0.1); // the widest class ends 2.25 powers of 2 below the half
     }
     assert_int_equal(tolerance_find_retry_rungs(INFINITY, 0.01), tolerance_find_retry_rungs(1.0, 0.01));
     assert_int_equal(tolerance_find_retry_rungs(NAN, 0.01), tolerance_find_retry_rungs(1.0, 0.01));
@@ -243,7 +243,7 @@ static double processor_s(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-// In so small a picture the light's grid takes most of it, which each frame has anew.
+// In so small a picture the light's grid takes most of the time, and each frame fills it anew.
 static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
 {
     enum { FRAMES = 6 };
@@ -270,8 +270,8 @@ static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
                                     &result, NULL));
         seconds += (processor_s() - start_s) / FRAMES;
     }
-    print_message("%s: foretold %.3g s, took %.3g s\n", plan.reason, plan.predicted_processor_s, seconds);
-    // Timings scatter; without grids they come to a fifth.
+    print_message("%s: predicted %.3g s, took %.3g s\n", plan.reason, plan.predicted_processor_s, seconds);
+    // Timings scatter; without the grids' they would be a fifth.
     assert_true(plan.predicted_processor_s > 0.45 * seconds && plan.predicted_processor_s < 3.0 * seconds);
     assert_true(plan.predicted_audit_s > 0.0 && plan.predicted_encode_s > 0.0 && plan.plan_s > 0.0);
     assert_true(plan.predicted_frame_s >= plan.predicted_s + plan.predicted_audit_s);
@@ -280,7 +280,7 @@ static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
     tolerance_stage_close(stage);
 }
 
-// A shader whose phase function scatters backwards what goes forwards.
+// A broken shader: its phase function scatters backwards what should go forwards.
 static void break_phase(const char *folder)
 {
     char path[4096], *text;
@@ -350,8 +350,8 @@ static bool stop_later(void *user, double done)
     return --*(int *)user > 0;
 }
 
-// No method's fault, and no step's: sqrt(p.x) is not a number on one side.
-static void light_that_is_no_number_is_told_of(void **state)
+// The fault of no method and no step: sqrt(p.x) is NaN on one side.
+static void light_that_is_not_finite_is_reported(void **state)
 {
     static const char text[] =
         "{\"version\":1,\"name\":\"nan\",\"frames\":\"0\",\"fps\":24,\"resolution\":[32,18],\"camera\":{\"position\":"
@@ -396,7 +396,7 @@ static void a_pilot_can_be_stopped(void **state)
     tolerance_stage_close(stage);
 }
 
-static void a_job_that_says_how_is_not_audited(void **state)
+static void a_job_that_names_its_method_is_not_audited(void **state)
 {
     struct tolerance_stage stage = tolerance_stage_open(NULL);
     struct tolerance_result result;
@@ -420,14 +420,14 @@ int main(int argc, char *argv[])
         cmocka_unit_test(equal_renderers_make_equal_frames),
         cmocka_unit_test(a_plan_is_as_cheap_as_halving_and_the_finest_is_not),
         cmocka_unit_test(the_coarsest_setting_fails_the_audit),
-        cmocka_unit_test(what_is_further_off_is_rendered_finer),
+        cmocka_unit_test(larger_errors_are_rendered_finer),
         cmocka_unit_test(a_timed_plan_counts_all_that_a_frame_takes),
         cmocka_unit_test_setup_teardown(a_broken_frame_is_rendered_again_and_given_up, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test(equal_frames_are_copied_with_their_audit),
-        cmocka_unit_test(light_that_is_no_number_is_told_of),
+        cmocka_unit_test(light_that_is_not_finite_is_reported),
         cmocka_unit_test(a_pilot_can_be_stopped),
-        cmocka_unit_test(a_job_that_says_how_is_not_audited),
+        cmocka_unit_test(a_job_that_names_its_method_is_not_audited),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);

@@ -20,7 +20,7 @@
 
 enum { WIDTH = 8, HEIGHT = 4 };
 
-// Of a job that states a tolerance of 0.01; grey everywhere.
+// A grey picture of a job that states a tolerance of 0.01.
 static struct picture *make_picture(struct worker *worker, const char *folder, struct audit_result audit)
 {
     struct picture *picture = xcalloc(1, sizeof *picture);
@@ -51,7 +51,7 @@ static struct picture *make_picture(struct worker *worker, const char *folder, s
     return picture;
 }
 
-// Has the encoder write one picture; what it says of it.
+// Has the encoder write one picture, and returns its message.
 static struct message encode(const char *folder, struct audit_result audit, float spoilt)
 {
     struct options options = {.encode_threads = 1};

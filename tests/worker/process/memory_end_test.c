@@ -18,7 +18,7 @@
 
 enum { LIMIT_BYTES = 256 << 20, BLOCK_BYTES = 1 << 20 };
 
-// As libraries do that do not look at what malloc gives them.
+// Crashes like a library that does not check malloc's result.
 static void take_all(void)
 {
     for (;;) {
@@ -46,7 +46,7 @@ static int end_of(void (*crash)(void))
 static void skip_with_a_sanitizer(void)
 {
     if (!IS_SANITIZED) return;
-    print_message("the address sanitizer looks at crashes itself\n");
+    print_message("the address sanitizer handles crashes itself\n");
     skip();
 }
 

@@ -154,7 +154,7 @@ static void start_long_job(struct worker_child *child, const char *frames)
     worker_child_expect_frame(child, "frame.started", 20);
 }
 
-// What comes next of this frame, beats aside.
+// The next message about this frame; heartbeats are skipped.
 static void expect_next(struct worker_child *child, const char *method, int frame)
 {
     struct message message;
@@ -218,7 +218,7 @@ static void frame_dropped_while_it_is_written_leaves_no_file(void **state)
     assert_int_equal(worker_child_finish(&child), 0);
 }
 
-// One sample a ray takes less time than writing what it saw.
+// One sample per ray takes less time than writing the picture.
 static void frames_rendered_faster_than_written_are_all_written(void **state)
 {
     struct worker_child child;
@@ -278,7 +278,7 @@ static void exit_and_sigterm_finish_what_is_started(void **state)
             kill(child.pid, SIGTERM);
         else
             say_exit(&child);
-        // How many were started by then is chance; each is finished or given back.
+        // The number of frames started by then varies; each is finished or dropped.
         for (int ended = 0; ended < 4;) {
             struct message message;
 
@@ -312,7 +312,7 @@ static void frame_that_is_there_is_skipped_redone_or_refused(void **state)
     publish(&child, 10);
     say_assign(&child, 1, "[[10,2]]");
     worker_child_expect_frame(&child, "frame.skipped", 10);
-    // A link to the very picture is not the picture.
+    // A link to the same picture does not count as the picture.
     snprintf(name, sizeof name, "%s/test/test.0010.exr", child.root);
     snprintf(other, sizeof other, "%s/test/other.exr", child.root);
     assert_int_equal(rename(name, other), 0);
