@@ -23,7 +23,7 @@
 #include <unistd.h>
 
 static enum exit_status report(const struct options *options, const struct verify_list *list,
-                             const struct verify_sequence sequences[], size_t count)
+                               const struct verify_sequence sequences[], size_t count)
 {
     (options->json ? verify_print_json : verify_print_text)(list, sequences, count);
     return verify_print_is_good(sequences, count) ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;
