@@ -1,5 +1,5 @@
-// A pinhole: the way through image point (x, y) in pixels, y down from the top, is corner + x across + y down. One metre of
-// it goes one metre forward.
+// A pinhole camera. The ray through image point (x, y) in pixels, y down from the top, is corner + x across + y down,
+// which goes one metre forward.
 struct CameraPinhole { vec3 position, corner, across, down; };
 
 vec3 camera_pinhole_toward(CameraPinhole camera, vec2 point_px)

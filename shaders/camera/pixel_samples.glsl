@@ -1,10 +1,10 @@
-// Points of a pixel's samples: columns x rows strata, one point anywhere in each, the strata taken in an order of the
-// pixel's own, so that place and time (which follows the index) have nothing to do with one another.
+// Points of a pixel's samples: columns x rows strata, one random point in each. The order of strata is random for each
+// pixel, so that position and time (which follows the index) are independent.
 struct PixelSamples { uint columns, rows; };
 
-// One of the permutations of 0..count - 1 (2 <= count <= 1024), chosen by `seed`: steps that each can be undone permute
-// the numbers up to the next power of two, and are repeated until the result is one of ours again. Turning it round in the
-// end makes all results alike for each index.
+// One of the permutations of 0..count - 1 (2 <= count <= 1024), chosen by `seed`: invertible steps permute the numbers
+// up to the next power of two, and are repeated until the result is below `count`. The final rotation makes all results
+// equally likely for each index.
 uint pixel_samples_permute(uint index, uint count, uint seed)
 {
     uint top = uint(findMSB(count - 1u));
@@ -22,8 +22,8 @@ uint pixel_samples_permute(uint index, uint count, uint seed)
     return (index + random_hash(seed ^ 0x5bd1e995u) % count) % count;
 }
 
-// In pixels from the image's top left. Whole numbers place it, so that every driver makes the same point of it. The
-// numbers that the sample draws from here on follow those drawn for its place.
+// Returns the point in pixels from the image's top left. It is computed in whole numbers, so that all drivers agree.
+// The sample's further random numbers follow those of its point.
 vec2 pixel_samples_point(PixelSamples samples, uvec2 pixel, uint index, uint frame)
 {
     const uint ALL_SAMPLES = 0xffffffffu;

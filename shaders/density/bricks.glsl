@@ -1,7 +1,7 @@
-// A sparse grid: bricks of 8^3 voxels on a lattice. Voxel (i, j, k) of the lattice has its centre at the coordinates (i, j, k),
-// its first brick begins at 0. An index says for each brick where its voxels are in an atlas of such bricks, each with the
-// next brick's first voxels on three sides (xyz, counted in bricks), and how many bricks away, in the largest of the three
-// directions, the nearest one with density is (w).
+// A sparse grid: bricks of 8^3 voxels on a lattice. Voxel (i, j, k) of the lattice has its centre at the coordinates
+// (i, j, k); its first brick begins at 0. For each brick an index says where its voxels are in an atlas of bricks, each
+// with the next brick's first voxels on three sides (xyz, counted in bricks), and how many bricks away, in the largest
+// of the three directions, the nearest one with density is (w).
 const float BRICK_SIDE = 8.0;
 const int BRICK_TEXELS = 9;
 
@@ -17,8 +17,8 @@ vec3 density_bricks_at(DensityBricks grid, vec3 p)
     return clamp(grid.to_lattice * p + grid.shift, grid.low, grid.high);
 }
 
-// Lattice coordinates a metre along the direction. One along a face is given a slope too small to change a sum: with none, 0 / 0
-// would be no number.
+// Lattice coordinates per metre along the direction. A direction along a face gets a slope too small to change a sum:
+// without one, 0 / 0 would be NaN.
 vec3 density_bricks_slope(DensityBricks grid, vec3 direction)
 {
     const float LEAST = 1e-20;
@@ -26,7 +26,7 @@ vec3 density_bricks_slope(DensityBricks grid, vec3 direction)
     return mix(slope, vec3(LEAST), lessThan(abs(slope), vec3(LEAST)));
 }
 
-// Distances along the ray where it enters the box and leaves it; entry > exit where it misses.
+// Distances along the ray to the entry into the box and the exit from it; entry > exit where it misses.
 vec2 density_bricks_span(DensityBricks grid, vec3 origin, vec3 direction)
 {
     vec3 at = grid.to_lattice * origin + grid.shift;
@@ -43,13 +43,14 @@ uvec4 density_bricks_find(usampler3D index, vec3 at)
     return texelFetch(index, ivec3(at / BRICK_SIDE), 0);
 }
 
-// How far in metres a ray runs through bricks without density from `at`, which lies in such a brick.
+// Returns how far in metres a ray runs through bricks without density from `at`, which lies in such a brick.
 float density_bricks_skip(DensityBricks grid, uvec4 brick, vec3 at, vec3 direction)
 {
     float empty_bricks = float(brick.w);
     vec3 slope = density_bricks_slope(grid, direction);
     // The cube of such bricks around this one ends ahead at `side`.
-    vec3 side = BRICK_SIDE * (floor(at / BRICK_SIDE) + mix(vec3(1.0 - empty_bricks), vec3(empty_bricks), greaterThan(slope, vec3(0.0))));
+    vec3 side = BRICK_SIDE * (floor(at / BRICK_SIDE) +
+                              mix(vec3(1.0 - empty_bricks), vec3(empty_bricks), greaterThan(slope, vec3(0.0))));
     vec3 exits = (side - at) / slope;
     return max(min(min(exits.x, exits.y), exits.z), 0.0);
 }

@@ -1,4 +1,4 @@
-// A sparse grid's value by the nearest voxel centre, which a brick's atlas has up to the next brick's first.
+// A sparse grid's value at the nearest voxel centre; a brick's atlas includes the next brick's first voxels.
 float density_bricks_nearest(sampler2DArray atlas, uvec4 brick, vec3 at)
 {
     vec3 within = at - BRICK_SIDE * floor(at / BRICK_SIDE);

@@ -1,11 +1,11 @@
-// Space rotated, folded along three diagonal mirrors and shifted, several times over; density rises inwards from a ball in
-// the folded space. `rotation` turns about x, then about y.
+// Space rotated, folded along three diagonal mirrors and shifted, several times over; density rises inwards from a ball
+// in the folded space. `rotation` is about x, then about y.
 struct DensityFoldFractal { int iterations; mat3 rotation; float offset, radius, exponent, scale; };
 
-// Signed distance to where density starts: each step moves points rigidly or mirrors them, so it is 1-Lipschitz.
-// Where x + y < 0 the first mirror takes x + y off both, which makes them (-y, -x); the others likewise, their sums taken
-// in advance. A step's shift is done by the next one's rotation: each operation waits for the one before it, and this way
-// fewest do.
+// Signed distance to where density starts. Each step moves points rigidly or mirrors them, so it is 1-Lipschitz. Where
+// x + y < 0 the first mirror takes x + y off both, which makes them (-y, -x); the others likewise, their sums taken in
+// advance. A step's shift is part of the next one's rotation: operations wait for those before them, and like this
+// least.
 float density_fold_fractal_distance(DensityFoldFractal density, vec3 p)
 {
     vec3 shift = density.rotation * vec3(density.offset);

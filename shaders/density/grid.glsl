@@ -1,10 +1,10 @@
-// A box of voxels somewhere in space. Voxel (i, j, k) has its centre at the index coordinates (i, j, k); the box ends half a
-// voxel beyond the outer centres.
+// A box of voxels. Voxel (i, j, k) has its centre at the index coordinates (i, j, k); the box ends half a voxel beyond
+// the outer centres.
 struct DensityGrid {
     mat3 to_index;          // per metre
     vec3 shift;             // index coordinates of the world's origin
     vec3 size;              // voxels
-    float slope, intercept; // value = slope * what is stored + intercept
+    float slope, intercept; // value = slope * stored number + intercept
 };
 
 vec3 density_grid_index(DensityGrid grid, vec3 p)
@@ -12,8 +12,8 @@ vec3 density_grid_index(DensityGrid grid, vec3 p)
     return grid.to_index * p + grid.shift;
 }
 
-// Index coordinates a metre along the direction. One along a face of the box is given a slope too small to change a sum: with
-// none, 0 / 0 would be no number.
+// Index coordinates per metre along the direction. A direction along a face of the box gets a slope too small to change
+// a sum: without one, 0 / 0 would be NaN.
 vec3 density_grid_slope(DensityGrid grid, vec3 direction)
 {
     const float LEAST = 1e-20;
@@ -21,7 +21,7 @@ vec3 density_grid_slope(DensityGrid grid, vec3 direction)
     return mix(slope, vec3(LEAST), lessThan(abs(slope), vec3(LEAST)));
 }
 
-// Distances along the ray where it enters the box and leaves it; entry > exit where it misses.
+// Distances along the ray to the entry into the box and the exit from it; entry > exit where it misses.
 vec2 density_grid_span(DensityGrid grid, vec3 origin, vec3 direction)
 {
     vec3 at = density_grid_index(grid, origin);

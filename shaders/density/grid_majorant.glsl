@@ -1,8 +1,8 @@
-// The largest value of each of a grid's bricks, or the largest opacity that a transfer function makes of its values. Bricks as
-// in density/grid_bricks.glsl.
+// The largest value of each brick of a grid, or the largest opacity of its values under a transfer function. Bricks are
+// as in density/grid_bricks.glsl.
 
-// That of the brick at index coordinates; `extent` is how far in metres the ray runs through it, at least a thousandth of a
-// voxel, so that rounding at a face keeps nobody there.
+// Returns the majorant of the brick at index coordinates. `extent` is how far in metres the ray runs through it, at
+// least a thousandth of a voxel, so that rounding at a face stops no ray.
 float density_grid_majorant(sampler3D majorants, DensityGrid grid, vec3 at, vec3 direction, out float extent)
 {
     const float LEAST = 1e-3;

@@ -1,10 +1,10 @@
 // Perlin's improved noise: a lattice of period 256 with one of twelve gradients at each point, by his own permutation.
 // Perlin, Improving Noise, SIGGRAPH 2002.
 
-// Word i holds what a lattice point and the one beyond it need, the two being i and i + 1 in the permutation. Bits 0 to 7:
-// the permutation's number i, 8 to 15: its number i + 1. Bits 31 to 26 and 25 to 20: their gradients, two bits for each of
-// x, y and z, which are the two highest bits of the floats 2, -2 and 0. One table read seven times is the least that a
-// point takes without larger tables, and software GL reads an array of constants faster than any texture.
+// Word i holds what a lattice point and the one beyond it need, the two being i and i + 1 in the permutation. Bits 0 to
+// 7: the permutation's number i, 8 to 15: its number i + 1. Bits 31 to 26 and 25 to 20: their gradients, two bits for
+// each of x, y and z, which are the two highest bits of the floats 2, -2 and 0. Seven reads of one table are the least
+// for a point without larger tables, and software GL reads an array of constants faster than any texture.
 const uint DENSITY_NOISE_TABLE[256] = uint[256](
     0xcd40a097u, 0x50d089a0u, 0x34f05b89u, 0x3c705a5bu, 0x1cf00f5au, 0x3fc0830fu, 0xf0d00d83u, 0x34d0c90du,
     0x34f05fc9u, 0x3d40605fu, 0x53103560u, 0xc5c0c235u, 0x70d0e9c2u, 0x373007e9u, 0xcf40e107u, 0xd1408ce1u,
@@ -50,7 +50,8 @@ vec4 density_noise_component(uvec4 words)
     return uintBitsToFloat(words & 0xC0000000u);
 }
 
-// Within 1.04 of 0, and 0 at each lattice point; q in cells. Where floats have no fractions it is 0, as it should be.
+// Returns noise at q, in cells: at most 1.04 in size, and 0 at each lattice point. Where floats have no fractions it is
+// 0.
 float density_noise(vec3 q)
 {
     vec3 corner = floor(q);

@@ -1,14 +1,14 @@
-// A density from the job's own code: positive where there is some. Where it is negative, a lipschitz constant over 0 makes
-// it a distance: nothing is nearer than -value / lipschitz.
+// A density from the job's own code: positive where there is some. Where it is negative, a Lipschitz constant over 0
+// makes it a distance: no density is nearer than -value / lipschitz.
 struct DensityOwn { float scale, lipschitz; };
 
-// By its bits: a compiler may take it for granted that comparisons meet no NaN.
+// Tests the bits: a compiler may assume that comparisons meet no NaN.
 bool density_own_is_nan(float value)
 {
     return (floatBitsToUint(value) & 0x7fffffffu) > 0x7f800000u;
 }
 
-// A NaN stays one, so that the picture shows it.
+// A NaN stays NaN, so that the picture shows it.
 float density_own_at(DensityOwn density, float value)
 {
     return density_own_is_nan(value) ? value : density.scale * max(value, 0.0);

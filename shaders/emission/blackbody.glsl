@@ -1,6 +1,7 @@
-// Planck's light in linear Rec. 709, of luminance 1 at 1500 K. `table` is a row over 1/kelvin from 0 to that of the coldest
-// body which still glows: the colour by its luminance (rgb, where it is outside of Rec. 709 a component is negative) and
-// log2(luminance / kelvin). Both are nearly straight there, which keeps a row of 1024 within 1e-4.
+// Planck's light in linear Rec. 709, of luminance 1 at 1500 K. `table` is a row over 1/kelvin from 0 to that of the
+// coldest body which still glows: the colour divided by its luminance (rgb; a component is negative where the colour is
+// outside of Rec. 709) and log2(luminance / kelvin). Both are nearly straight there, which keeps a row of 1024 within
+// 1e-4.
 const float BLACKBODY_COLDEST = 400.0;
 
 vec3 emission_blackbody(sampler2D table, float kelvin)

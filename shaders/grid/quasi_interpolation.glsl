@@ -1,7 +1,7 @@
-// What to keep of samples at a grid's corners so that trilinear look-ups between them are as near to the function as they can
-// be, not at the corners but on the average: less a twelfth of the second differences, which is the mean by which a straight
-// line lies beside a curve. Errors then have no sign, and cancel along rays. Condat, Blu and Unser, Beyond Interpolation:
-// Optimal Reconstruction by Quasi-Interpolation, ICIP 2005.
+// Prepares samples at a grid's corners so that trilinear interpolation between them is as near to the function as
+// possible on the average, not at the corners: minus a twelfth of the second differences, the mean by which a chord is
+// off its curve. Errors then have no sign, and cancel along rays. Condat, Blu and Unser, Beyond Interpolation: Optimal
+// Reconstruction by Quasi-Interpolation, ICIP 2005.
 
 // `at` has neighbours on all sides.
 float grid_quasi_interpolation(sampler3D samples, ivec3 at)

@@ -1,15 +1,15 @@
-// Segments that are homogeneous with the media of their middle, as the midpoint method's, each as long as takes about
-// `depth_step` of optical depth, by its strongest colour, but no longer than `step`. What the last one had is the guess
-// for the next; one that proves too thick is shortened and looked at again, as a look costs little beside what is
-// gathered. The error of a segment counts by the light that gets to the camera, so that segments grow as less of it does.
+// Marches in segments that take the media of their middle as homogeneous. Each is as long as gives about `depth_step`
+// of optical depth in its strongest colour, at most `step`. The last segment's extinction is the guess for the next
+// one; a segment that proves too thick is shortened and evaluated again, which is cheap beside gathering light. An
+// error counts by the light that reaches the camera, so segments grow as the transmittance falls.
 struct IntegratorAdaptive { float step, depth_step; };
 
-// Distances are counted from where the media begin, so that a far camera leaves them their digits.
+// Distances are counted from where the media begin, so that a far camera does not cost digits.
 void integrator_adaptive(IntegratorAdaptive method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
                          inout Gathered gathered)
 {
-    const float TOO_THICK = 1.5; // times what was asked for
-    const float THIN = 1e-6;     // optical depth: empty, as far as steps go
+    const float TOO_THICK = 1.5; // times `wanted`
+    const float THIN = 1e-6;     // optical depth below which a segment counts as empty
     const float LEAST_LEFT = 1e-6;
     vec3 entry = origin + interval.x * direction;
     MediaSpans ahead = media_spans_from(spans, interval.x);
@@ -18,7 +18,7 @@ void integrator_adaptive(IntegratorAdaptive method, vec3 origin, vec3 direction,
     float at = position.x;
     float next_length = position.y;
     for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
-        // Of second order, errors of segments in balance are as the cubes of their lengths.
+        // The rule is of second order: errors of segments in balance are as the cubes of their lengths.
         float wanted = method.depth_step * pow(max(spectrum_max(gathered.transmittance), LEAST_LEFT), -1.0 / 3.0);
         float half_length = 0.0;
         float depth = 0.0;

@@ -1,9 +1,10 @@
-// Analogue tracking: free flights among a majorant of particles, each of which is real or not by lot; the first real one ends
-// the ray, and only there light is gathered. Right on the average. Woodcock, Murphy, Hemmings and Longworth, Argonne report
-// ANL-7050, 1965. Colours share their collisions and are weighted, which keeps the mean of what is left at 1: Kutz, Habel,
-// Li and Novak, ACM Transactions on Graphics 36(4), 2017.
+// Analogue tracking: free flights among a majorant of particles, each of which is real or not at random. The first real
+// one ends the ray, and only there light is gathered. Unbiased. Woodcock, Murphy, Hemmings and Longworth, Argonne
+// report ANL-7050, 1965. Colours share their collisions and are weighted, which keeps the mean transmittance at 1:
+// Kutz, Habel, Li and Novak, ACM Transactions on Graphics 36(4), 2017.
 
-// `samples`: that many at least, on the average, on the ray's way: what glows without taking light away has no collisions.
+// `samples`: the least mean number of samples along the ray, for media that glow without extinction and so have no
+// collisions.
 struct IntegratorDelta { float samples; };
 
 void integrator_delta(IntegratorDelta method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
@@ -16,9 +17,9 @@ void integrator_delta(IntegratorDelta method, vec3 origin, vec3 direction, vec2 
     float at = march_resume(vec2(0.0), end, gathered).x;
     for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         float rate = 0.0;
-        float odds = 0.0; // of a real one
+        float odds = 0.0; // that the particle is real
         MediaField field;
-        // Rays that share a SIMD unit wait here for one another, so that all of them look at lights together.
+        // Rays that share a SIMD unit wait here for one another, so that all of them sample lights together.
         for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
             float edge = media_next_edge(ahead, at, end);
             rate = media_rate(ahead, entry + at * direction, direction, at, least, edge);

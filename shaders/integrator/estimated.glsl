@@ -1,9 +1,10 @@
-// Segments of `step`, each looked at somewhere in it, by lot, for the light that it sends; what the media leave of that, and of
-// what comes from behind, are estimates of their own for the part before the place and the part behind it. Products of
-// independent estimates: where each is right on the average, so is the whole, whatever the step.
+// Marches in segments of `step`, each evaluated at a random point for its source. The transmittances of the part before
+// the point and of the part behind it are estimates of their own. Products of independent estimates: where each is
+// unbiased, so is the whole, whatever the step.
 struct IntegratorEstimated { float step; };
 
-// Only what the media's bounds show to be empty beyond a segment is left out. Distances are counted from where the media begin.
+// Beyond a segment, only space that the media's bounds show to be empty is left out. Distances are counted from where
+// the media begin.
 void integrator_estimated(IntegratorEstimated method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
                           inout Gathered gathered)
 {

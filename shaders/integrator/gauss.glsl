@@ -1,9 +1,9 @@
-// Segments of `step`, shorter next to point lights, the last one before an edge of a medium's span ending exactly there, each looked at in the nodes of
-// Gauss and Legendre's rule: of order 2 GAUSS_ORDER where all is smooth. Segments that the media's bounds show to be empty
-// are stepped over.
+// Marches in segments of `step`, shorter next to point lights; the last one before an edge of a medium's span ends
+// exactly there. Each is evaluated at the nodes of a Gauss-Legendre rule: of order 2 GAUSS_ORDER where all is smooth.
+// Segments that the media's bounds show to be empty are stepped over.
 struct IntegratorGauss { float step; };
 
-// Distances are counted from where the media begin, so that a far camera leaves them their digits.
+// Distances are counted from where the media begin, so that a far camera does not cost digits.
 void integrator_gauss(IntegratorGauss method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
                       inout Gathered gathered)
 {

@@ -1,8 +1,9 @@
-// Segments of `step` as the midpoint method's, but for where each is looked at: anywhere in it, by lot, so that errors of
-// coarse steps are noise and no bands. Cook, Stochastic Sampling in Computer Graphics, ACM Transactions on Graphics 5(1), 1986.
+// Marches in segments of `step` as the midpoint method, but evaluates each at a random point of it, so that errors of
+// coarse steps are noise and not bands. Cook, Stochastic Sampling in Computer Graphics, ACM Transactions on Graphics
+// 5(1), 1986.
 struct IntegratorJittered { float step; };
 
-// Space that is empty from the point on is left out of the next segments, which loses nothing: whatever the point, a
+// Space that is empty from the point on is left out of the next segments. That is unbiased: whatever the point, a
 // segment's mean is its own. Distances are counted from where the media begin.
 void integrator_jittered(IntegratorJittered method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
                          inout Gathered gathered)

@@ -1,9 +1,9 @@
-// Segments of `step`, shorter next to point lights, the last one before an edge of a medium's span ending exactly there; each
-// is homogeneous with the media of its middle, integrated exactly. Space that the media's bounds show to be empty is stepped
-// over.
+// Marches in segments of `step`, shorter next to point lights; the last one before an edge of a medium's span ends
+// exactly there. Each is homogeneous with the media of its middle, integrated exactly. Space that the media's bounds
+// show to be empty is stepped over.
 struct IntegratorMidpoint { float step; };
 
-// Distances are counted from where the media begin, so that a far camera leaves them their digits.
+// Distances are counted from where the media begin, so that a far camera does not cost digits.
 void integrator_midpoint(IntegratorMidpoint method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
                          inout Gathered gathered)
 {

@@ -1,12 +1,13 @@
-// Weighted tracking: the ray looks at places as far apart as free flights among a majorant of particles, which are more than
-// there are anywhere; each look gathers light, and takes away the share of particles that are real. All that is gathered is
-// right on the average. Galtier, Blanco, Caliot, Coustet, Dauchet, El Hafi, Eymet, Fournier, Gautrais, Khuong, Piaud and
-// Terree, Journal of Quantitative Spectroscopy and Radiative Transfer 125, 2013; Novak, Selle and Jarosz, SIGGRAPH Asia 2014.
+// Weighted tracking: samples are as far apart as free flights among a majorant of particles, of which there are more
+// than real ones everywhere. Each sample gathers light, and takes away the share of particles that are real. Unbiased.
+// Galtier, Blanco, Caliot, Coustet, Dauchet, El Hafi, Eymet, Fournier, Gautrais, Khuong, Piaud and Terree, Journal of
+// Quantitative Spectroscopy and Radiative Transfer 125, 2013; Novak, Selle and Jarosz, SIGGRAPH Asia 2014.
 
-// `samples`: that many at least, on the average, on the ray's way through media, however thin they are.
+// `samples`: the least mean number of samples along a ray's path through media, however thin they are.
 struct IntegratorRatio { float samples; };
 
-// Distances are counted from where the media begin. A look remembers nothing of those before, so that a ray can go on anywhere.
+// Distances are counted from where the media begin. A sample does not depend on those before, so a ray can resume
+// anywhere.
 void integrator_ratio(IntegratorRatio method, vec3 origin, vec3 direction, vec2 interval, MediaSpans spans,
                       inout Gathered gathered)
 {
@@ -19,7 +20,7 @@ void integrator_ratio(IntegratorRatio method, vec3 origin, vec3 direction, vec2 
     for (int iteration = 0; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
         float rate = 0.0;
         MediaField field;
-        // Rays that share a SIMD unit wait here for one another, so that all of them look at lights together.
+        // Rays that share a SIMD unit wait here for one another, so that all of them sample lights together.
         for (; iteration < MARCH_ITERATIONS && at < end; ++iteration) {
             float edge = media_next_edge(ahead, at, end);
             rate = media_rate(ahead, entry + at * direction, direction, at, least, edge);
@@ -39,7 +40,8 @@ void integrator_ratio(IntegratorRatio method, vec3 origin, vec3 direction, vec2 
         }
         Spectrum transmittance = gathered_transmittance(gathered);
         gather(gathered, field, entry + at * direction, direction, transmittance / rate);
-        gathered_pass(gathered, tracking_thin(transmittance * max(1.0 - media_extinction(field) / rate, spectrum(0.0)), FAINT),
+        gathered_pass(gathered,
+                      tracking_thin(transmittance * max(1.0 - media_extinction(field) / rate, spectrum(0.0)), FAINT),
                       interval.x + at);
         bool is_end = gathered_is_over(gathered);
         march_keep(vec2(at, 0.0), is_end, gathered);

@@ -1,5 +1,5 @@
-// Samples at near + k step, k = 1..count: each adds its source times what the ones before left, then attenuates. Whoever
-// calls counts, in double precision: of a float's half a step each driver makes another count.
+// A Riemann sum of samples at near + k step, k = 1..count: each adds its source times the transmittance of those
+// before, then attenuates. `count` is computed in double precision, since drivers round half a step differently.
 struct IntegratorRiemann { float near, step; int count; };
 
 void integrator_riemann(IntegratorRiemann method, vec3 origin, vec3 direction, MediaSpans spans,
@@ -9,7 +9,7 @@ void integrator_riemann(IntegratorRiemann method, vec3 origin, vec3 direction, M
     for (int iteration = 0; iteration < MARCH_ITERATIONS && k <= method.count; ++iteration) {
         float at = 0.0;
         MediaField field;
-        // Samples before the distance where there may be density again have none either.
+        // Samples before the distance at which there may be density again have none either.
         for (; iteration < MARCH_ITERATIONS && k <= method.count; ++iteration) {
             at = method.near + float(k) * method.step;
             field = media_field(spans, origin + at * direction, direction, at);

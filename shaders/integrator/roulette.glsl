@@ -1,8 +1,8 @@
-// Russian roulette: a ray with little throughput left ends by lot, and one that goes on stands for those that ended, so
-// that the mean stays what it is. Arvo and Kirk, Particle Transport and Image Synthesis, SIGGRAPH 1990.
+// Russian roulette: a ray of low throughput ends at random, and one that goes on is weighted for those that ended,
+// which keeps the mean. Arvo and Kirk, Particle Transport and Image Synthesis, SIGGRAPH 1990.
 struct IntegratorRoulette { float below, survive; };
 
-// What the throughput becomes: 0 for a ray that ends. Nobody goes on with more than 1, whatever the odds asked for.
+// Returns the new throughput: 0 for a ray that ends. No ray goes on with more than 1, whatever the odds asked for.
 Spectrum integrator_roulette(IntegratorRoulette roulette, Spectrum throughput)
 {
     float most = spectrum_max(throughput);

@@ -1,16 +1,17 @@
-// A march that goes on in the next slice of the frame where it had to stop in this one: what it had at the last place from
-// which it can go on is kept. Nothing is kept once the driver has run out of turns, as what came then may be anything.
-const int MARCH_ITERATIONS = 20000; // of the driver's; the rest is for what is gathered at the place that they lead to
+// A march that resumes in the next slice of the frame where it stopped in this one: it keeps its state at the last
+// position from which it can resume. Nothing is kept once the driver has run out of iterations, since results after
+// that may be anything.
+const int MARCH_ITERATIONS = 20000; // of the driver's; the rest is for gathering light at the last position
 
 Gathered slice_gathered;
-vec2 slice_position;   // where it goes on, as the integrator counts
+vec2 slice_position;   // where it resumes, as the integrator counts
 uint slice_random;  // state of the random numbers there
 bool slice_is_begun;
-float slice_start;  // the place where this slice began
-int slice_kept = 0; // places of this slice
-bool slice_is_over = false; // and nothing is lost
+float slice_start;  // the position where this slice began
+int slice_kept = 0; // positions kept in this slice
+bool slice_is_over = false; // and its result is complete
 
-// `end` is the place where there is nothing left to do.
+// `end` is the position where the march is done.
 vec2 march_resume(vec2 begin, float end, inout Gathered gathered)
 {
     if (slice_is_begun) {
@@ -35,7 +36,7 @@ void march_keep(vec2 position, bool is_end, Gathered gathered)
     ++slice_kept;
 }
 
-// Between two places that were kept something was gathered.
+// True where light was gathered between two kept positions.
 bool slice_has_moved()
 {
     return slice_kept > 1 || slice_position.x != slice_start;

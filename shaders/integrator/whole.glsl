@@ -1,4 +1,4 @@
-// A march that is done in one go: it has nothing to keep.
+// A march that is done in one pass: it has nothing to keep.
 const int MARCH_ITERATIONS = MARCH_LIMIT;
 
 vec2 march_resume(vec2 begin, float end, inout Gathered gathered)

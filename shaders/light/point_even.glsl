@@ -1,4 +1,4 @@
-// A point that lights every place with the same irradiance, whatever the distance.
+// A point that lights every point with the same irradiance, whatever the distance.
 struct LightPointEven { Spectrum irradiance; vec3 position; };
 
 LightSample light_point_even(LightPointEven light, vec3 point)

@@ -1,10 +1,11 @@
-// Of the light's distance: a segment next to it is so long at most.
+// The longest segment next to the light, as a share of the light's distance.
 const float LIGHT_POINT_SHARE = 0.15;
 
-// A point light as a segment of a camera ray sees it that is looked at in `point`, `offset` behind its beginning. Next to the light
-// its 1 / r^2 over a segment is an angle: Kulla and Fajardo, Computer Graphics Forum 31, 2012. It is seen from where half of that
-// angle is past, as phase functions turn with it. In segments shorter than `least` of the light's distance the point will do:
-// farther away segments are even, and of a smooth rise and fall the sum of their middles is better than each of its parts.
+// A point light for a segment of a camera ray that is evaluated at `point`, `offset` behind its beginning. Next to the
+// light its 1 / r^2 integrates over a segment to an angle: Kulla and Fajardo, Computer Graphics Forum 31, 2012. Its
+// direction is that at half of the angle, since phase functions depend on it. In segments shorter than `least` of the
+// light's distance the sample at the point will do: farther away segments are even, and over a smooth rise and fall the
+// sum of their middles is better than each of its parts.
 LightSample light_point_segment(LightPoint light, vec3 point, vec3 direction, float length, float offset, float least)
 {
     vec3 toward = light.position - point + (offset - 0.5 * length) * direction;

@@ -1,4 +1,4 @@
-// What reaches a point from a light if nothing is between.
+// A light's sample at a point, if nothing is between them.
 struct LightSample {
     vec3 direction; // towards the light
     float distance;

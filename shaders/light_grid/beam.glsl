@@ -1,12 +1,12 @@
-// The grid of a sun, or of a point light that looks at all media from outside: a box whose far end is wider than its near
-// one, as light spreads. Coordinates are in [0, 1]: x and y across the light, z along it. Places are told from a centre among
-// the media, so that a light that is far away leaves them their digits.
+// The grid of a sun, or of a point light outside of all media: a box whose far end is wider than its near one, as light
+// spreads. Coordinates are in [0, 1]: x and y across the light, z along it. Positions are relative to a centre among
+// the media, so that a light that is far away does not cost them digits.
 struct LightGridBeam {
     vec3 center;
-    mat3 from_unit; // metres: across, up and along the light, of the whole grid in the plane of the centre
+    mat3 from_unit; // metres; across, up and along the light, of the whole grid in the plane of the centre
     mat3 to_unit;
     vec3 origin; // coordinates of the centre
-    float taper; // by which part of its width there the grid widens over its length; 0 for a sun
+    float taper; // the share of its width there by which the grid widens over its length; 0 for a sun
 };
 
 vec3 light_grid_beam_at(LightGridBeam grid, vec3 p)

@@ -1,6 +1,6 @@
-// What to keep of columns at a grid's nodes so that linear look-ups between them are right on the average: each less a
+// Prepares columns at a grid's nodes so that linear interpolation between them is right on the average: each minus a
 // twelfth of its second differences. Condat, Blu and Unser, Beyond Interpolation: Optimal Reconstruction by
-// Quasi-Interpolation, ICIP 2005. Nodes at the grid's faces have none across these.
+// Quasi-Interpolation, ICIP 2005. Nodes at the grid's faces have no differences across these.
 vec4 light_grid_keep(sampler3D columns, ivec3 at)
 {
     ivec3 last = textureSize(columns, 0) - 1;

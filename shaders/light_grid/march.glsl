@@ -1,4 +1,4 @@
-// Columns from a light on, at all nodes of a ray in one march, by the midpoint rule: segments end at nodes and where a
+// Columns from a light to all nodes of a ray in one march, by the midpoint rule: segments end at nodes and where a
 // medium's span does, and space that the media's bounds show to be empty is stepped over.
 
 void light_grid_march(LightGridRay ray, ivec2 at_grid, int cells)
@@ -18,7 +18,7 @@ void light_grid_march(LightGridRay ray, ivec2 at_grid, int cells)
         float middle = at + half_length;
         float empty = media_column_add(column, spans, ray.start + middle * ray.direction, ray.direction, middle,
                                        2.0 * half_length);
-        // One sum, not two: a last half may be too small to change `at`.
+        // One sum, not two: the last half may be too small to change `at`.
         at += half_length + max(half_length, empty);
     }
     if (at < end) light_grid_cut(column);

@@ -1,2 +1,2 @@
-// A way of light along which a light's grid has a row of nodes, from its start on, evenly to its end.
+// A ray of light with a row of a grid's nodes, evenly from its start to its end.
 struct LightGridRay { vec3 start, direction; float length; };

@@ -1,6 +1,6 @@
-// The grid of a point light among the media or close to them: all directions on a square, by way of an octahedron (Cigolle,
-// Donow, Evangelakos, Mara, McGuire and Meyer, Journal of Computer Graphics Techniques 3(2), 2014), and the distance from the
-// light. Coordinates are in [0, 1].
+// The grid of a point light among the media or close to them: all directions on a square, by an octahedron (Cigolle,
+// Donow, Evangelakos, Mara, McGuire and Meyer, Journal of Computer Graphics Techniques 3(2), 2014), and the distance
+// from the light. Coordinates are in [0, 1].
 struct LightGridRound { vec3 light; float near, far; };
 
 // `direction` points towards the light, `distance` metres away; at the light itself it may be 0.

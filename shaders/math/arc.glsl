@@ -1,6 +1,6 @@
 // The angle of a point, in (-pi, pi].
 
-// Some drivers' arc tangent has but five digits; one step of Newton's method has all.
+// Some drivers' arc tangent has but five digits; one step of Newton's method gives all.
 float arc(float y, float x)
 {
     float angle = atan(y, x);

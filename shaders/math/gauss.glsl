@@ -1,10 +1,11 @@
-// Light and extinction of a segment from what its nodes have by Gauss and Legendre's rule. What is taken away before a node
-// is integrated from all nodes to the same order: Butcher, Implicit Runge-Kutta Processes, Mathematics of Computation 18, 1964.
+// Light and extinction of a segment from its nodes, by a Gauss-Legendre rule. The optical depth before a node is
+// integrated from all nodes to the same order: Butcher, Implicit Runge-Kutta Processes, Mathematics of Computation 18,
+// 1964.
 
-// The light that leaves the segment; `optical_depth` becomes the whole of it. The sum of sources is scaled by what the
-// same sum makes of the extinction, which is known: 1 - exp(-x). So any mix of media with one albedo comes out exactly.
-// Where that scale is far from 1 the segment is too thick, or too rough, for the rule: then it is as if made of pieces,
-// one a node, each homogeneous, which neither gain nor lose light.
+// Returns the light that leaves the segment; `optical_depth` is set to its whole optical depth. The sum of sources is
+// scaled by the known integral of the extinction, 1 - exp(-x), over the rule's sum for it. So any mix of media with one
+// albedo is exact. Where that scale is far from 1 the segment is too thick, or too rough, for the rule: then it counts
+// as homogeneous pieces, one a node, which neither gain nor lose light.
 Spectrum gauss_segment(Spectrum sigma_t[GAUSS_ORDER], Spectrum source[GAUSS_ORDER], float length,
                        out Spectrum optical_depth)
 {
@@ -20,7 +21,7 @@ Spectrum gauss_segment(Spectrum sigma_t[GAUSS_ORDER], Spectrum source[GAUSS_ORDE
         Spectrum before = spectrum(0.0);
         for (int k = 0; k < GAUSS_ORDER; ++k)
             before += GAUSS_PARTIALS[i * GAUSS_ORDER + k] * length * sigma_t[k];
-        // What oscillates within a segment may come out negative.
+        // An extinction that oscillates within a segment may give a negative sum.
         Spectrum share = GAUSS_WEIGHTS[i] * length * exp(-clamp(before, spectrum(0.0), optical_depth));
         light += share * source[i];
         taken += share * sigma_t[i];

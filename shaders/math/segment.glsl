@@ -1,9 +1,9 @@
-// A segment of constant extinction, by its optical depth: what passes it, and which share of the light its own source
-// sends forward leaves it: integral of exp(-x s) ds over s in [0, 1] = (1 - exp(-x)) / x.
+// A segment of constant extinction, by its optical depth: its transmittance, and the share of its own source's light
+// that leaves it forwards: integral of exp(-x s) ds over s in [0, 1] = (1 - exp(-x)) / x.
 struct Segment { Spectrum transmittance, escape; };
 
-// Below the limit the series of the escape is exact to the last digit of a float, where 1 - exp(-x) would cancel; the
-// transmittance is taken from it, so that what is absorbed and what is emitted in balance add up exactly.
+// Below the limit the series of the escape is exact to the last digit of a float, where 1 - exp(-x) would cancel. The
+// transmittance follows from it, so that extinction and source in balance add up exactly.
 Segment segment(Spectrum optical_depth)
 {
     const float SERIES_LIMIT = 0.5;

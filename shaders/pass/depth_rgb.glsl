@@ -1,7 +1,7 @@
-// How far into a homogeneous segment the mean transmittance falls to one half. A sum of falling exponentials bends upwards,
+// How far into a homogeneous segment the mean transmittance falls to one half. A sum of falling exponentials is convex,
 // so that Newton's steps from its beginning never go too far.
 
-// Drivers make straight code of fewer turns, and all rays would run it to its end, though few look for a depth.
+// Drivers unroll loops of fewer iterations, and then all rays run them to the end, though few have a depth.
 const int DEPTH_ITERATION_LIMIT = 64;
 
 float depth_half(vec3 before, vec3 sigma_t, float length)

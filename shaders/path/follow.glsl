@@ -1,4 +1,4 @@
-// Follows one ray through the media before the next boundary, and asks there what becomes of it.
+// Follows one ray through the media before the next boundary, which then answers it.
 void path_follow(PathRay ray)
 {
     uint left = surface_left(ray.left, ray.origin, ray.direction);

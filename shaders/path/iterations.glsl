@@ -1,4 +1,4 @@
-// True when the driver has no more turns of loops left for this pixel: two, of which it cannot know, are not run then.
+// True when the driver runs no more iterations of loops for this pixel: then two, of which it cannot know, are not run.
 bool path_iterations_are_spent()
 {
     int wanted = gl_FragCoord.x < 0.0 ? 3 : 2;

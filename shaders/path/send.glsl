@@ -1,5 +1,6 @@
-// Rays that are not worth following are cut, and counted.
-// Throughput that was cut, rays that were, rays that were followed (the camera's is one), throughput that the depth alone cut.
+// Rays of low throughput or large depth are cut, and counted.
+// x: throughput that was cut, y: rays that were cut, z: rays that were followed (the camera's is one), w: throughput
+// that only the depth cut.
 vec4 path_counts = vec4(0.0, 0.0, 1.0, 0.0);
 
 void path_send(PathRay ray)

@@ -1,4 +1,4 @@
-// No surface of the scene sends two rays on: the one that follows is all that waits.
+// Waiting rays where no surface of the scene sends two rays on: at most one waits.
 PathRay path_waiting;
 bool path_is_waiting = false;
 

@@ -1,11 +1,11 @@
-// Rays that wait while another is followed. The next one waits by itself, others on a stack; the last one on it is the first to
-// leave it, so that each reflection or refraction on the way leaves one behind at most.
+// Waiting rays. The next one waits by itself, others on a stack, last in first out, so that each reflection or
+// refraction along a path leaves at most one behind.
 struct PathParked {
     vec4 origin_travelled;
     vec3 direction;
     Spectrum throughput;
     uint left;
-    uint marks; // depth and the rest: 16 bits of `inside`, one of `is_direct`, the depth
+    uint marks; // 16 bits of `inside`, one of `is_direct`, then the depth
 };
 
 PathRay path_next;

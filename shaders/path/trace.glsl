@@ -1,4 +1,4 @@
-// Follows a ray and all that surfaces send on, one at a time.
+// Follows a ray and all rays that surfaces send on, one at a time.
 void path_trace(PathRay ray)
 {
     for (int iteration = 0; iteration < MARCH_LIMIT; ++iteration) {

@@ -1,15 +1,16 @@
-// Points along a stretch by the angle seen from a point light, which takes its 1 / r^2 out of the sum: Kulla and Fajardo,
-// Computer Graphics Forum 31, 2012. Where transmittance falls over all of the angle, the angle is shared out as it falls
-// where it does so slowest, next to the light: exact for a far light, and a thick medium's points lie where there is light.
+// Points along a stretch by the angle at which a point light sees it, which takes 1 / r^2 out of the sum: Kulla and
+// Fajardo, Computer Graphics Forum 31, 2012. Where transmittance falls over the whole angle, points follow that fall as
+// it is where it is slowest, next to the light. This is exact for a far light, and in a thick medium points lie where
+// there is light.
 struct PlacementAngle {
     float height; // of the light over the ray
-    float ahead;  // where the stretch begins, counted from the light's foot on the ray
-    float angle;  // the whole stretch's
+    float ahead;  // where the stretch begins, counted from the foot of the perpendicular from the light
+    float angle;  // of the whole stretch
     float extent; // of the stretch
-    float optical_depth; // that the angle is shared out by
+    float optical_depth; // over the angle
 };
 
-// The angle is taken from the difference of its tangents: of a far light both ends' own angles are nearly the same. A light
+// The angle follows from the difference of its tangents: of a far light both ends' own angles are nearly equal. A light
 // on the ray counts as a micrometre beside it.
 PlacementAngle placement_angle(vec3 toward, vec3 direction, float length, float sigma_t)
 {
@@ -22,7 +23,7 @@ PlacementAngle placement_angle(vec3 toward, vec3 direction, float length, float 
     return PlacementAngle(height, -along, angle, length, min(slowest * angle, sigma_t * length));
 }
 
-// At a share in [0, 1]; the weight is that of the light's intensity, in 1/m, the transmittance not yet in it.
+// Places a point at a share in [0, 1]. The weight is for the light's intensity, in 1/m, without the transmittance.
 Placed placement_angle_at(PlacementAngle placement, float share)
 {
     Placed placed = placement_share(placement.optical_depth, share);

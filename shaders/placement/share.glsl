@@ -1,7 +1,7 @@
-// A point of a stretch in which light is gathered, and how much of the stretch it stands for.
+// A point of a stretch in which light is gathered, and its weight.
 struct Placed { float at, weight; };
 
-// At even steps of a transmittance that falls by `optical_depth` over [0, 1]; thin stretches are shared out evenly.
+// Places points at even steps of a transmittance that falls by `optical_depth` over [0, 1]; in thin stretches evenly.
 Placed placement_share(float optical_depth, float share)
 {
     const float THIN = 0.1;

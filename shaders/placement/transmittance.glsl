@@ -1,7 +1,7 @@
 // Points along a homogeneous stretch at even steps of its transmittance.
 struct PlacementTransmittance { float optical_depth, extent; };
 
-// At a share in [0, 1]; the weight is a length, the transmittance not yet in it.
+// Places a point at a share in [0, 1]. The weight is a length, without the transmittance.
 Placed placement_transmittance_at(PlacementTransmittance placement, float share)
 {
     Placed placed = placement_share(placement.optical_depth, share);

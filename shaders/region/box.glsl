@@ -1,7 +1,7 @@
 // A box along the world's axes.
 struct RegionBox { vec3 center, half_size; };
 
-// A ray along a face's plane is moved off it by less than its own rounding, so that 0 / 0 does not come up.
+// A ray parallel to a face is tilted by less than its own rounding, so that 0 / 0 does not occur.
 vec2 region_box_span(RegionBox box, vec3 origin, vec3 direction)
 {
     const float PARALLEL = 1e-20;
@@ -15,7 +15,7 @@ vec2 region_box_span(RegionBox box, vec3 origin, vec3 direction)
     return span.x < span.y ? clamp(span, -FAR_AWAY, FAR_AWAY) : SPAN_MISSED;
 }
 
-// How deep in it a point is: distance to the nearest face.
+// Returns the distance from a point inside to the nearest face.
 float region_box_depth(RegionBox box, vec3 p)
 {
     vec3 depth = box.half_size - abs(p - box.center);

@@ -1,7 +1,7 @@
-// All that lies behind a plane; `normal` is a unit vector and points out of it.
+// The half space behind a plane; `normal` is its outward unit normal.
 struct RegionPlane { vec3 point, normal; };
 
-// A ray along the plane is tilted by less than its own rounding, so that 0 / 0 does not come up.
+// A ray parallel to the plane is tilted by less than its own rounding, so that 0 / 0 does not occur.
 vec2 region_plane_span(RegionPlane plane, vec3 origin, vec3 direction)
 {
     const float PARALLEL = 1e-20;

@@ -1,7 +1,7 @@
-// What lies between two parallel planes; `normal` is a unit vector.
+// The space between two parallel planes; `normal` is a unit vector.
 struct RegionSlab { vec3 center, normal; float half_thickness; };
 
-// A ray along the planes is tilted by less than its own rounding, so that 0 / 0 does not come up.
+// A ray parallel to the planes is tilted by less than its own rounding, so that 0 / 0 does not occur.
 vec2 region_slab_span(RegionSlab slab, vec3 origin, vec3 direction)
 {
     const float PARALLEL = 1e-20;
@@ -13,7 +13,7 @@ vec2 region_slab_span(RegionSlab slab, vec3 origin, vec3 direction)
     return clamp(vec2(min(low, high), max(low, high)), -FAR_AWAY, FAR_AWAY);
 }
 
-// How deep in it a point is: distance to the nearest face.
+// Returns the distance from a point inside to the nearest face.
 float region_slab_depth(RegionSlab slab, vec3 p)
 {
     return slab.half_thickness - abs(dot(slab.normal, p - slab.center));

@@ -1,7 +1,7 @@
 // A ball.
 struct RegionSphere { vec3 center; float radius; };
 
-// The nearest point of the ray is taken first, so that a far camera keeps its digits.
+// The ray's nearest point is computed first, so that a far camera does not cost digits.
 vec2 region_sphere_span(RegionSphere sphere, vec3 origin, vec3 direction)
 {
     vec3 from = origin - sphere.center;
@@ -13,7 +13,7 @@ vec2 region_sphere_span(RegionSphere sphere, vec3 origin, vec3 direction)
     return vec2(along - half_chord, along + half_chord);
 }
 
-// How deep in it a point is: distance to its face.
+// Returns the distance from a point inside to the face.
 float region_sphere_depth(RegionSphere sphere, vec3 p)
 {
     return sphere.radius - length(p - sphere.center);

@@ -1,4 +1,4 @@
-// Which way a box's surface faces next to a point: as the nearest face does. On edges it is one of their faces.
+// Outward normal of a box next to a point: that of the nearest face. On edges it is that of one of their faces.
 vec3 surface_box_normal(RegionBox box, vec3 p)
 {
     vec3 from = p - box.center;

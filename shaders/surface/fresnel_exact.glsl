@@ -1,5 +1,5 @@
-// Share of unpolarised light that a smooth boundary of two dielectrics reflects: the mean of both polarisations. Fresnel,
-// 1823, as in Born and Wolf, Principles of Optics, 1999. eta = ior before / ior after.
+// Share of unpolarised light that a smooth boundary of two dielectrics reflects: the mean of both polarisations.
+// Fresnel, 1823, as in Born and Wolf, Principles of Optics, 1999. eta = ior before / ior after.
 float fresnel_exact(float cos_in, float eta)
 {
     float before = clamp(cos_in, 0.0, 1.0);

@@ -1,6 +1,6 @@
-// From `f0` at right angles to `f90` along the surface: Schlick, Computer Graphics Forum 13(3), 1994. The cosine is the one on
-// the side of the smaller ior, which makes both ways through a boundary alike: de Greve, Reflections and Refractions in Ray
-// Tracing, 2006. eta = ior before / ior after.
+// Reflected share from `f0` at right angles to `f90` along the surface: Schlick, Computer Graphics Forum 13(3), 1994.
+// The cosine is that on the side of the smaller ior, which makes both directions through a boundary alike: de Greve,
+// Reflections and Refractions in Ray Tracing, 2006. eta = ior before / ior after.
 struct FresnelSchlick { float f0, f90; };
 
 float fresnel_schlick(FresnelSchlick fresnel, float cos_in, float eta)

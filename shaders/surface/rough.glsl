@@ -1,4 +1,5 @@
-// A point anywhere on the unit sphere, all alike: belts of one height have one area. Archimedes, On the Sphere and Cylinder.
+// A uniformly random point on the unit sphere: belts of one height have one area. Archimedes, On the Sphere and
+// Cylinder.
 vec3 rough_sphere()
 {
     const float TURN = 6.28318530717958648;
@@ -7,8 +8,8 @@ vec3 rough_sphere()
     return vec3(sqrt((1.0 - z) * (1.0 + z)) * vec2(cos(angle), sin(angle)), z);
 }
 
-// The normal of a small part of a rough surface, which faces where `normal` does and where `direction` comes from; both are
-// of length 1. Its size is checked before it is divided by: a vector of length 0 faces nowhere.
+// Returns the normal of a random facet of a rough surface, on the side of `normal` and towards the origin of
+// `direction`; both are unit vectors. Its length is checked before dividing by it: a null vector has no direction.
 vec3 rough_normal(vec3 normal, vec3 direction, float roughness)
 {
     const int DRAWS = 16;
@@ -20,7 +21,7 @@ vec3 rough_normal(vec3 normal, vec3 direction, float roughness)
     return normal;
 }
 
-// The direction, or its mirror image at the surface: what lies on the side of `side` times the normal.
+// Returns the direction, or its mirror image at the surface, on the side of `side` times the normal.
 vec3 rough_side(vec3 direction, vec3 normal, float side)
 {
     float along = dot(direction, normal);

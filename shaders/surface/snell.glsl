@@ -1,8 +1,8 @@
-// Snell's law: sin after = eta sin before, eta = ior before / ior after. Born and Wolf, Principles of Optics, 1999. Cosines
-// that are rounded to less than 0 or more than 1 are taken for these.
+// Snell's law: sin after = eta sin before, eta = ior before / ior after. Born and Wolf, Principles of Optics, 1999.
+// Cosines that rounding puts outside of [0, 1] are clamped.
 
-// Cosine after the boundary; < 0: total reflection. The square is summed so that for equal iors it is that of `cos_in`, and
-// cancels beside the critical angle only.
+// Returns the cosine after the boundary; < 0: total reflection. The square is summed so that for equal iors it is that
+// of `cos_in`, and cancels only near the critical angle.
 float snell_cos(float cos_in, float eta)
 {
     float across = eta * clamp(cos_in, 0.0, 1.0);
@@ -10,7 +10,7 @@ float snell_cos(float cos_in, float eta)
     return square < 0.0 ? -1.0 : sqrt(square);
 }
 
-// `normal` faces where the ray comes from, `cos_out` >= 0 is from snell_cos.
+// Returns the refracted direction. `normal` faces the origin of the ray, `cos_out` >= 0 is from snell_cos.
 vec3 snell_refract(vec3 direction, vec3 normal, float cos_in, float cos_out, float eta)
 {
     return normalize(eta * direction + (eta * clamp(cos_in, 0.0, 1.0) - cos_out) * normal);

@@ -2,7 +2,7 @@
 struct SurfaceHit {
     float at;           // distance along the ray; FAR_AWAY for none
     uint before, after; // the objects that contain either side
-    uint shapes;        // as SurfaceCrossing has them; the last one is that of the object that begins or ends
+    uint shapes;        // as in SurfaceCrossing; the last one is that of the object that begins or ends
 };
 
 SurfaceHit surface_visible(ShapeSpans spans, float from, uint inside, uint left)
@@ -17,11 +17,11 @@ SurfaceHit surface_visible(ShapeSpans spans, float from, uint inside, uint left)
     return hit;
 }
 
-// Of the shapes whose boundaries meet where a ray begins, those that it does not lead into: in a corner of two, the way on from
-// the last one, which sent the ray, may lead right into the other.
+// Returns those of the shapes whose boundaries meet at a ray's origin that the ray does not lead into: in a corner of
+// two, a ray that one has sent may lead right into the other.
 uint surface_left(uint shapes, vec3 origin, vec3 direction)
 {
-    const float ALONG = -1e-6; // of a boundary, to within rounding
+    const float ALONG = -1e-6; // parallel to a boundary, within rounding
     uint left = shapes;
     for (uint rest = shapes; (rest & (rest - 1u)) != 0u; rest &= rest - 1u) {
         int shape = findLSB(rest);

@@ -1,4 +1,4 @@
-// The texel that a point lies in. The image repeats; its first row is on top, v goes up.
+// The texel that contains a point. The image repeats; its first row is on top, v goes up.
 vec3 texture_nearest(sampler2D image, vec2 uv)
 {
     ivec2 texel = ivec2(texture_tile(image, uv));

@@ -1,4 +1,4 @@
-// Once around a sphere, by its outward unit normal: u from left to right with 1/2 at +z, v up from pole to pole along y.
+// Once around a sphere, by its outward unit normal: u from left to right with 1/2 at +z, v up from pole to pole on y.
 vec2 texture_sphere_uv(vec3 normal)
 {
     const float PI = 3.14159265358979324;

@@ -1,4 +1,4 @@
-// Where a point lies in an image that repeats in both directions, in texels from its top left corner: [0, size].
+// A point's position in an image that repeats in both directions, in texels from its top left corner: [0, size].
 vec2 texture_tile(sampler2D image, vec2 uv)
 {
     vec2 tile = clamp(uv - floor(uv), 0.0, 1.0);

@@ -1,13 +1,13 @@
-// A transfer function is linear between its points. They are followed in ascending order, each one taking the place of what
-// came before as the value comes up to it: no table, so nothing is rounded to one.
+// A transfer function is linear between its points. Points are applied in ascending order; each replaces the result as
+// soon as the value passes it. Without a table nothing is rounded to one.
 
-// How far a value has come from one point to the next, in [0, 1].
+// Returns a value's share of the distance from one point to the next, in [0, 1].
 float transfer_share(float value, float start, float inverse_width)
 {
     return clamp((value - start) * inverse_width, 0.0, 1.0);
 }
 
-// Exact at both ends, unlike before + share * (after - before): what is to be 0 is 0.
+// Mixes exactly at both ends, unlike before + share * (after - before): zeros stay 0.
 float transfer_mix(float before, float after, float share)
 {
     return before * (1.0 - share) + after * share;
@@ -18,8 +18,8 @@ vec3 transfer_mix(vec3 before, vec3 after, float share)
     return before * (1.0 - share) + after * share;
 }
 
-// Extinction per metre of what has an opacity in [0, 1) over `unit_distance`: -ln(1 - opacity) / unit_distance. Where
-// 1 - opacity would lose digits it is a series, -ln(1 - a) = 2 artanh(a / (2 - a)).
+// Returns the extinction per metre for an opacity in [0, 1) over `unit_distance`: -ln(1 - opacity) / unit_distance.
+// Where 1 - opacity would lose digits it is a series, -ln(1 - a) = 2 artanh(a / (2 - a)).
 float transfer_extinction(float opacity, float unit_distance)
 {
     const float SERIES_LIMIT = 0.5;

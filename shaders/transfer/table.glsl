@@ -1,14 +1,14 @@
-// What a transfer function makes of a segment along which the value is linear: the mean of extinction and of light between the
-// values of its two ends, as a difference of running integrals. After Rottger, Kraus and Ertl, Hardware-Accelerated Volume
-// and Isosurface Rendering Based on Cell-Projection, IEEE Visualization 2000.
+// A transfer function over a segment along which the value is linear: mean extinction and light between the values of
+// its two ends, as a difference of running integrals. After Rottger, Kraus and Ertl, Hardware-Accelerated Volume and
+// Isosurface Rendering Based on Cell-Projection, IEEE Visualization 2000.
 
-// A value's place among the table's nodes, how fast it came there, the integral up to there, and the mean of its cell.
+// A value's position among the table's nodes, its slope, the integral up to there, and the mean of its cell.
 struct TransferEnd {
     float position, slope; // of the segment that ends there, per metre
     vec4 sum, cell;
 };
 
-// The first and the last cell go on for ever.
+// The first and the last cell extend without end.
 TransferEnd transfer_end(sampler2D table, float position)
 {
     float node = clamp(floor(position), 0.0, float(textureSize(table, 0).x - 2));
@@ -17,8 +17,8 @@ TransferEnd transfer_end(sampler2D table, float position)
     return TransferEnd(position, 0.0, low + (position - node) * cell, cell);
 }
 
-// Values need not be linear: from how their slope changed to this segment follows how far, in the mean, they lie beside the
-// line, `bend` times the change. Between ends less than a cell apart a difference would have lost its digits.
+// Values need not be linear: the change of their slope to this segment says how far their mean is off the line, `bend`
+// times the change. Between ends less than a cell apart a difference would lose its digits.
 vec4 transfer_mean(TransferEnd from, TransferEnd to, float bend)
 {
     float change = to.position - from.position;

@@ -1,13 +1,13 @@
-// Column of the media towards a light from segments as if homogeneous with the media of their middle, each as long as
-// takes about `depth_step` of optical depth, by its strongest colour, but no longer than `step`; media of even density are
-// in it from the start. An error counts by the light that gets through, so that segments grow as less of it does.
+// Column of the media towards a light from segments that take the media of their middle as homogeneous. Each is as long
+// as gives about `depth_step` of optical depth in its strongest colour, at most `step`. The column of homogeneous media
+// is in it from the start. An error counts by the light that gets through, so segments grow as the transmittance falls.
 struct TransmittanceAdaptive { float step, depth_step; };
 
 MediaColumn transmittance_adaptive(TransmittanceAdaptive method, MediaSpans spans, vec3 point, vec3 direction,
                                    float distance)
 {
-    const float BLACK = 20.0;    // optical depth: 2e-9 of the light is left
-    const float TOO_THICK = 2.0; // times what was asked for
+    const float BLACK = 20.0;    // optical depth: a transmittance of 2e-9
+    const float TOO_THICK = 2.0; // times `wanted`
     const float THIN = 1e-6;
     vec2 interval = media_column_interval(spans);
     float end = min(distance, interval.y);

@@ -1,6 +1,6 @@
-// Columns of media towards a light from its grid, a channel a medium, linearly between nodes: those are the texels' centres.
-// Where a driver's filter has weights of 8 bits it errs by less than a 500th of what a cell holds.
-const float LIGHT_GRID_WAS_CUT = -1e5; // far below what keeping makes of a column
+// Columns of media towards a light from its grid, a channel a medium, linear between nodes, which are the texels'
+// centres. A driver whose filter has weights of 8 bits errs by less than a 500th of a cell's difference.
+const float LIGHT_GRID_WAS_CUT = -1e5; // far below any prepared column
 
 vec4 transmittance_cached(sampler3D columns, vec3 at)
 {

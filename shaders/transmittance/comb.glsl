@@ -1,4 +1,4 @@
-// Optical depth by a comb of equal steps, of at most `step`, all shifted by one random part of a step: right on the average
+// Optical depth by a comb of equal steps of at most `step`, all shifted by one random share of a step: unbiased,
 // whatever the step.
 Spectrum transmittance_comb(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval, float step)
 {

@@ -1,13 +1,14 @@
-// What media leave of light by several marches: exp of minus the first one's optical depth, its pivot, times the power series of
-// exp of what the true one has less. Powers are means of the products of all choices among the other marches, which each are
-// right on the average; how many there are is drawn by lot, each term divided by the odds that it comes. The whole is right on
-// the average, whatever the step, but may be negative. After Kettunen, d'Eon, Pantaleoni and Novak, An unbiased ray-marching
-// transmittance estimator, ACM Transactions on Graphics 40(4), 2021; the lot by Bhanot and Kennedy, Physics Letters 157B, 1985.
+// Transmittance by several marches: exp of minus the first one's optical depth, its pivot, times the power series of
+// exp of pivot minus true optical depth. Powers are means of the products of all choices among the other marches, each
+// unbiased. The number of marches is random, and each term is divided by the odds that it comes. The whole is unbiased,
+// whatever the step, but may be negative. After Kettunen, d'Eon, Pantaleoni and Novak, An unbiased ray-marching
+// transmittance estimator, ACM Transactions on Graphics 40(4), 2021; the random number of terms by Bhanot and Kennedy,
+// Physics Letters 157B, 1985.
 Spectrum transmittance_debiased(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval, float step)
 {
-    const int MEANS = 4;         // beyond that order a term is the one before it times a march of its own
-    const int ORDER_LIMIT = 100; // nobody draws so many: 1e-158
-    // Order k comes with odds of 1 / (2 k!), so that each of the series' terms, with its own 1 / k!, counts twice.
+    const int MEANS = 4;         // beyond that order a term is the one before times one more march
+    const int ORDER_LIMIT = 100; // never reached: odds of 1e-158
+    // Order k has odds of 1 / (2 k!), so that each term of the series, with its own 1 / k!, counts twice.
     int order = 0;
     while (order < ORDER_LIMIT && random_next() < (order == 0 ? 0.5 : 1.0 / float(order + 1)))
         ++order;

@@ -1,5 +1,5 @@
-// Whether light passes media, by lot: free flights among a majorant of particles, the first real one ends it. All or nothing
-// where there is no colour, and right on the average. Woodcock et al., Argonne report ANL-7050, 1965; colours as
+// Whether light passes media, at random: free flights among a majorant of particles, the first real one ends it. All or
+// nothing where there is no colour, and unbiased. Woodcock et al., Argonne report ANL-7050, 1965; colours as in
 // integrator/delta.glsl.
 Spectrum transmittance_delta(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval)
 {

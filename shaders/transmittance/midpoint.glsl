@@ -1,11 +1,11 @@
-// Column of the media towards a light by the midpoint rule, from the point to the light or to where the media end; media
-// of even density are in it from the start.
+// Column of the media towards a light by the midpoint rule, from the point to the light or to where the media end. The
+// column of homogeneous media is in it from the start.
 struct TransmittanceMidpoint { float step; };
 
 MediaColumn transmittance_midpoint(TransmittanceMidpoint method, MediaSpans spans, vec3 point, vec3 direction,
                                    float distance)
 {
-    const float BLACK = 20.0; // optical depth: 2e-9 of the light is left
+    const float BLACK = 20.0; // optical depth: a transmittance of 2e-9
     vec2 interval = media_column_interval(spans);
     float end = min(distance, interval.y);
     MediaColumn column = media_column_begin(spans, distance);

@@ -1,5 +1,5 @@
-// What media leave of light on its way: the product of what each of many looks leaves, which are as far apart as free flights
-// among a majorant of particles. Right on the average, and never negative. Novak, Selle and Jarosz, SIGGRAPH Asia 2014.
+// Transmittance as the product over samples that are as far apart as free flights among a majorant of particles.
+// Unbiased, and never negative. Novak, Selle and Jarosz, SIGGRAPH Asia 2014.
 Spectrum transmittance_ratio(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval)
 {
     const float FAINT = 1e-3;
@@ -16,7 +16,8 @@ Spectrum transmittance_ratio(MediaSpans spans, vec3 origin, vec3 direction, vec2
         at += flight;
         MediaColumn column = media_column_none();
         float empty = media_column_add(column, spans, origin + at * direction, direction, at, 1.0);
-        transmittance = tracking_thin(transmittance * max(1.0 - media_column_extinction(column) / rate, spectrum(0.0)), FAINT);
+        transmittance =
+            tracking_thin(transmittance * max(1.0 - media_column_extinction(column) / rate, spectrum(0.0)), FAINT);
         if (spectrum_max(transmittance) <= 0.0) return transmittance;
         at += max(empty, 0.0);
     }

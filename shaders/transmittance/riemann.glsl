@@ -1,8 +1,8 @@
-// Column of the media towards a light as a plain sum of `steps` samples from the point on; one for a light beyond
-// everything ends where the media do. Media of even density are in it from the start.
+// Column of the media towards a light as a plain sum of `steps` samples from the point on; for a light that is
+// infinitely far they end where the media do. The column of homogeneous media is in it from the start.
 struct TransmittanceRiemann { int steps; };
 
-// A sample whose distance bound covers the next ones is followed by the first one outside of it: those between are zero.
+// A sample whose distance bound covers the next ones is followed by the first one beyond: those between are zero.
 MediaColumn transmittance_riemann(TransmittanceRiemann method, MediaSpans spans, vec3 point, vec3 direction,
                                   float distance)
 {

@@ -171,14 +171,14 @@ static void write(FILE *out, const struct density_site *site)
             i, i);
     if (is_transfer) grid_lookup_write_transfer(out, &site->source->density.grid, i);
     fprintf(out,
-            "// %s, how far ahead there is none, and the value.\n"
+            "// %s, how far ahead the grid is empty, and the value.\n"
             "vec3 medium_%zu_field(vec3 p, vec3 direction)\n{\n"
             "    DensityBricks grid = medium_%zu_bricks();\n"
             "    vec3 at = density_bricks_at(grid, p);\n"
             "    uvec4 brick = density_bricks_find(medium_%zu_index, at);\n"
             "    if (brick.w > 0u) return vec3(0.0, density_bricks_skip(grid, brick, at, direction), 0.0);\n"
             "    float value = density_bricks_%s(medium_%zu_atlas, brick, at);\n",
-            is_transfer ? "Opacity" : "What is above 0", i, i, i, filter, i);
+            is_transfer ? "Opacity" : "The value above 0", i, i, i, filter, i);
     if (is_transfer)
         fprintf(out, "    return vec3(medium_%zu_opacity(value), 0.0, value);\n}\n", i);
     else

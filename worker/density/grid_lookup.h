@@ -19,6 +19,6 @@ void grid_lookup_add_values(struct frame_uniforms *uniforms, const struct densit
 // Writes for a transfer function medium_I_opacity and _rgb of a value, and medium_I_density and _color of a field whose
 // x is an opacity and z the value.
 void grid_lookup_write_transfer(FILE *out, const struct scene_grid *grid, size_t i);
-// Writes for a table of the transfer function, at MEDIUM_TEXTURE_EXTRA: medium_I_end_at, medium_I_position of a value, and
-// medium_I_density and _color of a mean.
+// Writes for a table of the transfer function, at MEDIUM_TEXTURE_EXTRA: medium_I_end_at, medium_I_position of a value,
+// and medium_I_density and _color of a mean.
 void grid_lookup_write_table(FILE *out, const struct scene_grid *grid, size_t i);

@@ -21,8 +21,8 @@ enum scene_cache_format { SCENE_CACHE_R32F, SCENE_CACHE_RG32F, SCENE_CACHE_RGBA3
 // The zero value is empty.
 //
 // The program runs once for each (x, y, z) below `invocations` and writes all texels, each once: those of a ray along
-// z, or a single texel. Its text begins as scene_cache_begin writes it and declares `uniforms`. A texture is filled anew
-// when any of these changes: the text, the packed uniforms, format and size, the files or a cache that it reads.
+// z, or a single texel. Its text begins as scene_cache_begin writes it and declares `uniforms`. A texture is filled
+// anew when any of these changes: the text, the packed uniforms, format and size, the files or a cache that it reads.
 struct scene_cache {
     char name[32]; // of the sampler in shaders that read it
     unsigned unit; // the texture unit for these shaders, bound as GL_LINEAR and clamped to the edge

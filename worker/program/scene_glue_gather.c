@@ -13,12 +13,12 @@ static void write_gathered(FILE *out, const struct scene_model *model)
 {
     bool has_objects = model->features.has_objects;
 
-    fputs("// What a ray has met so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
+    fputs("// Sums along a ray so far.\nstruct Gathered {\n    Spectrum radiance;\n", out);
     if (model->features.has_throughput) fputs("    Spectrum transmittance;\n", out);
     if (model->features.has_extinction && model->features.has_depth)
-        fputs("    float depth; // distance, 0 for none yet, below it none is looked for\n", out);
-    if (has_objects) fputs("    float least; // the ray is over when less is left of it\n", out);
-    if (has_objects && model->features.media_are_lit) fputs("    int region; // in which it is\n", out);
+        fputs("    float depth; // distance; 0: none yet, negative: not wanted\n", out);
+    if (has_objects) fputs("    float least; // the ray is over below this throughput\n", out);
+    if (has_objects && model->features.media_are_lit) fputs("    int region; // that contains the ray\n", out);
     fputs("};\nbool gathered_is_over(Gathered gathered)\n{\n", out);
     if (!model->features.has_throughput)
         fputs("    return false;\n}\n", out);
@@ -383,7 +383,7 @@ void scene_glue_write_gather(FILE *out, const struct scene_model *model)
             "// `at` is where the segment begins, `point` %s.\n"
             "void gather(inout Gathered gathered, MediaField field, vec3 point, vec3 direction, float at, float "
             "length%s)\n{\n",
-            features->marches ? "where the field was taken" : "is there",
+            features->marches ? "where the field was evaluated" : "is there",
             features->is_jittered ? ", float offset" : "");
     write_densities(out, model);
     if (has_source) write_sources(out, model);

@@ -233,7 +233,7 @@ static void write_clear(FILE *out, const struct scene_model *model)
 {
     bool is_first = true;
 
-    fputs("// How far along the ray there is nothing of the media that have tables.\n"
+    fputs("// How far along the ray the media that have tables are empty.\n"
           "float media_clear(MediaSpans spans, vec3 p, vec3 direction, float at)\n{\n    float clear;\n",
           out);
     FOR_EACH_MEDIUM (model, is_tabled) {
@@ -291,7 +291,9 @@ static void write_tables(FILE *out, const struct scene_model *model)
     fputs("}\nvoid media_set_means(inout MediaField field, MediaEnds from, MediaEnds to, float bend)\n{\n", out);
     FOR_EACH_MEDIUM (model, is_tabled)
         fprintf(out, "    field.medium_%zu = transfer_mean(from.medium_%zu, to.medium_%zu, bend);\n", i, i, i);
-    fputs("}\n// Of those with tables, per metre.\nfloat media_depth(MediaField field)\n{\n    return ", out);
+    fputs("}\n// Optical depth of the media that have tables, per metre.\nfloat media_depth(MediaField field)\n{\n    "
+          "return ",
+          out);
     FOR_EACH_MEDIUM (model, is_tabled) {
         fputs(separator, out);
         scene_glue_write_density(out, model, i);
@@ -380,7 +382,7 @@ static void write_column(FILE *out, const struct scene_model *model)
 {
     const char *separator = "";
 
-    fputs("// Density integrated along a way, a number a medium.\nstruct MediaColumn {", out);
+    fputs("// Density integrated along a ray, a number a medium.\nstruct MediaColumn {", out);
     FOR_EACH_MEDIUM (model, medium_features_have_column)
         fprintf(out, " float medium_%zu;", i);
     fputs(" };\nMediaColumn media_column_begin(MediaSpans spans, float distance)\n{\n    return MediaColumn(", out);

@@ -87,9 +87,9 @@ void scene_glue_write_seen(FILE *out, const struct scene_model *model)
     if (model->features.has_paths)
         fprintf(out, "const int PATH_DEPTH_LIMIT = %d;\nconst float PATH_THROUGHPUT_LIMIT = %.9e;\n",
                 model->job->quality.max_depth, model->job->quality.min_throughput);
-    fputs("// What the rays of a sample have brought so far: light, the share of what is behind everything that comes "
-          "without a "
-          "reflection,\n// and how far the first thing is.\n"
+    fputs("// Sums over a sample's rays so far: light, the throughput of rays that leave the scene without a "
+          "reflection,\n"
+          "// and the distance of the first hit.\n"
           "Spectrum path_radiance = Spectrum(0.0);\n",
           out);
     if (sees_behind(model)) fputs("Spectrum path_behind = Spectrum(0.0);\n", out);
@@ -222,7 +222,9 @@ static void write_answer_rays(FILE *out, const struct scene_features *features)
 
 static void write_answer(FILE *out, const struct scene_features *features)
 {
-    fputs("// What a boundary makes of a ray that meets it.\nvoid path_answer(PathRay ray, SurfaceHit hit)\n{\n", out);
+    fputs("// Lights, reflects and refracts a ray at the boundary that it meets.\nvoid path_answer(PathRay ray, "
+          "SurfaceHit hit)\n{\n",
+          out);
     if (!features->has_paths && !features->surfaces_are_lit) {
         fputs("}\n", out);
         return;

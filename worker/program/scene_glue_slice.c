@@ -51,14 +51,14 @@ static void write_store(FILE *out, const struct scene_features *features)
 
 void scene_glue_write_slice(FILE *out, const struct scene_model *model)
 {
-    fputs("layout(rgba32ui, binding = 0) uniform uimage2D slice_light;\n"
-          "layout(rgba32ui, binding = 1) uniform uimage2D slice_transmittance;\n"
-          "layout(rgba32ui, binding = 2) uniform uimage2D slice_marks;\n"
-          "const uint SLICE_IS_BEGUN = 1u;\nconst uint SLICE_IS_DONE = 2u;\n"
-          "// Rays that share a SIMD unit share its turns: one that the others left none may come farther in the next "
-          "slice.\n"
-          "const uint SLICE_WAIT_LIMIT = 2u;\nuint slice_waits;\n",
-          out);
+    fputs(
+        "layout(rgba32ui, binding = 0) uniform uimage2D slice_light;\n"
+        "layout(rgba32ui, binding = 1) uniform uimage2D slice_transmittance;\n"
+        "layout(rgba32ui, binding = 2) uniform uimage2D slice_marks;\n"
+        "const uint SLICE_IS_BEGUN = 1u;\nconst uint SLICE_IS_DONE = 2u;\n"
+        "// Rays that share a SIMD unit share its iterations: a ray that got none may come further in the next slice.\n"
+        "const uint SLICE_WAIT_LIMIT = 2u;\nuint slice_waits;\n",
+        out);
     write_load(out, &model->features);
     write_store(out, &model->features);
 }

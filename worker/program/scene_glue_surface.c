@@ -36,7 +36,7 @@ static void write_spans(FILE *out, const struct scene *scene)
         fprintf(out, ",\n        region_%s_span(shape_%zu(), origin, direction)",
                 shape_kinds[scene->shapes[i].kind].name, i);
     fputs(");\n}\n"
-          "// What lies up to there lies at `at`, where the cosine to the normal is `slope`.\n"
+          "// Boundaries up to there coincide with one at `at`, where the cosine to the normal is `slope`.\n"
           "float shape_spans_limit(ShapeSpans spans, float at, float slope)\n{\n"
           "    return at + (spans.sliver + 2e-7 * at) / slope;\n}\n",
           out);

@@ -15,7 +15,7 @@ struct scene_model;
 //   media_column_none(), media_column_extinction(column)  extinction per metre of a column that is a metre long
 //   media_column_rate(spans, p, direction, at, edge)  as media_rate, of the media that vary only
 void scene_glue_write_tracking(FILE *out, const struct scene_model *model);
-// `Spectrum media_transmittance_estimate(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval, float step)`: an estimate of the
-// transmittance of the media between two distances along a ray; `step` is for marches. It comes after the estimator's
-// module.
+// `Spectrum media_transmittance_estimate(MediaSpans spans, vec3 origin, vec3 direction, vec2 interval, float step)`: an
+// estimate of the transmittance of the media between two distances along a ray; `step` is for marches. It comes after
+// the estimator's module.
 void scene_glue_write_estimate(FILE *out, const struct scene_model *model);
