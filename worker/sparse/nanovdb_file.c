@@ -161,7 +161,7 @@ static bool search_segment(struct reader *reader, const char *name, struct grid_
     return true;
 }
 
-static void say_what_there_is(const struct nanovdb_bytes *file, const char *name, struct error *error)
+static void set_missing_error(const struct nanovdb_bytes *file, const char *name, struct error *error)
 {
     struct reader reader = {file->bytes, file->size_bytes, 0};
     char names[512] = "";
@@ -265,7 +265,7 @@ void *nanovdb_file_unpack(const struct nanovdb_bytes *file, const char *name, si
         if (!search_segment(&reader, name, &entry, error)) return NULL;
     while (!entry.name && reader.at < reader.size_bytes);
     if (!entry.name) {
-        say_what_there_is(file, name, error);
+        set_missing_error(file, name, error);
         return NULL;
     }
     grid = unpack(file, &entry, error);

@@ -26,8 +26,11 @@ static const struct {
     const char *ending;
     open_format *open;
 } formats[] = {
-    {".raw", volume_raw_open},   {".nrrd", volume_nrrd_open},         {".nhdr", volume_nrrd_open},
-    {".nii", volume_nifti_open}, {".nii.gz", volume_nifti_gzip_open},
+    {".raw", volume_raw_open},           // voxels alone
+    {".nrrd", volume_nrrd_open},         // NRRD: header and voxels
+    {".nhdr", volume_nrrd_open},         // NRRD: a header that names the file of voxels
+    {".nii", volume_nifti_open},         // NIfTI-1 and NIfTI-2
+    {".nii.gz", volume_nifti_gzip_open}, // the same, compressed as a whole
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
