@@ -87,7 +87,7 @@ bool chart_truth_load(struct chart_truth *truth, const char *path, const char *s
 struct chart_error chart_truth_compare(const struct chart_truth *truth, const struct image *image, enum job_pixel pixel)
 {
     struct chart_error error = {0};
-    double apart = 0, light = 0, weights = 0, brightest = 0;
+    double squares = 0, light = 0, weights = 0, brightest = 0;
 
     for (size_t i = 0; i < truth->count; i++) {
         const struct chart_truth_pixel *at = &truth->pixels[i];
@@ -105,8 +105,8 @@ struct chart_error chart_truth_compare(const struct chart_truth *truth, const st
             error.largest = fmax(error.largest, fabs(difference));
             brightest = fmax(brightest, fabs(at->rgb[c]));
         }
-        apart += at->weight * square;
+        squares += at->weight * square;
     }
-    if (weights > 0) error.relative_rmse = sqrt(fmax(apart, 0) / (brightest < AUDIT_BLACK ? weights : light));
+    if (weights > 0) error.relative_rmse = sqrt(fmax(squares, 0) / (brightest < AUDIT_BLACK ? weights : light));
     return error;
 }

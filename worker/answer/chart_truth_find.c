@@ -6,7 +6,6 @@
 #include "core/base/error.h"
 #include "worker/audit/audit_map.h"
 #include "worker/audit/truth.h"
-#include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 
 #include <math.h>
@@ -19,8 +18,6 @@ enum {
     DRAWS_LIMIT = 200000 // more draws hardly lower the noise of the comparison
 };
 
-// Of the picture's RMS: darker pixels are measured as if they were so bright.
-static const double DARK_SHARE = 0.1;
 // Variance of the difference between picture and reference, relative to the picture's: the reference is the mean of two
 // rays.
 static const double NOISE_FACTOR = 1.5;
@@ -189,7 +186,7 @@ bool chart_truth_find(struct chart_truth *truth, const struct chart_truth_params
                                                                .finer = params->finer,
                                                                .coarser = params->coarser});
         rms = sqrt(search.map.mean_square);
-        search.accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, AUDIT_BLACK) : AUDIT_BLACK;
+        search.accuracy.floor = audit_map_floor(isfinite(rms) ? rms : 0.0);
         search.draws =
             xcalloc((size_t)params->finer->width_px * (size_t)params->finer->height_px, sizeof *search.draws);
         ok = find(&search, error);

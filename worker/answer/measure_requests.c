@@ -95,14 +95,14 @@ static bool hash_scene(const struct request_tools *tools, const struct job *job,
 static double find_change(const struct image *from, const struct image *to)
 {
     size_t count = 4 * (size_t)to->width_px * (size_t)to->height_px;
-    double apart = 0, light = 0;
+    double squares = 0, light = 0;
 
     if (!from->rgba) return INFINITY;
     for (size_t i = 0; i < count; i++) {
-        apart += pow((double)to->rgba[i] - from->rgba[i], 2);
+        squares += pow((double)to->rgba[i] - from->rgba[i], 2);
         light += pow(to->rgba[i], 2);
     }
-    return light > 0 ? sqrt(apart / light) : 0;
+    return light > 0 ? sqrt(squares / light) : 0;
 }
 
 // Renders marches, each in half the steps of the one before, until the time is over or nothing changes, and keeps the
@@ -254,7 +254,7 @@ static bool measure_setting(const struct setting *setting, const struct request_
                                     .limit_s = setting->limit_s,
                                     .is_wanted = tools->is_wanted,
                                     .user = tools->user};
-    struct chart_error apart = {0};
+    struct chart_error difference = {0};
     enum measure_outcome outcome;
     struct error reason = {{0}};
     struct image image = {0};
@@ -266,14 +266,14 @@ static bool measure_setting(const struct setting *setting, const struct request_
         return false;
     }
     outcome = measure_time(&params, &image, &seconds, &repeats, &reason);
-    if (outcome == MEASURE_DONE) apart = chart_truth_compare(truth, &image, setting->job.output.pixel);
+    if (outcome == MEASURE_DONE) difference = chart_truth_compare(truth, &image, setting->job.output.pixel);
     json_write_begin_object(writer);
     write_outcome(writer, outcome, &reason);
     json_write_number_member(writer, "seconds", seconds);
     json_write_integer_member(writer, "repeats", repeats);
     json_write_string_member(writer, "timer", params.timer ? "gpu" : "wall");
-    json_write_number_member(writer, "error", apart.relative_rmse); // null where it is infinite
-    json_write_number_member(writer, "largest_error", apart.largest);
+    json_write_number_member(writer, "error", difference.relative_rmse); // null where it is infinite
+    json_write_number_member(writer, "largest_error", difference.largest);
     json_write_string_member(writer, "truth", truth->kind);
     json_write_integer_member(writer, "pixels", (int64_t)truth->count);
     json_write_end_object(writer);

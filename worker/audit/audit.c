@@ -18,7 +18,6 @@ enum {
 static const double REFERENCE_SHARE = 0.5;          // the accuracy asked of the reference, relative to the tolerance,
 static const double FINEST = 1e-4, COARSEST = 0.05; // and its limits
 static const double RESOLUTION_SHARE = 0.05;        // the reference's own error then, relative to the tolerance
-static const double DARK_SHARE = 0.1; // of the frame's RMS: darker pixels are measured as if they were so bright
 
 struct audit {
     const struct audit_params *params;
@@ -77,8 +76,8 @@ static bool is_clear(const struct audit *audit, const struct audit_verdict *verd
     return verdict->error95 <= audit->params->tolerance || verdict->error > 2.0 * audit->params->tolerance;
 }
 
-// The number of pixels to measure next; 0: there are enough. It doubles their number each time, because every verdict
-// on the way may be wrong, and so there are few.
+// The number of pixels to measure next; 0: there are enough. Their number doubles each time: every verdict may be
+// wrong, so there are to be few.
 static size_t find_next_count(const struct audit *audit)
 {
     const struct audit_params *params = audit->params;
@@ -131,7 +130,7 @@ static void begin(struct audit *audit, const struct audit_params *params)
                                                            .is_own = params->is_own});
     rms = sqrt(audit->map.mean_square);
     audit->accuracy.relative = fmin(fmax(REFERENCE_SHARE * params->tolerance, FINEST), COARSEST);
-    audit->accuracy.floor = isfinite(rms) ? fmax(DARK_SHARE * rms, AUDIT_BLACK) : AUDIT_BLACK;
+    audit->accuracy.floor = audit_map_floor(isfinite(rms) ? rms : 0.0);
 }
 
 bool audit_frame(const struct audit_params *params, struct audit_result *result)

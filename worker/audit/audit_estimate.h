@@ -24,7 +24,7 @@ void audit_samples_finish(struct audit_samples *samples); // leaves it empty
 
 struct audit_evidence {
     const struct audit_samples *own; // of this frame
-    // Of other frames of the segment with the same quality, small or whole; NULL: none.
+    // Samples of other frames of the segment with the same quality, small or whole; NULL: none.
     const struct audit_samples *pool;
     // `change` of the frame's own map (audit_map.h), and the largest of the pool's; negative: not known.
     double change, pool_change;

@@ -30,16 +30,16 @@ void audit_by_halving(const struct job *job, const struct image *coarser, const 
                       struct audit_result *result)
 {
     size_t count = (size_t)finer->width_px * (size_t)finer->height_px;
-    double difference = 0.0, square = 0.0, change;
+    double squares = 0.0, square = 0.0, change;
 
     for (size_t i = 0; i < 4 * count; i++) {
-        double apart = (double)coarser->rgba[i] - finer->rgba[i];
+        double difference = (double)coarser->rgba[i] - finer->rgba[i];
 
         if (i % 4 == 3) continue; // alpha
-        difference += apart * apart;
+        squares += difference * difference;
         square += (double)finer->rgba[i] * finer->rgba[i];
     }
-    change = square > 0.0 ? sqrt(difference / square) : sqrt(difference / (3.0 * (double)count));
+    change = square > 0.0 ? sqrt(squares / square) : sqrt(squares / (3.0 * (double)count));
     *result = (struct audit_result){.kind = AUDIT_STEP_HALVING,
                                     .error = change * (1.0 + left_over_change(job->quality.method)),
                                     .ray_count = (int)count,

@@ -272,6 +272,13 @@ static double step_at(const double *sums, size_t i)
     return sums[i] - (i > 0 ? sums[i - 1] : 0.0);
 }
 
+double audit_map_floor(double rms)
+{
+    static const double DARK_SHARE = 0.1; // docs/rendering.md has the errors that it leaves
+
+    return fmax(DARK_SHARE * rms, AUDIT_BLACK);
+}
+
 bool audit_map_is_black(const struct audit_map *map)
 {
     return map->brightest < (float)AUDIT_BLACK;
@@ -306,9 +313,9 @@ double audit_map_density(const struct audit_map *map, struct truth_point point)
 
 // The squared difference less the noise of random normals in frame and reference; 0 up to four standard errors of that
 // noise.
-static double square_beyond_noise(double apart, const struct truth_pixel *pixel, int c)
+static double square_beyond_noise(double difference, const struct truth_pixel *pixel, int c)
 {
-    double noise = pixel->variance[c] * (1.0 + pixel->share), square = apart * apart;
+    double noise = pixel->variance[c] * (1.0 + pixel->share), square = difference * difference;
 
     if (noise == 0.0) return square;
     return square > NOISE_LIMIT * noise ? square - noise : 0.0;
@@ -324,10 +331,10 @@ struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_
     struct audit_sample sample = {0};
 
     for (int c = 0; c < 3; c++) {
-        double value = image_exr_stored(seen[c], map->pixel), apart = value - pixel->rgb[c];
+        double value = image_exr_stored(seen[c], map->pixel), difference = value - pixel->rgb[c];
 
-        sample.square += weight * square_beyond_noise(apart, pixel, c);
-        sample.cross += weight * value * apart;
+        sample.square += weight * square_beyond_noise(difference, pixel, c);
+        sample.cross += weight * value * difference;
         sample.noise += weight * pixel->variance[c];
     }
     return sample;

@@ -47,6 +47,9 @@ struct audit_map {
 void audit_map_init(struct audit_map *map, const struct audit_map_params *params);
 void audit_map_finish(struct audit_map *map); // accepts an empty one
 
+// The floor of the accuracy asked of reference/ (reference/integrate.h) for a picture of that RMS: a tenth of the RMS.
+// Darker pixels are measured as if they were so bright.
+double audit_map_floor(double rms);
 // True when all values are below AUDIT_BLACK: errors are absolute then.
 bool audit_map_is_black(const struct audit_map *map);
 // The probability that a draw is this pixel, times the number of pixels; at least the share of AUDIT_STRATEGY_UNIFORM.

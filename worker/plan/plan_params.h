@@ -1,4 +1,4 @@
-// What a plan is made from: a renderer, a job, and the segment of its frames.
+// The parameters of planning: a renderer, a job, and the segment of its frames.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -220,7 +220,7 @@ static bool make_fine(struct plan_pilot *pilot)
         note_depths(pilot);
         if (level == 0) continue;
         change = find_change(pilot);
-        log_debug("plan: %s, halved %d times: changed by %.2e, %.2e looks", family->name, level, change,
+        log_debug("plan: %s, halved %d times: changed by %.2e, %.2e evaluations", family->name, level, change,
                   pilot->frame_count * count_evaluations(pilot, &quality));
         if (pilot->start_level < 0 && change <= tolerance) pilot->start_level = level - 1;
         if (level >= LEVEL_MIN && change <= enough) break;

@@ -11,7 +11,6 @@
 
 #include <math.h>
 
-static const double DARK_SHARE = 0.1; // of the frame's RMS: darker pixels are measured as if they were so bright
 // The accuracy asked of reference/, relative to the tolerance, and its limits. docs/rendering.md has the table of
 // accuracies and times by which they were chosen.
 static const double ACCURACY_SHARE = 0.05, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2;
@@ -37,9 +36,9 @@ static double squared_difference(const struct image *a, const struct image *b)
 
     for (size_t i = 0; i < count; i++)
         for (size_t c = 0; c < 3; c++) {
-            double apart = (double)a->rgba[4 * i + c] - (b ? b->rgba[4 * i + c] : 0.0);
+            double difference = (double)a->rgba[4 * i + c] - (b ? b->rgba[4 * i + c] : 0.0);
 
-            sum += apart * apart / 3.0;
+            sum += difference * difference / 3.0;
         }
     return sum / (double)count;
 }
@@ -71,7 +70,7 @@ bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_
     double rms = sqrt(frame->mean_square);
     double wanted = ACCURACY_SHARE * params->job->quality.tolerance;
     const struct integrate_accuracy accuracy = {.relative = fmin(fmax(wanted, ACCURACY_MIN), ACCURACY_MAX),
-                                                .floor = fmax(DARK_SHARE * rms, AUDIT_BLACK)};
+                                                .floor = audit_map_floor(rms)};
     struct audit_map map;
     size_t count = PLAN_TRUE_PIXELS;
 
@@ -147,10 +146,10 @@ void plan_pilot_frame_fill(const struct plan_pilot_frame *frame, enum job_pixel 
 
         for (int c = 0; c < 3; c++) {
             double value = image_exr_stored(seen[c], pixel);
-            double apart = value - frame->truth[k].rgb[c];
+            double difference = value - frame->truth[k].rgb[c];
 
-            sample.square += weight * apart * apart;
-            sample.cross += weight * value * apart;
+            sample.square += weight * difference * difference;
+            sample.cross += weight * value * difference;
         }
         audit_samples_append(&pool->samples, &sample);
     }

@@ -47,16 +47,16 @@ static struct job make_tiny(const struct plan *plan, const struct job *job)
 static double find_change(const struct image *coarse, const struct image *fine)
 {
     size_t count = (size_t)fine->width_px * (size_t)fine->height_px;
-    double apart = 0.0, light = 0.0;
+    double squares = 0.0, light = 0.0;
 
     for (size_t i = 0; i < 4 * count; i++) {
         double difference = (double)coarse->rgba[i] - fine->rgba[i];
 
         if (i % 4 == 3) continue; // alpha
-        apart += difference * difference / (3.0 * (double)count);
+        squares += difference * difference / (3.0 * (double)count);
         light += (double)fine->rgba[i] * fine->rgba[i] / (3.0 * (double)count);
     }
-    return sqrt(light > AUDIT_BLACK * AUDIT_BLACK ? apart / light : apart);
+    return sqrt(light > AUDIT_BLACK * AUDIT_BLACK ? squares / light : squares);
 }
 
 // A frame that cannot be rendered counts as unchanged: its own rendering will say why. False: scouting ends.
