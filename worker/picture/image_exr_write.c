@@ -277,6 +277,18 @@ static exr_result_t compress_zip(const struct writer *writer, struct packer *pac
     return EXR_ERR_SUCCESS;
 }
 
+// OpenEXR 3.2 allocates too little for a small chunk: piz writes a table of up to 8192 bytes before the data, past the end.
+// A buffer that is large enough is kept by the library, which also frees it.
+static bool has_room_to_compress(exr_encode_pipeline_t *pipeline, size_t chunk_bytes)
+{
+    size_t size_bytes = 2 * chunk_bytes + 65536;
+
+    if (pipeline->compressed_buffer) return true;
+    pipeline->compressed_buffer = malloc(size_bytes);
+    pipeline->compressed_alloc_size = pipeline->compressed_buffer ? size_bytes : 0;
+    return pipeline->compressed_buffer;
+}
+
 // Readers take a chunk with the size of its raw pixels for an uncompressed one, so a chunk that
 // compression does not make smaller is stored raw.
 static exr_result_t compress(const struct writer *writer, struct packer *packer)
@@ -288,6 +300,8 @@ static exr_result_t compress(const struct writer *writer, struct packer *packer)
     packer->size_bytes = pipeline->packed_bytes;
     if (writer->is_zip) return compress_zip(writer, packer);
     if (!pipeline->compress_fn) return EXR_ERR_SUCCESS;
+    if (!has_room_to_compress(pipeline, writer->line_bytes * (size_t)writer->lines_per_chunk))
+        return EXR_ERR_OUT_OF_MEMORY;
     result = pipeline->compress_fn(pipeline);
     if (result || pipeline->compressed_bytes >= pipeline->packed_bytes) return result;
     packer->bytes = pipeline->compressed_buffer;
