@@ -241,7 +241,7 @@ static void values_are_the_reference_s(void **state)
     }
 }
 
-// Along the way that a skip promises the reference has nothing; and where a brick is empty it promises something.
+// Along the distance that a skip promises the reference is 0; and an empty brick promises some distance.
 static void nothing_is_skipped_but_emptiness(void **state)
 {
     struct random random = {9};

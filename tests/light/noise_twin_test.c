@@ -63,7 +63,7 @@ static void noise_is_its_twin_at_random_points(void **state)
 {
     struct random random = {21};
 
-    // Each number of the permutation is looked up for x, and some sixteen times for a gradient.
+    // Each number of the permutation is read for x, and some sixteen times for a gradient.
     for (size_t i = 0; i < COUNT; i++) {
         put_random_point(&random, i, 300.0);
         inputs[i][0] = (float)(random_between(&random, 0.0, 1.0) + (double)i - 512.0);

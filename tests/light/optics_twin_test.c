@@ -1,4 +1,4 @@
-// What boundaries of dielectrics do to rays: the shaders' modules against formulas in double precision.
+// Boundaries of dielectrics: the shaders' modules against formulas in double precision.
 // SPDX-License-Identifier: Apache-2.0
 // Both get the same inputs, rounded to float.
 #include "reference/vec3.h"
@@ -65,7 +65,7 @@ static double refracted_square(double cos_in, double eta)
     return 1 - eta * eta * (1 - cos_in * cos_in);
 }
 
-// What floats leave unknown of that: its two terms have some roundings each.
+// Returns the uncertainty in floats: the two terms have some roundings each.
 static double refracted_doubt(double cos_in, double eta)
 {
     return 4 * ROUNDING * (fabs(1 - eta * eta) + eta * eta * cos_in * cos_in);

@@ -74,7 +74,7 @@ static void assert_region(const struct bounds *bounds, const char *kind, const c
         bool is_met = bounds_clip(bounds, &rays[i], &near, &far);
 
         assert_near(outputs[i][2], bounds_depth(bounds, rays[i].origin), 1e-6);
-        // Of a ray that grazes, rounding decides; the shortest ways inside are too short to see.
+        // Rounding decides about a grazing ray; the shortest chords are lost in it.
         if (is_met && far - near > 0.02) {
             // Ten roundings of numbers about 3, and more where faces are met at a small angle.
             assert_true(fabs(entry - near) < 1e-5 * (1 + fabs(near)));
@@ -114,7 +114,7 @@ static void rays_along_faces_are_finite(void **state)
     for (size_t i = 0; i < COUNT; ++i)
         for (int c = 0; c < 4; ++c)
             assert_true(fabsf(outputs[i][c]) <= 1.0001e18f);
-    // From the middle along x, y, z: the box's half side; the slab is left along y only.
+    // The rays are along x, y, z from the middle: they leave the box after its half side; the slab along y only.
     assert_near(outputs[13][1], 1, 1e-6);
     assert_near(outputs[13 + 27][3], 1, 1e-6);
     assert_true(outputs[13][3] > 1e15f && outputs[13][2] < -1e15f);
@@ -186,7 +186,7 @@ static void angles_integrate_the_inverse_square(void **state)
         // Some roundings, more where the light is nearly in line with the stretch.
         assert_true(fabs(outputs[i][0] / whole - 1) < 2e-6);
         assert_near(outputs[i][1], 0, 1e-6 * length);
-        // The last hair's breadth of half a circle is most of a long way, and gives nearly nothing.
+        // The end of half a circle is most of a long chord, and adds nearly nothing.
         assert_true(outputs[i][3] <= (float)length && outputs[i][3] > 0.97 * length);
         assert_true(fabs(closed_form_inverse_square(height, foot, 0, outputs[i][2]) / whole - 0.5) < 2e-4);
     }

@@ -90,8 +90,8 @@ static void normals_spread_with_roughness(void **state)
     }
 }
 
-// With roughness 1 the point of the sphere is 2 (n' n) n' - n. Those that the ray can meet are the ones lower than its
-// cosine along its way, and heights on a sphere are uniform.
+// With roughness 1 the point of the sphere is 2 (n' n) n' - n. The ray can meet those lower than its cosine, and
+// heights on a sphere are uniform.
 static void normals_are_drawn_again_until_the_ray_meets_them(void **state)
 {
     static const double cosines[] = {1, 0.5, 0.1};

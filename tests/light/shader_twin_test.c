@@ -94,7 +94,7 @@ static void phase_henyey_greenstein_is_its_twin(void **state)
         struct vec3 incoming = vec3_normalize(vector_of(inputs[2 * i]));
         double g = inputs[2 * i][3];
         double wanted = phase_henyey_greenstein(g, vec3_dot(incoming, vec3_normalize(vector_of(inputs[2 * i + 1]))));
-        // What rounding takes off a unit vector's length counts beside the width of the peak.
+        // Rounding shortens unit vectors, which matters beside the width of the peak.
         double shortened = pow(2.0 * ROUNDING / (1.0 - fabs(g)), 2.0);
 
         // A dozen operations, one of them to the power 3/2; the sum of two positive numbers loses nothing.
@@ -149,7 +149,8 @@ static void density_fold_fractal_distance_is_its_twin(void **state)
                                                                                   .scale = 10.0,
                                                                                   .rotate_x_rad = x_rad[i],
                                                                                   .rotate_y_rad = y_rad[i]});
-        // Eight turns of a matrix of rounded numbers, folds and shifts on a vector at most sqrt(3) long; none amplifies.
+        // Eight iterations of a matrix of rounded numbers, folds and shifts on a vector at most sqrt(3) long; none
+        // amplifies.
         assert_near(outputs[i][0], density_fold_fractal_distance(&fractal, vector_of(inputs[VECTORS * i])),
                     8.0 * 8.0 * ROUNDING * sqrt(3.0));
     }
@@ -180,7 +181,7 @@ static void density_fold_fractal_at_is_its_twin(void **state)
     }
 }
 
-// Input 3 i is the point, 3 i + 1 the light's colour, 3 i + 2 its position or the way its light travels.
+// Input 3 i is the point, 3 i + 1 the light's colour, 3 i + 2 its position or its direction of travel.
 static void put_lights(void)
 {
     struct random random = {14};

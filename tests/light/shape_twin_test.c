@@ -1,4 +1,4 @@
-// Where rays are in half-spaces, and which way surfaces face, against formulas in double precision.
+// Spans of rays in half spaces, and normals of surfaces, against formulas in double precision.
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"

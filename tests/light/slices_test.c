@@ -72,7 +72,7 @@ static void shorten(void **state, const char *name, const char *from, const char
     free(text);
 }
 
-// Camera rays get `turns` of a slice.
+// Camera rays get `turns` iterations of a slice.
 static void shorten_slices(void **state, const char *turns)
 {
     char to[64];
@@ -116,7 +116,7 @@ static void load(struct job *job, const struct variant *variant)
     job->quality = variant->quality;
 }
 
-// Bit for bit, also of depths, and of rays that end by lot.
+// Bit for bit, also of depths, and of rays that end at random.
 static void short_slices_make_the_same_picture(void **state)
 {
     static const char *const turns[] = {"7", "61"};

@@ -136,7 +136,7 @@ static bool is_near_an_edge(const float uv[2])
     return fabs(x - round(x)) < 1e-4 || fabs(y - round(y)) < 1e-4;
 }
 
-// Half of the points are looked up with either filter; some lie on texels' centres, borders and corners of tiles.
+// Half of the points are for either filter; some lie on texels' centres, borders and corners of tiles.
 static void put_points(struct random *random, double reach)
 {
     for (size_t i = 0; i < COUNT; i++) {
@@ -182,7 +182,7 @@ static void look_ups_are_their_twins(void **state)
     on_egl = false;
 }
 
-// What is lost far away is lost in the coordinates themselves: the look-up adds nothing.
+// Far away the coordinates themselves lose digits; the lookup adds no error.
 static void far_tiles_are_looked_up_as_near_ones(void **state)
 {
     struct random random = {12};
@@ -225,7 +225,7 @@ static struct vec3 random_unit(struct random *random)
     return vec3_normalize(way);
 }
 
-// As core/scene/scene.h has it.
+// As in core/scene/scene.h.
 static void plane_uv(struct vec3 offset, struct vec3 normal, const double size[2], double uv[2])
 {
     struct vec3 upright = fabs(normal.y) > 0.999 ? (struct vec3){0, 0, -1} : (struct vec3){0, 1, 0};
@@ -240,7 +240,7 @@ static const char PLANE[] =
     "    return vec4(texture_plane_uv(inputs[2 * i].xyz, inputs[2 * i + 1].xyz,\n"
     "                                 vec2(inputs[2 * i].w, inputs[2 * i + 1].w)), 0.0, 0.0);\n}\n";
 
-// Of what lies 10 km off a float holds a millimetre: so much, and three roundings of the like, do tiles stand beside their place.
+// At 10 km a float is exact to a millimetre: tiles are off by that, and by three such roundings.
 static void planes_are_their_twins(void **state)
 {
     static const double reaches[] = {1, 100, 1e4};
@@ -371,7 +371,8 @@ static void poles_and_the_seam_are_numbers(void **state)
     assert_near(outputs[2][0] * (1 - outputs[2][0]), 0, 1e-6);
 }
 
-// From any side a step to the viewer's right goes right in the image, one up goes up; the middle of the image faces +z.
+// From any side, a step to the viewer's right is right in the image and a step up is up; the middle of the image faces
+// +z.
 static void spheres_are_seen_upright_from_outside(void **state)
 {
     const struct vec3 up = {0, 1, 0};

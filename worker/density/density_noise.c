@@ -117,7 +117,7 @@ static void evaluate_exponent(const void *source, double time, double value[stat
     value[0] = (1 - bias[0]) / (1 + bias[0]);
 }
 
-static void add_place(struct frame_uniforms *uniforms, const struct density_site *site)
+static void add_point_map(struct frame_uniforms *uniforms, const struct density_site *site)
 {
     const struct scene_density *density = &site->source->density;
     size_t i = site->medium;
@@ -243,7 +243,7 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
     const struct scene_noise *noise = &density->noise;
     int baked = count_baked(site);
 
-    add_place(uniforms, site);
+    add_point_map(uniforms, site);
     if (baked > 0) add_lattice(uniforms, site, is_rotated(noise));
     if (noise->octaves > 1 && baked < noise->octaves) add_octaves(uniforms, noise, site->medium);
     if (!timeline_value_is_zero(&noise->bias))

@@ -47,6 +47,6 @@ size_t scene_cache_size_bytes(const struct scene_cache *cache); // of the textur
 // ivec3 at), which is false where there is nothing to do. On failure the cache is empty.
 bool scene_cache_begin(struct scene_cache *cache, struct shader_assembly *text, const char *shader_dir,
                        struct error *error);
-// Takes the text over and hashes it. On failure, whose reason goes where scene_cache_begin was told, the cache is
+// Takes the text over and hashes it. On failure, whose reason is in scene_cache_begin's `error`, the cache is
 // empty.
 bool scene_cache_end(struct scene_cache *cache, struct shader_assembly *text);

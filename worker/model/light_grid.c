@@ -303,6 +303,6 @@ void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_g
                                                     .source = grid,
                                                     .min = value_range_any.min,
                                                     .max = value_range_any.max,
-                                                    .meaning = "the light's place and the media's"},
+                                                    .meaning = "positions of the light and of the media"},
                                "light_%zu_grid_%s", grid->light, values[i].name);
 }

@@ -123,15 +123,15 @@ static void find_corner(const struct media_extent *extent, int index, double cor
 
 double media_extent_support(const struct media_extent *extent, const double direction[static 3])
 {
-    double reach = INFINITY, farthest = -INFINITY, corner[3];
+    double support = INFINITY, farthest = -INFINITY, corner[3];
 
-    if (extent->has_ball) reach = dot(extent->center, direction) + extent->radius;
-    if (!extent->has_box) return reach;
+    if (extent->has_ball) support = dot(extent->center, direction) + extent->radius;
+    if (!extent->has_box) return support;
     for (int i = 0; i < 8; ++i) {
         find_corner(extent, i, corner);
         farthest = fmax(farthest, dot(corner, direction));
     }
-    return fmin(reach, farthest);
+    return fmin(support, farthest);
 }
 
 void media_extent_distances(const struct media_extent *extent, const double from[static 3], double *near, double *far)

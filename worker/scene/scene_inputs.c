@@ -187,11 +187,11 @@ void scene_input_box(const struct scene_input *input, double time, double low[st
     }
     for (int row = 0; row < 3; ++row) {
         const double *from = &matrix[4 * row];
-        double reach = fabs(from[0]) * half[0] + fabs(from[1]) * half[1] + fabs(from[2]) * half[2];
+        double half_extent = fabs(from[0]) * half[0] + fabs(from[1]) * half[1] + fabs(from[2]) * half[2];
         double at = from[0] * middle[0] + from[1] * middle[1] + from[2] * middle[2] + from[3];
 
-        low[row] = at - reach;
-        high[row] = at + reach;
+        low[row] = at - half_extent;
+        high[row] = at + half_extent;
     }
 }
 

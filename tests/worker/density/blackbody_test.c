@@ -15,8 +15,8 @@
 
 static const double coldest_kelvin = 400;
 
-// Entries by the reference's integral, which has other steps, another rule and another way to Rec. 709: floats and the
-// rule's steps of 1 nm stay below 1e-5 of the luminance.
+// Entries equal the reference's integral, which has other steps, another rule and another matrix to Rec. 709: floats
+// and the rule's steps of 1 nm stay below 1e-5 of the luminance.
 static void entries_are_the_reference_s_light(void **state)
 {
     static float table[BLACKBODY_TABLE_SIZE][4];

@@ -1,4 +1,4 @@
-// Densities that are looked up in grids: their light against the converged integral.
+// Densities that are baked into grids: their light against the converged integral.
 // SPDX-License-Identifier: Apache-2.0
 // A grid may serve several frames, and not every density is baked.
 #include "worker/density/density_bake.h"
@@ -114,7 +114,7 @@ static double waves_at(const void *context, struct vec3 p, double t)
     return sin(3 * p.x + 2 * t) * cos(2 * p.y) * cos(4 * p.z) + 0.2;
 }
 
-// Of a function with waves of half a metre's length, in a grid whose sides differ.
+// The function has waves half a metre long; the sides of its grid differ.
 static void own_code_is_its_twin(void **state)
 {
     static const struct still_inputs inputs = {.functions[0].at = waves_at};

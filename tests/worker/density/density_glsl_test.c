@@ -114,7 +114,7 @@ static void a_bound_on_its_growth_changes_no_light(void **state)
     example_job_load(&job, "custom");
     example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, 3);
     render_frame_zero(&job, &with);
-    // Nothing is stepped over, which takes more turns of loops.
+    // Nothing is stepped over, which takes more iterations.
     job.scene.media[0].density.glsl.lipschitz = 0;
     render_frame_zero(&job, &without);
     // Steps of a quarter of the shell's width lie elsewhere in it.
@@ -188,7 +188,7 @@ static void a_nan_is_told_with_its_pixel(void **state)
     }
 }
 
-// What a renderer says of a text.
+// Returns a renderer's message about a text.
 static void render_and_fail(const char *text, enum renderer_fault fault, struct error *error)
 {
     struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, NULL);

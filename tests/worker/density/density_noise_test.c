@@ -93,8 +93,8 @@ static void assert_true_light(double step, double tolerance, const char *noise, 
     free(truth);
 }
 
-// Everything at once: four octaves turn about an oblique axis in a ball that moves, coloured media, two kinds of light, a
-// background behind.
+// Everything at once: four octaves that rotate about an oblique axis in a ball that moves, coloured media, two kinds of
+// light, a background behind.
 static void clipped_octaves_in_a_moving_ball(void **state)
 {
     assert_true_light(

@@ -14,7 +14,7 @@
 
 static float table[TRANSFER_TABLE_SIZE][4];
 
-// What the table has between two values, per unit of value.
+// Returns the table's mean between two values, per unit of value.
 static double mean(double first, double last, double low, double high, int c)
 {
     double width = (last - first) / TRANSFER_TABLE_CELLS;

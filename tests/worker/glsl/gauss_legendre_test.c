@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-// Of x^power, whose integral from 0 to x is x^(power + 1) / (power + 1).
+// The integrand is x^power, whose integral from 0 to x is x^(power + 1) / (power + 1).
 static void partials_integrate_polynomials(void **state)
 {
     for (int count = 1; count <= GAUSS_LEGENDRE_PARTIAL_LIMIT; ++count) {

@@ -21,7 +21,7 @@
 
 #include <cmocka.h>
 
-// What a place of the texts below, "@[x, y, z]", is moved by, m.
+// The vector that moves each point "@[x, y, z]" of the texts below, m.
 static const double FAR_AWAY[3] = {3e6, -7e5, 1.2345e6}, NEARBY[3] = {0, 0, 0};
 
 static void write_moved(FILE *out, const char *text, const double by[3])
@@ -41,7 +41,7 @@ static void write_moved(FILE *out, const char *text, const double by[3])
 
 #define JOBS PROJECT_ROOT "/jobs"
 #define CAMERA_STILL "\"position\": @[0.9, 0.7, -2.1]"
-// Frame 0, at 1 s, is looked at.
+// Frame 0, at 1 s, is compared.
 #define CAMERA_MOVES "\"position\": {\"keys\": [[0, [1, 2, 3]], [1, @[0.9, 0.7, -2.1]]], \"interpolation\": \"hold\"}"
 #define POINT "{\"kind\": \"point\", \"intensity\": [3, 2, 1], \"position\": @[1, 1.2, -0.7]}"
 #define POINT_INSIDE "{\"kind\": \"point\", \"intensity\": [3, 2, 1], \"position\": @[0.15, -0.05, 0.3]}"
@@ -89,7 +89,8 @@ static double measure(const struct text *scene, const double by[3])
     return fmax(light.radiance.relative_rmse, light.transmittance.relative_rmse);
 }
 
-// Of a camera that stands still, and of one that moves. From the world's origin, floats would lose 0.1 and more.
+// Renders with a camera that stands still, and with one that moves. Relative to the world's origin, floats would lose
+// 0.1 and more.
 static void assert_true_far_away(const char *lights, const char *content, const char *quality)
 {
     static const char *const cameras[] = {CAMERA_STILL, CAMERA_MOVES};
@@ -125,7 +126,7 @@ static void noise_in_bounds(void **state)
     assert_true_far_away(POINT "," SUN, MEDIA(NOISE(TURNED "," SPHERE)), MIDPOINT);
 }
 
-// Columns towards lights and the noise itself, looked up.
+// Columns towards lights and the noise itself come from grids.
 static void noise_that_is_cached(void **state)
 {
     (void)state;
@@ -181,7 +182,7 @@ static void objects(void **state)
     "{\"sigma_s\": 3e-3, \"density\": {\"kind\": \"fold_fractal\", \"iterations\": 3, \"offset\": 50, \"radius\": "    \
     "300, \"rotate_x_rad\": 0.3, \"rotate_y_rad\": 0.7, \"exponent\": 1, \"scale\": 1e-2}}"
 
-// A fractal stays around the origin, from which the places of a camera this far are not told.
+// A fractal stays around the origin, which positions are not relative to when the camera is this far away.
 static void a_large_fractal(void **state)
 {
     const struct text scene = {"\"position\": [900, 700, -2100]",

@@ -145,7 +145,7 @@ static struct vec3 find_node(const struct grid_check *check, const int node[3])
     return round_node(&place, vec3_from(light), at);
 }
 
-// From the light to the place.
+// Integrates the medium's density from the light to the point.
 static double true_column(const struct grid_check *check, struct vec3 place, size_t medium)
 {
     const struct scene_light *light = &check->job.scene.lights[0];

@@ -1,4 +1,4 @@
-// What the shader of a scene with objects has, and has not.
+// Shaders of scenes with objects: what they contain, and what they do not.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "tests/support/object_job.h"
@@ -178,7 +178,7 @@ static void assemble_combination(void **state, size_t index)
 
 static void every_combination_of_materials_is_valid_glsl(void **state)
 {
-    // Each pair of materials once, in settings that take turns.
+    // Each pair of materials occurs once; the other settings alternate.
     for (size_t i = 0; i < (size_t)MATERIALS * MATERIALS; ++i)
         assemble_combination(state, i + (size_t)MATERIALS * MATERIALS * (i % 8));
     shader_text_assert_valid(state);

@@ -1,4 +1,4 @@
-// What the generated text finds on each shape of an object, on a file that went through the worker's reading into GL.
+// The generated text finds the colour on each shape of an object, from a file read as the worker reads it.
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/program/texture_glue.h"
 
@@ -23,7 +23,7 @@
 
 enum { SPHERE, BOX, PLANE, SHAPE_COUNT, OBJECT = 2, FIRST_SHAPE = 3, MODULE_LIMIT = 16 };
 
-// Of shapes 3, 4 and 5.
+// The object has shapes 3, 4 and 5.
 static const char SHAPES[] =
     "RegionSphere shape_3() { return RegionSphere(vec3(10.0, 0.0, 0.0), 2.0); }\n"
     "RegionBox shape_4() { return RegionBox(vec3(0.0, 5.0, 0.0), vec3(1.0, 1.5, 2.0)); }\n"

@@ -74,7 +74,7 @@ static void place_and_time_have_nothing_to_do_with_one_another(void **state)
 {
     enum { SIDE = 200 };
     static const int counts[] = {2, 3, 4, 9, 16};
-    // Of SIDE^2 pixels, a mean of numbers even in [0, 1) is within five of its standard deviations.
+    // Over SIDE^2 pixels, a mean of numbers even in [0, 1) is within five of its standard deviations.
     const double tolerance = 5 * sqrt(1.0 / 12) / SIDE;
 
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {

@@ -94,7 +94,7 @@ static void picture_depends_on_what_a_file_holds(void **state)
     volume_maker_write(file, voxels, sizeof voxels);
     read_hash(&job, hashes, changed);
     assert_string_not_equal(changed, first);
-    // The same bytes read in another way.
+    // The same bytes are read as other voxels.
     job.scene.media[0].density.grid.raw = (struct scene_raw){.size = {4, 5, 3}};
     read_hash(&job, hashes, again);
     assert_string_not_equal(again, changed);
@@ -155,7 +155,7 @@ static void number_signs_stand_for_the_frame(void **state)
     assert_string_equal(inputs.media[0].path, first);
     assert_true(inputs.media[0].is_sequence);
     scene_inputs_finish(&inputs);
-    // The next frame's file may be on its way.
+    // The next frame's file may not be there yet.
     expect_error(&job, 8, false, "s_5x4x3xuint8_0008.raw");
     free(name);
     free(first);

@@ -1,4 +1,4 @@
-// What a frame shows nothing of costs nothing, and nothing else is left out.
+// Media that a frame shows nothing of cost nothing, and no others are left out.
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/scene/scene_visibility.h"
 
@@ -110,17 +110,17 @@ struct vector {
     double at[3];
 };
 
-static bool meets(const struct scene_ball *ball, struct vector from, struct vector way, double end)
+static bool meets(const struct scene_ball *ball, struct vector from, struct vector ray, double end)
 {
     double along = 0, square = 0, nearest = 0;
 
     for (int i = 0; i < 3; ++i) {
-        along += (ball->center[i] - from.at[i]) * way.at[i];
-        square += way.at[i] * way.at[i];
+        along += (ball->center[i] - from.at[i]) * ray.at[i];
+        square += ray.at[i] * ray.at[i];
     }
     along = fmin(fmax(along / square, 0), end);
     for (int i = 0; i < 3; ++i)
-        nearest += pow(from.at[i] + along * way.at[i] - ball->center[i], 2);
+        nearest += pow(from.at[i] + along * ray.at[i] - ball->center[i], 2);
     return nearest < ball->radius * ball->radius;
 }
 
@@ -136,26 +136,26 @@ static struct vector random_vector(struct random *random, double reach)
 static struct vector ray_of(const struct camera_view *view, int column, int row)
 {
     double x = (2 * column + 1.0) / COLUMNS - 1, y = 1 - (2 * row + 1.0) / ROWS;
-    struct vector way;
+    struct vector ray;
 
     for (int i = 0; i < 3; ++i)
-        way.at[i] = view->forward[i] + x * view->half_width * view->right[i] + y * view->half_height * view->up[i];
-    return way;
+        ray.at[i] = view->forward[i] + x * view->half_width * view->right[i] + y * view->half_height * view->up[i];
+    return ray;
 }
 
-// What light on its way to places in the seen ball meets.
+// Finds whether shadow rays from points of the visible ball meet the other one.
 static bool shades(const struct scene_ball *ball, const struct scene_ball *seen, const struct scene_light *light,
                    struct random *random)
 {
     for (int k = 0; k < POINTS; ++k) {
-        struct vector from = random_vector(random, seen->radius / sqrt(3.0)), way;
+        struct vector from = random_vector(random, seen->radius / sqrt(3.0)), ray;
 
-        timeline_evaluate(light->kind == SCENE_LIGHT_SUN ? &light->direction : &light->position, 0, way.at);
+        timeline_evaluate(light->kind == SCENE_LIGHT_SUN ? &light->direction : &light->position, 0, ray.at);
         for (int i = 0; i < 3; ++i) {
             from.at[i] += seen->center[i];
-            way.at[i] = light->kind == SCENE_LIGHT_SUN ? -way.at[i] : way.at[i] - from.at[i];
+            ray.at[i] = light->kind == SCENE_LIGHT_SUN ? -ray.at[i] : ray.at[i] - from.at[i];
         }
-        if (meets(ball, from, way, light->kind == SCENE_LIGHT_SUN ? INFINITY : 1)) return true;
+        if (meets(ball, from, ray, light->kind == SCENE_LIGHT_SUN ? INFINITY : 1)) return true;
     }
     return false;
 }
