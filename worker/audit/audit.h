@@ -18,7 +18,7 @@ enum {
     AUDIT_RAYS_POOLED = 8 // pixels at least of a frame that has a pool
 };
 
-// The time of an audit, relative to the time that its frame took to render. Set by hand; bench/predictions shows both.
+// The time of an audit, relative to the time that its frame took to render. Set by hand; march explain predicts both.
 static const double AUDIT_TIME_SHARE = 0.05;
 
 // The samples that the frames of a segment share. The zero value is empty.

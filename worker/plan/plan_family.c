@@ -260,7 +260,7 @@ bool plan_family_serves(const struct plan_family *family, const struct plan_scen
 }
 
 // Work of one evaluation of a density, relative to a fractal of eight folds. These weights and those below were set by
-// hand from timings on software GL; bench/predictions compares what is counted with what is measured.
+// hand from timings on software GL; docs/rendering.md says how far off they are.
 static double density_work(const struct scene_density *density)
 {
     switch (density->kind) {

@@ -133,7 +133,8 @@ static struct plan_finding walk(struct attempt *attempt, struct plan_point start
     return plan_search_run(&search);
 }
 
-// The walk continues from its result as long as another frame has a larger error than the frame that it measured.
+// The walk goes on from its result while the worst of all frames is over SHARE_UNSEEN of the tolerance: then it is not
+// the frame that the walk measured.
 static struct plan_finding search(struct attempt *attempt, double tolerance, double work_limit)
 {
     struct plan_finding finding = walk(attempt, find_start(attempt), work_limit);
