@@ -7,10 +7,10 @@
 #include "core/job/job_json.h"
 #include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
-#include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/scene/scene_visibility.h"
+#include "worker/shader/scene_program.h"
 
 #include <stdio.h>
 #include <stdlib.h>

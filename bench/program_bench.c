@@ -9,9 +9,9 @@
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_program.h"
 #include "worker/picture/image.h"
-#include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/shader/scene_program.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -8,9 +8,9 @@
 #include "tests/support/shader_probe.h"
 #include "worker/density/affine.h"
 #include "worker/gl/gl_functions.h"
-#include "worker/render/gl_bricks.h"
 #include "worker/sparse/sparse_grid.h"
 #include "worker/sparse/volume_nanovdb.h"
+#include "worker/textures/gl_bricks.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -9,7 +9,7 @@
 #include "tests/support/volume_maker.h"
 #include "worker/density/grid_lookup.h"
 #include "worker/gl/gl_functions.h"
-#include "worker/render/gl_grid.h"
+#include "worker/textures/gl_grid.h"
 
 #include <math.h>
 #include <setjmp.h>

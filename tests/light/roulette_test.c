@@ -7,8 +7,8 @@
 #include "tests/support/render_frame.h"
 #include "tests/support/shader_dir.h"
 #include "worker/picture/image.h"
-#include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
+#include "worker/shader/scene_program.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -7,7 +7,7 @@
 #include "tests/support/shader_probe.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/picture/image.h"
-#include "worker/render/gl_texture.h"
+#include "worker/textures/gl_texture.h"
 
 #include <math.h>
 #include <setjmp.h>

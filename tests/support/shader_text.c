@@ -3,7 +3,7 @@
 
 #include "core/base/file.h"
 #include "tests/support/temp_folder.h"
-#include "worker/program/scene_program.h"
+#include "worker/shader/scene_program.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

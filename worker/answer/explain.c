@@ -6,9 +6,9 @@
 #include "worker/density/density_bake.h"
 #include "worker/density/density_kind.h"
 #include "worker/model/light_grid.h"
-#include "worker/program/scene_program.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/shader/scene_program.h"
 
 #include <stdarg.h>
 #include <stdio.h>

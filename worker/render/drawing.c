@@ -6,11 +6,11 @@
 #include "core/base/error.h"
 #include "worker/gl/gl_program.h"
 #include "worker/glsl/pixel_mark.h"
-#include "worker/program/scene_program.h"
-#include "worker/render/gl_caches.h"
 #include "worker/render/passes.h"
 #include "worker/render/tile_rows.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/shader/scene_program.h"
+#include "worker/textures/gl_caches.h"
 
 #include <stdint.h>
 #include <stdlib.h>

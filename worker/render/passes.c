@@ -3,8 +3,8 @@
 
 #include "core/base/alloc.h"
 #include "core/job/job.h"
-#include "worker/program/scene_program.h"
 #include "worker/scene/pixel_samples.h"
+#include "worker/shader/scene_program.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -7,16 +7,16 @@
 #include "worker/gl/gl_context.h"
 #include "worker/glsl/pixel_mark.h"
 #include "worker/picture/image.h"
-#include "worker/program/scene_program.h"
 #include "worker/render/drawing.h"
-#include "worker/render/gl_caches.h"
-#include "worker/render/gl_grids.h"
-#include "worker/render/gl_textures.h"
 #include "worker/render/passes.h"
 #include "worker/scene/camera_view.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/scene/scene_visibility.h"
+#include "worker/shader/scene_program.h"
+#include "worker/textures/gl_caches.h"
+#include "worker/textures/gl_grids.h"
+#include "worker/textures/gl_textures.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -15,8 +15,8 @@
 #include "tests/support/true_light.h"
 #include "worker/density/density_fill.h"
 #include "worker/picture/image.h"
-#include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
+#include "worker/shader/scene_program.h"
 
 #include <math.h>
 #include <setjmp.h>

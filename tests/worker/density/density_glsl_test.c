@@ -11,8 +11,8 @@
 #include "tests/support/json_edit.h"
 #include "tests/support/render_frame.h"
 #include "worker/picture/image.h"
-#include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
+#include "worker/shader/scene_program.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -5,7 +5,7 @@
 #include "reference/reference.h"
 #include "tests/support/render_frame.h"
 #include "worker/picture/image.h"
-#include "worker/program/scene_program.h"
+#include "worker/shader/scene_program.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -10,9 +10,9 @@
 #include "tests/support/shader_dir.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_programs.h"
-#include "worker/program/light_grid_glue.h"
-#include "worker/program/scene_program.h"
-#include "worker/render/gl_caches.h"
+#include "worker/shader/light_grid_glue.h"
+#include "worker/shader/scene_program.h"
+#include "worker/textures/gl_caches.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -7,8 +7,8 @@
 #include "tests/support/gl_stage.h"
 #include "tests/support/shader_dir.h"
 #include "worker/picture/image.h"
-#include "worker/program/light_grid_glue.h"
 #include "worker/render/renderer.h"
+#include "worker/shader/light_grid_glue.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -7,8 +7,8 @@
 #include "tests/support/volume_maker.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/picture/image.h"
-#include "worker/render/gl_grid.h"
 #include "worker/render/renderer.h"
+#include "worker/textures/gl_grid.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -5,11 +5,11 @@
 #include "core/base/error.h"
 #include "core/job/job_json.h"
 #include "tests/support/random.h"
-#include "worker/program/scene_program.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/camera_view.h"
 #include "worker/scene/media_extent.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/shader/scene_program.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/render/gl_textures.h"
+#include "worker/textures/gl_textures.h"
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
@@ -8,8 +8,8 @@
 #include "worker/gl/lru.h"
 #include "worker/glsl/texture_units.h"
 #include "worker/picture/image.h"
-#include "worker/render/gl_texture.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/textures/gl_texture.h"
 #include "worker/volume/volume_memory.h"
 
 #include <stdlib.h>

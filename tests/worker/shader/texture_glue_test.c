@@ -1,6 +1,6 @@
 // The generated text finds the colour on each shape of an object, from a file read as the worker reads it.
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/texture_glue.h"
+#include "worker/shader/texture_glue.h"
 
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -10,8 +10,8 @@
 #include "tests/support/temp_folder.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/model/scene_model.h"
-#include "worker/render/gl_textures.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/textures/gl_textures.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

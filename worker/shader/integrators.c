@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/integrators.h"
+#include "worker/shader/integrators.h"
 
 #include "core/job/job.h"
 #include "worker/model/scene_model.h"

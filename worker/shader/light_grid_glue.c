@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/light_grid_glue.h"
+#include "worker/shader/light_grid_glue.h"
 
 #include "core/job/job.h"
 #include "worker/density/density_modules.h"
@@ -9,8 +9,8 @@
 #include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
 #include "worker/model/scene_values.h"
-#include "worker/program/scene_glue_media.h"
 #include "worker/scene/scene_inputs.h"
+#include "worker/shader/scene_glue_media.h"
 
 static const char channels[] = "xyzw";
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_glue_path.h"
+#include "worker/shader/scene_glue_path.h"
 
 #include "core/job/job.h"
 #include "worker/model/scene_model.h"
-#include "worker/program/scene_glue_gather.h"
+#include "worker/shader/scene_glue_gather.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/render/gl_grid.h"
+#include "worker/textures/gl_grid.h"
 
 #include <stdbool.h>
 

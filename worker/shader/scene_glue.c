@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_glue.h"
+#include "worker/shader/scene_glue.h"
 
 #include "core/job/job.h"
 #include "worker/glsl/pixel_mark.h"
 #include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
-#include "worker/program/scene_glue_gather.h"
-#include "worker/program/scene_glue_path.h"
 #include "worker/scene/pixel_samples.h"
+#include "worker/shader/scene_glue_gather.h"
+#include "worker/shader/scene_glue_path.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_program.h"
+#include "worker/shader/scene_program.h"
 
 #include "core/base/alloc.h"
 #include "core/job/job.h"
@@ -10,18 +10,18 @@
 #include "worker/model/light_grid.h"
 #include "worker/model/light_kind.h"
 #include "worker/model/scene_values.h"
-#include "worker/program/integrators.h"
-#include "worker/program/light_grid_glue.h"
-#include "worker/program/scene_glue.h"
-#include "worker/program/scene_glue_gather.h"
-#include "worker/program/scene_glue_media.h"
-#include "worker/program/scene_glue_path.h"
-#include "worker/program/scene_glue_slice.h"
-#include "worker/program/scene_glue_steps.h"
-#include "worker/program/scene_glue_surface.h"
-#include "worker/program/scene_glue_tracking.h"
-#include "worker/program/texture_glue.h"
 #include "worker/scene/camera_view.h"
+#include "worker/shader/integrators.h"
+#include "worker/shader/light_grid_glue.h"
+#include "worker/shader/scene_glue.h"
+#include "worker/shader/scene_glue_gather.h"
+#include "worker/shader/scene_glue_media.h"
+#include "worker/shader/scene_glue_path.h"
+#include "worker/shader/scene_glue_slice.h"
+#include "worker/shader/scene_glue_steps.h"
+#include "worker/shader/scene_glue_surface.h"
+#include "worker/shader/scene_glue_tracking.h"
+#include "worker/shader/texture_glue.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 #include "tests/support/object_job.h"
 #include "tests/support/shader_text.h"
 #include "tests/support/temp_folder.h"
-#include "worker/program/scene_program.h"
+#include "worker/shader/scene_program.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

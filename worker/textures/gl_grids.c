@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/render/gl_grids.h"
+#include "worker/textures/gl_grids.h"
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
@@ -9,10 +9,10 @@
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/lru.h"
 #include "worker/glsl/texture_units.h"
-#include "worker/render/gl_bricks.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/sparse/brick_store.h"
 #include "worker/sparse/transfer_function.h"
+#include "worker/textures/gl_bricks.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_glue_media.h"
+#include "worker/shader/scene_glue_media.h"
 
 #include "core/job/job.h"
 #include "worker/density/density_kind.h"

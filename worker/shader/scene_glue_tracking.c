@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_glue_tracking.h"
+#include "worker/shader/scene_glue_tracking.h"
 
 #include "core/job/job.h"
 #include "worker/density/density_kind.h"
 #include "worker/model/scene_model.h"
-#include "worker/program/integrators.h"
-#include "worker/program/scene_glue_media.h"
+#include "worker/shader/integrators.h"
+#include "worker/shader/scene_glue_media.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/render/gl_texture.h"
+#include "worker/textures/gl_texture.h"
 
 #include "core/base/error.h"
 #include "worker/gl/gl_functions.h"

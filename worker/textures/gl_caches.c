@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/render/gl_caches.h"
+#include "worker/textures/gl_caches.h"
 
 #include "core/base/alloc.h"
 #include "core/base/clock.h"

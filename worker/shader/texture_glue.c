@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/texture_glue.h"
+#include "worker/shader/texture_glue.h"
 
 #include "core/job/job.h"
 #include "worker/glsl/texture_units.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_program.h"
+#include "worker/shader/scene_program.h"
 
 #include "core/base/error.h"
 #include "core/base/file.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_glue_steps.h"
+#include "worker/shader/scene_glue_steps.h"
 
 #include "core/job/job.h"
 #include "worker/glsl/gauss_legendre.h"
 #include "worker/model/scene_model.h"
-#include "worker/program/scene_glue_media.h"
+#include "worker/shader/scene_glue_media.h"
 
 static void write_extinction(FILE *out, const struct scene_model *model)
 {

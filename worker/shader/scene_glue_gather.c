@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_glue_gather.h"
+#include "worker/shader/scene_glue_gather.h"
 
 #include "core/job/job.h"
 #include "worker/glsl/gauss_legendre.h"
 #include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
-#include "worker/program/integrators.h"
-#include "worker/program/scene_glue_media.h"
-#include "worker/program/scene_glue_steps.h"
+#include "worker/shader/integrators.h"
+#include "worker/shader/scene_glue_media.h"
+#include "worker/shader/scene_glue_steps.h"
 
 static void write_gathered(FILE *out, const struct scene_model *model)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "worker/program/scene_glue_slice.h"
+#include "worker/shader/scene_glue_slice.h"
 
 #include "worker/model/scene_model.h"
 
