@@ -46,6 +46,10 @@ grep -q ',auto,0,.*,measured,' planned/cloud.csv || fail "the planner's choice i
 grep -q 'class="star"' planned/cloud.svg || fail "the planner's choice is drawn"
 grep -q 'tolerance 5 %' planned/cloud.svg || fail "the tolerance is drawn"
 
+# A plan states what a job may state: where nothing scatters light, equiangular has no step towards it.
+expect 0 chart "$jobs/glass.json" --frame 48 --out surfaces --methods auto
+grep -q ',auto,0,.*equiangular.*,measured,' surfaces/glass.csv || fail "a plan without a light_step"
+
 # Existing points are not measured again; new ones are added.
 before=$(grep measured cloud/cloud.csv)
 expect 0 chart "$jobs/cloud.json" --frame 48 --out cloud --methods riemann:2,midpoint:1,midpoint:2,midpoint:3

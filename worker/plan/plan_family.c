@@ -243,8 +243,10 @@ struct job_quality plan_family_quality(const struct plan_family *family, const s
     if (family->method == JOB_METHOD_EQUIANGULAR) quality.points = 1;
     for (int i = 0; i < count; i++)
         set_axis(&quality, axes[i], scene, point->rungs[i]);
-    // A job that has lights needs a light_step even where nothing scatters their light.
-    if (scene->job->scene.light_count > 0 && !scene->has_lights) set_axis(&quality, PLAN_AXIS_LIGHT_STEP, scene, 0);
+    // A job that has lights needs a light_step even where nothing scatters their light, if its method has one.
+    if (scene->job->scene.light_count > 0 && !scene->has_lights && family->method != JOB_METHOD_EQUIANGULAR &&
+        family->method != JOB_METHOD_CACHED)
+        set_axis(&quality, PLAN_AXIS_LIGHT_STEP, scene, 0);
     return quality;
 }
 
