@@ -25,6 +25,10 @@ clean_up()
 }
 trap clean_up EXIT
 
+for program in marchd march march-worker stub-worker socket-client; do
+    [ -x "$bin/$program" ] || fail "there is no $bin/$program: build all targets, not only the programs"
+done
+
 # run_for_others: what other users run and read lies in the scratch folder from here on. Who cloned into a home of mode 0700
 # keeps them from the programs below it.
 run_for_others()
