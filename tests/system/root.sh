@@ -6,20 +6,22 @@ suite=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
 root_packages=systemd,systemd-sysv,dbus,dbus-user-session,libpam-systemd,jq,procps
 cache=${XDG_CACHE_HOME:-/var/cache}/marchd-tests
 
-# The mirror that this machine's own packages come from, where it says so; else debootstrap has its own.
+# find_mirror ARCHIVE: the mirror of it that this machine's own packages come from, where it says so; else debootstrap has its
+# own.
 find_mirror()
 {
     cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2>/dev/null |
-        grep -oE 'https?://[^ ]+/debian/?( |$)' | head -n 1 | tr -d ' '
+        grep -oE "https?://[^ ]+/$1/?( |\$)" | head -n 1 | tr -d ' '
 }
 
 # make_base DEB FILE: packages are fetched, not installed: to bring the right ones is what the .deb's Depends are for.
 make_base()
 {
-    local deb=$1 file=$2 mirror
+    local deb=$1 file=$2 mirror security
     local root=$work/base
 
-    mirror=$(find_mirror) || true
+    mirror=$(find_mirror debian) || true
+    security=$(find_mirror debian-security) || true
     echo "making a Debian root (once, a minute or two)"
     debootstrap --variant=minbase --include="$root_packages" "$suite" "$root" ${mirror:+"$mirror"} >"$work/debootstrap.log" 2>&1 ||
         skip "debootstrap could not make a root: $(tail -n 1 "$work/debootstrap.log")"
@@ -29,6 +31,8 @@ make_base()
     ln -s /dev/null "$root/etc/systemd/system/apt-daily.timer"
     ln -s /dev/null "$root/etc/systemd/system/apt-daily-upgrade.timer"
     ln -s /dev/null "$root/etc/systemd/system/console-getty.service"
+    # What was built with a security update asks for no less.
+    [ -z "$security" ] || echo "deb $security $suite-security main" >>"$root/etc/apt/sources.list"
     cp "$deb" "$root/marchd.deb"
     chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --download-only /marchd.deb' \
         >"$work/download.log" 2>&1 ||

@@ -44,11 +44,12 @@ static void remove_if_left_behind(int folder_fd, const char *name)
 static void sweep(const char *folder)
 {
     DIR *entries = opendir(folder);
+    int fd = entries ? dirfd(entries) : -1;
     struct dirent *entry;
 
     if (!entries) return;
     while ((entry = readdir(entries)))
-        if (fnmatch(pattern, entry->d_name, 0) == 0) remove_if_left_behind(dirfd(entries), entry->d_name);
+        if (fd >= 0 && fnmatch(pattern, entry->d_name, 0) == 0) remove_if_left_behind(fd, entry->d_name);
     closedir(entries);
 }
 
