@@ -16,6 +16,7 @@ struct integrator_part {
 
 // A new method is a row in integrators.c and its modules. shaders/README.md says what modules may call.
 struct integrator {
+    // Where features.marches is false, modules that march have no march_resume and must not apply.
     bool (*applies)(const struct scene_model *model);
     struct integrator_part along_rays; // of the camera, and of reflected and refracted rays
     struct integrator_part to_lights;  // for media that vary; of tracking without parameters
