@@ -1,6 +1,6 @@
 // A scan is never shown mirrored, turned or shifted.
 // SPDX-License-Identifier: Apache-2.0
-// One bright voxel at a known place, stored by every convention, appears where a pinhole camera sees that place.
+// One bright voxel at a known position, stored by every convention, appears where a pinhole camera sees that position.
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
@@ -19,11 +19,12 @@
 
 enum { WIDTH = 64, HEIGHT = 48, FOV_DEG = 12, VOXELS = 9 * 7 * 5 };
 
-// To the patient's left, in front and above the middle: of the voxels with sides of 2, 3 and 4 mm about the origin, 1, 5, 3.
+// The bright voxel lies to the patient's left, in front of and above the origin. It is voxel (1, 5, 3) of those with
+// sides of 2, 3 and 4 mm about the origin.
 static const double marker[3] = {-0.006, 0.006, 0.004};
 static const double cameras[][3] = {{0.02, 0.2, 0.03}, {0.2, -0.03, -0.02}};
 
-// A voxel is 3 to 5 pixels wide; what remains is perspective within it.
+// A voxel is 3 to 5 pixels wide; the tolerance allows for the perspective within it.
 static const double tolerance_px = 0.25;
 
 static void render(const char *path, const double camera[3], const char *keys, struct image *image)
@@ -63,7 +64,8 @@ static void normalize(double v[3])
         v[i] /= length;
 }
 
-// Pixels right of and below the picture's left upper corner, by the job format's words for a camera.
+// Projects the marker into pixels right of and below the picture's upper left corner, as the job format defines a
+// camera.
 static void project(const double camera[3], double pixel[2])
 {
     const double up[3] = {0, 0, 1};
@@ -113,7 +115,7 @@ static void check_picture(const char *path, const char *keys)
     }
 }
 
-// NIfTI of `size` voxels with the one at `index` bright.
+// A NIfTI file of `size` voxels, of which the one at `index` is bright.
 static void init_nifti(struct volume_maker_nifti *nifti, bool is_big_endian, const int size[3], const int index[3])
 {
     volume_maker_nifti_init(nifti, 1, is_big_endian, size, VOLUME_STORED_INT16);
@@ -155,7 +157,7 @@ static void nifti_whose_rows_run_right_or_left(void **state)
     check_nifti(state, &nifti);
 }
 
-// Sagittal slices: rows run up, columns right, slices to the front.
+// The slices are sagittal: rows run up, columns to the right, slices to the front.
 static void nifti_with_other_slices(void **state)
 {
     const double rows[3][4] = {{0, 2, 0, -8}, {0, 0, 3, -9}, {4, 0, 0, -8}};
@@ -186,7 +188,7 @@ static void nrrd_in_every_medical_space(void **state)
 {
     static const struct {
         const char *space;
-        int index[3]; // the axes run along the space's own
+        int index[3]; // the axes run as the space's name says
     } cases[] = {{"right-anterior-superior", {1, 5, 3}},
                  {"left-posterior-superior", {7, 1, 3}},
                  {"left-anterior-superior", {7, 5, 3}}};

@@ -1,4 +1,4 @@
-// Rays of the ball of even density on which a sample, a light or an early stop is at an edge.
+// Rays through a homogeneous ball on which a sample, a light or an early stop is at an edge.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "tests/support/ball_job.h"
@@ -20,7 +20,8 @@ struct seen {
     float depth;
 };
 
-// One pixel, whose ray enters the ball at 3 m and leaves it at 5 m. A job that sums by riemann takes steps of 0.5 m.
+// The one pixel's ray enters the ball at 3 m and leaves it at 5 m. A job that integrates by riemann takes steps of 0.5
+// m.
 static struct seen see_middle(const char *medium, const char *rest, double near, double far)
 {
     struct error error = {{0}};
@@ -48,18 +49,19 @@ static struct seen see_middle(const char *medium, const char *rest, double near,
     return seen;
 }
 
-// 2.5 steps: the count is rounded in double precision, a half away from 0; a driver may round a float either way. A sample
-// stands for the step that ends there, so half of the light is left ln 2 m behind the near distance.
+// The interval is 2.5 steps long. The count is rounded in double precision, a half away from 0; a driver may round a
+// float either way. A sample stands for the step that ends there, so half of the light is left ln 2 m behind the near
+// distance.
 static void a_riemann_sum_has_the_samples_its_interval_gives(void **state)
 {
     struct seen seen = see_middle(BALL_JOB_SIGMA_A_1, BALL_JOB_RIEMANN, 3, 4.25);
 
-    // 2e-4: the density's distance from 1.
+    // 2e-4: the density differs from 1 by that much.
     assert_true(fabs(seen.rgba[3] - (1 - exp(-3 * 0.5))) < 2e-4);
     assert_true(fabs(seen.depth - (3 + log(2))) < 2e-4);
 }
 
-// The second sample is the light's place to the last digit.
+// The second sample lies at exactly the light's position.
 static void a_light_at_a_sample_is_finite(void **state)
 {
     static const char *const falloffs[] = {"none", "inverse_square"};
@@ -85,7 +87,7 @@ static void media_are_gathered_between_the_clip_distances(void **state)
     assert_true(fabs(seen.depth - (3.51 + log(2))) < 2e-4);
 }
 
-// From its only sample, half a metre deep, to where the medium ends: beyond, there is nothing to sum.
+// The sum runs from its only sample, half a metre deep, to where the medium ends: beyond, there is nothing to sum.
 static void a_riemann_sum_towards_a_sun_ends_with_the_media(void **state)
 {
     struct seen seen = see_middle(
@@ -102,7 +104,7 @@ static void a_ray_goes_on_while_any_colour_passes(void **state)
                                   "\"min_transmittance\": 0.5}",
                                   1, 8);
 
-    // Two metres of glow, but for the density's distance from 1 and a step at either end.
+    // Two metres glow, less the density's difference from 1 and a step at either end.
     assert_true(fabs(seen.rgba[0] - 2) < 1e-3);
     assert_true(fabs(seen.rgba[1] - 1.0 / 50) < 1e-4);
 }

@@ -68,7 +68,7 @@ static void assert_true_light(const char *scene)
     of_alpha = reference_image_error(alpha, true_alpha, PIXELS);
     print_message("relative RMSE of radiance %.2e, transmittance %.2e, alpha %.2e\n", of_radiance.relative_rmse,
                   of_transmittance.relative_rmse, of_alpha.relative_rmse);
-    // Second order in steps of a thirtieth of the radius; a wrong convention is off by far more.
+    // The method is of second order in steps of a thirtieth of the radius; a wrong convention is off by far more.
     assert_true(of_radiance.relative_rmse <= 5e-4);
     assert_true(of_transmittance.relative_rmse <= 5e-4);
     assert_true(of_alpha.relative_rmse <= 5e-4);
@@ -116,7 +116,7 @@ static void glow_before_a_background(void **state)
                           "\"sigma_s\": 0, \"sigma_a\": [3, 6, 9], \"emission\": [2, 1, 0.5]") " ] }");
 }
 
-// Nothing else in the scene has a colour, and yet it is followed as three numbers.
+// The background alone has a colour, and yet light is followed as three numbers.
 static void grey_before_a_coloured_background(void **state)
 {
     assert_true_light("\"lights\": [ { \"kind\": \"sun\", \"intensity\": 3, \"direction\": [0.3, -1, 0.9] } ],"

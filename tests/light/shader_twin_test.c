@@ -23,7 +23,7 @@
 
 enum { COUNT = 256 };
 
-// Half the distance from one float to the next, relative.
+// Relative rounding error of a float: half the distance from one float to the next.
 static const double ROUNDING = 0x1p-24;
 
 static float inputs[SHADER_PROBE_INPUT_LIMIT][4];
@@ -59,7 +59,7 @@ static void put_random_vector(struct random *random, size_t at, double size, dou
     put(at, x, y, random_between(random, -size, size), w);
 }
 
-// A unit vector at `index`, `angle` from the one before it, or from z.
+// Puts a unit vector at `index`, at `angle` to the one before it, or to z.
 static void put_direction(struct random *random, size_t index, double angle, const float before[4], double w)
 {
     struct vec3 axis = before ? vec3_normalize(vector_of(before)) : (struct vec3){0, 0, 1};
@@ -94,10 +94,11 @@ static void phase_henyey_greenstein_is_its_twin(void **state)
         struct vec3 incoming = vec3_normalize(vector_of(inputs[2 * i]));
         double g = inputs[2 * i][3];
         double wanted = phase_henyey_greenstein(g, vec3_dot(incoming, vec3_normalize(vector_of(inputs[2 * i + 1]))));
-        // Rounding shortens unit vectors, which matters beside the width of the peak.
+        // Rounding shortens unit vectors, which matters relative to the width of the peak.
         double shortened = pow(2.0 * ROUNDING / (1.0 - fabs(g)), 2.0);
 
-        // A dozen operations, one of them to the power 3/2; the sum of two positive numbers loses nothing.
+        // The formula has a dozen operations, one of them to the power 3/2; the sum of two positive numbers loses no
+        // digits.
         assert_near(outputs[i][0], wanted, (32.0 * ROUNDING + 1.5 * shortened) * wanted);
     }
 }
@@ -110,7 +111,7 @@ static void phase_isotropic_is_its_twin(void **state)
     assert_near(outputs[0][0], phase_henyey_greenstein(0.0, 0.3), ROUNDING);
 }
 
-// The columns of "about x, then about y".
+// The matrix is the rotation about x, followed by the one about y.
 static void put_rotation(size_t at, double x_rad, double y_rad)
 {
     put(at, cos(y_rad), 0.0, -sin(y_rad), 0.0);
@@ -149,8 +150,8 @@ static void density_fold_fractal_distance_is_its_twin(void **state)
                                                                                   .scale = 10.0,
                                                                                   .rotate_x_rad = x_rad[i],
                                                                                   .rotate_y_rad = y_rad[i]});
-        // Eight iterations of a matrix of rounded numbers, folds and shifts on a vector at most sqrt(3) long; none
-        // amplifies.
+        // The eight iterations apply a matrix of rounded numbers, folds and shifts to a vector at most sqrt(3) long;
+        // none amplifies an error.
         assert_near(outputs[i][0], density_fold_fractal_distance(&fractal, vector_of(inputs[VECTORS * i])),
                     8.0 * 8.0 * ROUNDING * sqrt(3.0));
     }
@@ -175,8 +176,8 @@ static void density_fold_fractal_at_is_its_twin(void **state)
         struct density_fold_fractal fractal = {.radius = 1.0, .exponent = inputs[i][1], .scale = inputs[i][2]};
         double wanted = density_fold_fractal_folded(&fractal, (struct vec3){1.0 + (double)inputs[i][0], 0.0, 0.0});
 
-        // pow(x, y) as exp2(y log2 x) has an absolute error in y log2 x of up to 4 * 11 * 2^-24, times the driver's
-        // polynomials, which are good to about 2^-20.
+        // pow(x, y) as exp2(y log2 x) has an absolute error in y log2 x of up to 4 * 11 * 2^-24. The driver's
+        // polynomials add to that; they are good to about 2^-20.
         assert_near(outputs[i][0], wanted, 64.0 * ROUNDING * 4.0 * wanted);
     }
 }
@@ -193,7 +194,7 @@ static void put_lights(void)
     }
 }
 
-// `field` is a vec4 of a LightSample.
+// `field` is a vec4 expression of a LightSample.
 static void probe_lights(const char *module, const char *sample, const char *field)
 {
     const char *modules[] = {"math/constants.glsl", "math/spectrum_rgb.glsl", "light/sample.glsl", module, NULL};
@@ -222,7 +223,8 @@ static void assert_lights(const struct light *like, const char *module, const ch
         for (int c = 0; c < 3; c++)
             light.intensity[c] = inputs[3 * i + 1][c];
         arrival = light_arrive(&light, vector_of(inputs[3 * i]));
-        // A difference of two floats of size 3 at a distance that may be small, then a handful of operations.
+        // The offset is a difference of two floats of size 3 at a distance that may be small; a handful of operations
+        // follow.
         tolerance = ROUNDING * (16.0 + (is_point ? 6.0 / arrival.distance : 0.0));
         assert_near(ways[i][0], -arrival.travel.x, tolerance);
         assert_near(ways[i][1], -arrival.travel.y, tolerance);
@@ -302,7 +304,7 @@ static void camera_pinhole_is_its_twin(void **state)
         struct ray ray = camera_pinhole_ray(&twin, inputs[i][0], inputs[i][1]);
         struct vec3 toward = vec3_scale(ray.direction, 1.0 / vec3_dot(ray.direction, twin.forward));
 
-        // Three terms of size 1, each of two rounded factors.
+        // The sum has three terms of size 1, each of two rounded factors.
         assert_near(outputs[i][0], toward.x, 8.0 * ROUNDING);
         assert_near(outputs[i][1], toward.y, 8.0 * ROUNDING);
         assert_near(outputs[i][2], toward.z, 8.0 * ROUNDING);
@@ -313,7 +315,7 @@ static void segment_is_the_closed_form(void **state)
 {
     static const char *const MODULES[] = {"math/spectrum_grey.glsl", "math/segment.glsl", NULL};
 
-    // Optical depths from 1e-8 to 100; 0 as well.
+    // Optical depths go from 1e-8 to 100; 0 is one of them as well.
     for (size_t i = 0; i < COUNT; i++)
         put(i, i == 0 ? 0.0 : pow(10.0, -8.0 + 10.0 * (double)i / COUNT), 0.0, 0.0, 0.0);
     probe(MODULES,

@@ -17,7 +17,7 @@
 
 enum { COUNT = 512 };
 
-// Half the distance from one float to the next, relative.
+// Relative rounding error of a float: half the distance from one float to the next.
 static const double ROUNDING = 0x1p-24;
 
 static float inputs[SHADER_PROBE_INPUT_LIMIT][4];
@@ -38,7 +38,7 @@ static void probe(const char *body, bool on_egl)
                      outputs);
 }
 
-// The normal is (0.6, 0.8, 0), the point (1, 2, 3): heights over the plane are 0.6 x + 0.8 y - 2.2.
+// The plane's normal is (0.6, 0.8, 0), its point (1, 2, 3): heights above it are 0.6 x + 0.8 y - 2.2.
 static void assert_planes_are_met(bool on_egl)
 {
     struct vec3 normal = {0.6, 0.8, 0}, point = {1, 2, 3};
@@ -57,7 +57,7 @@ static void assert_planes_are_met(bool on_egl)
         double way = vec3_dot(normal, probe_vector(inputs[2 * i + 1])), crossing = -height / way;
         int near = way < 0 ? 0 : 1;
 
-        // Heights up to 10 have some roundings of it, and the ray's slope as many.
+        // Heights reach 10 and have some roundings of that; the ray's slope has as many.
         assert_near(outputs[i][near], crossing, 100 * ROUNDING / fabs(way) + 8 * ROUNDING * fabs(crossing / way));
         assert_true(outputs[i][1 - near] == (way < 0 ? 1e18f : -1e18f));
     }
@@ -69,7 +69,8 @@ static void planes_are_met_where_heights_are_0(void **state)
     assert_planes_are_met(true);
 }
 
-// Along the plane: all of the ray is in it, or nothing; in the plane itself the span is anything but not a number.
+// The rays run along the plane: a ray is in the half space as a whole or not at all. In the plane itself the span may
+// be anything but NaN.
 static void rays_along_planes_are_in_or_out(void **state)
 {
     memset(inputs, 0, sizeof inputs);
@@ -83,7 +84,7 @@ static void rays_along_planes_are_in_or_out(void **state)
           "0.0);\n}\n",
           false);
     for (size_t i = 0; i < COUNT; ++i) {
-        // Within a hundredth of it, the ray that is tilted comes to it before 1e18 m.
+        // A tilted ray that starts within a hundredth of the plane meets it before 1e18 m.
         bool is_far = fabsf(inputs[i][0]) > 0.02f;
 
         assert_true(fabsf(outputs[i][0]) <= 1e18f && fabsf(outputs[i][1]) <= 1e18f);
@@ -113,7 +114,7 @@ static void normals_face_out_of_balls(void **state)
     }
 }
 
-// Points of faces, moved off them by a little; and, at the end, of edges and the middle.
+// Points lie on faces, moved off them by a little; the last ones lie on edges and in the middle.
 static void normals_of_boxes_are_the_nearest_faces(void **state)
 {
     static const double half[] = {1, 0.02, 30};
@@ -137,7 +138,7 @@ static void normals_of_boxes_are_the_nearest_faces(void **state)
     }
 }
 
-// One argument: the tests to run, by a pattern.
+// The one argument is a pattern of the tests to run.
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {

@@ -1,4 +1,5 @@
-// Marches that go on from slice to slice of a frame: the same picture as in one go, however short the slices.
+// Marches that are continued slice by slice: the picture equals that of one uninterrupted march, however short the
+// slices.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -72,15 +73,15 @@ static void shorten(void **state, const char *name, const char *from, const char
     free(text);
 }
 
-// Camera rays get `turns` iterations of a slice.
-static void shorten_slices(void **state, const char *turns)
+// A slice of a camera ray gets `iterations` iterations.
+static void shorten_slices(void **state, const char *iterations)
 {
     char to[64];
 
     (void)mkdir(temp_folder_path(state, "math"), 0700);
     (void)mkdir(temp_folder_path(state, "integrator"), 0700);
-    snprintf(to, sizeof to, "MARCH_ITERATIONS = %s", turns);
-    // Above what a shadow ray takes, below what a camera ray does.
+    snprintf(to, sizeof to, "MARCH_ITERATIONS = %s", iterations);
+    // The limit is above what a shadow ray takes, below what a camera ray takes.
     shorten(state, "math/march.glsl", "MARCH_LIMIT = 60000", "MARCH_LIMIT = 150");
     shorten(state, "integrator/sliced.glsl", "MARCH_ITERATIONS = 20000", to);
 }
@@ -116,13 +117,13 @@ static void load(struct job *job, const struct variant *variant)
     job->quality = variant->quality;
 }
 
-// Bit for bit, also of depths, and of rays that end at random.
+// Pictures are equal bit for bit, depths included, and also where rays end at random.
 static void short_slices_make_the_same_picture(void **state)
 {
-    static const char *const turns[] = {"7", "61"};
+    static const char *const iterations[] = {"7", "61"};
 
-    for (size_t k = 0; k < sizeof turns / sizeof *turns; ++k) {
-        shorten_slices(state, turns[k]);
+    for (size_t k = 0; k < sizeof iterations / sizeof *iterations; ++k) {
+        shorten_slices(state, iterations[k]);
         for (size_t i = 0; i < sizeof variants / sizeof *variants; ++i) {
             struct image whole, sliced;
             struct job job;
@@ -174,8 +175,8 @@ static double find_error(const struct job_quality *quality)
     return error.relative_rmse;
 }
 
-// Of first order: what the sums' steps, and those to the light, leave is halved with them. The finer ones take 14 and 60
-// times the turns that software GL runs at once.
+// The method is of first order: halving the steps of both sums, along the ray and towards the light, halves the error.
+// The finer two methods take 14 and 60 times the iterations that software GL runs at once.
 static void fine_sums_converge(void **state)
 {
     double coarse = find_error(

@@ -1,4 +1,4 @@
-// What each method of light promises where methods fail.
+// What each method promises, measured where methods fail.
 // SPDX-License-Identifier: Apache-2.0
 // "print points" prints every point of every sweep, "print map" docs/stability.md's table, "print svg" its picture.
 #include "core/base/error.h"
@@ -17,7 +17,8 @@
 
 static struct gl_context *context;
 
-// For values from `low` to `high`: no error is larger than `error`, and no more light than `gain` of all is made.
+// The promise for values from `low` to `high`: no error exceeds `error`, and no more light is gained than the share
+// `gain` of all.
 struct promise {
     const char *slug, *method;
     double low, high, error, gain;
@@ -127,7 +128,7 @@ static bool check(const struct promise *promise, double value, const struct stab
     return is_kept;
 }
 
-// Whatever is done with it, no method makes NaN or infinity of a scene, nor turns light negative.
+// No method turns a scene into NaN or infinity, nor light into negative light, whatever the value of a sweep.
 static int check_sweep(const struct stability_sweep *all, const struct stability_method *method, size_t *checks)
 {
     const struct stability_sweep quick = stability_quick(all), *sweep = &quick;
@@ -153,7 +154,7 @@ static int check_sweep(const struct stability_sweep *all, const struct stability
     return broken;
 }
 
-static void methods_hold_where_they_promise(void **state)
+static void methods_keep_their_promises(void **state)
 {
     size_t checks = 0;
     int broken = 0;
@@ -167,7 +168,7 @@ static void methods_hold_where_they_promise(void **state)
     assert_true(checks > 250);
 }
 
-// What no steps that a plan takes can show, and is known not to be.
+// Sweeps whose error no plan can bring below the tolerance, which is known.
 static bool may_refuse(const struct stability_sweep *sweep, double value)
 {
     return (strcmp(sweep->slug, "lipschitz") == 0 && value > 1) || (strcmp(sweep->slug, "shell") == 0 && value < 0.01);
@@ -185,7 +186,7 @@ static int check_planned(const struct stability_sweep *sweep, const struct stabi
     return !point.is_finite || point.error > method->tolerance;
 }
 
-// Where a row ends, where it is worst; "print" has the rest.
+// The last value of each row is tested, where it is worst; "print" covers the rest.
 static void auto_keeps_its_tolerance_or_says_why(void **state)
 {
     int broken = 0, refused = 0;
@@ -201,12 +202,12 @@ static void auto_keeps_its_tolerance_or_says_why(void **state)
             broken += check_planned(&last, &stability_methods[k], &refused);
         }
     assert_int_equal(broken, 0);
-    // A promise that is not kept is noticed.
+    // A promise that cannot be kept is refused.
     assert_int_equal(refused, 2);
 }
 
-// A value that the picture's numbers cannot hold is told of, not written.
-static void what_half_cannot_hold_is_seen(void **state)
+// A value that the picture's numbers cannot hold is reported, not written.
+static void half_overflow_is_reported(void **state)
 {
     const struct stability_sweep *bright = &stability_sweeps[stability_sweep_count - 1];
     struct stability_point points[STABILITY_POINT_LIMIT];
@@ -222,9 +223,9 @@ static void what_half_cannot_hold_is_seen(void **state)
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(methods_hold_where_they_promise),
+        cmocka_unit_test(methods_keep_their_promises),
         cmocka_unit_test(auto_keeps_its_tolerance_or_says_why),
-        cmocka_unit_test(what_half_cannot_hold_is_seen),
+        cmocka_unit_test(half_overflow_is_reported),
     };
     struct error error = {{0}};
     int status;

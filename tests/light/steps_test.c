@@ -1,4 +1,5 @@
-// Marches by optical depth and by Gauss and Legendre's rule: the light itself, at the order that they are of.
+// Marches by optical depth and by the rule of Gauss and Legendre: the light itself, at the order of convergence of
+// each.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -19,7 +20,7 @@
 
 enum { WIDTH_PX = 16, HEIGHT_PX = 12, PIXELS = WIDTH_PX * HEIGHT_PX };
 
-// Density falls from the middle to 0 on the face: a polynomial of the distance, smooth but for the middle itself.
+// Density falls from the middle to 0 on the face: a polynomial of the distance, smooth except in the middle itself.
 #define SMOOTH_BALL                                                                                                    \
     "\"density\": { \"kind\": \"homogeneous\", \"bounds\": { \"kind\": \"sphere\", \"center\": [0, 0, 0],"             \
     " \"radius\": 1, \"falloff\": 1 } }"
@@ -100,7 +101,7 @@ static double find_error(const struct scene_text *scene, const char *quality, co
 #define ADAPTIVE(DEPTH_STEP) "\"method\": \"adaptive\", \"step\": 0.1, \"light_step\": 0.1, \"depth_step\": " DEPTH_STEP
 #define MIDPOINT(STEP) "\"method\": \"midpoint\", \"step\": " STEP ", \"light_step\": " STEP
 
-// Steps half as long divide an error of order p by 2^p: 16 and 64 here.
+// An error of order p is divided by 2^p where steps are half as long: 16 and 64 here.
 static void assert_orders(const struct scene_text *scene)
 {
     struct truth truth = measure(scene);
@@ -113,28 +114,28 @@ static void assert_orders(const struct scene_text *scene)
     third_fine = find_error(scene, GAUSS("3", "0.125"), &truth);
     assert_true(third_fine < third / 20 || third_fine < 3e-6);
     assert_true(find_error(scene, GAUSS("4", "0.25"), &truth) < third);
-    // As many looks by the midpoint rule are of second order.
+    // The midpoint rule is of second order with as many evaluations.
     assert_true(find_error(scene, MIDPOINT("0.0625"), &truth) > 5 * fine);
 }
 
-static void what_glows_is_of_the_order_of_the_rule(void **state)
+static void glowing_media_converge_at_the_rules_order(void **state)
 {
     assert_orders(&(struct scene_text){.media = GLOWING, .lights = ""});
 }
 
-static void what_is_lit_is_of_the_order_of_the_rule(void **state)
+static void lit_media_converge_at_the_rules_order(void **state)
 {
     assert_orders(&(struct scene_text){.media = LIT, .lights = LAMP});
 }
 
-// One ray straight through a box, two metres of absorption in one segment, in which what glows falls or rises in a straight
-// line: what is in front of each node is told from what is behind it. The integral of exp(-s) (1 - s / 2) over 0 to 2 is
-// (1 + exp(-2)) / 2, that of exp(-s) s / 2 is (1 - 3 exp(-2)) / 2.
-static void what_is_in_front_of_a_node_hides_it(void **state)
+// One ray goes straight through a box: two metres of absorption in one segment, in which the emission falls or rises
+// linearly. Each node's transmittance has to count what is in front of it and not what is behind it. The integral of
+// exp(-s) (1 - s / 2) over 0 to 2 is (1 + exp(-2)) / 2, that of exp(-s) s / 2 is (1 - 3 exp(-2)) / 2.
+static void a_node_is_attenuated_by_what_is_in_front(void **state)
 {
     static const struct {
         const char *quality;
-        double allowed; // of orders 4, 6 and 8
+        double allowed; // by rules of order 4, 6 and 8
     } rules[] = {{GAUSS("2", "2"), 3e-2}, {GAUSS("3", "2"), 4e-4}, {GAUSS("4", "2"), 5e-6}};
     static const char *const densities[] = {"0.5 + 0.5 * p.z", "0.5 - 0.5 * p.z"};
     const double lights[] = {0.5 * (1.0 + exp(-2.0)), 0.5 * (1.0 - 3.0 * exp(-2.0))};
@@ -165,7 +166,8 @@ static void what_is_in_front_of_a_node_hides_it(void **state)
     }
 }
 
-// Emission in balance with absorption before a background of 1 is 1, however rough the density and long the steps.
+// Emission in balance with absorption before a background of 1 is 1, however rough the density and however long the
+// steps.
 static void nothing_is_gained_or_lost(void **state)
 {
     static const char *const qualities[] = {GAUSS("2", "3"), GAUSS("3", "0.3"), GAUSS("4", "0.1"), ADAPTIVE("0.5"),
@@ -187,7 +189,7 @@ static void nothing_is_gained_or_lost(void **state)
     }
 }
 
-// Between the faces of an even ball nothing but the optical depth of segments matters.
+// The optical depth of segments alone matters between the faces of a homogeneous ball.
 static void errors_fall_with_the_square_of_the_depth(void **state)
 {
     const struct scene_text scene = {.media = EVEN, .lights = SUN};
@@ -199,7 +201,7 @@ static void errors_fall_with_the_square_of_the_depth(void **state)
     assert_true(find_error(&scene, MIDPOINT("0.1"), &truth) > 5 * coarse);
 }
 
-// The density rises within each segment as well, so that less is gained than where it is even.
+// The density rises within each segment as well, so that short segments gain less than in a homogeneous medium.
 static void segments_are_short_where_it_is_thick(void **state)
 {
     const struct scene_text scene = {.media = THICK, .lights = LAMP};
@@ -210,8 +212,8 @@ static void segments_are_short_where_it_is_thick(void **state)
     assert_true(fine < coarse / 2);
 }
 
-// In glass over a floor, with a shadow: regions part the way, and each has its own segments.
-static void objects_have_them_too(void **state)
+// A glass ball stands over a floor, with a shadow: regions divide the ray, and each has segments of its own.
+static void marches_converge_with_objects(void **state)
 {
     static const char *const qualities[] = {GAUSS("2", "0.1"), ADAPTIVE("0.1")};
 
@@ -241,17 +243,17 @@ static void objects_have_them_too(void **state)
     }
 }
 
-// With a pattern, those tests alone.
+// An argument is a pattern of the tests to run.
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_glows_is_of_the_order_of_the_rule),
-        cmocka_unit_test(what_is_lit_is_of_the_order_of_the_rule),
-        cmocka_unit_test(what_is_in_front_of_a_node_hides_it),
+        cmocka_unit_test(glowing_media_converge_at_the_rules_order),
+        cmocka_unit_test(lit_media_converge_at_the_rules_order),
+        cmocka_unit_test(a_node_is_attenuated_by_what_is_in_front),
         cmocka_unit_test(nothing_is_gained_or_lost),
         cmocka_unit_test(errors_fall_with_the_square_of_the_depth),
         cmocka_unit_test(segments_are_short_where_it_is_thick),
-        cmocka_unit_test(objects_have_them_too),
+        cmocka_unit_test(marches_converge_with_objects),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);

@@ -1,6 +1,6 @@
-// Rays that nobody would choose: all is finite, and no light is gained or lost.
+// Rays in degenerate positions: all values are finite, and no light is gained or lost.
 // SPDX-License-Identifier: Apache-2.0
-// They go along faces and edges, through corners, tangent to balls, from surfaces, and where objects touch and
+// Rays run along faces and edges, through corners, tangent to balls and from surfaces, and where objects touch and
 // coincide.
 #include "core/job/job.h"
 #include "tests/support/assert_near.h"
@@ -33,7 +33,7 @@
 
 enum { FRAMES = 400 };
 
-// Numbers that faces, edges, centres and touching points of the scenes have.
+// Coordinates of the scenes' faces, edges, centres and touching points.
 static const double nice[] = {-2, -1.5, -1, -0.5, 0, 0.5, 1, 1.5, 2, 1e-7, -1e-7, 0.9999999, 3};
 
 static double nice_number(struct random *random)
@@ -41,12 +41,13 @@ static double nice_number(struct random *random)
     return nice[(int)random_between(random, 0, sizeof nice / sizeof *nice)];
 }
 
-static void write_place(FILE *out, double time, const double place[3])
+static void write_point(FILE *out, double time, const double place[3])
 {
     fprintf(out, "%s[%.9g, [%.9g, %.9g, %.9g]]", time < 0 ? "" : ", ", time, place[0], place[1], place[2]);
 }
 
-// A camera a frame: from a place with nice numbers towards another, mostly along axes and planes. Owned by the caller.
+// Keys of one camera a frame, from a point with nice numbers towards another, mostly along axes and planes. Owned by
+// the caller.
 static char *write_cameras(uint64_t seed, double scale, double shift)
 {
     char *text = NULL, *targets = NULL;
@@ -68,11 +69,11 @@ static char *write_cameras(uint64_t seed, double scale, double shift)
             double way = to[i] - from[i];
 
             from[i] = scale * from[i] + shift;
-            // A target has to stand a little off.
+            // A target has to be some distance away.
             to[i] = from[i] + fmax(1.0, scale) * way;
         }
-        write_place(out, (frame - 0.5) / 24, from);
-        write_place(aims, (frame - 0.5) / 24, to);
+        write_point(out, (frame - 0.5) / 24, from);
+        write_point(aims, (frame - 0.5) / 24, to);
     }
     fclose(aims);
     fprintf(out, "]}, \"target\": {\"interpolation\": \"hold\", \"keys\": [%s]}", targets);
@@ -85,12 +86,12 @@ struct sweep {
     const char *objects, *lights, *media, *quality;
     uint64_t seed;
     double scale, shift, fov;
-    bool is_furnace; // nothing is lost but what is cut
+    bool is_furnace; // no light is lost except in cut rays
 };
 
 static void assert_pixels(const struct studio_picture *picture, const struct sweep *sweep, int32_t frame)
 {
-    // What is cut is summed up in floats.
+    // The cut throughput is summed in floats.
     const double rounding = 2e-5;
     double cut = picture->result.ray_counts.most_cut.value, sum = 0.0;
     double least = sweep->is_furnace ? 1.0 - cut - rounding : 0.0;
@@ -134,11 +135,12 @@ static void check_sweep(const struct sweep *sweep)
     }
     job_finish(&job);
     free(cameras);
-    // An empty scene would be as bright.
+    // An empty scene would be as bright; it has one ray a pixel.
     assert_true(rays > 1.05 * FRAMES);
 }
 
-// A ball and a box on water, touching each other and it; a ball half sunk; boxes that share faces; equal balls.
+// The scene has a ball and a box on water that touch each other and the water, a ball half sunk, boxes that share
+// faces, and equal balls.
 #define TOUCHING_GLASS                                                                                                 \
     PLANE(-1, GLASS(1.33))                                                                                             \
     ", " SPHERE(0, 0, 0, 1, GLASS(1.5)) ", " BOX(1.5, -0.5, 0, 1, 1, 1, GLASS(1.4)) ", " SPHERE(                       \
@@ -159,7 +161,7 @@ static void glass_that_touches_keeps_light(void **state)
             &(struct sweep){.objects = TOUCHING_GLASS, .seed = 5 + i, .scale = 1, .fov = fovs[i], .is_furnace = true});
 }
 
-// Lights stand on surfaces, in glass, in opaque stuff and at the cameras' places.
+// Lights stand on surfaces, in glass, in opaque material and at the cameras' positions.
 #define EVEN_LIGHTS                                                                                                    \
     "{\"kind\": \"point\", \"falloff\": \"none\", \"position\": [0, 0, 0], \"intensity\": 0.6}, "                      \
     "{\"kind\": \"point\", \"falloff\": \"none\", \"position\": [1, 0, 0], \"intensity\": 0.6}, "                      \
@@ -183,7 +185,7 @@ static void glass_that_touches_keeps_light(void **state)
                                                                                       WHITE) ", " SPHERE(0, 0, 0, 0.5, \
                                                                                                          GLASS(1.1))
 
-// No source is over 1, each is seen by its share of a ray that starts with 1: so no pixel is.
+// No source is over 1, and each is seen by its share of a ray that starts with 1: so no pixel is over 1.
 static void no_stuff_that_touches_adds_light(void **state)
 {
     (void)state;
@@ -257,7 +259,7 @@ static void far_from_the_origin_light_is_kept(void **state)
     check_sweep(&(struct sweep){.objects = far, .seed = 26, .scale = 1, .shift = 1e4, .fov = 60, .is_furnace = true});
 }
 
-// At 15,000 km a float's last digit is a metre: where light enters the ball and where it leaves it are one place.
+// A float's last digit is a metre at 15,000 km: the points where light enters the ball and where it leaves it are one.
 static void a_ball_smaller_than_digits_ends_no_shadow_ray(void **state)
 {
     const struct studio_scene scene = {
@@ -295,7 +297,8 @@ static void roughness_of_one_keeps_light(void **state)
                                 .is_furnace = true});
 }
 
-// From a place in a room of 4 m, out of its middle or on planes through it, to corners, edges and what lies opposite.
+// Keys of cameras at a point in a room of 4 m, off its middle or on planes through it. They are aimed at corners, edges
+// and what lies opposite. Owned by the caller.
 static char *write_room_cameras(uint64_t seed)
 {
     char *text = NULL, *targets = NULL;
@@ -315,8 +318,8 @@ static char *write_room_cameras(uint64_t seed)
                 to[i] = kind < 1 ? 2 : kind < 2 ? -2 : from[i];
             }
         } while (from[0] == to[0] && from[2] == to[2]);
-        write_place(out, (frame - 0.5) / 24, from);
-        write_place(aims, (frame - 0.5) / 24, to);
+        write_point(out, (frame - 0.5) / 24, from);
+        write_point(aims, (frame - 0.5) / 24, to);
     }
     fclose(aims);
     fprintf(out, "]}, \"target\": {\"interpolation\": \"hold\", \"keys\": [%s]}", targets);
@@ -362,7 +365,7 @@ static void assert_dark_room(const char *walls, uint64_t seed, double fov)
 }
 
 #define SHINY WHITE ", \"specular\": 0.7"
-// Cut out of a block; of walls that lie flush; with glass that leans on them.
+// The room is cut out of a block, or built of walls that lie flush, or has glass that leans on its walls.
 #define CUT_ROOM BOX(0, 0, 0, 6, 6, 6, SHINY) ", " BOX(0, 0, 0, 4, 4, 4, GLASS(1))
 #define BUILT_ROOM                                                                                                     \
     BOX(0, 2.5, 0, 4, 1, 4, SHINY)                                                                                     \

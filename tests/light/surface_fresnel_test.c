@@ -1,4 +1,4 @@
-// Which share of the light a smooth boundary reflects, from both sides, at angles from one end to the other.
+// Share of the light that a smooth boundary reflects, from both sides, at angles from normal to grazing.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/optics.h"
 #include "tests/support/studio.h"
@@ -17,7 +17,7 @@
     "\"thickness\": 2, "                                                                                               \
     "\"normal\": [0, 1, 0]}}, \"sigma_a\": [500, 700, 900]}"
 
-// Rays lie in the plane x = 0: from straight down to all but along the water, or as much upwards.
+// Rays lie in the plane x = 0: from straight down to almost along the water, or from straight up.
 static struct studio_camera half_circle(double height, double slope)
 {
     return (struct studio_camera){
@@ -30,10 +30,10 @@ enum kind { EXACT, SCHLICK, NONE };
 struct boundary {
     enum kind kind;
     double above, below; // indices of refraction
-    double f0, f90;      // of SCHLICK; f0 < 0: by the indices
+    double f0, f90;      // of SCHLICK; f0 < 0: from the indices
 };
 
-// Rounding of a cosine shifts the angle; beside the critical one that is seen.
+// Rounding of a cosine shifts the angle, which shows near the critical angle.
 static const double cosine_error = 4e-7;
 
 static double reflected_at(const struct boundary *boundary, double cosine, double in, double out)
@@ -52,7 +52,7 @@ static double reflected_at(const struct boundary *boundary, double cosine, doubl
     return NAN;
 }
 
-// NAN where a small error of the angle makes a difference.
+// The result is NAN where a small error of the angle makes a difference.
 static double reflected(const struct boundary *boundary, const struct ray *ray)
 {
     bool is_down = ray->direction.y < 0.0;
@@ -64,7 +64,7 @@ static double reflected(const struct boundary *boundary, const struct ray *ray)
     return fabs(more - less) > 5e-6 ? NAN : reflected_at(boundary, cosine, in, out);
 }
 
-// Nothing is behind: what is not reflected goes straight out.
+// Nothing is behind the boundary: light that is not reflected leaves the scene.
 static void share_of_alpha(const struct ray *ray, struct studio_light *light, const void *user)
 {
     light->alpha = reflected(user, ray);
@@ -72,7 +72,7 @@ static void share_of_alpha(const struct ray *ray, struct studio_light *light, co
     studio_set_color(light->transmittance, 1.0 - light->alpha);
 }
 
-// The light of behind, of which the other side lets nothing through.
+// The background is what is reflected; the other side lets nothing through.
 static void share_of_light(const struct ray *ray, struct studio_light *light, const void *user)
 {
     studio_set_color(light->radiance, reflected(user, ray));
@@ -100,7 +100,7 @@ static void write_water(char *text, size_t size, const struct boundary *boundary
              boundary->below, kind, interior);
 }
 
-// One program for both sides: the camera moves.
+// One shader program serves both sides: only the camera moves.
 static void check_both_sides(const struct boundary *boundary)
 {
     struct studio_scene scene = {.width_px = 2, .height_px = 96};
@@ -159,7 +159,7 @@ static void equal_indices_are_no_boundary(void **state)
     check_both_sides(&(struct boundary){EXACT, 1.0, 1.0, 0, 0});
 }
 
-// The angle is between two pixels a hundredth of a degree apart.
+// The critical angle lies between two pixels a hundredth of a degree apart.
 static void the_critical_angle_is_sharp(void **state)
 {
     const struct boundary boundary = {NONE, 1.0, 1.5, 0, 0};
@@ -174,7 +174,7 @@ static void the_critical_angle_is_sharp(void **state)
     studio_check(&scene, share_of_alpha, &boundary, 2e-6, 0.98);
 }
 
-static void what_is_reflected_is_seen_from_outside(void **state)
+static void reflections_are_seen_from_outside(void **state)
 {
     const struct boundary boundary = {EXACT, 1.0, 1.5, 0, 0};
     struct studio_scene scene = {.width_px = 2, .height_px = 96, .background = "1"};
@@ -187,7 +187,7 @@ static void what_is_reflected_is_seen_from_outside(void **state)
     studio_check(&scene, share_of_light, &boundary, 2e-6, 0.9);
 }
 
-static void what_is_reflected_is_seen_from_inside(void **state)
+static void reflections_are_seen_from_inside(void **state)
 {
     const struct boundary boundary = {EXACT, 1.0, 1.5, 0, 0};
     struct studio_scene scene = {.width_px = 2, .height_px = 96, .background = "1", .media = BLACK_AIR};
@@ -214,7 +214,7 @@ static void between_water_and_glass_both_indices_count(void **state)
     studio_check(&scene, share_of_alpha, &boundary, 2e-6, 0.9);
 }
 
-// Upwards through both: what is lost at each.
+// Rays go upwards through both boundaries and lose light at each.
 static void through_both(const struct ray *ray, struct studio_light *light, const void *user)
 {
     double cosine = ray->direction.y, sine = sqrt(1.0 - cosine * cosine), water = 1.8 / 1.33 * sine;
@@ -253,8 +253,8 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(none_reflects_only_beyond_the_critical_angle),
         cmocka_unit_test(equal_indices_are_no_boundary),
         cmocka_unit_test(the_critical_angle_is_sharp),
-        cmocka_unit_test(what_is_reflected_is_seen_from_outside),
-        cmocka_unit_test(what_is_reflected_is_seen_from_inside),
+        cmocka_unit_test(reflections_are_seen_from_outside),
+        cmocka_unit_test(reflections_are_seen_from_inside),
         cmocka_unit_test(between_water_and_glass_both_indices_count),
         cmocka_unit_test(two_boundaries_take_their_shares),
     };

@@ -1,4 +1,5 @@
-// Scenes that lose nothing, in light that is 1 from everywhere: each pixel is 1, less what its cut rays would have brought.
+// Scenes that lose nothing, in light that is 1 from everywhere: each pixel is 1 less what its cut rays would have
+// carried.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "tests/support/assert_near.h"
@@ -26,16 +27,16 @@
 #define ROUGH_MIRROR(roughness) MIRROR ", \"roughness\": " #roughness
 #define WHITE "\"kind\": \"diffuse\", \"albedo\": 1, \"specular\": 1, \"fresnel\": \"none\""
 #define DEEP "\"method\": \"equiangular\", \"points\": 4, \"max_cut\": 1, \"max_depth\": 12, \"min_throughput\": 1e-4"
-// Round the scene, then through it.
+// The camera moves around the scene, then through it.
 #define JOURNEY                                                                                                        \
     "\"position\": {\"keys\": [[0, [0.1, 0.2, 4]], [0.125, [3, 1, 2]], [0.25, [2, 3, -2]], [0.375, [-3, 0.7, -1]], "   \
     "[0.5, [0.3, 0.1, 0.4]], [0.625, [0.05, -0.1, -0.2]]]}, \"target\": {\"keys\": [[0, [0, 0, 0]], [0.4, [0.1, 0, "   \
     "0.05]], [0.625, [0.4, 0.3, -1]]]}"
 
-// Of the journey: all, and those outside of everything.
+// The journey's frames: all of them, those outside of everything, and those before the camera reaches the mirror.
 enum { FRAMES = 16, FRAMES_OUTSIDE = 10, FRAMES_TO_MIRROR = 13 };
 
-// What a float loses on the way through a dozen surfaces.
+// Rounding error of floats over the dozen surfaces of a path.
 static const double rounding = 1e-5;
 
 static void assert_balance(const struct studio_picture *picture, int32_t frame)
@@ -78,7 +79,7 @@ static void assert_furnace_with(const char *objects, const char *quality, int32_
         studio_finish(&picture);
     }
     job_finish(&job);
-    // An empty scene would be as bright.
+    // An empty scene would be as bright; it has one ray a pixel.
     assert_true(rays > 1.2 * frames);
 }
 
@@ -166,7 +167,7 @@ static void a_mirror_in_glass_keeps_light(void **state)
         DEEP, FRAMES_OUTSIDE);
 }
 
-// A medium that glows as it absorbs is in balance with the light around it, on bent ways too.
+// A medium that glows as it absorbs is in balance with the light around it, along refracted paths too.
 static void glowing_glass_is_in_balance(void **state)
 {
     static const char objects[] =
@@ -181,7 +182,7 @@ static void glowing_glass_is_in_balance(void **state)
                         FRAMES);
 }
 
-// What a shallow limit cuts is counted to the digit, pixel by pixel.
+// The throughput that a shallow limit cuts is counted exactly, pixel by pixel.
 static void cut_rays_are_what_is_missing(void **state)
 {
     struct studio_scene scene = {.width_px = 1,

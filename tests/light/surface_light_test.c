@@ -1,4 +1,4 @@
-// Diffuse floors under lamps and suns, and what stands in between.
+// Diffuse floors under lamps and suns, with fog, balls and glass in between.
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/support/optics.h"
 #include "tests/support/studio.h"
@@ -27,20 +27,20 @@ static const double albedo[3] = {0.9, 0.6, 0.3};
 static const struct vec3 lamp = {0.7, 2.5, -0.4}, sun = {0.3, -0.8, 0.1}, ball_center = {0.1, 1, 0.2};
 static const struct studio_camera camera = {.position = {0, 3, 4}, .target = {0, 0, -0.2}, .fov = 50};
 
-// Beside a ball's edge a rounding of the place is many times as large as one of the angle.
+// A rounding of the position is many times as large near a ball's edge as one of the angle.
 static const double near_edge = 3e-5;
 
 enum lamp_kind { LAMP_SQUARE, LAMP_EVEN, LAMP_SUN };
 
-// What a test's floor is under.
+// The lighting of a test's floor.
 struct sky {
     enum lamp_kind kind;
     double fog[3]; // absorption everywhere
-    bool has_ball; // opaque, or of ink
+    bool has_ball; // opaque, or with absorption inside
     bool is_glass;
     double ink[3];
     double ior;
-    double f0; // of Schlick's; < 0: exact
+    double f0; // of Schlick's formula; < 0: exact
 };
 
 static double pi(void)
@@ -48,8 +48,8 @@ static double pi(void)
     return acos(-1.0);
 }
 
-// Towards the light; its distance, INFINITY for a sun.
-static double look_at_light(const struct sky *sky, struct vec3 place, struct ray *shadow)
+// Points `shadow` towards the light and returns its distance, INFINITY for a sun.
+static double aim_at_light(const struct sky *sky, struct vec3 place, struct ray *shadow)
 {
     struct vec3 way = sky->kind == LAMP_SUN ? vec3_scale(sun, -1.0) : vec3_subtract(lamp, place);
 
@@ -66,15 +66,15 @@ static double irradiance(const struct sky *sky, double distance, size_t color)
 
 static double ball_fresnel(const struct sky *sky, double cosine)
 {
-    // From the side of the smaller index, whichever way light goes.
+    // The incidence is from the side of the smaller index, in whichever direction light goes.
     double low = fmin(1.0, sky->ior), high = fmax(1.0, sky->ior);
 
     if (sky->f0 < 0.0) return optics_fresnel(cosine, low, high);
     return sky->f0 + (1.0 - sky->f0) * pow(1.0 - cosine, 5.0);
 }
 
-// What comes through of the light; false beside a shadow's edge.
-static bool light_left(const struct sky *sky, const struct ray *shadow, double distance, double left[3])
+// Transmittance of a shadow ray, by colour; false near a shadow's edge.
+static bool find_transmittance(const struct sky *sky, const struct ray *shadow, double distance, double left[3])
 {
     struct vec3 beside = vec3_cross(vec3_subtract(ball_center, shadow->origin), shadow->direction);
     double enter, leave, share = 1.0, chord = 0.0;
@@ -93,7 +93,7 @@ static bool light_left(const struct sky *sky, const struct ray *shadow, double d
     return true;
 }
 
-// Only where the floor is seen directly.
+// Pixels count only where the floor is seen directly.
 static void lambert(const struct ray *ray, struct studio_light *light, const void *user)
 {
     const struct sky *sky = user;
@@ -103,14 +103,14 @@ static void lambert(const struct ray *ray, struct studio_light *light, const voi
     struct vec3 forward = vec3_normalize(vec3_subtract(camera.target, camera.position));
 
     if (sky->has_ball && optics_meet_ball(ray, ball_center, 0.501, &enter, &leave)) return;
-    way = look_at_light(sky, ray_at(ray, distance), &shadow);
-    if (!light_left(sky, &shadow, way, left)) return;
+    way = aim_at_light(sky, ray_at(ray, distance), &shadow);
+    if (!find_transmittance(sky, &shadow, way, left)) return;
     for (size_t c = 0; c < 3; ++c)
         light->radiance[c] =
             albedo[c] / pi() * irradiance(sky, way, c) * shadow.direction.y * left[c] * exp(-sky->fog[c] * distance);
     light->alpha = 1.0;
     studio_set_color(light->transmittance, 0.0);
-    // With media the depth may lie in them.
+    // The depth may lie in a medium where there is one.
     if (sky->fog[0] == 0.0) light->depth = distance * vec3_dot(ray->direction, forward);
 }
 
@@ -198,7 +198,7 @@ static void glass_in_fog_keeps_the_fog_out(void **state)
     studio_check(&scene, lambert, &sky, near_edge, 0.8);
 }
 
-// Along a straight line a boundary is never one of total reflection.
+// Total reflection has no place at a boundary along a straight line.
 static void thin_balls_throw_no_black_shadow(void **state)
 {
     const struct sky sky = {.kind = LAMP_SUN, .has_ball = true, .is_glass = true, .ior = 0.7, .f0 = -1};
@@ -208,7 +208,7 @@ static void thin_balls_throw_no_black_shadow(void **state)
     studio_check(&scene, lambert, &sky, near_edge, 0.8);
 }
 
-static void shadows_know_schlick(void **state)
+static void shadows_use_schlick(void **state)
 {
     const struct sky sky = {.kind = LAMP_SQUARE, .has_ball = true, .is_glass = true, .ior = 1.5, .f0 = 0.2};
     const struct studio_scene scene = floor_under(
@@ -220,7 +220,7 @@ static void shadows_know_schlick(void **state)
 
 static void clear_glass_of_no_fresnel_throws_no_shadow(void **state)
 {
-    // As if it were air.
+    // The glass counts as air.
     const struct sky sky = {.kind = LAMP_SQUARE, .has_ball = true, .is_glass = true, .ior = 1.0, .f0 = -1};
     const struct studio_scene scene =
         floor_under(LAMP, FLOOR("") ", " BALL("\"kind\": \"dielectric\", \"ior\": 1.5, \"fresnel\": \"none\""));
@@ -229,10 +229,10 @@ static void clear_glass_of_no_fresnel_throws_no_shadow(void **state)
     studio_check(&scene, lambert, &sky, 3e-6, 0.8);
 }
 
-// R of the background, the rest to the albedo.
+// The background reflects with share F, the rest goes to the albedo.
 struct gloss {
     struct sky sky;
-    double specular, ior; // no ior: F = 1
+    double specular, ior; // without an ior F = 1
     double f0;            // < 0: exact
 };
 
@@ -268,7 +268,7 @@ static void gloss_takes_its_share_from_the_albedo(void **state)
     }
 }
 
-// A wall that stands in the light's plane gets none, nor does one that looks away.
+// A wall that stands in the light's plane gets no light, nor does one that faces away.
 static void light_from_behind_is_none(void **state)
 {
     const struct studio_scene scene = {
@@ -307,7 +307,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(fog_takes_light_on_both_ways),
         cmocka_unit_test(glass_in_fog_keeps_the_fog_out),
         cmocka_unit_test(thin_balls_throw_no_black_shadow),
-        cmocka_unit_test(shadows_know_schlick),
+        cmocka_unit_test(shadows_use_schlick),
         cmocka_unit_test(clear_glass_of_no_fresnel_throws_no_shadow),
         cmocka_unit_test(gloss_takes_its_share_from_the_albedo),
         cmocka_unit_test(light_from_behind_is_none),

@@ -37,7 +37,7 @@ static void write_image(const char *path, unsigned seed)
     png_maker_write_rgb(path, IMAGE_SIDE, IMAGE_SIDE, bytes);
 }
 
-// A ball and a box that grow into each other, at a place of a grid of four by four.
+// A ball and a box overlap, at a point of a grid of four by four.
 static void write_object(FILE *out, size_t i, const char *material)
 {
     double x = 1.1 * (double)(i % 4) - 1.65, y = 1.1 * (double)(i / 4) - 1.65;
@@ -90,7 +90,7 @@ static void a_full_scene_is_lit_as_its_twin(void **state)
     compare(state, GL_BACKEND_OSMESA);
 }
 
-static void a_full_scene_is_so_on_egl(void **state)
+static void a_full_scene_is_lit_as_its_twin_on_egl(void **state)
 {
     compare(state, GL_BACKEND_EGL);
 }
@@ -98,7 +98,8 @@ static void a_full_scene_is_so_on_egl(void **state)
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, temp_folder_create, temp_folder_destroy)
-    const struct CMUnitTest tests[] = {TEST(a_full_scene_is_lit_as_its_twin), TEST(a_full_scene_is_so_on_egl)};
+    const struct CMUnitTest tests[] = {TEST(a_full_scene_is_lit_as_its_twin),
+                                       TEST(a_full_scene_is_lit_as_its_twin_on_egl)};
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
