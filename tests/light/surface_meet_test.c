@@ -1,4 +1,4 @@
-// Boundaries of several objects in one place: in corners, and faces that lie in one plane.
+// Boundaries of several objects that coincide: in corners, and faces that lie in one plane.
 // SPDX-License-Identifier: Apache-2.0
 // No light is lost between them, and none gets through.
 #include "tests/support/assert_near.h"
@@ -17,7 +17,7 @@
 #define WHITE "\"kind\": \"diffuse\", \"albedo\": 1"
 #define BLACK "\"kind\": \"diffuse\", \"albedo\": 0"
 
-// Both walls are met at once in the middle column.
+// Both walls are met at once in the middle column of pixels.
 static void a_corner_reflects_twice(void **state)
 {
     const struct studio_scene scene = {.width_px = 9,
@@ -56,7 +56,8 @@ static void no_light_comes_through_a_corner(void **state)
     studio_finish(&picture);
 }
 
-// A black box in glass in a wall, their faces in one plane far from a camera at the origin: glass before the box would shine.
+// A black box lies in glass in a wall, their faces in one plane far from a camera at the origin. Glass in front of the
+// box would shine.
 static void the_last_of_flush_faces_is_seen_from_afar(void **state)
 {
     static const double distances[] = {10.1, 100.3, 1000.1, 12345.6};
@@ -85,7 +86,8 @@ static void the_last_of_flush_faces_is_seen_from_afar(void **state)
     }
 }
 
-// Three boxes, the second touches the first one's back, the third overlaps it: a ray is bent where it enters and where it leaves.
+// The second of three boxes touches the first one's back, the third overlaps it: a ray is refracted at the union's
+// outer faces alone.
 static void a_union_has_no_walls_within(void **state)
 {
     static const double distances[] = {10.1, 1000.1};
@@ -114,8 +116,8 @@ static void a_union_has_no_walls_within(void **state)
     }
 }
 
-// A ball within a later block: rays are bent where they enter the block and where they leave it.
-static void what_is_replaced_is_not_met(void **state)
+// A later block contains a ball: rays are refracted at the block's faces and not at the ball.
+static void replaced_surfaces_are_not_met(void **state)
 {
     const struct studio_scene scene = {
         .width_px = 8,
@@ -136,7 +138,7 @@ static void what_is_replaced_is_not_met(void **state)
 
 static const struct vec3 lamp = {0.3, -1.3, 0.1};
 
-// A wall at z = -3 under an irradiance of pi where it faces the lamp.
+// The wall at z = -3 gets an irradiance of pi where it faces the lamp.
 static void lit_wall(const struct ray *ray, struct studio_light *light, const void *user)
 {
     double at = (-3.0 - ray->origin.z) / ray->direction.z;
@@ -164,7 +166,7 @@ static void check_lamp_on_a_floor(const char *objects)
     "{\"kind\": \"plane\", \"point\": [0, -1.3, 0], \"material\": {" BLACK "}}, "                                      \
     "{\"kind\": \"plane\", \"point\": [0, 0, -3], \"normal\": [0, 0, 1], \"material\": {" WHITE "}}"
 
-// The floor is as far as the lamp from everywhere.
+// Every point of the floor is as far away as the lamp.
 static void a_lamp_on_a_floor_is_above_it(void **state)
 {
     (void)state;
@@ -195,7 +197,8 @@ static void shoot_block(const char *objects, struct studio_picture *picture)
     studio_shoot(&scene, picture);
 }
 
-// Flat rays meet its bottom and the floor far from one another, by a float's digits. One that is sunk has no bottom.
+// Grazing rays meet the block's bottom and the floor far from one another, because of the last digits of a float. A
+// block that is sunk into the floor has no bottom.
 static void a_block_of_glass_stands_on_a_floor(void **state)
 {
     struct studio_picture standing, sunk;
@@ -216,7 +219,7 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(no_light_comes_through_a_corner),
         cmocka_unit_test(a_block_of_glass_stands_on_a_floor),
         cmocka_unit_test(a_lamp_on_a_floor_is_above_it),
-        cmocka_unit_test(what_is_replaced_is_not_met),
+        cmocka_unit_test(replaced_surfaces_are_not_met),
         cmocka_unit_test(a_union_has_no_walls_within),
         cmocka_unit_test(the_last_of_flush_faces_is_seen_from_afar),
     };

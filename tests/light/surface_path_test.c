@@ -1,4 +1,4 @@
-// Paths of many pieces: mirrors, limits, clips, moving things, and what must not depend on the method.
+// Paths of many segments: mirrors, limits, clips, moving objects, and independence of the method.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "tests/support/assert_near.h"
@@ -13,14 +13,14 @@
 
 #include <cmocka.h>
 
-// Two walls of 6 m, 2 m apart, that face one another.
+// The two walls are 6 m long, 2 m apart and face one another.
 #define CORRIDOR                                                                                                       \
     "{\"kind\": \"box\", \"center\": [3, 1.5, 0], \"size\": [6, 1, 100], \"material\": {\"kind\": \"mirror\", "        \
     "\"reflectance\": [0.9, 0.6, 0.5]}}, "                                                                             \
     "{\"kind\": \"box\", \"center\": [3, -1.5, 0], \"size\": [6, 1, 100], \"material\": {\"kind\": \"mirror\", "       \
     "\"reflectance\": [0.9, 0.6, 0.5]}}"
 
-// How often a ray is reflected on its way; -1: hits an edge.
+// The number of reflections of a ray; -1 where it hits an edge.
 static int count_reflections(const struct ray *ray)
 {
     double height = fabs(ray->origin.y + (6.0 - ray->origin.x) * ray->direction.y / ray->direction.x);
@@ -60,8 +60,8 @@ static void mirrors_face_one_another(void **state)
     studio_check(&scene, facing_mirrors, &limit, 1e-5, 0.95);
 }
 
-// The last ray that is followed has this depth, and the one after is what is counted as cut.
-static void depth_ends_where_it_says(void **state)
+// The last ray that is followed has this depth; the ray after it is counted as cut.
+static void depth_ends_at_its_limit(void **state)
 {
     const struct studio_scene scene =
         corridor("\"method\": \"midpoint\", \"step\": 1, \"max_depth\": 2, \"max_cut\": 1, \"min_throughput\": 0");
@@ -88,7 +88,7 @@ static void depth_ends_where_it_says(void **state)
     studio_finish(&picture);
 }
 
-// 0.9, 0.81, 0.73, 0.66: the brightest colour decides.
+// Throughputs are 0.9, 0.81, 0.73, 0.66: the brightest colour decides.
 static void a_faint_ray_ends(void **state)
 {
     const struct studio_scene scene =
@@ -103,7 +103,7 @@ static void a_faint_ray_ends(void **state)
 #define WALL_MIRROR                                                                                                    \
     "{\"kind\": \"plane\", \"point\": [0, 0, -2], \"normal\": [0, 0, 1], \"material\": {\"kind\": \"mirror\"}}"
 
-// Fog from 1 m to 5 m of the path, wherever the mirror is.
+// Fog fills 1 m to 5 m of the path, wherever the mirror is.
 static void clip_goes_on_behind_a_mirror(void **state)
 {
     struct studio_scene scene = {
@@ -146,7 +146,7 @@ static void clip_goes_on_behind_two_mirrors(void **state)
     studio_finish(&picture);
 }
 
-// A pane of 1 m, 1 m away, sends on a reflection first and what it refracts after that: 3 m of 4 are fog.
+// A pane of 1 m, 1 m away, sends on the reflected ray first and the refracted one after that: 3 m of 4 are fog.
 static void clip_goes_on_along_rays_that_wait(void **state)
 {
     const struct studio_scene scene = {
@@ -165,8 +165,8 @@ static void clip_goes_on_along_rays_that_wait(void **state)
     studio_finish(&picture);
 }
 
-// Half of the light passes a screen, a mirror behind it reflects 0.4, half of that passes the screen again, to a wall of
-// radiance 1 behind the camera.
+// A screen passes half of the light, a mirror behind it reflects 0.4. Half of that passes the screen again, to a wall
+// of radiance 1 behind the camera.
 static double light_by_screen(const char *min_transmittance)
 {
     char quality[128];
@@ -193,8 +193,8 @@ static double light_by_screen(const char *min_transmittance)
     return light;
 }
 
-// A ray that is over meets no surface; what is left of one counts from where it was sent.
-static void rays_that_are_over_meet_no_surface(void **state)
+// A ray that has ended meets no surface; the minimum counts the transmittance of each ray from where it was sent.
+static void ended_rays_meet_no_surface(void **state)
 {
     (void)state;
     assert_near(light_by_screen("0"), 0.1, 1e-5);
@@ -202,7 +202,7 @@ static void rays_that_are_over_meet_no_surface(void **state)
     assert_near(light_by_screen("0.6"), 0.0, 0.0);
 }
 
-// 1 m above a pane of ink of 1 m: what of the bent way lies before the clip's end.
+// The camera is 1 m above an absorbing pane of 1 m: the part of the refracted path in it before the clip's end counts.
 static void clipped_pane(const struct ray *ray, struct studio_light *light, const void *user)
 {
     double cosine = -ray->direction.y, inside = sqrt(1.0 - (1.0 - cosine * cosine) / (1.5 * 1.5));
@@ -274,17 +274,17 @@ static void methods_agree(void **state)
 
         studio_shoot(&scene, &pictures[i]);
     }
-    // The ball's shadow in the fog has an edge, to which points come close slowly: 24 are three times as far off.
+    // The ball's shadow in the fog has an edge, to which points converge slowly: 24 points are three times as far off.
     assert_true(relative_rmse(&pictures[0].image, &pictures[1].image) < 4e-4);
-    // By chance it is off by more than midpoint's steps are.
+    // Jittered has random errors that exceed the errors of midpoint's steps.
     print_message("jittered is off by %.1e\n", relative_rmse(&pictures[2].image, &pictures[1].image));
     assert_true(relative_rmse(&pictures[2].image, &pictures[1].image) < 1e-3);
     for (int i = 0; i < 3; ++i)
         studio_finish(&pictures[i]);
 }
 
-// The picture is a part of the lights' and a part of the background's.
-static void light_of_behind_adds(void **state)
+// The picture is linear in the background: the lights' part and a multiple of the background's part.
+static void background_light_adds(void **state)
 {
     static const char quality[] = "\"method\": \"equiangular\", \"points\": 6, \"max_depth\": 5, \"max_cut\": 1";
     static const char *const backgrounds[] = {"0", "[1, 1, 1]", "[0.25, 3, 0.5]"};
@@ -303,7 +303,7 @@ static void light_of_behind_adds(void **state)
 
         if (i % 4 == 3) continue;
         assert_near(pictures[2].image.rgba[i], black + third[i % 4] * (white - black), 2e-6);
-        // What comes straight through is a part of what comes at all.
+        // Light that passes in a straight line is a part of all light that passes.
         assert_true(white - black >= pictures[1].image.transmittance[i] - 1e-6);
     }
     for (int i = 0; i < 3; ++i)
@@ -336,9 +336,10 @@ static struct studio_picture moved(const char *objects, int32_t frame)
     return picture;
 }
 
-static void what_moves_is_where_it_is(void **state)
+static void moving_objects_equal_still_ones(void **state)
 {
-    // At frames 12 and 24, and still: the same place, glass and ink.
+    // The ball is at the same position, of the same glass and ink, at frame 12, at frame 24 and in the job where it is
+    // still.
     struct studio_picture pictures[] = {
         moved(MOVING_BALL("{\"start\": [-0.5, 0, 0], \"rate\": [1, 0.5, 0]}", "{\"start\": 1.25, \"rate\": 0.5}",
                           "{\"start\": 0.5, \"rate\": 1}"),
@@ -350,14 +351,14 @@ static void what_moves_is_where_it_is(void **state)
 
     (void)state;
     assert_same(&pictures[0].image, &pictures[1].image, 0.0);
-    // Numbers that stay are folded into the program.
+    // Constant numbers are folded into the program.
     assert_same(&pictures[0].image, &pictures[2].image, 2e-5);
     for (int i = 0; i < 3; ++i)
         studio_finish(&pictures[i]);
 }
 
-// The edge of a wall comes by after a quarter of the time that the shutter is open.
-static void what_moves_is_blurred(void **state)
+// The edge of a wall passes the pixel after a quarter of the time that the shutter is open.
+static void moving_objects_are_blurred(void **state)
 {
     const struct studio_scene scene = {
         .width_px = 3,
@@ -383,17 +384,17 @@ int main(int argument_count, char **arguments)
     const struct CMUnitTest tests[] = {
         {"mirrors_face_one_another_egl", mirrors_face_one_another, NULL, NULL, &egl},
         {"mirrors_face_one_another_osmesa", mirrors_face_one_another, NULL, NULL, &osmesa},
-        cmocka_unit_test(depth_ends_where_it_says),
+        cmocka_unit_test(depth_ends_at_its_limit),
         cmocka_unit_test(a_faint_ray_ends),
         cmocka_unit_test(clip_goes_on_behind_a_mirror),
         cmocka_unit_test(clip_goes_on_behind_two_mirrors),
         cmocka_unit_test(clip_goes_on_along_rays_that_wait),
         cmocka_unit_test(clip_goes_along_bent_rays),
-        cmocka_unit_test(rays_that_are_over_meet_no_surface),
+        cmocka_unit_test(ended_rays_meet_no_surface),
         cmocka_unit_test(methods_agree),
-        cmocka_unit_test(light_of_behind_adds),
-        cmocka_unit_test(what_moves_is_where_it_is),
-        cmocka_unit_test(what_moves_is_blurred),
+        cmocka_unit_test(background_light_adds),
+        cmocka_unit_test(moving_objects_equal_still_ones),
+        cmocka_unit_test(moving_objects_are_blurred),
     };
 
     if (argument_count > 1) cmocka_set_test_filter(arguments[1]);

@@ -1,4 +1,4 @@
-// What pictures of objects show that has a closed form: depth, alpha, furnaces, counts of rays.
+// Pictures of objects in closed form: depth, alpha, furnaces, counts of rays.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "tests/support/gl_stage.h"
@@ -71,7 +71,7 @@ static float behind_at(const struct picture *picture, int x, int y)
     return picture->image.transmittance[4 * (y * picture->image.width_px + x)];
 }
 
-// Depth is along the view's axis: the wall at z = 1 is 3 m away for every pixel.
+// Depth is measured along the camera's axis: the wall at z = 1 is 3 m away for every pixel.
 static void depth_is_that_of_the_first_surface(void **state)
 {
     struct picture picture;
@@ -88,7 +88,7 @@ static void depth_is_that_of_the_first_surface(void **state)
     image_finish(&picture.image);
 }
 
-// Extinction of ln 2 a metre halves the light after a metre: before the wall or behind it.
+// Extinction of ln 2 a metre halves the light after a metre, in front of the wall or behind it.
 static void a_medium_may_be_nearer_than_the_surface(void **state)
 {
     static const char scene[] =
@@ -109,7 +109,7 @@ static void a_medium_may_be_nearer_than_the_surface(void **state)
     }
 }
 
-// A mirror hides what is behind; glass lets through what is not reflected on the way: (1 - F)^2 with F = 0.04.
+// A mirror hides what is behind it; glass passes what its two boundaries do not reflect: (1 - F)^2 with F = 0.04.
 static void alpha_is_what_comes_through_without_reflection(void **state)
 {
     struct picture picture;
@@ -145,8 +145,8 @@ static void nothing_is_seen_from_within_an_opaque_object(void **state)
     image_finish(&picture.image);
 }
 
-// What takes no light away leaves a white surrounding white, but for rays that were cut.
-static void what_takes_no_light_is_not_seen_in_a_furnace(void **state)
+// Objects that absorb nothing are invisible in white surroundings, except for cut rays.
+static void objects_that_absorb_nothing_vanish_in_a_furnace(void **state)
 {
     static const char *const scenes[] = {
         OBJECTS(OBJECT_JOB_BALL(OBJECT_JOB_MIRROR)),
@@ -181,7 +181,7 @@ static void what_takes_no_light_is_not_seen_in_a_furnace(void **state)
         }
 }
 
-// Two mirrors that face each other: every ray between them is cut at last, with all it has left.
+// Two mirrors face each other: every ray between them is cut in the end, with all of its throughput.
 static void cut_rays_are_counted(void **state)
 {
     struct picture picture;
@@ -193,7 +193,7 @@ static void cut_rays_are_counted(void **state)
                 " {\"kind\": \"plane\", \"point\": [0, 0, 5], \"normal\": [0, 0, -1], \"material\": {" OBJECT_JOB_MIRROR
                 "}}"),
         WHITE "\"quality\": {\"method\": \"midpoint\", \"step\": 0.05, \"max_depth\": 5, \"min_throughput\": 0}");
-    // Five reflections, three of them at 0.5, are followed; the sixth ray would have the same left.
+    // Five reflections, three of them at 0.5, are followed; the sixth ray would have the same throughput.
     assert_float_equal(picture.result.ray_counts.rays, 6, 1e-6);
     assert_float_equal(picture.result.ray_counts.cut_rays, 1, 1e-6);
     assert_float_equal(picture.result.ray_counts.cut_throughput, 0.125, 1e-6);
@@ -211,12 +211,12 @@ static void cut_rays_are_counted(void **state)
     image_finish(&picture.image);
 }
 
-// The clip range ends media by the length of the way from the camera, here with a reflection in it; the wall stays.
-static void the_clip_range_bends_with_the_ray(void **state)
+// The clip range ends media by the length of the path from the camera, here with a reflection in it; the wall stays.
+static void the_clip_range_follows_the_path(void **state)
 {
     struct picture picture;
 
-    // A glow of 1 a metre, seen for the 100 m to which the camera is clipped.
+    // The glow is 1 a metre, seen over the 100 m to which the camera is clipped.
     render(&picture,
            "\"media\": [{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_s\": 0, \"sigma_a\": 0, \"emission\": "
            "1}], " OBJECTS(
@@ -227,8 +227,8 @@ static void the_clip_range_bends_with_the_ray(void **state)
     image_finish(&picture.image);
 }
 
-// 33 pieces of a ray, 2 lights and 1000 points are more iterations than software GL runs, and it is in the last piece that they are
-// used up: nothing comes after it that could miss them.
+// A ray of 33 segments with 2 lights and 1000 points takes more iterations than software GL runs. They are used up in
+// the last segment, so that nothing after it could miss them.
 static void a_ray_whose_last_loop_is_cut_fails_its_frame(void **state)
 {
     struct error error = {{0}};
@@ -256,9 +256,9 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(a_medium_may_be_nearer_than_the_surface),
         cmocka_unit_test(alpha_is_what_comes_through_without_reflection),
         cmocka_unit_test(nothing_is_seen_from_within_an_opaque_object),
-        cmocka_unit_test(what_takes_no_light_is_not_seen_in_a_furnace),
+        cmocka_unit_test(objects_that_absorb_nothing_vanish_in_a_furnace),
         cmocka_unit_test(cut_rays_are_counted),
-        cmocka_unit_test(the_clip_range_bends_with_the_ray),
+        cmocka_unit_test(the_clip_range_follows_the_path),
         cmocka_unit_test(a_ray_whose_last_loop_is_cut_fails_its_frame),
     };
 

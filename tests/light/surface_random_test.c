@@ -1,6 +1,6 @@
-// Scenes of objects that nobody chose, against the converged light of reference/.
+// Random scenes of objects against the converged light of reference/.
 // SPDX-License-Identifier: Apache-2.0
-// The objects are of every shape and smooth material, nested and overlapping, with media in and around them.
+// The objects have every shape and smooth material; they are nested and overlap, with media in and around them.
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
@@ -22,12 +22,12 @@ enum { WIDTH_PX = 12, HEIGHT_PX = 9, PIXELS = WIDTH_PX * HEIGHT_PX };
 
 static int first_seed = 1, last_seed = 10; // or those of the command line
 
-// Where a float and a double see a ray on different sides of an edge or of a shadow, the pixel is another; so many may be
-// so in a picture.
+// A pixel differs where a float and a double see a ray on different sides of an edge or of a shadow. The limit is that
+// of a picture.
 enum { STRAY_LIMIT = 2 };
 
-// Of all other pixels together, and of any alone, against the brightest. The latter is met by rays that graze balls,
-// where a rounding of the place turns them most.
+// Errors relative to the brightest: of all other pixels together, and of any single one. The largest are those of rays
+// that graze balls, whose directions depend most on a rounding of the position.
 static const double picture_tolerance = 2e-4, pixel_tolerance = 2e-3;
 
 struct scribe {
@@ -66,7 +66,7 @@ static void write_phase(struct scribe *scribe)
             g, weight, 1.0 - weight);
 }
 
-// The members of a medium beside its density.
+// Writes the members of a medium beside its density.
 static void write_stuff(struct scribe *scribe, double most)
 {
     write_vector(scribe, "sigma_s", 0.0, most);
@@ -137,7 +137,7 @@ static void write_object(struct scribe *scribe)
 
     fputs("{", scribe->out);
     if (kind == 0) {
-        // A floor or a wall at some distance from the camera and the middle.
+        // The plane is a floor or a wall at some distance from the camera and the middle.
         double x = number(scribe, -0.3, 0.3), z = number(scribe, -0.1, 0.3);
 
         fprintf(scribe->out, "\"kind\": \"plane\", \"normal\": [%.6f, 1, %.6f], \"point\": [0, -0.9, 0]", x, z);
@@ -188,7 +188,7 @@ static void write_light(struct scribe *scribe)
     fputs("}", scribe->out);
 }
 
-// The text of a list's elements, owned by the caller.
+// Writes a list's elements; the text is owned by the caller.
 static char *write_list(struct random *random, int count, void write(struct scribe *))
 {
     char *text = NULL;
@@ -206,7 +206,7 @@ static char *write_list(struct random *random, int count, void write(struct scri
 
 struct comparison {
     int stray_count;
-    double picture_error, largest; // of the other pixels; against the picture's root mean square
+    double picture_error, largest; // of the other pixels; relative to the picture's root mean square
     double cut_seen, cut_true;     // throughput
 };
 
@@ -217,7 +217,7 @@ static int compare_doubles(const void *a, const void *b)
     return (left > right) - (left < right);
 }
 
-// The largest errors that are over the tolerance are strays; there may be more than are allowed.
+// Strays are the largest errors over the tolerance; there may be more of them than are allowed.
 static void sum_up(struct comparison *comparison, double errors[static PIXELS], double square)
 {
     double scale = sqrt(square / PIXELS), sum = 0.0;
@@ -268,7 +268,7 @@ static struct comparison compare(const struct job *job)
 
 static bool is_right(const struct comparison *comparison)
 {
-    // A stray pixel may cut whole rays more.
+    // A stray pixel may also have cut whole rays.
     double cut_tolerance = 2e-4 + 0.5 * comparison->stray_count / PIXELS;
 
     return comparison->stray_count <= STRAY_LIMIT && comparison->picture_error <= picture_tolerance &&
@@ -287,7 +287,7 @@ static bool check_seed(uint64_t seed)
     char *lists[3];
     struct job job = {0};
 
-    // The first numbers of near seeds are alike.
+    // The first random numbers of neighbouring seeds are alike.
     for (int i = 0; i < 20; ++i)
         random_between(&random, 0, 1);
     lists[0] = write_list(&random, 1 + (int)(seed % 6), write_object);
@@ -297,7 +297,7 @@ static bool check_seed(uint64_t seed)
     scene.media = lists[1];
     scene.lights = lists[2];
     scene.background = seed % 2 ? "[0.4, 0.5, 0.6]" : NULL;
-    // Every fourth camera begins among the objects.
+    // Every fourth camera starts among the objects.
     scene.camera = (struct studio_camera){
         .position = {0.13, 0.21, seed % 4 == 3 ? 0.35 : 2.6}, .target = {0.05, 0.02, -1}, .fov = 50};
     studio_parse(&job, &scene);
@@ -326,7 +326,8 @@ static void random_objects_are_the_converged_light(void **state)
 #define SPHERE(center, radius) "\"kind\": \"sphere\", \"center\": [" center "], \"radius\": " radius
 #define BOX(center, size) "\"kind\": \"box\", \"center\": [" center "], \"size\": [" size "]"
 #define OBJECT(shape, material) "{" shape ", \"material\": {" material "}}, "
-// A ball and boxes stand on a floor and lean on one another; boxes and balls share whole faces, in a union and beside it.
+// A ball and boxes stand on a floor and lean on one another. Boxes and balls share whole faces, in a union and outside
+// of it.
 #define HEAP                                                                                                           \
     OBJECT("\"kind\": \"plane\", \"point\": [0, -1, 0]", "\"kind\": \"diffuse\", \"albedo\": 0.8, \"specular\": 0.5")  \
     OBJECT(SPHERE("0, 0, 0", "1"), INK("1.5", "0.5, 1, 0.1"))                                                          \
@@ -341,28 +342,28 @@ static void random_objects_are_the_converged_light(void **state)
     OBJECT(SPHERE("0, 0, 0", "0.5"), "\"kind\": \"dielectric\", \"ior\": 1")                                           \
     "{" SPHERE("0.25, 0, 0", "0.25") ", \"material\": {\"kind\": \"mirror\"}}"
 
-enum { LOOKS = 120, LOOK_PX = 3 };
+enum { VIEWS = 120, VIEW_PX = 3 };
 
-// A key somewhere above the floor.
-static void write_look(FILE *out, int frame, struct random *random, double reach)
+// Writes a key at a random point above the floor.
+static void write_key(FILE *out, int frame, struct random *random, double extent)
 {
-    double x = random_between(random, -reach, reach), y = random_between(random, -0.95, reach);
-    double z = random_between(random, -reach, reach);
+    double x = random_between(random, -extent, extent), y = random_between(random, -0.95, extent);
+    double z = random_between(random, -extent, extent);
 
     fprintf(out, "%s[%.9g, [%.9g, %.9g, %.9g]]", frame > 0 ? ", " : "", (frame - 0.5) / 24, x, y, z);
 }
 
-// A camera a frame: anywhere above the floor, in objects too. Owned by the caller.
-static char *write_looks(struct random *random)
+// Keys of one camera a frame, at any point above the floor, in objects too. Owned by the caller.
+static char *write_views(struct random *random)
 {
     char *text = NULL, *targets = NULL;
     size_t length, targets_length;
     FILE *out = open_memstream(&text, &length), *aims = open_memstream(&targets, &targets_length);
 
     fputs("\"position\": {\"interpolation\": \"hold\", \"keys\": [", out);
-    for (int i = 0; i < LOOKS; ++i) {
-        write_look(out, i, random, 2.5);
-        write_look(aims, i, random, 1.5);
+    for (int i = 0; i < VIEWS; ++i) {
+        write_key(out, i, random, 2.5);
+        write_key(aims, i, random, 1.5);
     }
     fclose(aims);
     fprintf(out, "]}, \"target\": {\"interpolation\": \"hold\", \"keys\": [%s]}", targets);
@@ -371,7 +372,7 @@ static char *write_looks(struct random *random)
     return text;
 }
 
-// How many pixels of a look are off by more than rounding.
+// Counts the pixels of a view that are off by more than rounding.
 static int count_strays(const struct job *job, int32_t frame, struct still *still)
 {
     struct studio_picture picture;
@@ -379,8 +380,8 @@ static int count_strays(const struct job *job, int32_t frame, struct still *stil
 
     studio_render(job, frame, &picture);
     still_init(still, job, job_frame_time(job, frame));
-    for (int i = 0; i < LOOK_PX * LOOK_PX; ++i) {
-        struct reference_pixel pixel = reference_measure_pixel(still, i % LOOK_PX, i / LOOK_PX, NULL);
+    for (int i = 0; i < VIEW_PX * VIEW_PX; ++i) {
+        struct reference_pixel pixel = reference_measure_pixel(still, i % VIEW_PX, i / VIEW_PX, NULL);
         double largest = 0.0;
 
         for (size_t c = 0; c < 3; ++c) {
@@ -396,12 +397,12 @@ static int count_strays(const struct job *job, int32_t frame, struct still *stil
 static void touching_objects_are_seen_from_everywhere(void **state)
 {
     struct random random = {77777};
-    char *looks = write_looks(&random);
+    char *views = write_views(&random);
     const struct studio_scene scene = {
-        .width_px = LOOK_PX,
-        .height_px = LOOK_PX,
+        .width_px = VIEW_PX,
+        .height_px = VIEW_PX,
         .camera = {.fov = 60},
-        .moving_camera = looks,
+        .moving_camera = views,
         .objects = HEAP,
         .lights = "{\"kind\": \"point\", \"position\": [0.3, 3, 2], \"intensity\": [10, 8, 6]}",
         .background = "[0.3, 0.6, 0.9]",
@@ -414,13 +415,13 @@ static void touching_objects_are_seen_from_everywhere(void **state)
 
     (void)state;
     studio_parse(&job, &scene);
-    for (int32_t frame = 0; frame < LOOKS; ++frame)
+    for (int32_t frame = 0; frame < VIEWS; ++frame)
         count += count_strays(&job, frame, still);
-    // Of 1080 pixels. It was two of 200,000, both by less than 3e-4.
+    // The count is out of 1080 pixels. Over 200,000 pixels two differed, both by less than 3e-4.
     assert_in_range(count, 0, 1);
     job_finish(&job);
     free(still);
-    free(looks);
+    free(views);
 }
 
 int main(int argument_count, char **arguments)

@@ -1,4 +1,4 @@
-// Where light goes through glass balls and slabs, and what their stuff takes of it, against the path by Snell's law.
+// Paths of light through glass balls and slabs, and absorption along them, against the path by Snell's law.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "tests/support/optics.h"
@@ -16,7 +16,7 @@
 #define WALL                                                                                                           \
     "{\"kind\": \"plane\", \"point\": [0, 0, -3], \"normal\": [0, 0, 1], \"material\": {\"kind\": \"diffuse\", "       \
     "\"albedo\": 0.8}}, "
-// Between ball and wall: each place of the wall has its own colour, and no glass is in between.
+// The lamps are between ball and wall: each point of the wall has a colour of its own, and no glass shadows it.
 #define LAMPS                                                                                                          \
     "{\"kind\": \"point\", \"position\": [2.5, 2, -2], \"intensity\": [3, 0, 0]}, "                                    \
     "{\"kind\": \"point\", \"position\": [-2.5, 1.5, -1.9], \"intensity\": [0, 3, 0]}, "                               \
@@ -28,42 +28,42 @@
 
 static const struct studio_camera camera = {.position = {0.3, 0.2, 4}, .target = {0, 0, 0}, .fov = 38};
 
-// Concentric balls, from the outermost.
+// Concentric balls, outermost first.
 struct onion {
     size_t count;
     double radii[3], iors[3];
     double sigma[3][3]; // absorption inside, per metre
 };
 
-static double wall_light(const struct vec3 *place, size_t color)
+static double wall_light(const struct vec3 *point, size_t color)
 {
     static const struct vec3 lamps[3] = {{2.5, 2, -2}, {-2.5, 1.5, -1.9}, {0.5, -2.5, -2}};
-    struct vec3 way = vec3_subtract(lamps[color], *place);
+    struct vec3 way = vec3_subtract(lamps[color], *point);
     double square = vec3_dot(way, way);
 
     return 0.8 / acos(-1.0) * 3.0 * way.z / sqrt(square) / square;
 }
 
-// Light from where a ray ends: the wall or nothing.
+// Adds the light where a ray ends: that of the wall, or none.
 static void add_wall(const struct ray *ray, double share, struct studio_light *light)
 {
     double distance = optics_meet_plane(ray, (struct vec3){0, 0, -3}, (struct vec3){0, 0, 1});
-    struct vec3 place;
+    struct vec3 point;
 
     if (isinf(distance)) return;
-    place = ray_at(ray, distance);
+    point = ray_at(ray, distance);
     for (size_t c = 0; c < 3; ++c)
-        light->radiance[c] += share * wall_light(&place, c);
+        light->radiance[c] += share * wall_light(&point, c);
 }
 
-// The path that is refracted wherever it can be, else reflected. False where a ball is just touched, or where the
-// critical angle is met.
-static bool follow(const struct onion *onion, struct ray *ray, double column[3])
+// Follows the path that is refracted wherever it can be, else reflected. False where a ball is grazed, or near the
+// critical angle.
+static bool follow(const struct onion *onion, struct ray *ray, double optical_depth[3])
 {
     size_t layers = 0; // balls around the ray's origin
     double enter, leave;
 
-    for (int turn = 0; turn < 20; ++turn) {
+    for (int iteration = 0; iteration < 20; ++iteration) {
         double edge, in, out, sine;
         struct vec3 normal, onwards;
         bool enters = layers < onion->count &&
@@ -79,7 +79,7 @@ static bool follow(const struct onion *onion, struct ray *ray, double column[3])
         if (!enters && layers == 0) return true;
         if (!enters) optics_meet_ball(ray, (struct vec3){0, 0, 0}, onion->radii[layers - 1], &edge, &enter);
         for (size_t c = 0; c < 3 && layers > 0; ++c)
-            column[c] += enter * onion->sigma[layers - 1][c];
+            optical_depth[c] += enter * onion->sigma[layers - 1][c];
         ray->origin = ray_at(ray, enter);
         normal = vec3_normalize(ray->origin);
         in = layers == 0 ? 1.0 : onion->iors[layers - 1];
@@ -93,7 +93,7 @@ static bool follow(const struct onion *onion, struct ray *ray, double column[3])
             ray->direction = optics_reflect(ray->direction, normal);
             layers = enters ? layers - 1 : layers + 1;
         }
-        // Out of the surface, so that it is not met again by rounding.
+        // The origin is moved off the surface, so that rounding does not make the ray meet it again.
         ray->origin = vec3_add(ray->origin, vec3_scale(ray->direction, 1e-12));
     }
     return false;
@@ -102,13 +102,13 @@ static bool follow(const struct onion *onion, struct ray *ray, double column[3])
 static void wall_through_onion(const struct ray *ray, struct studio_light *light, const void *user)
 {
     struct ray path = *ray;
-    double column[3] = {0, 0, 0};
+    double optical_depth[3] = {0, 0, 0};
     struct studio_light wall = {.radiance = {0, 0, 0}};
 
-    if (!follow(user, &path, column)) return;
+    if (!follow(user, &path, optical_depth)) return;
     add_wall(&path, 1.0, &wall);
     for (size_t c = 0; c < 3; ++c)
-        light->radiance[c] = wall.radiance[c] * exp(-column[c]);
+        light->radiance[c] = wall.radiance[c] * exp(-optical_depth[c]);
 }
 
 static void a_ball_shows_the_wall_where_snell_says(void **state)
@@ -168,7 +168,7 @@ static void each_layer_takes_its_own_part(void **state)
     studio_check(&scene, wall_through_onion, &onion, 1e-4, 0.8);
 }
 
-// All orders of reflection: each crosses the ball once more, under the same angle.
+// Sums all orders of reflection: each crosses the ball once more, at the same angle.
 static void all_orders(const struct ray *ray, struct studio_light *light, const void *user)
 {
     const double *sigma = user;
@@ -202,7 +202,7 @@ static void a_ball_of_ink_is_beer_and_lambert_along_the_chord(void **state)
                                        .quality = DEEP};
 
     studio_use(*(enum gl_backend *)*state);
-    // Beside the edge a rounding of the place is many times as large as one of the angle.
+    // A rounding of the position is many times as large near the edge as one of the angle.
     studio_check(&scene, all_orders, sigma, 3e-5, 0.9);
 }
 
@@ -221,7 +221,7 @@ static void midpoint_steps_through_ink_as_well(void **state)
     studio_check(&scene, all_orders, sigma, 3e-5, 0.9);
 }
 
-// A pane of 0.4 m across the whole view: reflection goes on and on between its faces.
+// The pane of 0.4 m fills the whole view: light is reflected between its faces in all orders.
 static void through_pane(const struct ray *ray, struct studio_light *light, const void *user)
 {
     double cosine = fabs(ray->direction.y), inside = sqrt(1.0 - (1.0 - cosine * cosine) / (1.6 * 1.6));
@@ -252,7 +252,7 @@ static void a_pane_reflects_between_its_faces(void **state)
     studio_check(&scene, through_pane, sigma, 1e-5, 0.95);
 }
 
-// From the middle no ray is bent; from beside it all are, and beyond the critical angle they go round for ever.
+// Rays from the middle are not refracted; all others are, and those beyond the critical angle are reflected for ever.
 static void out_of_ball(const struct ray *ray, struct studio_light *light, const void *user)
 {
     double enter, leave, cosine;

@@ -1,4 +1,5 @@
-// Who is where: objects that overlap, cameras that start inside of them, and how far along a bent ray media reach.
+// Regions of objects: objects that overlap, cameras that start inside of them, and how far media extend along a bent
+// ray.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "tests/support/assert_near.h"
@@ -22,14 +23,14 @@
 #define GREEN "\"kind\": \"diffuse\", \"albedo\": [0, 1, 0]"
 #define AIR "\"kind\": \"dielectric\", \"ior\": 1"
 #define INK(sigma) "\"kind\": \"dielectric\", \"ior\": 1, \"interior\": {\"sigma_a\": [" sigma "]}"
-// White seen straight on is 1.
+// White seen at normal incidence is 1.
 #define HEADLIGHT "{\"kind\": \"sun\", \"direction\": [0, 0, -1], \"intensity\": 3.141592653589793}"
 #define FOG "{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_a\": 0.3}"
 
 enum { SIDE_PX = 5, MIDDLE = 12 };
 
-// Looks along -z; the middle pixel does so to the last digit.
-static struct studio_picture look(const char *objects, const char *media, double z, const char *background)
+// The camera looks along -z; the middle pixel does so exactly.
+static struct studio_picture shoot(const char *objects, const char *media, double z, const char *background)
 {
     const struct studio_scene scene = {.width_px = SIDE_PX,
                                        .height_px = SIDE_PX,
@@ -48,9 +49,9 @@ struct middle {
     double rgb[3], alpha, transmittance[3], depth;
 };
 
-static struct middle look_at_middle(const char *objects, const char *media, double z)
+static struct middle measure_middle(const char *objects, const char *media, double z)
 {
-    struct studio_picture picture = look(objects, media, z, NULL);
+    struct studio_picture picture = shoot(objects, media, z, NULL);
     struct middle middle = {.alpha = picture.image.rgba[4 * MIDDLE + 3], .depth = picture.image.depth[MIDDLE]};
 
     for (int c = 0; c < 3; ++c) {
@@ -63,7 +64,7 @@ static struct middle look_at_middle(const char *objects, const char *media, doub
 
 static void assert_middle(const char *objects, const char *media, double z, const double rgb[3], double depth)
 {
-    struct middle middle = look_at_middle(objects, media, z);
+    struct middle middle = measure_middle(objects, media, z);
 
     for (int c = 0; c < 3; ++c) {
         assert_near(middle.rgb[c], rgb[c], 1e-5);
@@ -80,7 +81,7 @@ static void the_later_of_two_is_there_alone(void **state)
     (void)state;
     assert_middle(SPHERE(0, 1, RED) ", " SPHERE(0.5, 1, GREEN), NULL, 4, green, 2.5);
     assert_middle(SPHERE(0.5, 1, GREEN) ", " SPHERE(0, 1, RED), NULL, 4, green, 2.5);
-    // Of the same place the later one has the surface.
+    // The later of two coincident objects has the surface.
     assert_middle(SPHERE(0, 1, RED) ", " SPHERE(0, 1, GREEN), NULL, 4, green, 3);
     assert_middle(SPHERE(0, 1, GREEN) ", " SPHERE(0, 1, RED), NULL, 4, red, 3);
     assert_middle(BOX(0, 2, RED) ", " SPHERE(0, 0.9, GREEN), NULL, 4, red, 3);
@@ -89,44 +90,44 @@ static void the_later_of_two_is_there_alone(void **state)
     assert_middle(SPHERE(0, 1, GREEN) ", " SPHERE(0, 0.5, RED), NULL, 4, green, 3);
 }
 
-// A later ball of air takes a bite; what is behind comes to light at the ball's far side.
+// A later ball of air cuts a bite out of the box; objects behind the ball are seen at its far side.
 static void a_bite_shows_what_is_behind(void **state)
 {
     static const double red[3] = {1, 0, 0}, green[3] = {0, 1, 0};
 
     (void)state;
-    // It is a surface too, and the first.
+    // The ball's boundary is a surface too, and the first one.
     assert_middle(BOX(0, 2, RED) ", " SPHERE(1, 0.5, AIR), NULL, 4, red, 2.5);
     assert_middle(BOX(0, 2, RED) ", " SPHERE(1, 0.5, AIR) ", " SPHERE(0.5, 0.2, GREEN), NULL, 4, green, 2.5);
-    // An earlier one takes none, but what is left of it comes first.
+    // An earlier ball cuts nothing out, but the part of it outside of the box is met first.
     assert_middle(SPHERE(1, 0.5, AIR) ", " BOX(0, 2, RED), NULL, 4, red, 2.5);
 }
 
 static void a_hole_goes_all_the_way_through(void **state)
 {
-    struct middle middle = look_at_middle(BOX(0, 2, RED) ", " SPHERE(0, 3, AIR), NULL, 6);
+    struct middle middle = measure_middle(BOX(0, 2, RED) ", " SPHERE(0, 3, AIR), NULL, 6);
 
     (void)state;
     assert_near(middle.alpha, 0.0, 0.0);
     assert_near(middle.rgb[0], 0.0, 0.0);
 }
 
-// 0.5 m of the first, then the other, which ends last, for 2 m; then none.
+// The ray passes 0.5 m of the first medium, 2 m of the other, which ends last, and none after that.
 static void overlapping_inks_do_not_add(void **state)
 {
-    struct middle middle = look_at_middle(SPHERE(0.5, 1, INK("1, 0, 2")) ", " SPHERE(0, 1, INK("0, 1, 0.5")), NULL, 4),
+    struct middle middle = measure_middle(SPHERE(0.5, 1, INK("1, 0, 2")) ", " SPHERE(0, 1, INK("0, 1, 0.5")), NULL, 4),
                   same;
 
     (void)state;
     assert_near(middle.transmittance[0], exp(-0.5), 1e-6);
     assert_near(middle.transmittance[1], exp(-2.0), 1e-6);
     assert_near(middle.transmittance[2], exp(-2.0 * 0.5 - 2.0 * 0.5), 1e-6);
-    same = look_at_middle(SPHERE(0, 1, INK("0, 1, 0.5")) ", " SPHERE(0.5, 1, INK("1, 0, 2")), NULL, 4);
+    same = measure_middle(SPHERE(0, 1, INK("0, 1, 0.5")) ", " SPHERE(0.5, 1, INK("1, 0, 2")), NULL, 4);
     assert_near(same.transmittance[0], exp(-2.0), 1e-6);
     assert_near(same.transmittance[1], exp(-0.5), 1e-6);
 }
 
-// Fog fills the air outside of objects alone.
+// Fog fills only the air outside of objects.
 static void fog_stays_out_of_glass(void **state)
 {
     static const char bounded[] =
@@ -134,9 +135,9 @@ static void fog_stays_out_of_glass(void **state)
         "2}}, \"sigma_a\": 0.3}";
 
     (void)state;
-    assert_near(look_at_middle(SPHERE(0, 1, AIR), bounded, 4).transmittance[0], exp(-0.3 * 2), 1e-6);
-    assert_near(look_at_middle(SPHERE(0, 1, INK("1, 1, 1")), bounded, 4).transmittance[0], exp(-0.3 * 2 - 2), 1e-6);
-    assert_near(look_at_middle(SPHERE(0, 3, AIR), bounded, 4).transmittance[0], 1.0, 0.0);
+    assert_near(measure_middle(SPHERE(0, 1, AIR), bounded, 4).transmittance[0], exp(-0.3 * 2), 1e-6);
+    assert_near(measure_middle(SPHERE(0, 1, INK("1, 1, 1")), bounded, 4).transmittance[0], exp(-0.3 * 2 - 2), 1e-6);
+    assert_near(measure_middle(SPHERE(0, 3, AIR), bounded, 4).transmittance[0], 1.0, 0.0);
 }
 
 static void a_union_is_one_piece(void **state)
@@ -145,7 +146,7 @@ static void a_union_is_one_piece(void **state)
         "1, 2, 3") "}, \"of\": [{\"kind\": \"sphere\", "
                    "\"center\": [0, 0, 0.4], \"radius\": 1}, {\"kind\": \"box\", \"center\": [0, 0, -0.4], "
                    "\"size\": [2, 2, 2]}, {\"kind\": \"sphere\", \"center\": [0, 0, -3], \"radius\": 0.5}]}";
-    struct middle middle = look_at_middle(two, NULL, 4);
+    struct middle middle = measure_middle(two, NULL, 4);
 
     (void)state;
     for (int c = 0; c < 3; ++c)
@@ -156,7 +157,7 @@ static void a_union_is_one_piece(void **state)
 static void a_camera_in_opaque_stuff_sees_black(void **state)
 {
     static const double black[3] = {0, 0, 0};
-    struct middle middle = look_at_middle(SPHERE(0, 1, RED), NULL, 0.5);
+    struct middle middle = measure_middle(SPHERE(0, 1, RED), NULL, 0.5);
 
     (void)state;
     for (int c = 0; c < 3; ++c) {
@@ -165,18 +166,18 @@ static void a_camera_in_opaque_stuff_sees_black(void **state)
     }
     assert_near(middle.alpha, 1.0, 0.0);
     middle =
-        look_at_middle("{\"kind\": \"plane\", \"point\": [0, 1, 0], \"material\": {\"kind\": \"mirror\"}}", FOG, 0);
+        measure_middle("{\"kind\": \"plane\", \"point\": [0, 1, 0], \"material\": {\"kind\": \"mirror\"}}", FOG, 0);
     assert_near(middle.rgb[0], 0.0, 0.0);
     assert_near(middle.alpha, 1.0, 0.0);
-    // A later ball of air makes room, where no light comes in.
-    middle = look_at_middle(SPHERE(0, 1, RED) ", " SPHERE(0, 0.5, AIR), NULL, 0);
+    // A later ball of air makes room around the camera, where no light enters.
+    middle = measure_middle(SPHERE(0, 1, RED) ", " SPHERE(0, 0.5, AIR), NULL, 0);
     assert_near(middle.rgb[0], 0.0, 0.0);
     assert_near(middle.depth, 0.5, 1e-5);
 }
 
 static void a_camera_in_ink_has_the_rest_of_it_before_it(void **state)
 {
-    struct middle middle = look_at_middle(SPHERE(0, 1, INK("1, 2, 0.5")), NULL, 0.25);
+    struct middle middle = measure_middle(SPHERE(0, 1, INK("1, 2, 0.5")), NULL, 0.25);
 
     (void)state;
     assert_near(middle.transmittance[0], exp(-1.25), 1e-6);
@@ -184,36 +185,36 @@ static void a_camera_in_ink_has_the_rest_of_it_before_it(void **state)
     assert_near(middle.transmittance[2], exp(-0.625), 1e-6);
 }
 
-// It meets no boundary where it begins.
+// The ray meets no boundary where it starts.
 static void a_camera_in_one_shape_of_a_union_is_in_it(void **state)
 {
     static const char two[] =
         "{\"kind\": \"union\", \"material\": {\"kind\": \"dielectric\", \"ior\": 1.5, \"interior\": {\"sigma_a\": 1}}, "
         "\"of\": [{\"kind\": \"sphere\", \"center\": [0, 0, 9], \"radius\": 1}, "
         "{\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1}]}";
-    struct middle middle = look_at_middle(two, NULL, 0.25);
+    struct middle middle = measure_middle(two, NULL, 0.25);
 
     (void)state;
     assert_near(middle.transmittance[0], 0.96 * exp(-1.25), 1e-6);
 }
 
-// Either side will do for the surface itself, as long as it is one of them.
+// A camera on the surface may be on either side of it.
 static void a_camera_on_a_surface_sees_one_side(void **state)
 {
     const double inside = exp(-2.0);
-    struct middle middle = look_at_middle(SPHERE(0, 1, INK("1, 1, 1")), NULL, 1);
+    struct middle middle = measure_middle(SPHERE(0, 1, INK("1, 1, 1")), NULL, 1);
 
     (void)state;
     assert_near(middle.transmittance[0], inside, 1e-6);
-    middle = look_at_middle(BOX(0, 2, INK("1, 1, 1")), NULL, 1);
+    middle = measure_middle(BOX(0, 2, INK("1, 1, 1")), NULL, 1);
     assert_near(middle.transmittance[0], inside, 1e-6);
-    middle = look_at_middle(SPHERE(0, 1, INK("1, 1, 1")), NULL, -1);
+    middle = measure_middle(SPHERE(0, 1, INK("1, 1, 1")), NULL, -1);
     assert_near(middle.transmittance[0], 1.0, 1e-6);
-    middle = look_at_middle(BOX(0, 2, INK("1, 1, 1")), NULL, -1);
+    middle = measure_middle(BOX(0, 2, INK("1, 1, 1")), NULL, -1);
     assert_near(middle.transmittance[0], 1.0, 1e-6);
 }
 
-// Depth is that of the first surface, unless half of the light is lost before.
+// Depth is that of the first surface, unless half of the light is lost before it.
 static void depth_is_what_comes_first(void **state)
 {
     static const char dense[] =
@@ -224,15 +225,15 @@ static void depth_is_what_comes_first(void **state)
         "0, 2], \"radius\": 0.5}}, \"sigma_a\": 0.2}";
 
     (void)state;
-    assert_near(look_at_middle(SPHERE(0, 1, RED), dense, 4).depth, 1.5 + log(2.0) / 2.0, 1e-3);
-    assert_near(look_at_middle(SPHERE(0, 1, RED), thin, 4).depth, 3.0, 1e-5);
-    assert_near(look_at_middle(SPHERE(0, 1, AIR) ", " SPHERE(0, 0.5, RED), NULL, 4).depth, 3.0, 1e-5);
-    assert_near(look_at_middle(SPHERE(9, 1, RED), NULL, 4).depth, 0.0, 0.0);
+    assert_near(measure_middle(SPHERE(0, 1, RED), dense, 4).depth, 1.5 + log(2.0) / 2.0, 1e-3);
+    assert_near(measure_middle(SPHERE(0, 1, RED), thin, 4).depth, 3.0, 1e-5);
+    assert_near(measure_middle(SPHERE(0, 1, AIR) ", " SPHERE(0, 0.5, RED), NULL, 4).depth, 3.0, 1e-5);
+    assert_near(measure_middle(SPHERE(9, 1, RED), NULL, 4).depth, 0.0, 0.0);
 }
 
 static void a_background_makes_a_picture_opaque(void **state)
 {
-    struct studio_picture picture = look(SPHERE(0, 1, INK("1, 2, 3")), NULL, 4, "[0.5, 0.25, 2]");
+    struct studio_picture picture = shoot(SPHERE(0, 1, INK("1, 2, 3")), NULL, 4, "[0.5, 0.25, 2]");
 
     (void)state;
     assert_near(picture.image.rgba[4 * MIDDLE], 0.5 * exp(-2.0), 1e-6);
@@ -243,11 +244,11 @@ static void a_background_makes_a_picture_opaque(void **state)
     studio_finish(&picture);
 }
 
-// What is reflected does not come from straight behind.
+// A mirror reflects light that does not come from straight behind it.
 static void a_mirror_is_opaque(void **state)
 {
     struct studio_picture picture =
-        look(SPHERE(0, 1, "\"kind\": \"mirror\", \"reflectance\": [0.9, 0.5, 0.1]"), NULL, 4, "2");
+        shoot(SPHERE(0, 1, "\"kind\": \"mirror\", \"reflectance\": [0.9, 0.5, 0.1]"), NULL, 4, "2");
 
     (void)state;
     assert_near(picture.image.rgba[4 * MIDDLE], 1.8, 1e-6);

@@ -1,4 +1,4 @@
-// Rough mirrors and rough glass: on average what the same dice give elsewhere, and the same dice wherever they fall.
+// Rough mirrors and rough glass: the same means as from other random numbers, and the same numbers on both backends.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "reference/reference.h"
@@ -16,7 +16,7 @@
 
 #define ROUGH_FLOOR(roughness)                                                                                         \
     "{\"kind\": \"plane\", \"point\": [0, 0, 0], \"material\": {\"kind\": \"mirror\", \"roughness\": " #roughness "}}"
-// Takes the more, the flatter a ray comes.
+// The slab absorbs the more, the flatter a ray crosses it.
 #define CEILING                                                                                                        \
     "{\"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"slab\", \"center\": [0, 2, 0], \"normal\": "   \
     "[0, 1, "                                                                                                          \
@@ -35,8 +35,8 @@ static struct vec3 random_normal(struct random *random, const struct ray *ray, d
     return (struct vec3){0, 1, 0};
 }
 
-// The mean light that comes back, or through a boundary of that `eta`, and the mean of its square.
-static void throw_dice(const struct ray *ray, double roughness, double eta, double mean[3], double square[3])
+// Mean of the light that is reflected, or that passes a boundary with that `eta`, and mean of its square.
+static void estimate_light(const struct ray *ray, double roughness, double eta, double mean[3], double square[3])
 {
     static const double sigma[3] = {0.3, 1, 3};
     struct random random = {77};
@@ -48,7 +48,7 @@ static void throw_dice(const struct ray *ray, double roughness, double eta, doub
 
         if (eta > 0.0) assert_true(optics_refract(ray->direction, normal, eta, 1.0, &onwards));
         for (int c = 0; c < 3; ++c) {
-            // A ray that would enter the floor, or stay outside of it, goes as far the other way.
+            // A ray that would enter the floor, or stay outside of it, goes as far in the opposite direction.
             double light = exp(-sigma[c] / fabs(onwards.y));
 
             mean[c] += light / COUNT;
@@ -62,7 +62,7 @@ static void check_roughness(const char *objects, double roughness, double eta)
     enum { SAMPLES = 64, PIXELS = 64 };
     const struct studio_scene scene = {.width_px = 8,
                                        .height_px = 8,
-                                       // All pixels look the same way, within a thousandth.
+                                       // The directions of all pixels are the same within a thousandth.
                                        .camera = {.position = {0, 0.5, 0}, .target = {0, 0, 0.6}, .fov = 0.02},
                                        .background = "1",
                                        .media = CEILING,
@@ -72,7 +72,7 @@ static void check_roughness(const char *objects, double roughness, double eta)
     double mean[3] = {0, 0, 0}, square[3] = {0, 0, 0};
     struct studio_picture picture;
 
-    throw_dice(&ray, roughness, eta, mean, square);
+    estimate_light(&ray, roughness, eta, mean, square);
     studio_shoot(&scene, &picture);
     for (int c = 0; c < 3; ++c) {
         double seen = 0.0, deviation = sqrt((square[c] - mean[c] * mean[c]) / (SAMPLES * PIXELS) * 1.2);
@@ -84,21 +84,21 @@ static void check_roughness(const char *objects, double roughness, double eta)
     studio_finish(&picture);
 }
 
-static void rough_mirrors_reflect_as_dice_do(void **state)
+static void rough_mirrors_reflect_as_random_normals(void **state)
 {
     studio_use(*(enum gl_backend *)*state);
     check_roughness(ROUGH_FLOOR(0.2), 0.2, 0.0);
     check_roughness(ROUGH_FLOOR(1), 1, 0.0);
 }
 
-// The slab takes the more, the less a ray is bent.
+// The slab absorbs the more, the less a ray is refracted.
 #define ROUGH_WATER(roughness)                                                                                         \
     "{\"kind\": \"plane\", \"point\": [0, 0, 0], \"material\": {\"kind\": \"dielectric\", \"ior\": 2.5, \"fresnel\": " \
     "\"none\", \"roughness\": " #roughness                                                                             \
     ", \"interior\": {\"sigma_a\": [0.3, 1, 3], \"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": "      \
     "\"slab\", \"center\": [0, -2, 0], \"normal\": [0, 1, 0], \"thickness\": 1}}}}}"
 
-static void rough_water_refracts_as_dice_do(void **state)
+static void rough_water_refracts_as_random_normals(void **state)
 {
     (void)state;
     check_roughness(ROUGH_WATER(0.3), 0.3, 0.4);
@@ -111,8 +111,9 @@ static void nothing_behind(const struct ray *ray, struct studio_light *light, co
     studio_set_color(light->transmittance, 0.0);
 }
 
-// Into what is thinner than air, facets refract flat rays up again, if nothing turns them back: ink would not be met.
-static void what_is_refracted_gets_in(void **state)
+// Facets would refract flat rays up again in a medium thinner than air, if nothing kept them inside: the ink would not
+// be met.
+static void refracted_rays_enter_the_medium(void **state)
 {
     const struct studio_scene scene = {
         .width_px = 8,
@@ -145,20 +146,20 @@ static struct studio_scene rough_things(const char *quality)
                                  .quality = quality};
 }
 
-enum { DICE = 256 }; // samples a pixel
+enum { SAMPLES = 256 }; // samples a pixel
 
-static struct reference_pixel throw_reference_dice(const struct job *job, int x_px, int y_px, struct random *random)
+static struct reference_pixel measure_reference(const struct job *job, int x_px, int y_px, struct random *random)
 {
-    struct reference_sample samples[DICE];
+    struct reference_sample samples[SAMPLES];
 
-    for (size_t i = 0; i < DICE; ++i)
+    for (size_t i = 0; i < SAMPLES; ++i)
         samples[i] = (struct reference_sample){.x = random_between(random, 0, 1),
                                                .y = random_between(random, 0, 1),
                                                .seed = (uint64_t)random_between(random, 1, 1e15)};
-    return reference_measure_samples(job, NULL, x_px, y_px, samples, DICE, NULL);
+    return reference_measure_samples(job, NULL, x_px, y_px, samples, SAMPLES, NULL);
 }
 
-// In each pixel as far off as chance would have it, and all of them together too.
+// Each pixel's deviation is as large as random errors make it, and so is the mean of all of them.
 static void rough_glass_is_on_average_that_of_the_reference(void **state)
 {
     const struct studio_scene scene =
@@ -173,10 +174,10 @@ static void rough_glass_is_on_average_that_of_the_reference(void **state)
     studio_parse(&job, &scene);
     studio_render(&job, 0, &picture);
     for (int i = 0; i < count / 3; ++i) {
-        struct reference_pixel pixel = throw_reference_dice(&job, i % scene.width_px, i / scene.width_px, &random);
+        struct reference_pixel pixel = measure_reference(&job, i % scene.width_px, i / scene.width_px, &random);
 
         for (int c = 0; c < 3; ++c) {
-            // Both have thrown as many.
+            // Renderer and reference take equally many samples.
             double deviation = sqrt(2.0) * pixel.radiance_error[c] + 1e-4;
             double off = picture.image.rgba[4 * i + c] - pixel.radiance[c];
 
@@ -187,13 +188,13 @@ static void rough_glass_is_on_average_that_of_the_reference(void **state)
     }
     print_message("mean square of deviations %.2f, of all together %.2f\n", squares, sum * sum / variance);
     assert_true(squares < 1.4);
-    // A pixel's colours are not independent.
+    // The colours of a pixel are correlated.
     assert_near(sum, 0.0, 3.5 * sqrt(3.0 * variance));
     studio_finish(&picture);
     job_finish(&job);
 }
 
-static void dice_fall_alike_on_both_backends(void **state)
+static void random_numbers_are_alike_on_both_backends(void **state)
 {
     const struct studio_scene scene =
         rough_things("\"method\": \"equiangular\", \"points\": 4, \"samples\": 3, \"max_depth\": 5, \"max_cut\": 1");
@@ -215,12 +216,12 @@ int main(int argument_count, char **arguments)
 {
     static enum gl_backend osmesa = GL_BACKEND_OSMESA, egl = GL_BACKEND_EGL;
     const struct CMUnitTest tests[] = {
-        {"rough_mirrors_reflect_as_dice_do_egl", rough_mirrors_reflect_as_dice_do, NULL, NULL, &egl},
-        {"rough_mirrors_reflect_as_dice_do_osmesa", rough_mirrors_reflect_as_dice_do, NULL, NULL, &osmesa},
-        cmocka_unit_test(rough_water_refracts_as_dice_do),
-        cmocka_unit_test(what_is_refracted_gets_in),
+        {"rough_mirrors_reflect_as_dice_do_egl", rough_mirrors_reflect_as_random_normals, NULL, NULL, &egl},
+        {"rough_mirrors_reflect_as_dice_do_osmesa", rough_mirrors_reflect_as_random_normals, NULL, NULL, &osmesa},
+        cmocka_unit_test(rough_water_refracts_as_random_normals),
+        cmocka_unit_test(refracted_rays_enter_the_medium),
         cmocka_unit_test(rough_glass_is_on_average_that_of_the_reference),
-        cmocka_unit_test(dice_fall_alike_on_both_backends),
+        cmocka_unit_test(random_numbers_are_alike_on_both_backends),
     };
 
     if (argument_count > 1) cmocka_set_test_filter(arguments[1]);

@@ -1,4 +1,4 @@
-// Which texel is where: images on planes, boxes, balls and unions, by the mapping in words and as numbers.
+// The position of each texel: images on planes, boxes, balls and unions, with the mapping in words and as numbers.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -22,7 +22,7 @@
 
 enum { COLUMNS = 5, ROWS = 4 };
 
-// Lit by a lamp at the camera's place, so that nothing is in shadow; white seen straight on is 1.
+// A lamp at the camera's position leaves nothing in shadow; white seen at normal incidence is 1.
 #define LAMP(place)                                                                                                    \
     "{\"kind\": \"point\", \"falloff\": \"none\", \"position\": " place ", \"intensity\": 3.141592653589793}"
 
@@ -32,12 +32,12 @@ static const unsigned char bytes[ROWS][COLUMNS][3] = {
     {{99, 0, 180}, {180, 99, 0}, {0, 180, 99}, {255, 255, 255}, {0, 0, 0}},
     {{11, 22, 33}, {44, 55, 66}, {77, 88, 99}, {111, 122, 133}, {222, 233, 244}}};
 
-// How an image lies on a shape.
+// The mapping of an image onto a shape.
 struct cover {
     struct vec3 center, normal; // of a plane; a ball's or a box's center
     struct vec3 sides;          // of a box
     double radius;              // of a ball
-    double across, up;          // m of a tile
+    double across, up;          // size of a tile, m
     bool is_nearest, is_linear;
 };
 
@@ -49,8 +49,8 @@ static double texel(const struct cover *cover, int column, int row, size_t color
     return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
 }
 
-// (u, v) with v up; false beside the edge of a texel that is taken whole.
-static bool look_up(const struct cover *cover, double u, double v, double color[3])
+// Evaluates the image at (u, v), v upwards; false near the edge of a texel with the nearest filter.
+static bool sample_image(const struct cover *cover, double u, double v, double color[3])
 {
     double x = u * COLUMNS, y = (1.0 - v) * ROWS;
     int column = (int)floor(x - 0.5), row = (int)floor(y - 0.5);
@@ -67,13 +67,14 @@ static bool look_up(const struct cover *cover, double u, double v, double color[
     return true;
 }
 
-static bool look_up_flat(const struct cover *cover, struct vec3 offset, struct vec3 normal, double color[3])
+static bool sample_flat(const struct cover *cover, struct vec3 offset, struct vec3 normal, double color[3])
 {
     bool is_level = fabs(normal.y) > 0.999;
     struct vec3 high = is_level ? (struct vec3){0, 0, -1} : (struct vec3){0, 1, 0};
     struct vec3 right = vec3_normalize(vec3_cross(high, normal)), up = vec3_cross(normal, right);
 
-    return look_up(cover, 0.5 + vec3_dot(offset, right) / cover->across, 0.5 + vec3_dot(offset, up) / cover->up, color);
+    return sample_image(cover, 0.5 + vec3_dot(offset, right) / cover->across, 0.5 + vec3_dot(offset, up) / cover->up,
+                        color);
 }
 
 static void light_up(const struct ray *ray, struct vec3 normal, const double color[3], struct studio_light *light)
@@ -89,7 +90,7 @@ static void plane_truth(const struct ray *ray, struct studio_light *light, const
     double distance = optics_meet_plane(ray, cover->center, normal), color[3];
 
     if (distance > 30.0) return;
-    if (look_up_flat(cover, vec3_subtract(ray_at(ray, distance), cover->center), normal, color))
+    if (sample_flat(cover, vec3_subtract(ray_at(ray, distance), cover->center), normal, color))
         light_up(ray, normal, color, light);
 }
 
@@ -113,7 +114,7 @@ static void box_truth(const struct ray *ray, struct studio_light *light, const v
         if ((fabs(offset.x) > half[0] - 1e-4) + (fabs(offset.y) > half[1] - 1e-4) + (fabs(offset.z) > half[2] - 1e-4) >
             0)
             return;
-        if (look_up_flat(cover, offset, normal, color)) light_up(ray, normal, color, light);
+        if (sample_flat(cover, offset, normal, color)) light_up(ray, normal, color, light);
         return;
     }
 }
@@ -126,9 +127,9 @@ static void ball_truth(const struct ray *ray, struct studio_light *light, const 
 
     if (!optics_meet_ball(ray, cover->center, cover->radius, &enter, &leave)) return;
     normal = vec3_scale(vec3_subtract(ray_at(ray, enter), cover->center), 1.0 / cover->radius);
-    // Where u and v change fastest rounding does count.
+    // Rounding counts where u and v change fastest.
     if (fabs(normal.y) > 0.99 || vec3_dot(normal, ray->direction) > -0.05) return;
-    if (look_up(cover, 0.5 + atan2(normal.x, normal.z) / (2.0 * pi), 0.5 + asin(normal.y) / pi, color))
+    if (sample_image(cover, 0.5 + atan2(normal.x, normal.z) / (2.0 * pi), 0.5 + asin(normal.y) / pi, color))
         light_up(ray, normal, color, light);
 }
 
@@ -165,7 +166,7 @@ static void write_exr(const char *path)
     close(fd);
 }
 
-// The shape's members and the texture's, beside its file.
+// `shape` is the shape's members; `texture` is the texture's members other than its file.
 static void check(const struct studio_scene *view, const char *lights, const char *shape, const char *path,
                   const char *texture, studio_truth *truth, const struct cover *cover)
 {
@@ -182,7 +183,7 @@ static void check(const struct studio_scene *view, const char *lights, const cha
 static const struct studio_scene from_above = {
     .width_px = 40, .height_px = 32, .camera = {.position = {0.4, 2, 3}, .target = {0.2, -1, 0}, .fov = 50}};
 
-static void a_floor_lies_before_one_who_looks_at_minus_z(void **state)
+static void a_floor_is_upright_to_a_viewer_along_minus_z(void **state)
 {
     const char *path = temp_folder_path(state, "t.png");
     const struct cover cover = {.center = {0.3, -1, 0.2}, .normal = {0, 1, 0}, .across = 2, .up = 1.5};
@@ -203,7 +204,7 @@ static void a_tile_is_as_high_as_its_image(void **state)
           ", \"size\": 2, \"filter\": \"nearest\"", plane_truth, &cover);
 }
 
-static void exr_is_linear_and_both_may_be_said(void **state)
+static void color_space_is_the_formats_unless_given(void **state)
 {
     const char *png = temp_folder_path(state, "t.png"), *exr = temp_folder_path(state, "t.exr");
     struct cover cover = {.center = {0, -1, 0}, .normal = {1, 2, 0.5}, .across = 1.5, .up = 1, .is_linear = true};
@@ -241,12 +242,12 @@ static void a_ball_has_the_image_once_around(void **state)
 
     write_png(path);
     check(&view, LAMP("[1, 2, 3]"), ball, path, "", ball_truth, &cover);
-    // Here is the seam.
+    // The seam is seen from here.
     view.camera.position = (struct vec3){0.5, -1, -3};
     check(&view, LAMP("[0.5, -1, -3]"), ball, path, "", ball_truth, &cover);
 }
 
-// A bite out of a floor: the wall of the hole is coloured as the floor is above it.
+// The ball cuts a hole into a floor: the wall of the hole is coloured as the floor above it.
 static void hole_truth(const struct ray *ray, struct studio_light *light, const void *user)
 {
     const struct cover *cover = user;
@@ -257,7 +258,7 @@ static void hole_truth(const struct ray *ray, struct studio_light *light, const 
     place = ray_at(ray, leave);
     if (place.y > -1.001 || ray_at(ray, enter).y < -0.999) return;
     normal = vec3_subtract((struct vec3){0, -0.6, 0}, place);
-    if (look_up_flat(cover, vec3_subtract(place, cover->center), (struct vec3){0, 1, 0}, color))
+    if (sample_flat(cover, vec3_subtract(place, cover->center), (struct vec3){0, 1, 0}, color))
         light_up(ray, normal, color, light);
 }
 
@@ -282,7 +283,7 @@ static void the_wall_of_a_hole_is_coloured_as_the_floor(void **state)
     studio_check(&scene, hole_truth, &cover, 4e-5, 0.2);
 }
 
-// The colour that most is there around a place of the picture, in parts of its sides: R, G, B or White.
+// The most frequent colour around a point of the picture, given as a share of its sides: R, G, B or White.
 static char color_at(const struct studio_picture *picture, double x, double y)
 {
     const struct image *image = &picture->image;
@@ -302,7 +303,7 @@ static void assert_upright(const struct studio_picture *picture)
     assert_int_equal(color_at(picture, 0.58, 0.58), 'W');
 }
 
-// Red and green above, blue and white below. For the faces above and below, -z is up.
+// The image is red and green above, blue and white below. Up is -z for the upper and the lower face.
 static void each_face_is_upright_from_outside(void **state)
 {
     static const unsigned char flag[2][2][3] = {{{255, 0, 0}, {0, 255, 0}}, {{0, 0, 255}, {255, 255, 255}}};
@@ -345,10 +346,11 @@ static void each_face_is_upright_from_outside(void **state)
 int main(int argument_count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(a_floor_lies_before_one_who_looks_at_minus_z, temp_folder_create,
+        cmocka_unit_test_setup_teardown(a_floor_is_upright_to_a_viewer_along_minus_z, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_tile_is_as_high_as_its_image, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(exr_is_linear_and_both_may_be_said, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(color_space_is_the_formats_unless_given, temp_folder_create,
+                                        temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_box_has_the_image_on_six_faces, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_ball_has_the_image_once_around, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(the_wall_of_a_hole_is_coloured_as_the_floor, temp_folder_create,

@@ -20,7 +20,8 @@
     "], \"material\": {" material "}}"
 #define RED "\"kind\": \"diffuse\", \"albedo\": [0.8, 0.2, 0.1]"
 
-// What bends and reflects is exact to the digits of floats, which a few curved surfaces amplify; a march's steps are seen.
+// Refraction and reflection are exact to the rounding of floats, which a few curved surfaces amplify; the steps of a
+// march show.
 static const double ROUNDING = 2e-5, MARCHING = 2e-3;
 
 static void compare_by(const char *scene, const char *rest, const char *quality, double tolerance)
@@ -180,7 +181,8 @@ static void points_are_placed_in_every_region(void **state)
         TWO_LIGHTS, EQUIANGULAR, MARCHING);
 }
 
-// The box ends inside the ball and goes on behind it: what the smoke in the ball sees of it begins at the ball's surface.
+// The box ends inside the ball and continues behind it: the smoke in the ball sees only the part that begins at the
+// ball's surface.
 static void smoke_does_not_see_what_its_glass_replaces(void **state)
 {
     compare("\"objects\": [" BOX(0.7, 0.1, -0.2, 1.1, RED) ", " OBJECT_JOB_BALL(

@@ -1,4 +1,4 @@
-// Textures' shader modules against the same in double precision, and against what a viewer outside must see.
+// Shader modules of textures against double precision, and against what a viewer outside must see.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "reference/vec3.h"
@@ -25,7 +25,7 @@ static const double PI = 3.14159265358979323846;
 static const char *const MODULES[] = {"texture/tile.glsl",  "texture/linear.glsl", "texture/nearest.glsl",
                                       "texture/plane.glsl", "texture/sphere.glsl", NULL};
 
-static const char LOOK_UP[] =
+static const char LOOKUP[] =
     "layout(binding = 32) uniform sampler2D image;\n"
     "vec4 probe(int i)\n{\n"
     "    vec2 uv = inputs[i].xy;\n"
@@ -75,7 +75,7 @@ static void make_picture(int width, int height, struct random *random)
         pixels[i] = (float)random_between(random, 0, 1);
 }
 
-// Red, green, blue, white: top left, top right, bottom left, bottom right; whatever is mirrored or turned differs.
+// The quarters are red (top left), green (top right), blue (bottom left) and white, so that mirroring or turning shows.
 static void make_quarters(void)
 {
     static const float quarters[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
@@ -99,8 +99,8 @@ static double pixel_at(double x, double y, int channel)
     return pixels[4 * (row * picture.width_px + column) + channel];
 }
 
-// Where the point lies in the endless wall of tiles, in pixels from the top left corner of one.
-static void find_place(const float uv[2], double *x, double *y)
+// The position in the endless wall of tiles, in pixels from the top left corner of a tile.
+static void find_position(const float uv[2], double *x, double *y)
 {
     *x = (double)uv[0] * picture.width_px;
     *y = (1 - (double)uv[1]) * picture.height_px;
@@ -110,7 +110,7 @@ static double nearest(const float uv[2], int channel)
 {
     double x, y;
 
-    find_place(uv, &x, &y);
+    find_position(uv, &x, &y);
     return pixel_at(floor(x), floor(y), channel);
 }
 
@@ -118,7 +118,7 @@ static double linear(const float uv[2], int channel)
 {
     double x, y, sum = 0;
 
-    find_place(uv, &x, &y);
+    find_position(uv, &x, &y);
     for (int j = 0; j < 2; j++)
         for (int i = 0; i < 2; i++) {
             double column = floor(x - 0.5) + i, row = floor(y - 0.5) + j;
@@ -132,17 +132,17 @@ static bool is_near_an_edge(const float uv[2])
 {
     double x, y;
 
-    find_place(uv, &x, &y);
+    find_position(uv, &x, &y);
     return fabs(x - round(x)) < 1e-4 || fabs(y - round(y)) < 1e-4;
 }
 
 // Half of the points are for either filter; some lie on texels' centres, borders and corners of tiles.
-static void put_points(struct random *random, double reach)
+static void put_points(struct random *random, double extent)
 {
     for (size_t i = 0; i < COUNT; i++) {
         for (int c = 0; c < 2; c++) {
             double size = c ? picture.height_px : picture.width_px;
-            double at = random_between(random, -reach, reach);
+            double at = random_between(random, -extent, extent);
 
             if (i % 5 == 1) at = (floor(at * size) + 0.5) / size;
             if (i % 5 == 2) at = floor(at * size) / size;
@@ -151,10 +151,10 @@ static void put_points(struct random *random, double reach)
         }
         inputs[i][2] = i % 2 ? 1 : 0;
     }
-    inputs[0][0] = inputs[0][1] = -1e-12f; // so near below 0 that 1 is what is left of the tile
+    inputs[0][0] = inputs[0][1] = -1e-12f; // so near below 0 that the position in the tile rounds to 1
 }
 
-// A place in the tile is rounded to 2^-24 of it, and counts as many times in the result as the side has texels.
+// A position in the tile is rounded to 2^-24 of it; the result amplifies that by the number of texels of the side.
 static void check_points(void)
 {
     double tolerance = 3 * 0x1p-24 * (picture.width_px + picture.height_px) + 4 * 0x1p-24;
@@ -167,7 +167,7 @@ static void check_points(void)
                 assert_near(outputs[i][c], nearest(inputs[i], c), 0);
 }
 
-static void look_ups_are_their_twins(void **state)
+static void lookups_are_their_twins(void **state)
 {
     static const int sizes[][2] = {{1, 1}, {2, 1}, {1, 3}, {5, 3}, {16, 64}, {64, 64}};
     struct random random = {11};
@@ -176,25 +176,25 @@ static void look_ups_are_their_twins(void **state)
         on_egl = i % 2;
         make_picture(sizes[i / 2][0], sizes[i / 2][1], &random);
         put_points(&random, 3);
-        probe(LOOK_UP, COUNT, COUNT);
+        probe(LOOKUP, COUNT, COUNT);
         check_points();
     }
     on_egl = false;
 }
 
-// Far away the coordinates themselves lose digits; the lookup adds no error.
-static void far_tiles_are_looked_up_as_near_ones(void **state)
+// Coordinates far away lose digits themselves; the lookup adds no error.
+static void far_tiles_are_sampled_as_near_ones(void **state)
 {
     struct random random = {12};
 
     make_picture(5, 3, &random);
     put_points(&random, 1e4);
-    probe(LOOK_UP, COUNT, COUNT);
+    probe(LOOKUP, COUNT, COUNT);
     check_points();
 }
 
-// No place, however far, is outside of the image or not a number.
-static void endless_coordinates_are_somewhere(void **state)
+// Coordinates, however large, give a texel of the image, never NaN.
+static void huge_coordinates_stay_in_the_image(void **state)
 {
     static const float values[] = {1e9f, -1e9f, 1e18f, -1e18f, 3e38f, -3e38f, 8388607.5f, -8388607.5f};
     struct random random = {13};
@@ -205,7 +205,7 @@ static void endless_coordinates_are_somewhere(void **state)
         inputs[i][1] = values[7 - i / 2];
         inputs[i][2] = i % 2 ? 1 : 0;
     }
-    probe(LOOK_UP, 16, 16);
+    probe(LOOKUP, 16, 16);
     for (size_t i = 0; i < 16; i++)
         for (int c = 0; c < 3; c++)
             assert_true(outputs[i][c] >= 0 && outputs[i][c] <= 1);
@@ -225,7 +225,7 @@ static struct vec3 random_unit(struct random *random)
     return vec3_normalize(way);
 }
 
-// As in core/scene/scene.h.
+// The mapping is that of core/scene/scene.h.
 static void plane_uv(struct vec3 offset, struct vec3 normal, const double size[2], double uv[2])
 {
     struct vec3 upright = fabs(normal.y) > 0.999 ? (struct vec3){0, 0, -1} : (struct vec3){0, 1, 0};
@@ -240,19 +240,19 @@ static const char PLANE[] =
     "    return vec4(texture_plane_uv(inputs[2 * i].xyz, inputs[2 * i + 1].xyz,\n"
     "                                 vec2(inputs[2 * i].w, inputs[2 * i + 1].w)), 0.0, 0.0);\n}\n";
 
-// At 10 km a float is exact to a millimetre: tiles are off by that, and by three such roundings.
+// A float is exact to a millimetre at 10 km: tiles are off by that, and by three such roundings.
 static void planes_are_their_twins(void **state)
 {
     static const double reaches[] = {1, 100, 1e4};
     struct random random = {17};
 
     for (size_t k = 0; k < 3; k++) {
-        double reach = reaches[k], worst = 0;
+        double extent = reaches[k], worst = 0;
 
         for (size_t i = 0; i < COUNT; i++) {
             struct vec3 normal = i % 4 ? random_unit(&random) : (struct vec3){0, i % 8 ? 1 : -1, 0};
 
-            put_vector(inputs[2 * i], vec3_scale(random_unit(&random), reach));
+            put_vector(inputs[2 * i], vec3_scale(random_unit(&random), extent));
             put_vector(inputs[2 * i + 1], normal);
             inputs[2 * i][3] = (float)random_between(&random, 0.5, 2);
             inputs[2 * i + 1][3] = (float)random_between(&random, 0.5, 2);
@@ -268,13 +268,13 @@ static void planes_are_their_twins(void **state)
             for (int c = 0; c < 2; c++)
                 worst = fmax(worst, fabs((double)outputs[i][c] - uv[c]) * size[c]);
         }
-        print_message("tiles %g m away: %.2g m beside their place at most\n", reach, worst);
-        // The length of `across` is found from what may be as small as 0.045.
-        assert_true(worst < 4e-7 * (reach + 1));
+        print_message("tiles %g m away: off by %.2g m at most\n", extent, worst);
+        // The length of `across` is computed from one that may be as small as 0.045.
+        assert_true(worst < 4e-7 * (extent + 1));
     }
 }
 
-// The viewer looks along -normal; its right and its up are found as a camera's are.
+// The viewer looks along -normal; the directions right and up are those of a camera.
 static void assert_plane_is_seen(struct vec3 normal, struct vec3 camera_up)
 {
     static const char body[] = "layout(binding = 32) uniform sampler2D image;\n"
@@ -310,7 +310,7 @@ static void planes_and_boxes_are_seen_upright_from_outside(void **state)
     assert_plane_is_seen(vec3_normalize((struct vec3){0.6, 0.9, -2}), up);
 }
 
-// Texel by texel: the image laid over a wall is the image.
+// The image laid over a wall equals the image, texel by texel.
 static void wall_shows_the_image(void **state)
 {
     static const char body[] = "layout(binding = 32) uniform sampler2D image;\n"
@@ -329,7 +329,7 @@ static void wall_shows_the_image(void **state)
 
 static const char SPHERE[] = "vec4 probe(int i)\n{\n    return vec4(texture_sphere_uv(inputs[i].xyz), 0.0, 0.0);\n}\n";
 
-// GLSL's own arc tangent has few promised digits; here it has nearly all.
+// GLSL promises few digits of its own arc tangent; the module's has nearly all.
 static void spheres_are_their_twins(void **state)
 {
     struct random random = {23};
@@ -355,7 +355,7 @@ static void spheres_are_their_twins(void **state)
     assert_true(worst < 1e-6);
 }
 
-static void poles_and_the_seam_are_numbers(void **state)
+static void poles_and_the_seam_are_not_nan(void **state)
 {
     static const struct vec3 normals[] = {{0, 1, 0},     {0, -1, 0},        {0, 0, -1},
                                           {-0.0, 0, -1}, {1e-30, 1, 1e-30}, {0, 1.0000001, 0}};
@@ -371,8 +371,8 @@ static void poles_and_the_seam_are_numbers(void **state)
     assert_near(outputs[2][0] * (1 - outputs[2][0]), 0, 1e-6);
 }
 
-// From any side, a step to the viewer's right is right in the image and a step up is up; the middle of the image faces
-// +z.
+// A step to the viewer's right is right in the image and a step up is up, from every side. The middle of the image
+// faces +z.
 static void spheres_are_seen_upright_from_outside(void **state)
 {
     const struct vec3 up = {0, 1, 0};
@@ -404,18 +404,18 @@ static void spheres_are_seen_upright_from_outside(void **state)
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(look_ups_are_their_twins),
-        cmocka_unit_test(far_tiles_are_looked_up_as_near_ones),
-        cmocka_unit_test(endless_coordinates_are_somewhere),
+        cmocka_unit_test(lookups_are_their_twins),
+        cmocka_unit_test(far_tiles_are_sampled_as_near_ones),
+        cmocka_unit_test(huge_coordinates_stay_in_the_image),
         cmocka_unit_test(planes_are_their_twins),
         cmocka_unit_test(planes_and_boxes_are_seen_upright_from_outside),
         cmocka_unit_test(wall_shows_the_image),
         cmocka_unit_test(spheres_are_their_twins),
-        cmocka_unit_test(poles_and_the_seam_are_numbers),
+        cmocka_unit_test(poles_and_the_seam_are_not_nan),
         cmocka_unit_test(spheres_are_seen_upright_from_outside),
     };
 
-    make_quarters();                               // for those that look at no image
+    make_quarters();                               // for tests that sample no image
     if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

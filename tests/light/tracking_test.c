@@ -1,4 +1,5 @@
-// Tracking: what is exact, what is refused, majorants that are too low, and that a picture is the same for all.
+// Tracking: exact cases, refused cases, majorants that are too low, and pictures that do not depend on who renders
+// them.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -73,7 +74,7 @@ static void assert_even(const struct bias_check_scene *scene, float wanted, floa
     close_stage(&stage);
 }
 
-// Each collision sends as much as it takes.
+// Each collision emits as much as it absorbs.
 static void a_furnace_is_one(void **state)
 {
     static const char media[] = NOISE("\"sigma_s\": 0, \"sigma_a\": [1, 3, 0.2], \"emission\": [1, 3, 0.2]", "9");
@@ -86,7 +87,7 @@ static void a_furnace_is_one(void **state)
                 1.0f, 1e-6f);
 }
 
-static void nothing_takes_nothing(void **state)
+static void empty_media_change_nothing(void **state)
 {
     static const char *const qualities[] = {RATIO, DELTA, DEBIASED};
     static const char media[] = CODE("-1.0", "1") "," NOISE("\"sigma_s\": 1, \"sigma_a\": 0", "1e-30");
@@ -110,7 +111,7 @@ static void assert_too_low(const char *media, const char *quality, const char *p
     close_stage(&stage);
 }
 
-// A density of up to 1 in the ball's middle.
+// The density is up to 1 in the ball's middle.
 static void majorants_too_low_fail_the_frame(void **state)
 {
     static const char fine[] = CODE("1.0 - length(p)", "1"), low[] = CODE("1.0 - length(p)", "0.8");
@@ -121,7 +122,7 @@ static void majorants_too_low_fail_the_frame(void **state)
     assert_too_low(low, DELTA, "got 0.8, which it exceeds");
     snprintf(both, sizeof both, "%s, %s", fine, low);
     assert_too_low(both, RATIO, "scene.media[1].density.majorant");
-    // Few samples of many see it.
+    // Few of many samples meet the excess.
     assert_too_low(CODE("length(p.xy) < 0.02 ? 1.1 : 0.5", "1"), RATIO ", \"samples\": 256", "scene.media[0]");
 }
 
@@ -136,7 +137,8 @@ static void majorants_that_hold_fail_nothing(void **state)
     close_stage(&stage);
 }
 
-// Whoever renders it, and whatever they rendered before, by which they choose their tiles; no frame's numbers are another's.
+// The picture depends neither on the renderer nor on what it rendered before, by which it chooses its tiles. The random
+// numbers of one frame do not affect another's.
 static void a_frame_is_the_same_picture_for_all(void **state)
 {
     static const char *const qualities[] = {RATIO, DELTA, DEBIASED};
@@ -145,7 +147,7 @@ static void a_frame_is_the_same_picture_for_all(void **state)
     for (size_t i = 0; i < sizeof qualities / sizeof *qualities; ++i) {
         const struct bias_check_scene scene = {
             .media = NOISE("\"sigma_s\": 2, \"sigma_a\": 1", "2"), .lights = SUN, .quality = qualities[i]};
-        // More rows than a renderer's first tile has.
+        // The picture has more rows than a renderer's first tile.
         struct stage alone = open_stage(&scene, 96), busy = open_stage(&scene, 96);
         size_t bytes = 4 * BIAS_CHECK_WIDTH_PX * 96 * sizeof *alone.image.rgba;
 
@@ -159,8 +161,8 @@ static void a_frame_is_the_same_picture_for_all(void **state)
     }
 }
 
-// A ray's depth is where its own estimate falls to one half; what is left is that estimate.
-static void depth_and_transmittance_go_with_the_estimate(void **state)
+// A ray's transmittance is its own estimate, and its depth is where that falls to one half.
+static void depth_and_transmittance_follow_the_estimate(void **state)
 {
     const struct bias_check_scene scene = {.media = NOISE("\"sigma_s\": 0, \"sigma_a\": 3", "9"), .quality = DELTA};
     struct stage stage = open_stage(&scene, BIAS_CHECK_HEIGHT_PX);
@@ -181,8 +183,8 @@ static void depth_and_transmittance_go_with_the_estimate(void **state)
     close_stage(&stage);
 }
 
-// Optical depths of some thousands: what little is left is not followed, but ends by lot. Where a majorant of 1e5 stands over
-// nothing there is no end to looking.
+// Optical depths reach some thousands: rays of little transmittance end at random. The search for a collision has no
+// end where a majorant of 1e5 stands over nothing.
 static void thick_media_come_to_an_end(void **state)
 {
     static const char *const qualities[] = {RATIO, DELTA};
@@ -210,11 +212,11 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_furnace_is_one),
-        cmocka_unit_test(nothing_takes_nothing),
+        cmocka_unit_test(empty_media_change_nothing),
         cmocka_unit_test(majorants_too_low_fail_the_frame),
         cmocka_unit_test(majorants_that_hold_fail_nothing),
         cmocka_unit_test(a_frame_is_the_same_picture_for_all),
-        cmocka_unit_test(depth_and_transmittance_go_with_the_estimate),
+        cmocka_unit_test(depth_and_transmittance_follow_the_estimate),
         cmocka_unit_test(thick_media_come_to_an_end),
     };
 

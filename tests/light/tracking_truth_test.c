@@ -1,4 +1,4 @@
-// Tracking and its estimators: what they say is right on the average is, whatever the media; what is nearly is nearer.
+// Tracking and its estimators: unbiased estimators have the right mean in all media, the others come closer to it.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -37,7 +37,7 @@
 #define MARCHED(NAME, STEP)                                                                                            \
     "\"method\": \"tracking\", \"estimator\": \"" NAME "\", \"step\": " STEP ", \"light_step\": " STEP
 
-// Frames and their seeds are fixed: what passes once passes always.
+// Seeds of frames are fixed: a test that passes once passes always.
 static void assert_unbiased(const struct bias_check_scene *scene, const double *truth)
 {
     struct bias_check_errors errors = bias_check_measure(scene, truth, 256);
@@ -97,7 +97,7 @@ static void media_without_lights_are_right_on_the_average(void **state)
     assert_all_unbiased(NOISE ", " GLOW, NULL);
 }
 
-// Voxels of a few lumps in an empty box, so that some bricks are empty and majorants of others differ.
+// The voxels are a few lumps in an empty box, so that some bricks are empty and majorants of others differ.
 static void write_lumps(const char *path)
 {
     enum { X = 20, Y = 18, Z = 19 };
@@ -170,7 +170,7 @@ static void own_code_is_right_on_the_average(void **state)
     assert_unbiased(&scene, truth);
 }
 
-// Grains of a third of the step, which takes away by their columns alone.
+// The grains are a third of the step long and act by absorption alone.
 static void marches_are_debiased(void **state)
 {
     static const char grains[] =
