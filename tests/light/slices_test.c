@@ -1,5 +1,4 @@
-// Marches that are continued slice by slice: the picture equals that of one uninterrupted march, however short the
-// slices.
+// Marches continued slice by slice: the picture equals that of one uninterrupted march, however short the slices.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/base/file.h"

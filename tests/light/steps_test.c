@@ -1,5 +1,4 @@
-// Marches by optical depth and by the rule of Gauss and Legendre: the light itself, at the order of convergence of
-// each.
+// Marches by optical depth and by the rule of Gauss and Legendre: the light, and the order of convergence of each.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"

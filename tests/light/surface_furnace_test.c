@@ -1,5 +1,4 @@
-// Scenes that lose nothing, in light that is 1 from everywhere: each pixel is 1 less what its cut rays would have
-// carried.
+// Scenes that lose nothing, in light that is 1 from everywhere: each pixel is 1 less what its cut rays would carry.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "tests/support/assert_near.h"

@@ -1,5 +1,4 @@
-// Regions of objects: objects that overlap, cameras that start inside of them, and how far media extend along a bent
-// ray.
+// Regions of objects: overlapping objects, cameras that start inside of them, how far media extend along a bent ray.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "tests/support/assert_near.h"

@@ -1,5 +1,4 @@
-// Tracking: exact cases, refused cases, majorants that are too low, and pictures that do not depend on who renders
-// them.
+// Tracking: exact cases, refused cases, majorants that are too low, pictures that are the same whoever renders them.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
