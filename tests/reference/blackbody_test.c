@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-// The fit is off from the CIE's own tables by up to about this in x and y along the Planckian locus: most at 1500 K.
+// The fit differs from the CIE's own tables by up to about this in x and y along the Planckian locus: most at 1500 K.
 static const double fit = 0.005;
 
 static void chromaticities_are_those_of_the_planckian_locus(void **state)
@@ -50,8 +50,8 @@ static void luminance_is_one_at_1500_kelvin_and_grows(void **state)
     }
 }
 
-// d ln Y / d ln T is h c / (wavelength k T) for the wavelength that counts: Wien's law at 555 nm or more where it is cold, and 1
-// where it is so hot that Rayleigh and Jeans hold.
+// d ln Y / d ln T is h c / (wavelength k T) at low temperatures, by Wien's law for an effective wavelength of 555 nm or
+// more. It is 1 at temperatures so high that the law of Rayleigh and Jeans holds.
 static void growth_follows_wien_and_rayleigh_and_jeans(void **state)
 {
     double low[3], high[3];
@@ -69,12 +69,12 @@ static void the_white_point_of_rec_709_is_near_6500_kelvin(void **state)
     double rgb[3];
 
     blackbody_rgb(6504, rgb);
-    // D65 lies beside the locus: 0.005 in y, which these components show several times as large.
+    // D65 lies off the locus by 0.005 in y, which these ratios show several times as large.
     assert_near(rgb[0] / rgb[1], 1, 0.08);
     assert_near(rgb[2] / rgb[1], 1, 0.08);
 }
 
-static void what_lies_outside_of_rec_709_is_clipped(void **state)
+static void colours_outside_of_rec_709_are_clipped(void **state)
 {
     double rgb[3];
 
@@ -94,7 +94,7 @@ int main(void)
         cmocka_unit_test(luminance_is_one_at_1500_kelvin_and_grows),
         cmocka_unit_test(growth_follows_wien_and_rayleigh_and_jeans),
         cmocka_unit_test(the_white_point_of_rec_709_is_near_6500_kelvin),
-        cmocka_unit_test(what_lies_outside_of_rec_709_is_clipped),
+        cmocka_unit_test(colours_outside_of_rec_709_are_clipped),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -60,7 +60,7 @@ static void a_clipped_ray_is_what_lies_inside(void **state)
 
         for (int k = 0; k < 20; k++) {
             at = random_between(&random, near, fmin(far, 6.0));
-            // The way between is convex: it is inside exactly from begin to end.
+            // The bounds are convex: the ray is inside exactly from begin to end.
             if (fabs(bounds_depth(bounds, ray_at(&ray, at))) < 1e-9) continue;
             assert_true((bounds_depth(bounds, ray_at(&ray, at)) > 0.0) == (hit && begin < at && at < end));
             hits += hit && begin < at && at < end;
@@ -88,7 +88,7 @@ static void rays_along_a_face_stay_on_their_side(void **state)
     assert_false(bounds_clip(&SLAB, &beside_slab, &near, &far));
 }
 
-static void depth_is_the_way_to_the_nearest_face(void **state)
+static void depth_is_the_distance_to_the_nearest_face(void **state)
 {
     assert_near(bounds_depth(&SPHERE, (struct vec3){0.3, 0.8, 0.1}), 0.2, 1e-15);
     assert_near(bounds_depth(&BOX, (struct vec3){0.1, 0.2, -0.3}), 0.5, 1e-15);
@@ -104,13 +104,13 @@ static void falloff_is_a_smoothstep_of_the_depth(void **state)
 
     assert_near(bounds_weight(&sphere, (struct vec3){0.3, 0.59, 0.1}), 1.0, 0.0);
     assert_near(bounds_weight(&sphere, (struct vec3){0.3, 0.8, 0.1}), 0.5, 1e-15);
-    // A quarter of the way: 3/16 - 2/64.
+    // A quarter of the falloff gives 3/16 - 2/64.
     assert_near(bounds_weight(&sphere, (struct vec3){0.3, 0.9, 0.1}), 0.15625, 1e-15);
     assert_near(bounds_weight(&sphere, (struct vec3){0.3, 1.01, 0.1}), 0.0, 0.0);
     assert_near(bounds_weight(&SPHERE, (struct vec3){0.3, 0.99, 0.1}), 1.0, 0.0);
 }
 
-// Midpoint sums of a million points, over the whole ray.
+// Sums by the midpoint rule with a million points, over the whole ray.
 static double summed_column(const struct bounds *bounds, const struct ray *ray)
 {
     const int count = 1000000;
@@ -124,7 +124,7 @@ static double summed_column(const struct bounds *bounds, const struct ray *ray)
 
 static void columns_agree_with_plain_sums(void **state)
 {
-    // The last falls off over more than it is deep.
+    // The last box falls off over more than its own depth.
     const struct bounds all[] = {with_falloff(SPHERE, 0.5), with_falloff(BOX, 0.3),  with_falloff(SLAB, 0.2),
                                  with_falloff(SPHERE, 1.5), with_falloff(SLAB, 0.7), with_falloff(BOX, 2.0)};
     struct random random = {12};
@@ -136,10 +136,10 @@ static void columns_agree_with_plain_sums(void **state)
         struct ray ray = random_ray(&random);
         double column;
 
-        // A ray that nearly follows the slab stays in it for longer than the sums go.
+        // A ray nearly parallel to the slab stays in it for longer than the sums go.
         if (all[i % 6].kind == SCENE_BOUNDS_SLAB && fabs(vec3_dot(ray.direction, SLAB.normal)) < 0.3) continue;
         column = transmittance_density_column(&density, &ray, 0.0, INFINITY, 1e-9);
-        // 1e-8: the asked accuracy, and sums of second order with steps of 8e-6.
+        // 1e-8: the accuracy asked for, and sums of second order with steps of 8e-6.
         assert_near(column, summed_column(&all[i % 6], &ray), 1e-8);
         largest = fmax(largest, column);
     }
@@ -166,7 +166,7 @@ static void fill(double color[static 3], double value)
     color[0] = color[1] = color[2] = value;
 }
 
-// Everywhere, before an infinite ray: what glows as it absorbs ends at source / extinction.
+// The medium is everywhere, along an infinite ray: if it glows as it absorbs, radiance tends to source / extinction.
 static void endless_fog_hides_what_is_behind(void **state)
 {
     struct ray ray = {{0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}};
@@ -185,7 +185,7 @@ static void endless_fog_hides_what_is_behind(void **state)
     assert_near(result.transmittance[2], 1.0, 0.0);
 }
 
-// A light 2 m before the camera in fog without end: T T_light = exp(-t) exp(-|2 - t|), and no falloff.
+// A light stands 2 m before the camera in fog without end: T T_light = exp(-t) exp(-|2 - t|), and no falloff.
 static void endless_fog_is_lit_from_within(void **state)
 {
     struct ray ray = {{0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}};
@@ -217,10 +217,14 @@ static void no_sunlight_reaches_into_endless_fog(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_clipped_ray_is_what_lies_inside),    cmocka_unit_test(rays_along_a_face_stay_on_their_side),
-        cmocka_unit_test(depth_is_the_way_to_the_nearest_face), cmocka_unit_test(falloff_is_a_smoothstep_of_the_depth),
-        cmocka_unit_test(columns_agree_with_plain_sums),        cmocka_unit_test(even_columns_are_closed),
-        cmocka_unit_test(endless_fog_hides_what_is_behind),     cmocka_unit_test(endless_fog_is_lit_from_within),
+        cmocka_unit_test(a_clipped_ray_is_what_lies_inside),
+        cmocka_unit_test(rays_along_a_face_stay_on_their_side),
+        cmocka_unit_test(depth_is_the_distance_to_the_nearest_face),
+        cmocka_unit_test(falloff_is_a_smoothstep_of_the_depth),
+        cmocka_unit_test(columns_agree_with_plain_sums),
+        cmocka_unit_test(even_columns_are_closed),
+        cmocka_unit_test(endless_fog_hides_what_is_behind),
+        cmocka_unit_test(endless_fog_is_lit_from_within),
         cmocka_unit_test(no_sunlight_reaches_into_endless_fog),
     };
 

@@ -9,7 +9,8 @@
 
 #include <cmocka.h>
 
-// Looks along +z from z = -2; the image plane z = 0 then spans [-2, 2] x [-1, 1]. With forward +z and up +y, right is -x.
+// The camera looks along +z from z = -2; the image plane z = 0 then spans [-2, 2] x [-1, 1]. Right is -x, since forward
+// is +z and up +y.
 static struct camera_pinhole camera_with(bool mirror)
 {
     struct camera_pinhole camera;

@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-// (s - a)(s - b)(s - c)
+// Coefficients of (s - a)(s - b)(s - c).
 static void from_roots(double a, double b, double c, double cubic[static 4])
 {
     cubic[0] = -a * b * c;
@@ -49,7 +49,7 @@ static void finds_crossings_of_lower_degrees(void **state)
     assert_near(crossings[1], 0.8, 1e-15);
 }
 
-// Between two crossings that are found the value stays on one side.
+// The value stays on one side of the level between two successive crossings.
 static void misses_no_crossing(void **state)
 {
     struct random random = {21};
@@ -66,7 +66,7 @@ static void misses_no_crossing(void **state)
             double s = random_between(&random, 0.0, 1.0);
             bool is_above = cubic_at(cubic, 0.0) > level;
 
-            // 1e-12: nearer to the level roundings decide.
+            // 1e-12: rounding decides the side nearer to the level.
             if (fabs(cubic_at(cubic, s) - level) < 1e-12) continue;
             for (int n = 0; n < count; n++)
                 is_above ^= crossings[n] < s;

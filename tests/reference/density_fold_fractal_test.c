@@ -41,8 +41,8 @@ static void one_iteration_rotates_folds_and_shifts_as_documented(void **state)
                                                  .scale = 3.0,
                                                  .rotate_x_rad = M_PI / 2.0,
                                                  .rotate_y_rad = M_PI / 2.0};
-    // About x: (1, 2, 3) -> (1, -3, 2); about y: -> (2, -3, -1). Folds: x + y = -1 -> (3, -2, -1);
-    // y + z = -3 -> (3, 1, 2); z + x = 5 stays.
+    // Rotation about x: (1, 2, 3) -> (1, -3, 2); about y: -> (2, -3, -1). Folds: x + y = -1 -> (3, -2, -1); y + z = -3
+    // -> (3, 1, 2); z + x = 5 stays.
     struct vec3 image = {2.94, 0.94, 1.94};
 
     density_fold_fractal_init(&fractal, &params);
@@ -109,7 +109,7 @@ static void density_is_zero_outside_the_bound(void **state)
     }
 }
 
-// One iteration without rotation maps (1, 1, 1) k to (k - offset) (1, 1, 1): the bound is met there.
+// One iteration without rotation maps (1, 1, 1) k to (k - offset) (1, 1, 1), where the bound is attained.
 static void bound_is_no_larger_than_needed(void **state)
 {
     struct density_fold_fractal fractal;
@@ -149,7 +149,7 @@ static void spans_hold_all_density_and_nothing_else(void **state)
             double distance = random_between(&random, 0.0, 3.0);
             double inside = -density_fold_fractal_distance(&fractal, ray_at(&ray, distance));
 
-            // 1e-9: nearer to the surface the two may round to different sides.
+            // 1e-9: both may round to different sides nearer to the surface.
             if (inside > 1e-9) assert_true(is_covered(&spans, distance));
             if (inside < -1e-9) assert_false(is_covered(&spans, distance));
             positive += inside > 0.0;
@@ -177,7 +177,7 @@ static void spans_ascend_and_their_images_give_the_density(void **state)
 
             assert_true(span->begin < span->end && span->begin >= 0.1 && span->end <= 2.0);
             if (k > 0) assert_true(span[-1].end <= span->begin);
-            // The slope of the density, 10 * 1.3 * 0.15^0.3, times the roundings of 24 folds.
+            // 1e-12: the slope of the density, 10 * 1.3 * 0.15^0.3, times the roundings of 24 folds.
             assert_near(density_fold_fractal_folded(&fractal, ray_at(&span->image, distance)),
                         density_fold_fractal(&fractal, ray_at(&ray, distance)), 1e-12);
         }

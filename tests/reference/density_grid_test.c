@@ -17,7 +17,8 @@
 
 enum { WIDTH = 5, HEIGHT = 4, DEPTH = 3, VOXELS = WIDTH * HEIGHT * DEPTH };
 
-// Oblique, anisotropic and mirrored: 0.2, 0.3 and 0.35 m along axes that are not at right angles.
+// The axes are oblique, anisotropic and mirrored: voxels of 0.2, 0.3 and 0.35 m along axes that are not at right
+// angles.
 static const double PLACEMENT[12] = {-0.2, 0.05, 0.0, 0.3, 0.02, 0.3, 0.1, -0.5, 0.0, -0.04, 0.35, 0.2};
 static const double UNIT_PLACEMENT[12] = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
 
@@ -39,31 +40,32 @@ static struct density_grid make(const float *values, const double placement[stat
     return density;
 }
 
-static struct vec3 place(const double m[static 12], double i, double j, double k)
+static struct vec3 to_world(const double m[static 12], double i, double j, double k)
 {
     return (struct vec3){m[0] * i + m[1] * j + m[2] * k + m[3], m[4] * i + m[5] * j + m[6] * k + m[7],
                          m[8] * i + m[9] * j + m[10] * k + m[11]};
 }
 
-// Somewhere between the outer centres; the coordinates are drawn in order, whatever the compiler.
-static struct vec3 random_place(const double m[static 12], struct random *random)
+// A random point between the outer centres. The coordinates are drawn in a fixed order, whatever the compiler's order
+// of evaluation.
+static struct vec3 random_point(const double m[static 12], struct random *random)
 {
     double i = random_between(random, 0.0, WIDTH - 1.0), j = random_between(random, 0.0, HEIGHT - 1.0);
     double k = random_between(random, 0.0, DEPTH - 1.0);
 
-    return place(m, i, j, k);
+    return to_world(m, i, j, k);
 }
 
-// A ray through two points in voxels, that starts outside of the box.
+// A ray through two random points of the grid that starts outside of the box.
 static struct ray ray_through(const double m[static 12], struct random *random)
 {
-    struct vec3 a = random_place(m, random), b = random_place(m, random);
+    struct vec3 a = random_point(m, random), b = random_point(m, random);
     struct vec3 way = vec3_normalize(vec3_subtract(b, a));
 
     return (struct ray){vec3_subtract(a, vec3_scale(way, 6.0)), way};
 }
 
-// Weights of the eight voxels around, each the product of what is left of the way along three axes.
+// Trilinear interpolation by weights of the eight voxels around: each is the product of three linear weights.
 static double plain_value(const float *values, double i, double j, double k)
 {
     double sum = 0.0;
@@ -98,7 +100,7 @@ static void values_are_trilinear_and_hold_at_the_edges(void **state)
         double i = random_between(&random, -0.7, WIDTH - 0.3), j = random_between(&random, -0.7, HEIGHT - 0.3);
         double k = random_between(&random, -0.7, DEPTH - 0.3);
         bool is_inside = fabs(i - 2.0) < 2.5 && fabs(j - 1.5) < 2.0 && fabs(k - 1.0) < 1.5;
-        struct vec3 position = place(PLACEMENT, i, j, k);
+        struct vec3 position = to_world(PLACEMENT, i, j, k);
         double wanted =
             plain_value(values, between(i, 0.0, WIDTH - 1), between(j, 0.0, HEIGHT - 1), between(k, 0.0, DEPTH - 1));
 
@@ -121,7 +123,7 @@ static void nearest_is_the_voxel_around(void **state)
         double k = random_between(&random, -0.5, DEPTH - 0.5);
         long voxel = lround(i) + WIDTH * (lround(j) + HEIGHT * lround(k));
 
-        assert_near(grid_value(&density.grid, place(PLACEMENT, i, j, k)), values[voxel], 0.0);
+        assert_near(grid_value(&density.grid, to_world(PLACEMENT, i, j, k)), values[voxel], 0.0);
     }
 }
 
@@ -138,7 +140,7 @@ static void padded_boxes_end_at_the_outer_centres(void **state)
     assert_false(grid_contains(&grid, (struct vec3){3.0, -0.01, 1.0}));
 }
 
-// Midpoint sums of a million points along 12 m.
+// Sums by the midpoint rule with a million points along 12 m.
 static double summed_column(const struct density *density, const struct ray *ray)
 {
     const int count = 1000000;
@@ -191,12 +193,13 @@ static void spans_and_closed_columns_are_the_same(void **state)
         density = density_grid(&grid);
         closed = transmittance_density_column(&density, &ray, near, far, 1.0);
         density.column = NULL;
-        // Cubics without kinks: Gauss' rule is exact in each span, whatever is asked.
+        // The density is a cubic without kinks in each span: Gauss' rule is exact there, whatever accuracy is asked
+        // for.
         assert_near(transmittance_density_column(&density, &ray, near, far, 1.0), closed, 1e-12);
     }
 }
 
-// Along a row of voxels, across a face and through cells' corners, where planes of several axes meet.
+// Rays run along a row of voxels, across a face and through cells' corners, where planes of several axes meet.
 static void rays_along_the_lattice_are_walked(void **state)
 {
     float values[VOXELS];
@@ -212,7 +215,7 @@ static void rays_along_the_lattice_are_walked(void **state)
     density = density_grid(&grid);
     for (int i = 0; i < WIDTH; i++)
         wanted += values[i + WIDTH * (1 + HEIGHT)];
-    // Trapezoids between centres and half a voxel of each outer value: the plain sum.
+    // The integral is the plain sum: trapezoids between centres, and half a voxel of each outer value.
     assert_near(transmittance_density_column(&density, &row, 0.0, INFINITY, 1.0), 2.0 * wanted, 1e-14);
     assert_near(transmittance_density_column(&density, &back, 0.0, INFINITY, 1.0), 2.0 * wanted, 1e-14);
     assert_near(transmittance_density_column(&density, &beside, 0.0, INFINITY, 1.0), 0.0, 0.0);
@@ -227,14 +230,14 @@ static void ramp_has_its_closed_column(void **state)
     struct density density;
     struct random random = {38};
 
-    // 0.1 + 0.2 i + 0.3 j + 0.4 k is reproduced between centres.
+    // The ramp 0.1 + 0.2 i + 0.3 j + 0.4 k is reproduced between centres.
     for (int v = 0; v < VOXELS; v++) {
         values[v] = (float)(0.1 + 0.2 * (v % WIDTH) + 0.3 * (v / WIDTH % HEIGHT) + 0.4 * (v / WIDTH / HEIGHT));
     }
     grid = make(values, UNIT_PLACEMENT);
     density = density_grid(&grid);
     for (int n = 0; n < 50; n++) {
-        struct vec3 a = random_place(UNIT_PLACEMENT, &random), b = random_place(UNIT_PLACEMENT, &random);
+        struct vec3 a = random_point(UNIT_PLACEMENT, &random), b = random_point(UNIT_PLACEMENT, &random);
         struct ray ray = {a, vec3_normalize(vec3_subtract(b, a))};
         double length = vec3_length(vec3_subtract(b, a));
         double first = 0.1 + 0.2 * a.x + 0.3 * a.y + 0.4 * a.z, last = 0.1 + 0.2 * b.x + 0.3 * b.y + 0.4 * b.z;
@@ -250,7 +253,7 @@ static void fill(double color[static 3], double value)
     color[0] = color[1] = color[2] = value;
 }
 
-// A steep ridge of opacity, a thousandth of the values wide: narrower than what any node of a cell would meet.
+// The ridge of opacity is a thousandth of the values wide: narrower than the distance between the nodes of a cell.
 static const struct scene_transfer_point RIDGE[] = {
     {0.4995, {0.2, 0.5, 0.9, 0.0}},
     {0.5, {1.0, 0.5, 0.1, 0.9}},
@@ -267,7 +270,7 @@ static struct still transfer_still(const struct density_grid *grid)
     return still;
 }
 
-// Light of plain sums of four million points along 12 m.
+// Light by plain sums of four million points along 12 m.
 static void sum_light(const struct density_grid *grid, const struct ray *ray, double radiance[static 3])
 {
     const int count = 4000000;
@@ -349,19 +352,19 @@ static void furnace_hides_grids_and_transfer_functions(void **state)
     }
 }
 
-// The grid, the light and the ray turned together about an axis, and moved.
+// The grid, the light and the ray are rotated together about an axis, and moved.
 static void a_turned_scene_is_as_bright(void **state)
 {
-    // A turn by 0.7 rad about z, then by 0.4 rad about x.
+    // The rotation is by 0.7 rad about z, then by 0.4 rad about x.
     const double a = cos(0.7), b = sin(0.7), c = cos(0.4), d = sin(0.4);
-    const double turn[12] = {a, -b, 0.0, 3.0, c * b, c * a, -d, -2.0, d * b, d * a, c, 1.0};
+    const double rotation[12] = {a, -b, 0.0, 3.0, c * b, c * a, -d, -2.0, d * b, d * a, c, 1.0};
     struct random random = {43};
     double turned_placement[12];
     float values[VOXELS];
 
     for (int column = 0; column < 4; column++) {
-        struct vec3 image = place(turn, PLACEMENT[column], PLACEMENT[4 + column], PLACEMENT[8 + column]);
-        struct vec3 shift = column < 3 ? place(turn, 0.0, 0.0, 0.0) : (struct vec3){0.0, 0.0, 0.0};
+        struct vec3 image = to_world(rotation, PLACEMENT[column], PLACEMENT[4 + column], PLACEMENT[8 + column]);
+        struct vec3 shift = column < 3 ? to_world(rotation, 0.0, 0.0, 0.0) : (struct vec3){0.0, 0.0, 0.0};
 
         turned_placement[column] = image.x - shift.x;
         turned_placement[4 + column] = image.y - shift.y;
@@ -383,13 +386,13 @@ static void a_turned_scene_is_as_bright(void **state)
         still.lights[0].position = (struct vec3){0.7, 1.1, -0.6};
         turned = still;
         turned.media[0].density = density_grid(&turned_grid);
-        turned.lights[0].position = place(turn, 0.7, 1.1, -0.6);
-        turned_ray.origin = place(turn, ray.origin.x, ray.origin.y, ray.origin.z);
-        turned_ray.direction = vec3_subtract(place(turn, ahead.x, ahead.y, ahead.z), turned_ray.origin);
+        turned.lights[0].position = to_world(rotation, 0.7, 1.1, -0.6);
+        turned_ray.origin = to_world(rotation, ray.origin.x, ray.origin.y, ray.origin.z);
+        turned_ray.direction = vec3_subtract(to_world(rotation, ahead.x, ahead.y, ahead.z), turned_ray.origin);
         first = integrate_ray(&still, &ray, 0.0, INFINITY, NULL);
         second = integrate_ray(&turned, &turned_ray, 0.0, INFINITY, NULL);
         assert_true(first.is_converged && first.radiance[0] > 1e-3);
-        // Refined alike but for roundings.
+        // Both scenes are refined alike except for roundings.
         assert_near(second.radiance[0], first.radiance[0], 1e-9 * first.radiance[0]);
         assert_near(second.transmittance[0], first.transmittance[0], 1e-12);
     }

@@ -30,7 +30,7 @@ static struct vec3 random_point(struct random *random, double half_size)
     return point;
 }
 
-// With 20 bits of fraction, so that sums with whole numbers are exact.
+// A point with 20 bits of fraction, so that its sums with whole numbers are exact.
 static struct vec3 random_exact_point(struct random *random, double half_size)
 {
     struct vec3 point = vec3_scale(random_point(random, half_size), 0x1p20);
@@ -46,10 +46,10 @@ static double density_of(const struct density_noise_params *params, struct vec3 
     return density_noise(&noise, position);
 }
 
-// What Perlin's own program prints there, quoted wherever it was written anew.
+// The value is the one that Perlin's own program prints at this point, as quoted wherever it was ported.
 static void noise_has_the_published_value(void **state)
 {
-    // Four units in the last place: sums in another order.
+    // The sums are in another order: four units in the last place.
     assert_near(density_noise_octave((struct vec3){3.14, 42.0, 7.0}), 0.13691995878400012, 4.0 * 0x1p-55);
 }
 
@@ -65,7 +65,7 @@ static void noise_is_zero_at_every_lattice_point(void **state)
     assert_true(density_noise_octave((struct vec3){-1e300, 1e300, 1e19}) == 0.0);
 }
 
-// Two of its components are 1 or -1, the third is 0: the direction to the middle of a cube's edge.
+// Two components of a gradient are 1 or -1, the third is 0: the direction to the middle of a cube's edge.
 static void slope_at_a_lattice_point_is_its_gradient(void **state)
 {
     const double h = 1e-4;
@@ -86,7 +86,7 @@ static void slope_at_a_lattice_point_is_its_gradient(void **state)
             (density_noise_octave((struct vec3){x, y, z + h}) - density_noise_octave((struct vec3){x, y, z - h})) /
             (2.0 * h);
         for (int c = 0; c < 3; c++) {
-            // The neighbours, which say up to 2 less or more, come in with 10 h^3.
+            // The ramps of the neighbours, whose values differ by up to 2, add up to 10 h^3.
             assert_near(slope[c], round(slope[c]), 20.0 * h * h);
             square += round(slope[c]) * round(slope[c]);
         }
@@ -115,7 +115,7 @@ static void noise_repeats_after_256_cells_along_each_axis(void **state)
     assert_true(other > 1400); // half of it is no period
 }
 
-// Quintic weights: slope and curvature are those of the next cell where it begins.
+// Interpolation weights are quintic: slope and curvature are continuous from one cell to the next.
 static void slope_and_curvature_are_continuous_between_cells(void **state)
 {
     const double h = 1e-3;
@@ -150,10 +150,10 @@ static void noise_keeps_its_range_and_its_mean(void **state)
         squares += value * value;
         largest = fmax(largest, fabs(value));
     }
-    // Eight ramps that all rise towards one point give 1.0364 there at most.
+    // The value is at most 1.0364, where eight ramps all rise towards one point.
     assert_true(largest < 1.0364);
     assert_true(largest > 0.75);
-    // Around each lattice point the ramp is odd and its weight even. Four standard errors.
+    // The ramp is odd about each lattice point and its weight is even, so that the mean is 0. Four standard errors.
     assert_near(sum / COUNT, 0.0, 4.0 * sqrt(squares / COUNT / COUNT));
 }
 
@@ -184,7 +184,8 @@ static void octaves_add_by_lacunarity_and_h(void **state)
     }
 }
 
-// Four equal octaves are 1 where one is a quarter: on the way from a lattice point to where it is more.
+// Finds a point where one octave is a quarter, so that four equal octaves are 1, between a lattice point and one of
+// more.
 static struct vec3 find_quarter(struct random *random)
 {
     struct vec3 high, low;
@@ -225,7 +226,7 @@ static void bias_is_a_power_that_keeps_zero_and_one(void **state)
         assert_true(density_of(&params, (struct vec3){i, -4.0, 5.0}) == 0.0);
         params.octaves = 4;
         params.lacunarity = 1.0;
-        // 19 is the largest exponent, which multiplies the roundings.
+        // 1e-12: the largest exponent is 19, which multiplies the roundings.
         assert_near(density_of(&params, find_quarter(&random)), 1.0, 1e-12);
     }
 }
@@ -249,7 +250,7 @@ static void rotation_turns_the_point_about_the_center(void **state)
         q = vec3_add(vec3_scale((struct vec3){d.x * c + d.z * s, d.y, -d.x * s + d.z * c}, 3.0), turned.offset);
         wanted = 0.5 * (1.0 + density_noise_octave(q));
         assert_near(density_of(&turned, p), wanted, 1e-12);
-        // A third of a turn about the diagonal takes x to y, y to z, z to x.
+        // A rotation by 120 degrees about the diagonal takes x to y, y to z, z to x.
         turned.axis = (struct vec3){1.0, 1.0, 1.0};
         turned.angle_deg = 120.0;
         q = vec3_add(vec3_scale((struct vec3){d.z, d.x, d.y}, 3.0), turned.offset);

@@ -23,7 +23,7 @@ static void normal_incidence_is_as_known(void **state)
     assert_near(fresnel_exact(1.0, 1.0 / 1.5), 0.04, 1e-15);
 }
 
-// At Brewster's angle tan theta = 1 / eta the light along the plane of incidence is not reflected at all.
+// Light polarised along the plane of incidence is not reflected at all at Brewster's angle, tan theta = 1 / eta.
 static void brewster_reflects_one_polarisation(void **state)
 {
     for (int i = 0; i < ETA_COUNT; i++) {
@@ -60,8 +60,8 @@ static void all_is_reflected_beyond_the_critical_angle(void **state)
     }
 }
 
-// The same way back the same share is reflected.
-static void both_ways_reflect_alike(void **state)
+// The same share is reflected in the opposite direction along the same path.
+static void both_directions_reflect_alike(void **state)
 {
     const struct fresnel kinds[] = {{.kind = SCENE_FRESNEL_EXACT},
                                     {.kind = SCENE_FRESNEL_SCHLICK, .f90 = 1.0},
@@ -90,7 +90,7 @@ static void schlick_follows_its_formula(void **state)
     assert_near(fresnel_share(&given, 0.5, 1.0, 1.5), 0.2 + 0.7 / 32.0, 1e-15);
     assert_near(fresnel_share(&free, 1.0, 1.0, 1.5), 0.04, 1e-15);
     assert_near(fresnel_share(&free, 0.5, 1.0, 1.5), 0.04 + 0.96 / 32.0, 1e-15);
-    // Leaving, the cosine is that of the thinner side.
+    // The cosine is that of the thinner side where light leaves the denser one.
     assert_near(fresnel_share(&free, sqrt(1.0 - 0.75 / 2.25), 1.5, 1.0), 0.04 + 0.96 / 32.0, 1e-12);
 }
 
@@ -117,9 +117,9 @@ static void refraction_obeys_snell(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(normal_incidence_is_as_known), cmocka_unit_test(brewster_reflects_one_polarisation),
-        cmocka_unit_test(grazing_light_is_reflected),   cmocka_unit_test(all_is_reflected_beyond_the_critical_angle),
-        cmocka_unit_test(both_ways_reflect_alike),      cmocka_unit_test(schlick_follows_its_formula),
+        cmocka_unit_test(normal_incidence_is_as_known),  cmocka_unit_test(brewster_reflects_one_polarisation),
+        cmocka_unit_test(grazing_light_is_reflected),    cmocka_unit_test(all_is_reflected_beyond_the_critical_angle),
+        cmocka_unit_test(both_directions_reflect_alike), cmocka_unit_test(schlick_follows_its_formula),
         cmocka_unit_test(refraction_obeys_snell),
     };
 

@@ -35,7 +35,7 @@ static struct shape random_shape(struct random *random)
     }
 }
 
-// Each sends on all light that it gets.
+// Each material sends on all the light that it gets.
 static struct material random_material(struct random *random)
 {
     static const double IORS[] = {1.0, 1.2, 1.5, 2.4, 0.8};
@@ -81,7 +81,7 @@ static void make_scene(struct still *still, struct random *random)
     }
 }
 
-// False when it starts in something opaque.
+// False where the ray starts in an opaque object.
 static bool pick_ray(const struct still *still, struct random *random, struct ray *ray)
 {
     struct object_walk walk;
@@ -92,8 +92,8 @@ static bool pick_ray(const struct still *still, struct random *random, struct ra
     return !objects_is_opaque(&still->objects, walk.pieces[0].region);
 }
 
-// What is cut is all that is missing; 1e-12: sums of some hundred rays.
-static void nothing_is_lost_but_what_is_cut(void **state)
+// Cut rays carry all the light that is missing; 1e-12: sums of some hundred rays.
+static void only_cut_light_is_lost(void **state)
 {
     struct random random = {1};
     double rays = 0.0, cut = 0.0;
@@ -143,12 +143,12 @@ static void media_that_glow_as_they_absorb_hide_in_it(void **state)
             seen = trace_ray(&still, &ray, (uint64_t)k, NULL);
             assert_true(seen.is_converged);
             for (int c = 0; c < 3; c++)
-                assert_near(seen.radiance[c] + seen.cut_throughput, 1.0, 1e-4); // what each ray is good for
+                assert_near(seen.radiance[c] + seen.cut_throughput, 1.0, 1e-4); // the accuracy of each ray
         }
     }
 }
 
-// Half metres, so that faces, edges and corners of several lie in one place.
+// Coordinates are multiples of half a metre, so that faces, edges and corners of several objects coincide.
 static double lattice(struct random *random, int low, int high)
 {
     return 0.5 * floor(random_between(random, low, high));
@@ -178,7 +178,7 @@ static void make_touching_scene(struct still *still, struct random *random)
     }
 }
 
-// Rays from lattice point to lattice point, along faces, through edges and corners, and from there.
+// Rays run from lattice point to lattice point, along faces, through edges and corners, and start there.
 static void nothing_is_lost_between_touching_objects(void **state)
 {
     struct random random = {7};
@@ -207,7 +207,7 @@ static void nothing_is_lost_between_touching_objects(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_lost_but_what_is_cut),
+        cmocka_unit_test(only_cut_light_is_lost),
         cmocka_unit_test(media_that_glow_as_they_absorb_hide_in_it),
         cmocka_unit_test(nothing_is_lost_between_touching_objects),
     };

@@ -48,7 +48,7 @@ static void glow_is_plancks_light_at_the_grids_temperature(void **state)
 
         glow.at(glow.field, position, source);
         blackbody_rgb(1700.0 * grid_value(&field.grid, position), wanted);
-        // 1e-6 of the brightest channel: far below what the light is integrated to.
+        // 1e-6 of the brightest channel: far below the accuracy of the integrator.
         for (int c = 0; c < 3; c++)
             assert_near(source[c], 0.3 * wanted[c], 1e-6 * 0.3 * fmax(wanted[0], wanted[1]));
     }
@@ -75,7 +75,7 @@ static void cold_and_outside_are_dark(void **state)
     assert_near(source[0], 0.0, 0.0);
 }
 
-// Temperatures on another lattice than the density's, against plain sums of a hundred thousand points along 10 m.
+// Temperatures have another lattice than the density; the truth is plain sums of a hundred thousand points along 10 m.
 static void lattices_that_differ_converge(void **state)
 {
     const int count = 100000;
@@ -116,7 +116,7 @@ static void lattices_that_differ_converge(void **state)
             share *= exp(-rho * step);
         }
         assert_true(result.is_converged && radiance[0] > 0.1);
-        // 1e-4 is promised; where the grids jump at their faces the sums are off by up to half a step of 1e-4.
+        // 1e-4 is promised; the sums are off by up to half a step of 1e-4 where the grids jump at their faces.
         for (int c = 0; c < 3; c++)
             assert_near(result.radiance[c], radiance[c], 2e-4 * radiance[0]);
     }
