@@ -50,7 +50,7 @@ static void add_point(struct still *still, struct vec3 position, double intensit
     fill(light->intensity, intensity);
 }
 
-// The default accuracy, 1e-4, is what each radiance is held to.
+// The tolerance of each radiance is the default accuracy, 1e-4.
 static void assert_radiance(const struct still *still, const struct ray *ray, double wanted)
 {
     struct integrate_result result = integrate_ray(still, ray, 0.0, INFINITY, NULL);
@@ -100,7 +100,7 @@ static void back_lit_slab_sends_light_forwards(void **state)
     assert_radiance(&still, &ALONG_Z, closed_form_back_lit_slab(2.0, 2.5, 1.0, phase_henyey_greenstein(0.6, 1.0), 7.0));
 }
 
-// The nearer the light to the ray, the narrower the peak that the refinement must find.
+// The peak that the refinement must find is the narrower, the nearer the light is to the ray.
 static void light_beside_a_ray_falls_with_the_square(void **state)
 {
     static const double HEIGHTS[] = {1.0, 0.1, 1e-3, 1e-5, 1e-6};
@@ -115,7 +115,7 @@ static void light_beside_a_ray_falls_with_the_square(void **state)
     }
 }
 
-// The slab reaches 10 m beyond the light, all of it behind the light as seen from the ray.
+// The slab extends 10 m beyond the light, all of it behind the light as seen from the ray.
 static void shadows_end_at_the_light(void **state)
 {
     struct homogeneous_box thick = {INFINITY, INFINITY, 10.0};
@@ -126,10 +126,10 @@ static void shadows_end_at_the_light(void **state)
     fill(still.media[0].sigma_s, 1.0);
     add_point(&still, (struct vec3){0.0, 0.0, -8.0}, 1.0);
     still.lights[0].falloff = SCENE_FALLOFF_NONE;
-    // One metre of the ray, the light one metre before its start: T T_light = exp(-t) exp(-(t + 1)).
+    // The ray is one metre long, the light one metre before its start: T T_light = exp(-t) exp(-(t + 1)).
     toward = integrate_ray(&still, &(struct ray){{0.0, 0.0, -7.0}, {0.0, 0.0, 1.0}}, 0.0, 1.0, NULL).radiance[0];
     assert_near(toward, exp(-1.0) * (1.0 - exp(-2.0)) / 2.0 / (4.0 * M_PI), 1e-4 * toward);
-    // The other way, one metre short of the light: T T_light = exp(-t) exp(-(2 - t)).
+    // The opposite ray ends one metre short of the light: T T_light = exp(-t) exp(-(2 - t)).
     away = integrate_ray(&still, &(struct ray){{0.0, 0.0, -6.0}, {0.0, 0.0, -1.0}}, 0.0, 1.0, NULL).radiance[0];
     assert_near(away, exp(-2.0) / (4.0 * M_PI), 1e-4 * away);
 }
@@ -140,7 +140,7 @@ static void clips_bound_the_gathering_not_the_shadows(void **state)
     struct integrate_result result;
 
     add_sun(&still, (struct vec3){0.0, 0.0, 1.0}, 1.0);
-    // The last half metre of the slab: its light has crossed the first half, the camera's ray has not.
+    // The last half metre of the slab counts: its light has crossed the first half, the camera's ray has not.
     result = integrate_ray(&still, &ALONG_Z, 3.0, 3.5, NULL);
     assert_near(result.radiance[0], exp(-0.5) * (1.0 - exp(-1.0)) / 2.0 / (4.0 * M_PI), 1e-5);
     assert_near(result.transmittance[0], exp(-0.5), 1e-4);
@@ -181,7 +181,7 @@ static void media_and_lights_add(void **state)
     assert_radiance(&two, &ALONG_Z, wanted);
 }
 
-// Power that leaves a sphere of radius 1 in all directions, per power of the sun that falls on it.
+// Power that leaves a sphere of radius 1 in all directions, relative to the power of the sun that falls on it.
 static double scattered_share(double sigma_s, double g)
 {
     enum { POLAR = 10, RADIAL = 8, AROUND = 8 };
@@ -218,7 +218,7 @@ static void no_more_light_leaves_than_arrives(void **state)
 
 static void thin_medium_sends_out_all_it_scatters(void **state)
 {
-    // Volume 4 pi / 3 over cross-section pi; 1 %: the directions and rays are few.
+    // The ratio is the volume 4 pi / 3 over the cross-section pi; 1 %: the directions and rays are few.
     assert_near(scattered_share(1e-4, 0.3) / (1e-4 * 4.0 / 3.0), 1.0, 0.01);
 }
 
@@ -231,7 +231,7 @@ static void refinement_says_when_it_was_stopped_short(void **state)
     assert_false(integrate_ray(&still, &ALONG_Z, 0.0, INFINITY, &accuracy).is_converged);
 }
 
-// A layer that thins out from its middle, in a span that ends outside of it.
+// A layer whose density falls linearly from its middle, in a span that ends outside of it.
 struct ridge {
     double middle, half;
     double begin, end; // of the span, along ALONG_Z
@@ -260,7 +260,7 @@ static void add_ridge(struct still *still, const struct ridge *ridge, double sig
     fill(medium->emission, emission);
 }
 
-// Kinks without ends: after two halvings that agree by accident comes one that does not.
+// The kinks are not ends of spans: two halvings may agree by accident before one that does not.
 static void kinks_cost_no_accuracy(void **state)
 {
     for (double half = 0.06; half < 0.16; half += 0.01) {
@@ -272,7 +272,8 @@ static void kinks_cost_no_accuracy(void **state)
     }
 }
 
-// In cells so thick the rough guess is too bright by powers of ten, and would leave the thin ridge before it unrefined.
+// The first estimate in cells this thick is too bright by powers of ten. It must not leave the thin ridge in front
+// unrefined.
 static void wrong_guess_of_the_radiance_costs_no_accuracy(void **state)
 {
     struct ridge thick = {0.0, 0.45, 2.5, 3.5}, thin = {-1.0, 0.2, 1.7, 2.45};
@@ -294,8 +295,9 @@ static void light_near_the_ray_is_found_beside_a_bright_glow(void **state)
                     glow + thin * 5e7 / (4.0 * M_PI) * closed_form_inverse_square(height, 0.13, -0.5, 0.5));
 }
 
-// Nothing shines, so that only the transmittance asks for refinement; the density's root is hard on Gauss' rule.
-static void black_medium_passes_what_its_column_says(void **state)
+// The medium emits nothing, so that only the transmittance asks for refinement. The density is a root, which converges
+// slowly by Gauss' rule.
+static void black_medium_transmits_by_its_optical_depth(void **state)
 {
     struct density_fold_fractal fractal;
     struct still still = {.medium_count = 1};
@@ -336,7 +338,7 @@ int main(void)
         cmocka_unit_test(kinks_cost_no_accuracy),
         cmocka_unit_test(light_near_the_ray_is_found_beside_a_bright_glow),
         cmocka_unit_test(wrong_guess_of_the_radiance_costs_no_accuracy),
-        cmocka_unit_test(black_medium_passes_what_its_column_says),
+        cmocka_unit_test(black_medium_transmits_by_its_optical_depth),
         cmocka_unit_test(empty_ray_is_black_and_clear),
     };
 

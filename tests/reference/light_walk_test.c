@@ -21,7 +21,7 @@ static double walk(const struct still *still, const struct ray *ray, double dist
     return share[1];
 }
 
-// Of unpolarised light that enters glass at an angle.
+// Fresnel reflectance of unpolarised light that enters glass at an angle.
 static double reflected(double angle, double ior)
 {
     double cos_in = cos(angle), cos_out = sqrt(1.0 - sin(angle) * sin(angle) / (ior * ior));
@@ -31,7 +31,7 @@ static double reflected(double angle, double ior)
     return 0.5 * (across * across + along * along);
 }
 
-static void a_plate_takes_what_it_reflects_and_absorbs(void **state)
+static void a_plate_reflects_and_absorbs(void **state)
 {
     const struct shape plate = solid_box((struct vec3){0.0, 0.0, 0.0}, (struct vec3){40.0, 40.0, 0.25});
     const struct material glass = solid_glass(SCENE_FRESNEL_EXACT, 1.5);
@@ -45,11 +45,12 @@ static void a_plate_takes_what_it_reflects_and_absorbs(void **state)
         solid_still_add(&still, &glass, &plate, 1);
         solid_still_fill(&still, 1, 0.5, 0.25);
         assert_near(walk(&still, &ray, INFINITY), passed * passed * exp(-0.75 * length), 1e-12);
-        // To a light inside, and from one.
+        // The same holds for a light inside the plate, and for a ray from inside.
         assert_near(walk(&still, &ray, 4.0 / cos(angle)), passed * exp(-0.75 * 0.5 * length), 1e-12);
         ray.origin.z = 0.0;
         assert_near(walk(&still, &ray, INFINITY), passed * exp(-0.75 * 0.5 * length), 1e-12);
-        // Nothing is totally reflected in a gap between plates either: light is taken to come from the thinner side.
+        // Light is taken to come from the thinner side, so that nothing is totally reflected in a gap between plates
+        // either.
         still.objects.list[0].material.ior = 1.0 / 1.5;
         passed = 1.0 - reflected(angle, 1.5);
         assert_near(walk(&still, &ray, INFINITY), passed * exp(-0.75 * 0.5 * length), 1e-12);
@@ -77,7 +78,7 @@ static void opaque_solids_hide_the_light(void **state)
     }
 }
 
-static void boundaries_between_equals_take_nothing(void **state)
+static void boundaries_between_equals_reflect_nothing(void **state)
 {
     const struct shape parts[] = {solid_box((struct vec3){0.0, 0.0, -0.5}, (struct vec3){1.0, 1.0, 0.5}),
                                   solid_box((struct vec3){0.0, 0.0, 0.25}, (struct vec3){1.0, 1.0, 0.75})};
@@ -88,12 +89,12 @@ static void boundaries_between_equals_take_nothing(void **state)
     solid_still_add(&still, &glass, parts, 2);
     solid_still_fill(&still, 1, 0.0, 0.3);
     assert_near(walk(&still, &UPWARDS, INFINITY), 0.96 * 0.96 * exp(-0.6), 1e-12);
-    // Two objects of one glass.
+    // Both objects are of the same glass.
     solid_still_init(&still);
     solid_still_add(&still, &glass, &parts[0], 1);
     solid_still_add(&still, &glass, &parts[1], 1);
     assert_near(walk(&still, &UPWARDS, INFINITY), 0.96 * 0.96, 1e-12);
-    // Of two: the later one's boundary lies in the earlier one.
+    // The glasses differ: the later one's boundary lies in the earlier one.
     still.objects.list[1].material = dense;
     solid_still_fill(&still, 1, 0.0, 0.3);
     solid_still_fill(&still, 2, 0.0, 0.7);
@@ -132,8 +133,10 @@ static void schlick_counts_for_light_as_well(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plate_takes_what_it_reflects_and_absorbs), cmocka_unit_test(opaque_solids_hide_the_light),
-        cmocka_unit_test(boundaries_between_equals_take_nothing),     cmocka_unit_test(the_air_ends_where_objects_are),
+        cmocka_unit_test(a_plate_reflects_and_absorbs),
+        cmocka_unit_test(opaque_solids_hide_the_light),
+        cmocka_unit_test(boundaries_between_equals_reflect_nothing),
+        cmocka_unit_test(the_air_ends_where_objects_are),
         cmocka_unit_test(schlick_counts_for_light_as_well),
     };
 

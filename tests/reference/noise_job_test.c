@@ -1,4 +1,5 @@
-// jobs/noise.json describes the scene that it is named after: its density is computed here once more, from frame numbers.
+// The scene of jobs/noise.json is the one that it is named after: its density is computed here once more, from frame
+// numbers.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "reference/still.h"
@@ -13,7 +14,8 @@
 
 #include <cmocka.h>
 
-// A ball of radius 1, thinning out over its outer fifth, in which five clipped octaves make one turn in 120 frames.
+// The density is a ball of radius 1 whose outer fifth fades out, of five clipped octaves that rotate once in 120
+// frames.
 static double density_of_frame(int frame, struct vec3 p)
 {
     double theta = (frame - 1) / 120.0 * 2.0 * M_PI;
@@ -50,7 +52,7 @@ static void density_is_the_documents_in_every_frame(void **state)
             struct vec3 p = {x, y, random_between(&random, -1.1, 1.1)};
             double wanted = density_of_frame(FRAMES[i], p);
 
-            // Roundings of the angle, times slopes that reach 40 in the finest octave.
+            // 1e-12: roundings of the angle, times slopes that reach 40 in the finest octave.
             assert_near(still.media[0].density.at(still.media[0].density.field, p), wanted, 1e-12);
             positive += wanted > 0.0;
         }

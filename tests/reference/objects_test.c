@@ -36,7 +36,7 @@ static void assert_walk(const struct still *still, const struct ray *ray, const 
     assert_true(isinf(begin));
 }
 
-static void later_objects_are_there_alone(void **state)
+static void later_objects_replace_earlier_ones(void **state)
 {
     const struct shape big = solid_sphere(0.0, 0.0, 0.0, 2.0), small = solid_sphere(0.0, 0.0, 0.0, 1.0);
     const struct shape aside = solid_sphere(0.0, 0.0, 2.0, 0.5);
@@ -49,7 +49,7 @@ static void later_objects_are_there_alone(void **state)
     solid_still_add(&still, &glass, &aside, 1);
     assert_walk(&still, &DOWN_Z,
                 (const struct wanted_piece[]){{1.5, 0}, {2.5, 3}, {3.0, 1}, {5.0, 2}, {6.0, 1}, {INFINITY, 0}}, 6);
-    // The big one last hides the small one.
+    // The big sphere comes last and hides the small one.
     solid_still_init(&still);
     solid_still_add(&still, &glass, &small, 1);
     solid_still_add(&still, &glass, &big, 1);
@@ -67,7 +67,7 @@ static void unions_have_no_boundaries_inside(void **state)
 
     solid_still_init(&still);
     solid_still_add(&still, &glass, shapes, 3);
-    // The boxes touch; the sphere reaches into one of them.
+    // The boxes touch; the sphere overlaps one of them.
     assert_walk(&still, &DOWN_Z, (const struct wanted_piece[]){{1.5, 0}, {6.0, 1}, {INFINITY, 0}}, 3);
     objects_walk(&still.objects, &DOWN_Z, INFINITY, &walk);
     assert_int_equal(walk.pieces[0].shape, 2);
@@ -98,7 +98,7 @@ static void boundaries_in_one_place_are_crossed_together(void **state)
             assert_int_equal(walk.count, 3);
             assert_int_equal(walk.pieces[1].region, order ? 2 : 1);
             assert_int_equal(walk.pieces[2].region, order ? 1 : 2);
-            // And from there: into the wall, or back into the plate.
+            // A ray from that point goes into the wall, or back into the plate.
             ray.origin = ray_at(&ray, walk.pieces[1].end);
             objects_walk(&still.objects, &ray, INFINITY, &walk);
             assert_int_equal(walk.count, 1);
@@ -111,7 +111,7 @@ static void boundaries_in_one_place_are_crossed_together(void **state)
     }
 }
 
-static void walks_end_where_they_are_asked_to(void **state)
+static void walks_end_at_the_given_distance(void **state)
 {
     const struct shape ball = solid_sphere(0.0, 0.0, 0.0, 1.0);
     const struct material glass = solid_glass(SCENE_FRESNEL_EXACT, 1.5);
@@ -133,10 +133,10 @@ static void walks_end_where_they_are_asked_to(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(later_objects_are_there_alone),
+        cmocka_unit_test(later_objects_replace_earlier_ones),
         cmocka_unit_test(unions_have_no_boundaries_inside),
         cmocka_unit_test(boundaries_in_one_place_are_crossed_together),
-        cmocka_unit_test(walks_end_where_they_are_asked_to),
+        cmocka_unit_test(walks_end_at_the_given_distance),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -14,7 +14,8 @@
 static const double LOBES[] = {-0.999, -0.5, -0.2, 0.0, 0.3, 0.8, 0.99, 0.999};
 enum { LOBE_COUNT = sizeof LOBES / sizeof LOBES[0] };
 
-// Integrates cos^power p over the sphere. With cos = sign(g) (1 - w^2) and w = v^3 the peak of width 1 - |g| is resolved.
+// Integrates cos^power p over the sphere. The substitution cos = sign(g) (1 - w^2) and w = v^3 resolves the peak of
+// width 1 - |g|.
 static double moment(double g, int power)
 {
     const int count = 20000;

@@ -57,13 +57,13 @@ static void cloud_is_converged(void **state)
         difference = difference_of(&still, 1e-4, 1e-6);
         print_message("t = %.1f: 1e-4 against 1e-6: relative RMSE %.2e, largest %.2e\n", TIMES[i],
                       difference.relative_rmse, difference.largest);
-        // What the accuracy promises; and no pixel may stand out by ten times that.
+        // 1e-4 is the accuracy promised; no pixel may be off by more than ten times that.
         assert_true(difference.relative_rmse <= 1e-4);
         assert_true(difference.largest <= 1e-3);
     }
 }
 
-// The same light by plain midpoint sums with steps far below the cloud's folds: no spans, no Gauss, no refinement.
+// Radiance by plain midpoint sums with steps far below the cloud's folds: no spans, no Gauss, no refinement.
 static double summed_radiance(const struct still *still, const struct ray *ray)
 {
     const double step = 5e-4;
@@ -98,13 +98,14 @@ static void cloud_agrees_with_plain_sums(void **state)
     int compared = 0;
 
     cloud_at(&still, 2.0);
-    // Pixels that show the lit side.
+    // Every second pixel is compared, if it shows the lit side.
     for (int i = 0; i < PIXELS; i += 2) {
         struct ray ray = camera_pinhole_ray(&still.camera, i % WIDTH_PX + 0.5, i / WIDTH_PX + 0.5);
         double radiance = reference_measure_pixel(&still, i % WIDTH_PX, i / WIDTH_PX, NULL).radiance[0];
 
         if (radiance < 2e-3) continue;
-        // Both promise 1e-4: the sums have a step 300 times smaller than the cloud's radius, and are of second order.
+        // Both are accurate to 1e-4: the sums have a step 300 times smaller than the cloud's radius, and are of second
+        // order.
         assert_near(radiance, summed_radiance(&still, &ray), 1e-4 * radiance);
         compared++;
     }
@@ -149,7 +150,7 @@ static void job_numbers_stand_for_all_channels(void **state)
     assert_near(still.fields[0].fold_fractal.sin_x, sin(-0.4), 1e-15);
 }
 
-// A camera at z = -3 before a slab of half a metre to either side of z = 0.
+// The camera stands at z = -3 before a slab of half a metre to either side of z = 0.
 static struct still slab_still(const struct homogeneous_box *slab, double sigma_a)
 {
     struct still still = {.medium_count = 1};
@@ -184,7 +185,7 @@ static void depth_is_where_half_the_light_is_left(void **state)
 
     // 1e-9: forty halvings of a few metres.
     assert_near(reference_measure_depth(&still, 1, 1), 2.5 + log(2.0) / 2.0, 1e-9);
-    // Along a slanted ray the same way is less deep.
+    // The same distance along a slanted ray is less deep.
     assert_near(reference_measure_depth(&still, 0, 0), 2.5 + log(2.0) / 2.0 * corner.direction.z, 1e-9);
     fill(still.media[0].sigma_a, 0.5);
     assert_near(reference_measure_depth(&still, 1, 1), 0.0, 0.0);

@@ -14,8 +14,8 @@ enum { DRAWS = 20000 };
 
 static const struct vec3 NORMAL = {0.48, 0.6, -0.64};
 
-// Looked at along the normal nothing is drawn again; the mean of (1 + r z) / sqrt(1 + 2 r z + r^2) over z in [-1, 1] is
-// 1 - r^2 / 3.
+// No normal is rejected where the ray comes along the normal; the mean of (1 + r z) / sqrt(1 + 2 r z + r^2) over z in
+// [-1, 1] is 1 - r^2 / 3.
 static void normals_lean_as_far_as_they_should(void **state)
 {
     for (int i = 1; i <= 10; i++) {
@@ -31,9 +31,9 @@ static void normals_lean_as_far_as_they_should(void **state)
             sum = vec3_add(sum, normal);
         }
         cosine = vec3_dot(sum, NORMAL) / DRAWS;
-        // Four standard errors of a number that has a deviation of up to 0.3.
+        // The tolerance is four standard errors of a number that has a deviation of up to 0.3.
         assert_near(cosine, 1.0 - roughness * roughness / 3.0, 4.0 * 0.3 / sqrt(DRAWS));
-        // To no side more than to another.
+        // The mean normal leans to no side.
         assert_near(vec3_length(vec3_subtract(vec3_scale(sum, 1.0 / DRAWS), vec3_scale(NORMAL, cosine))), 0.0, 0.02);
     }
 }

@@ -1,4 +1,4 @@
-// Media in the shadows of objects: what a thin one scatters tells how long the lit parts of a ray are.
+// Media in the shadows of objects: the light that a thin medium scatters measures the length of the lit parts of a ray.
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/shadow_edges.h"
 
@@ -22,7 +22,7 @@ enum { LENGTH = 40 };
 
 static void init_thin(struct still *still, const struct shape *shapes, size_t count)
 {
-    // A sheet around the ray: an endless medium would let no sunlight in.
+    // The medium is a sheet around the ray, because an endless medium would let no sunlight in.
     static const struct homogeneous_box sheet = {INFINITY, 0.1, INFINITY};
     const struct material silver = solid_mirror(1.0);
 
@@ -44,7 +44,7 @@ static void add_lamp(struct still *still, struct vec3 position)
         (struct light){.falloff = SCENE_FALLOFF_NONE, .intensity = {1.0, 1.0, 1.0}, .position = position};
 }
 
-// Metres of the ray that are lit.
+// Length of the lit parts of the ray, in metres.
 static double lit_length(const struct still *still)
 {
     const struct integrate_accuracy accuracy = {.floor = 1e-16};
@@ -55,7 +55,7 @@ static double lit_length(const struct still *still)
     return result.radiance[0] * 4.0 * M_PI / THIN;
 }
 
-// 1e-7: the ends are where shadows end, and between them there is nothing to integrate.
+// 1e-7: the ends are where shadows end; between them the integrand is smooth.
 static void assert_lit(const struct still *still, double wanted)
 {
     assert_near(lit_length(still), wanted, 1e-7);
@@ -73,11 +73,11 @@ static void balls_cast_round_shadows(void **state)
 
         init_thin(&still, &ball, 1);
         add_sun(&still, (struct vec3){0.6, -0.8, 0.0});
-        // The shadow of a disc, on a line that the light meets at a sine of 0.8.
+        // The shadow is that of a disc, on a line that the light meets at a sine of 0.8.
         assert_lit(&still, LENGTH - 2.0 * half / 0.8);
         still.light_count = 0;
         add_lamp(&still, (struct vec3){0.0, 6.0, 0.0});
-        // The tangents' angles to the lamp's perpendicular.
+        // Angles of the tangents to the lamp's perpendicular.
         near = atan2(ball.center.x, 3.0) - asin(half / hypot(ball.center.x, 3.0));
         far = atan2(ball.center.x, 3.0) + asin(half / hypot(ball.center.x, 3.0));
         assert_lit(&still, LENGTH - fmax(fmin(6.0 * tan(far), 20.0) - fmax(6.0 * tan(near), -20.0), 0.0));
@@ -97,11 +97,11 @@ static void boxes_cast_shadows_with_corners(void **state)
 
         init_thin(&still, &box, 1);
         add_sun(&still, (struct vec3){0.6, -0.8, 0.0});
-        // Along the light's slant the box is as wide as its width and its height's shadow.
+        // The box's shadow is as wide as its width and the slanted shadow of its height.
         assert_lit(&still, LENGTH - (is_met ? 2.0 * half.x + 2.0 * half.y * 0.75 : 0.0));
         still.light_count = 0;
         add_lamp(&still, (struct vec3){x, 6.0, 0.0});
-        // Right above it, its upper corners limit the shadow.
+        // The box's upper corners limit the shadow of a lamp right above it.
         assert_lit(&still, LENGTH - (is_met ? 2.0 * half.x * 6.0 / (4.0 - half.y) : 0.0));
     }
 }
@@ -115,20 +115,20 @@ static void later_shapes_take_from_the_shadows_of_others(void **state)
     init_thin(&still, shapes, 2);
     add_sun(&still, (struct vec3){0.0, -1.0, 0.0});
     assert_lit(&still, LENGTH - 3.0);
-    // Glass in which a part of the mirror is hidden: light comes through where the glass is last.
+    // The glass hides a part of the mirror: light passes where the glass is last.
     still.objects.list[0].material = solid_mirror(1.0);
     still.objects.list[1].material = solid_glass(SCENE_FRESNEL_NONE, 1.0);
-    // The box takes the disc's middle band from x = 0 on; above and below it the disc is left.
+    // The box replaces the disc's middle band from x = 0 on; the disc stays above and below the band.
     assert_lit(&still, LENGTH - 1.0 - sqrt(0.75));
     still.objects.shapes[1].half = (struct vec3){1.0, 1.0, 1.0};
     assert_lit(&still, LENGTH - 1.0);
-    // Two discs: where the second has the longer chord, nothing of the first is left.
+    // Both are discs: nothing of the first one's shadow is left where the second has the longer chord.
     still.objects.shapes[1] = solid_sphere(0.93, 2.0, 0.0, 1.2);
     assert_lit(&still, LENGTH - 1.0 - (0.93 * 0.93 + 1.0 - 1.2 * 1.2) / (2.0 * 0.93));
 }
 
-// In a slanted section through circles and planes.
-static void many_shadows_are_as_long_as_stepping_says(void **state)
+// The section through circles and planes is slanted.
+static void many_shadows_agree_with_stepping(void **state)
 {
     enum { STEPS = 100000 };
     struct random random = {6};
@@ -146,7 +146,7 @@ static void many_shadows_are_as_long_as_stepping_says(void **state)
                               : solid_box(center, (struct vec3){random_between(&random, 0.2, 1.5), 0.5, 0.7});
         }
         init_thin(&still, shapes, 6);
-        // Two of them let light through where they are last.
+        // Two of the objects pass light where they are last.
         still.objects.list[2].material = still.objects.list[5].material = solid_glass(SCENE_FRESNEL_NONE, 1.0);
         if (i % 2)
             add_sun(&still, (struct vec3){0.3, -0.9, 0.1});
@@ -154,21 +154,21 @@ static void many_shadows_are_as_long_as_stepping_says(void **state)
             add_lamp(&still, (struct vec3){0.5, 7.0, 0.3});
         for (int k = 0; k < STEPS; k++) {
             struct light_arrival arrival = light_arrive(&still.lights[0], ray_at(&ALONG_X, (k + 0.5) * LENGTH / STEPS));
-            struct ray way = {ray_at(&ALONG_X, (k + 0.5) * LENGTH / STEPS), vec3_scale(arrival.travel, -1.0)};
+            struct ray shadow_ray = {ray_at(&ALONG_X, (k + 0.5) * LENGTH / STEPS), vec3_scale(arrival.travel, -1.0)};
             struct object_walk walk;
             bool is_dark = false;
 
-            objects_walk(&still.objects, &way, arrival.distance, &walk);
+            objects_walk(&still.objects, &shadow_ray, arrival.distance, &walk);
             for (size_t p = 0; p < walk.count; p++)
                 is_dark = is_dark || objects_is_opaque(&still.objects, walk.pieces[p].region);
             lit += !is_dark;
         }
-        // Every edge may be half a step off; there are up to a dozen.
+        // Each edge may be half a step off; there are up to a dozen.
         assert_near(lit_length(&still), (double)lit * LENGTH / STEPS, 12.0 * LENGTH / STEPS);
     }
 }
 
-// Each sees the lamp through what it leaves, and the roots that Fresnel's shares start with at a silhouette.
+// Each object passes a share of the lamp's light. Fresnel's shares start like a root at a silhouette.
 static void shadows_of_glass_converge(void **state)
 {
     const struct shape shapes[] = {solid_sphere(0.0, 3.0, 0.2, 1.0),
@@ -197,7 +197,7 @@ int main(void)
         cmocka_unit_test(balls_cast_round_shadows),
         cmocka_unit_test(boxes_cast_shadows_with_corners),
         cmocka_unit_test(later_shapes_take_from_the_shadows_of_others),
-        cmocka_unit_test(many_shadows_are_as_long_as_stepping_says),
+        cmocka_unit_test(many_shadows_agree_with_stepping),
         cmocka_unit_test(shadows_of_glass_converge),
     };
 

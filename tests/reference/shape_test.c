@@ -29,7 +29,7 @@ static struct vec3 random_vector(struct random *random)
     return (struct vec3){x, y, random_between(random, -1.0, 1.0)};
 }
 
-// Said by what the shapes are, not by how rays meet them.
+// Containment by the definition of each shape, without rays.
 static bool contains(const struct shape *shape, struct vec3 p)
 {
     struct vec3 offset = vec3_subtract(p, shape->center);
@@ -91,7 +91,7 @@ static void boundary_faces_away_from_the_solid(void **state)
     }
 }
 
-// Wherever on the boundary roundings have put the origin.
+// The origin may be on either side of the boundary, by rounding.
 static void rays_from_the_boundary_are_inside_when_they_go_inwards(void **state)
 {
     struct random random = {19};
@@ -111,7 +111,7 @@ static void rays_from_the_boundary_are_inside_when_they_go_inwards(void **state)
         ray.direction = vec3_scale(ray.direction, -1.0);
         assert_false(shape_cross(shape, &ray, &begin, &end));
         ray.direction = vec3_normalize(vec3_cross(normal, random_vector(&random)));
-        // Along a plane's and a box's face; a sphere has roundings to either side.
+        // The rays run along a plane's and a box's face; a sphere has roundings to either side.
         if (shape->kind == SCENE_SHAPE_BOX) assert_false(shape_cross(shape, &ray, &begin, &end));
     }
 }

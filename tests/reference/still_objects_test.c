@@ -1,4 +1,4 @@
-// Objects of a job, stopped at a moment.
+// Objects of a job at one moment.
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/still.h"
 
@@ -91,7 +91,7 @@ static void interiors_fill_their_objects(void **state)
     job_finish(&job);
 }
 
-// A rough mirror that the camera looks down on, and far above it a black ball before a white sky.
+// The camera looks down on a rough mirror; a black ball is far above it before a white sky.
 static const char ROUGH[] =
     "{\"version\": 1, \"name\": \"rough\", \"frames\": \"0-9\", \"fps\": 10, \"resolution\": [1, 1],"
     " \"camera\": {\"position\": [0, 0.5, 0], \"target\": [0, 0, 0], \"up\": [0, 0, 1], \"fov\": 40},"
@@ -102,8 +102,8 @@ static const char ROUGH[] =
     " \"quality\": {\"method\": \"midpoint\", \"step\": 0.05, \"light_step\": 0.05},"
     " \"output\": {\"path\": \"rough.####.exr\"}}";
 
-// Of the normals, points of a ball of radius r about the tip of the true one, those that lean by more than an angle a are a
-// share of cos a sqrt(r^2 - sin^2 a) / r. They turn the ray by twice as much.
+// Normals end in random points of a ball of radius r about the tip of the true normal. A share of cos a sqrt(r^2 -
+// sin^2 a) / r of them leans by more than an angle a. The reflected ray turns by twice the angle of its normal.
 static void means_of_rough_samples_are_as_known(void **state)
 {
     enum { SAMPLES = 4000 };
@@ -117,12 +117,12 @@ static void means_of_rough_samples_are_as_known(void **state)
     for (int i = 0; i < SAMPLES; i++)
         samples[i] = (struct reference_sample){0.5, 0.5, time, (uint64_t)i};
     pixel = reference_measure_samples(&job, NULL, 0, 0, samples, SAMPLES, NULL);
-    // Each sees the one or the other.
+    // Each sample sees either the ball or the sky.
     assert_near(pixel.radiance_error[0], sqrt(pixel.radiance[0] * (1.0 - pixel.radiance[0]) / (SAMPLES - 1)), 1e-12);
     assert_near(pixel.radiance[0], wanted, 3.0 * pixel.radiance_error[0]);
     assert_near(pixel.ray_count, 2.0, 1e-9);
     assert_near(pixel.cut_count, 0.0, 0.0);
-    // Each seed has its own.
+    // One sample has no error estimate.
     assert_near(reference_measure_samples(&job, NULL, 0, 0, samples, 1, NULL).radiance_error[0], 0.0, 0.0);
     job_finish(&job);
 }
@@ -138,7 +138,7 @@ static void samples_stop_objects_at_their_moments(void **state)
     still_init(&still, &job, 1.0);
     assert_near(still.objects.shapes[1].radius, 0.4, 1e-15);
     job.scene.objects[0].material.roughness.value[0] = 0.0;
-    // Right above the mirror is the ball at both times; beside the axis it is smaller at the second.
+    // The ball is right above the mirror at both times; beside the axis it is smaller at the second time.
     samples[0].x = samples[1].x = 1.7;
     pixel = reference_measure_samples(&job, NULL, 0, 0, samples, 2, NULL);
     assert_near(pixel.radiance[0], 0.5, 1e-15);

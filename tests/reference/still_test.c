@@ -19,7 +19,7 @@
 
 enum { SIDE_PX = 5 };
 
-// A camera at z = 4 that looks at the origin; `media` between the brackets, `rest` members of the job.
+// The camera at z = 4 looks at the origin. `media` stands between the brackets, `rest` is members of the job.
 static void parse(struct job *job, const char *media, const char *rest)
 {
     struct error error = {{0}};
@@ -52,7 +52,7 @@ static double centre_transmittance(const char *media)
 
 static void bounds_cut_media_as_their_closed_forms_say(void **state)
 {
-    // 1e-4 of the share is what the integrator promises.
+    // 1e-4 of the share is the integrator's accuracy.
     assert_near(centre_transmittance("{\"density\": {\"kind\": \"homogeneous\", \"scale\": 2, \"bounds\": {\"kind\": "
                                      "\"sphere\", \"center\": [0.3, 0, 0], \"radius\": 0.5}}, \"sigma_a\": 0.7}"),
                 exp(-1.4 * closed_form_sphere_chord(0.5, 0.3)), 1e-4);
@@ -62,11 +62,11 @@ static void bounds_cut_media_as_their_closed_forms_say(void **state)
     assert_near(centre_transmittance("{\"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"slab\", "
                                      "\"normal\": [0, 3, 4], \"thickness\": 0.4}}, \"sigma_a\": 0.7}"),
                 exp(-0.7 * closed_form_slab_length(0.4, 0.8)), 1e-4);
-    // The integral of a smoothstep over its width is half of it.
+    // The integral of a smoothstep over its width is half of the width.
     assert_near(centre_transmittance("{\"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"slab\", "
                                      "\"normal\": [0, 0, 1], \"thickness\": 1, \"falloff\": 0.3}}, \"sigma_a\": 0.7}"),
                 exp(-0.7 * 0.7), 1e-4);
-    // The clips end it where nothing else does.
+    // The clip distances end a medium that has no other end.
     assert_near(centre_transmittance("{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_a\": 0.02}"),
                 exp(-0.02 * 50.0), 1e-4);
 }
@@ -145,8 +145,8 @@ static void samples_are_averaged_each_at_its_own_moment(void **state)
     job_finish(&job);
 }
 
-// The box's face lies half a pixel to the right of the middle pixel's left edge: its left half sees nothing.
-static void samples_lie_where_they_say_in_the_pixel(void **state)
+// The box's face lies half a pixel to the right of the middle pixel's left edge: the pixel's left half sees nothing.
+static void samples_lie_at_their_points_in_the_pixel(void **state)
 {
     const struct reference_sample left = {0.25, 0.5, 0.0, 0}, right = {0.75, 0.5, 0.0, 0}, up = {0.75, 0.1, 0.0, 0};
     struct job job;
@@ -192,7 +192,7 @@ static void functions_stand_for_densities_in_glsl(void **state)
           "2]}}, "
           "\"sigma_a\": 0.5}",
           "\"lights\": []");
-    // Its source would be read by a renderer only.
+    // The GLSL source is not read: only a renderer would need it.
     job.scene.media[0].density.glsl = (struct scene_glsl){.scale = {.component_count = 1, .value = {3.0}}};
     job.scene.media[0].density.kind = SCENE_DENSITY_GLSL;
     still_init(&still, &job, 0.5);
@@ -201,7 +201,7 @@ static void functions_stand_for_densities_in_glsl(void **state)
     still_init_with_inputs(&still, &job, 0.5, &inputs);
     assert_true(still.is_complete);
     pixel = reference_measure_pixel(&still, SIDE_PX / 2, SIDE_PX / 2, NULL);
-    // max(2 z + 0.5, 0) from z = -0.25 to 1.
+    // The density is max(2 z + 0.5, 0) from z = -0.25 to 1.
     assert_near(pixel.transmittance[0], exp(-0.5 * 3.0 * closed_form_ramp_column(0.0, 2.5, 1.25)), 1e-4);
     job_finish(&job);
 }
@@ -213,7 +213,7 @@ int main(void)
         cmocka_unit_test(rayleigh_lobes_scatter_as_such),
         cmocka_unit_test(furnace_hides_every_kind),
         cmocka_unit_test(samples_are_averaged_each_at_its_own_moment),
-        cmocka_unit_test(samples_lie_where_they_say_in_the_pixel),
+        cmocka_unit_test(samples_lie_at_their_points_in_the_pixel),
         cmocka_unit_test(depth_is_found_in_fog_without_end),
         cmocka_unit_test(functions_stand_for_densities_in_glsl),
     };

@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-// An F, the same in no mirror and no turn. Its height in the three colours differs, so that rows are told apart too.
+// An F looks different when it is mirrored or rotated, and its image has more rows than columns.
 enum { F_WIDTH = 4, F_HEIGHT = 6 };
 
 static const char *const F_ROWS[F_HEIGHT] = {"....", ".##.", ".#..", ".##.", ".#..", "...."};
@@ -30,7 +30,7 @@ static struct texture make_f(void)
     return (struct texture){.rgb = f_image, .width = F_WIDTH, .height = F_HEIGHT, .is_nearest = true};
 }
 
-// Lit evenly by suns from all sides, so that brightness is the texture's alone.
+// Suns shine evenly from all sides, so that brightness depends on the texture alone.
 static void light_from_around(struct still *still)
 {
     static const struct vec3 TRAVELS[] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -40,7 +40,7 @@ static void light_from_around(struct still *still)
             (struct light){.kind = SCENE_LIGHT_SUN, .intensity = {M_PI, M_PI, M_PI}, .direction = TRAVELS[i]};
 }
 
-// The picture of a shape's face that a viewer before it sees who stands upright; a pixel a texel.
+// Asserts that an upright viewer before a shape's face sees the F, one pixel a texel.
 static void assert_face_shows_f(const struct shape *shape, struct vec3 middle, struct vec3 normal)
 {
     struct material painted = solid_diffuse(1.0);
@@ -51,7 +51,7 @@ static void assert_face_shows_f(const struct shape *shape, struct vec3 middle, s
     solid_still_init(&still);
     solid_still_add(&still, &painted, shape, 1);
     light_from_around(&still);
-    // 3 m high from 10 m away.
+    // The view is 3 m high from 10 m away.
     camera_pinhole_init(&still.camera,
                         &(struct camera_pinhole_params){.position = vec3_add(middle, vec3_scale(normal, 10.0)),
                                                         .target = middle,
@@ -83,7 +83,7 @@ static void planes_and_boxes_show_images_upright(void **state)
     }
 }
 
-// Four columns around, two rows: seen from each side, which four texels meet in the middle.
+// The image has four columns around and two rows: each side shows which four texels meet in its middle.
 static void balls_are_wrapped_once(void **state)
 {
     static const struct vec3 SIDES[] = {{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {-1, 0, 0}};
@@ -112,7 +112,7 @@ static void balls_are_wrapped_once(void **state)
         for (int p = 0; p < 4; p++) {
             struct reference_pixel pixel = reference_measure_pixel(&still, p % 2, p / 2, NULL);
             int column = (1 + i + p % 2) % 4, row = p / 2;
-            // Of three suns, at the cosines of a normal near the axis.
+            // Three suns light the texel, at the cosines of a normal near the axis.
             double lit = pixel.radiance[0] / ((double)(4 * row + column) / 8.0 + 1e-300);
 
             if (column + row > 0)
@@ -134,7 +134,7 @@ static void assert_color(const struct texture *texture, double u, double v, doub
 static void texels_are_blended_and_repeat(void **state)
 {
     static const float RGB[] = {0, 1, 0, 0, 2, 0, 0, 4, 0, 0, 8, 0, 0, 16, 0, 0, 32, 0};
-    // 1 2 4 above 8 16 32.
+    // Texels are 1 2 4 above 8 16 32.
     struct texture texture = {.rgb = RGB, .width = 3, .height = 2};
 
     assert_color(&texture, 0.5 / 3.0, 0.75, 1.0);
@@ -143,7 +143,7 @@ static void texels_are_blended_and_repeat(void **state)
     assert_color(&texture, 1.25 / 3.0, 0.75, 1.75);
     assert_color(&texture, 0.5 / 3.0, 0.5, 4.5);
     assert_color(&texture, 0.5 / 3.0, 0.35, 0.2 * 1.0 + 0.8 * 8.0);
-    // Across the borders, where the first follows the last.
+    // Samples lie on the borders, where the first texel follows the last.
     assert_color(&texture, 0.0, 0.75, 2.5);
     assert_color(&texture, 1.0, 0.75, 2.5);
     assert_color(&texture, 0.5 / 3.0, 0.0, 4.5);
@@ -158,15 +158,15 @@ static void texels_are_blended_and_repeat(void **state)
     assert_color(&texture, -0.01, 1.01, 32.0);
 }
 
-static void tiles_are_as_large_as_they_say(void **state)
+static void tiles_have_their_given_size(void **state)
 {
     const struct shape wall = solid_plane((struct vec3){1.0, 2.0, 3.0}, (struct vec3){0.0, 0.0, 2.0});
     struct texture texture = {.rgb = f_image, .width = 4, .height = 6, .size = {2.0, 0.5}};
-    struct texture_coordinates place = texture_find(&texture, &wall, (struct vec3){1.5, 2.1, 3.0});
+    struct texture_coordinates position = texture_find(&texture, &wall, (struct vec3){1.5, 2.1, 3.0});
 
-    assert_near(place.u, 0.5 + 0.25, 1e-15);
-    assert_near(place.v, 0.5 + 0.2, 1e-14);
-    // As high as the image's sides make it: 3 m.
+    assert_near(position.u, 0.5 + 0.25, 1e-15);
+    assert_near(position.v, 0.5 + 0.2, 1e-14);
+    // The height follows from the image's proportions: 3 m.
     texture.size[1] = 0.0;
     assert_near(texture_find(&texture, &wall, (struct vec3){1.5, 2.1, 3.0}).v, 0.5 + 0.1 / 3.0, 1e-15);
 }
@@ -177,7 +177,7 @@ int main(void)
         cmocka_unit_test(planes_and_boxes_show_images_upright),
         cmocka_unit_test(balls_are_wrapped_once),
         cmocka_unit_test(texels_are_blended_and_repeat),
-        cmocka_unit_test(tiles_are_as_large_as_they_say),
+        cmocka_unit_test(tiles_have_their_given_size),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

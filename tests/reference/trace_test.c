@@ -34,7 +34,7 @@ static void add_sun(struct still *still, struct vec3 direction, double irradianc
                                                          .direction = vec3_normalize(direction)};
 }
 
-// White, under a lamp 2 m above it that nothing hides: how bright it looks says where it is seen.
+// The white floor is under an unshadowed lamp 2 m above it: its radiance tells which point is seen.
 static void add_lit_floor(struct still *still)
 {
     const struct shape floor = solid_plane((struct vec3){0.0, 0.0, FLOOR_Z}, (struct vec3){0.0, 0.0, 1.0});
@@ -51,7 +51,8 @@ static double floor_radiance(double x)
     return 100.0 / M_PI * 2.0 / (distance * distance * distance);
 }
 
-// Leaves the unit sphere at an angle from the z axis, bent by `deviation` from the way down; where it meets the floor.
+// The x at which a ray meets the floor that leaves the unit sphere at `angle` from the z axis, deflected by `deviation`
+// from straight down.
 static double meet_floor(double angle, double deviation)
 {
     return sin(angle) - tan(deviation) * (cos(angle) - FLOOR_Z);
@@ -81,7 +82,7 @@ static void a_ball_bends_rays_as_known(void **state)
     }
 }
 
-// Angles inside two spheres about one centre: n r sin(angle) stays the offset.
+// Angles in two concentric spheres: n r sin(angle) stays equal to the offset.
 static void a_bubble_in_glass_bends_rays_as_known(void **state)
 {
     const double ior = 1.5, radius = 0.6;
@@ -113,7 +114,7 @@ static void a_plate_shifts_rays_and_no_more(void **state)
 
     for (double angle = 0.0; angle < 0.8; angle += 0.1) {
         struct ray ray = {{0.0, 0.0, 4.0}, {sin(angle), 0.0, -cos(angle)}};
-        // A metre of glass, the rest of the way through air.
+        // The path is a metre of glass, the rest of it air.
         double x = 13.0 * tan(angle) + tan(asin(sin(angle) / 1.5));
         struct still still;
 
@@ -124,7 +125,7 @@ static void a_plate_shifts_rays_and_no_more(void **state)
     }
 }
 
-static void what_comes_through_a_ball_is_known(void **state)
+static void transmittance_of_a_ball_is_known(void **state)
 {
     const struct shape ball = solid_sphere(0.0, 0.0, 0.0, 1.0);
     const struct material glass = solid_glass(SCENE_FRESNEL_EXACT, 1.5);
@@ -145,13 +146,14 @@ static void what_comes_through_a_ball_is_known(void **state)
         // Beer-Lambert along the refracted chord.
         assert_near(seen.transmittance[0], passed * passed * exp(-0.7 * 2.0 * cos_inside), 1e-12);
         assert_near(seen.transmittance[2], passed * passed * exp(-0.1 * 2.0 * cos_inside), 1e-12);
-        // The camera's; two at the first boundary, two at the second, two at the third; the fourth is too deep.
+        // The rays are the camera's, two at the first boundary, two at the second and two at the third; those of the
+        // fourth are too deep.
         assert_near(seen.ray_count, 7.0, 0.0);
         assert_near(seen.cut_count, 2.0, 0.0);
     }
 }
 
-// From within glass at an angle to its face.
+// The camera is within glass, at an angle to its face.
 static struct trace_result look_out(double angle, enum scene_fresnel kind)
 {
     const struct shape wall = solid_plane((struct vec3){0.0, 0.0, 0.0}, (struct vec3){0.0, 0.0, 1.0});
@@ -177,7 +179,7 @@ static void nothing_leaves_beyond_the_critical_angle(void **state)
     assert_near(look_out(0.0, SCENE_FRESNEL_EXACT).transmittance[0], 0.96, 1e-15);
 }
 
-// Between them 3 m of air that glows; the last reflection is cut.
+// The mirrors have 3 m of glowing air between them; the last reflection is cut.
 static void facing_mirrors_make_a_geometric_series(void **state)
 {
     const struct shape walls[] = {solid_plane((struct vec3){-1.0, 0.0, 0.0}, (struct vec3){1.0, 0.0, 0.0}),
@@ -201,7 +203,7 @@ static void facing_mirrors_make_a_geometric_series(void **state)
     assert_near(seen.cut_count, 1.0, 0.0);
     assert_near(seen.cut_throughput, pow(0.8, 7.0), 1e-15);
     assert_near(seen.cut_by_depth, seen.cut_throughput, 0.0);
-    // 0.8^4 < 0.5 <= 0.8^3; the strongest colour counts.
+    // The limit lies between 0.8^4 and 0.8^3; the strongest colour counts.
     still.min_throughput = 0.5;
     assert_near(trace_ray(&still, &ray, 0, NULL).cut_by_depth, 0.0, 0.0);
     assert_near(trace_ray(&still, &ray, 0, NULL).ray_count, 4.0, 0.0);
@@ -222,7 +224,7 @@ static void cut_rays_take_what_media_left(void **state)
     still.max_depth = 0;
     seen = trace_down(&still, 0.0);
     assert_near(seen.cut_throughput, 0.9 * (exp(-4.0) + 2.0 * exp(-2.0)) / 3.0, 1e-12);
-    // Black mirrors send nothing on that could be cut.
+    // Black mirrors reflect nothing that could be cut.
     still.objects.list[0].material = solid_mirror(0.0);
     assert_near(trace_down(&still, 0.0).cut_count, 0.0, 0.0);
 }
@@ -260,7 +262,7 @@ static void a_specular_share_is_reflected_the_rest_is_not(void **state)
     solid_still_add(&still, &varnish, &floor, 1);
     solid_still_set_background(&still, 2.0);
     add_sun(&still, (struct vec3){0.0, 0.0, -1.0}, 7.0);
-    // 4 % at normal incidence.
+    // Reflectance is 4 % at normal incidence.
     assert_near(trace_down(&still, 0.0).radiance[0], 0.02 * 2.0 + 0.98 * 0.6 / M_PI * 7.0, 1e-13);
     assert_near(trace_down(&still, 0.0).transmittance[0], 0.0, 0.0);
     still.objects.list[0].material.fresnel.kind = SCENE_FRESNEL_NONE;
@@ -269,8 +271,8 @@ static void a_specular_share_is_reflected_the_rest_is_not(void **state)
     assert_near(trace_down(&still, 0.0).radiance[0], 2.0, 1e-13);
 }
 
-// The ball, there alone, makes a hole in the floor: what is seen through it is the floor at its far side.
-static void opaque_regions_answer_where_another_object_ends(void **state)
+// The later glass ball makes a hole in the floor: the floor is seen through the ball at its far side.
+static void opaque_regions_are_seen_where_another_object_ends(void **state)
 {
     const struct shape floor = solid_plane((struct vec3){0.0, 0.0, 0.0}, (struct vec3){0.0, 0.0, 1.0});
     const struct shape ball = solid_sphere(0.0, 0.0, 0.0, 1.0);
@@ -287,7 +289,7 @@ static void opaque_regions_answer_where_another_object_ends(void **state)
     seen = trace_down(&still, 0.0);
     lit = 0.6 / M_PI * 7.0 * exp(-0.5) * 0.96;
     assert_near(seen.radiance[0], 0.96 * exp(-0.5) * lit, 1e-12);
-    // The other way round the floor hides the lower half.
+    // The floor hides the lower half of the ball where the order is reversed.
     still.objects.list[0] = (struct object){1, 1, glass};
     still.objects.list[1] = (struct object){0, 1, grey};
     still.media[0].region = 1;
@@ -296,8 +298,8 @@ static void opaque_regions_answer_where_another_object_ends(void **state)
     assert_near(seen.radiance[0], 0.96 * exp(-0.25) * lit, 1e-12);
 }
 
-// 4 m to the mirror; the media end a metre behind it.
-static void clips_count_the_way_round_corners(void **state)
+// The mirror is 4 m away; the media end a metre behind it.
+static void clips_count_the_length_of_reflected_paths(void **state)
 {
     const struct shape wall = solid_plane((struct vec3){0.0, 0.0, 0.0}, (struct vec3){0.0, 0.0, 1.0});
     const struct material silver = solid_mirror(1.0);
@@ -312,7 +314,7 @@ static void clips_count_the_way_round_corners(void **state)
     assert_near(trace_down(&still, 0.0).radiance[0], exp(-0.3 * 3.5), 1e-12);
     still.camera.clip_near = 4.5;
     assert_near(trace_down(&still, 0.0).radiance[0], exp(-0.3 * 0.5), 1e-12);
-    // Surfaces are there beyond the clips.
+    // Surfaces are seen beyond the clip distances.
     still.camera.clip_near = 0.0;
     still.camera.clip_far = 2.0;
     assert_near(trace_down(&still, 0.0).radiance[0], exp(-0.3 * 2.0), 1e-12);
@@ -358,7 +360,7 @@ static void alpha_and_depth_are_those_of_what_is_seen(void **state)
     still.medium_count = 0;
     still.objects.list[0].material = silver;
     assert_near(measure_centre(&still).alpha, 1.0, 0.0);
-    // From within something opaque.
+    // The camera is within an opaque object.
     still.objects.shapes[0].radius = 5.0;
     assert_near(measure_centre(&still).alpha, 1.0, 0.0);
     assert_near(measure_centre(&still).radiance[0], 0.0, 0.0);
@@ -371,14 +373,14 @@ int main(void)
         cmocka_unit_test(a_ball_bends_rays_as_known),
         cmocka_unit_test(a_bubble_in_glass_bends_rays_as_known),
         cmocka_unit_test(a_plate_shifts_rays_and_no_more),
-        cmocka_unit_test(what_comes_through_a_ball_is_known),
+        cmocka_unit_test(transmittance_of_a_ball_is_known),
         cmocka_unit_test(nothing_leaves_beyond_the_critical_angle),
         cmocka_unit_test(facing_mirrors_make_a_geometric_series),
         cmocka_unit_test(cut_rays_take_what_media_left),
         cmocka_unit_test(a_floor_is_lit_as_lambert_says),
         cmocka_unit_test(a_specular_share_is_reflected_the_rest_is_not),
-        cmocka_unit_test(opaque_regions_answer_where_another_object_ends),
-        cmocka_unit_test(clips_count_the_way_round_corners),
+        cmocka_unit_test(opaque_regions_are_seen_where_another_object_ends),
+        cmocka_unit_test(clips_count_the_length_of_reflected_paths),
         cmocka_unit_test(media_keep_to_their_regions),
         cmocka_unit_test(alpha_and_depth_are_those_of_what_is_seen),
     };

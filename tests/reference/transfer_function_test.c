@@ -54,7 +54,7 @@ static void clear_is_where_no_value_is_opaque(void **state)
     assert_true(transfer_function_is_clear(&TRANSFER, -5.0, -1.0));
     assert_true(transfer_function_is_clear(&TRANSFER, 3.0, 9.0));
     assert_false(transfer_function_is_clear(&TRANSFER, -1.0, -0.9));
-    // Both ends are clear; what is between is not.
+    // Both ends are clear; a value between them is not.
     assert_false(transfer_function_is_clear(&TRANSFER, -2.0, 4.0));
 }
 

@@ -20,7 +20,7 @@ static void assert_passes(struct density density, double sigma_t, struct ray ray
     double share[3];
 
     transmittance(&medium, 1, &ray, 0.0, INFINITY, 1e-9, share);
-    // 1e-12: a constant is integrated exactly but for roundings.
+    // 1e-12: a constant is integrated exactly except for roundings.
     assert_near(share[0], closed_form_transmittance(sigma_t, length), 1e-12);
     assert_near(share[1], closed_form_transmittance(0.5 * sigma_t, length), 1e-12);
     assert_near(share[2], 1.0, 0.0);
@@ -56,7 +56,7 @@ static void box_passes_by_its_diagonal(void **state)
     assert_passes(homogeneous_box_density(&box), 0.3, ray, 2.0 * sqrt(3.0));
 }
 
-static void rays_end_where_they_are_told_to(void **state)
+static void rays_end_at_the_given_distance(void **state)
 {
     struct homogeneous_box slab = {INFINITY, INFINITY, 1.0};
     struct medium medium = {.density = homogeneous_box_density(&slab), .sigma_s = {1.0, 1.0, 1.0}};
@@ -84,7 +84,7 @@ static void media_and_both_coefficients_attenuate(void **state)
     assert_near(share[2], exp(-3.0), 1e-12);
 }
 
-// Without offset the folds are isometries that keep the origin: density falls from the centre like a cone.
+// The folds without an offset are isometries that keep the origin: density falls from the centre like a cone.
 static void fractal_without_offset_is_a_cone(void **state)
 {
     static const double OFFSETS[] = {0.0, 1e-6, 0.05, 0.3, 0.6, 0.79, 0.81};
@@ -120,13 +120,13 @@ static void column_meets_its_tolerance_at_an_odd_exponent(void **state)
         density_fold_fractal_init(&fractal,
                                   &(struct density_fold_fractal_params){
                                       .iterations = 1, .radius = 0.5, .exponent = EXPONENTS[i], .scale = 10.0});
-        // Twice the integral of 10 x^e over [0, 0.5].
+        // The integral is twice that of 10 x^e over [0, 0.5].
         assert_near(transmittance_density_column(&density, &ray, 0.0, INFINITY, 1e-7),
                     20.0 * pow(0.5, EXPONENTS[i] + 1.0) / (EXPONENTS[i] + 1.0), 1e-7);
     }
 }
 
-// Midpoint sums of a hundred thousand points.
+// Sums by the midpoint rule with a hundred thousand points.
 static double summed_column(const struct density *density, const struct ray *ray, double far)
 {
     const int count = 100000;
@@ -168,20 +168,21 @@ static void assert_noise_columns(struct density_noise_params params, double aske
     }
 }
 
-// The nodes of few cells agree by accident more often than one would think.
+// The nodes of few cells agree by accident more often than expected.
 static void smooth_noise_meets_its_tolerance(void **state)
 {
     assert_noise_columns((struct density_noise_params){.octaves = 4, .mode = SCENE_NOISE_REMAP}, 1e-6, 1e-6);
 }
 
-// Bumps stand alone between zeros, and rise like a root. 5e-6: those within 5 mm, an eighth of the finest cell, may be missed.
-static void clipped_noise_hides_no_bump(void **state)
+// The bumps are isolated between zeros, and rise like a root. 5e-6: bumps within 5 mm, an eighth of the finest cell,
+// may be missed.
+static void clipped_noise_misses_no_bump(void **state)
 {
     assert_noise_columns((struct density_noise_params){.octaves = 3, .mode = SCENE_NOISE_CLIP, .bias = 0.2}, 1e-6,
                          5e-6);
 }
 
-// A kink in every octave, none of them an end: four times what is asked.
+// Every octave has kinks, none of them at an end of a span: the error is up to four times what is asked for.
 static void turbulence_is_near_its_tolerance(void **state)
 {
     assert_noise_columns((struct density_noise_params){.octaves = 4, .mode = SCENE_NOISE_ABSOLUTE}, 1e-5, 4e-5);
@@ -193,12 +194,12 @@ int main(void)
         cmocka_unit_test(sphere_passes_by_its_chord),
         cmocka_unit_test(slab_passes_by_its_slant),
         cmocka_unit_test(box_passes_by_its_diagonal),
-        cmocka_unit_test(rays_end_where_they_are_told_to),
+        cmocka_unit_test(rays_end_at_the_given_distance),
         cmocka_unit_test(media_and_both_coefficients_attenuate),
         cmocka_unit_test(fractal_without_offset_is_a_cone),
         cmocka_unit_test(column_meets_its_tolerance_at_an_odd_exponent),
         cmocka_unit_test(smooth_noise_meets_its_tolerance),
-        cmocka_unit_test(clipped_noise_hides_no_bump),
+        cmocka_unit_test(clipped_noise_misses_no_bump),
         cmocka_unit_test(turbulence_is_near_its_tolerance),
     };
 
