@@ -35,11 +35,26 @@ struct timeline_span job_time_span(const struct job *job)
                                                                   (double)job->fps_numerator};
 }
 
+static const struct method {
+    const char *name; // in the job
+    bool takes_steps;
+} methods[] = {
+    [JOB_METHOD_RIEMANN] = {"riemann", false},
+    [JOB_METHOD_MIDPOINT] = {"midpoint", true},
+    [JOB_METHOD_EQUIANGULAR] = {"equiangular", false},
+    [JOB_METHOD_JITTERED] = {"jittered", true},
+    [JOB_METHOD_ADAPTIVE] = {"adaptive", true},
+    [JOB_METHOD_GAUSS] = {"gauss", true},
+    [JOB_METHOD_CACHED] = {"cached", true},
+    [JOB_METHOD_PREINTEGRATED] = {"preintegrated", true},
+    [JOB_METHOD_TRACKING] = {"tracking", true},
+    [JOB_METHOD_AUTO] = {"auto", false},
+};
+_Static_assert(sizeof methods / sizeof *methods == JOB_METHOD_COUNT, "each method has a row");
+
 bool job_method_takes_steps(enum job_method method)
 {
-    return method == JOB_METHOD_MIDPOINT || method == JOB_METHOD_JITTERED || method == JOB_METHOD_ADAPTIVE ||
-           method == JOB_METHOD_GAUSS || method == JOB_METHOD_CACHED || method == JOB_METHOD_PREINTEGRATED ||
-           method == JOB_METHOD_TRACKING;
+    return methods[method].takes_steps;
 }
 
 bool job_quality_has_majorants(const struct job_quality *quality)
@@ -56,29 +71,14 @@ int job_find_step_limit(const struct job *job)
 
 const char *job_method_name(enum job_method method)
 {
-    switch (method) {
-    case JOB_METHOD_RIEMANN:
-        return "riemann";
-    case JOB_METHOD_MIDPOINT:
-        return "midpoint";
-    case JOB_METHOD_EQUIANGULAR:
-        return "equiangular";
-    case JOB_METHOD_JITTERED:
-        return "jittered";
-    case JOB_METHOD_ADAPTIVE:
-        return "adaptive";
-    case JOB_METHOD_GAUSS:
-        return "gauss";
-    case JOB_METHOD_CACHED:
-        return "cached";
-    case JOB_METHOD_PREINTEGRATED:
-        return "preintegrated";
-    case JOB_METHOD_TRACKING:
-        return "tracking";
-    case JOB_METHOD_AUTO:
-        return "auto";
-    }
-    return "";
+    return methods[method].name;
+}
+
+void job_method_list(const char *names[static JOB_METHOD_COUNT + 1])
+{
+    for (int i = 0; i < JOB_METHOD_COUNT; i++)
+        names[i] = methods[i].name;
+    names[JOB_METHOD_COUNT] = NULL;
 }
 
 const char *job_estimator_name(enum job_estimator estimator)

@@ -43,6 +43,7 @@ enum job_method {
     JOB_METHOD_TRACKING, // random estimates without bias: delta or ratio tracking and others, see enum job_estimator
     JOB_METHOD_AUTO      // the planner replaces it by the cheapest method that keeps `tolerance`
 };
+enum { JOB_METHOD_COUNT = JOB_METHOD_AUTO + 1 };
 
 // True of methods that end their steps at the bounds of media and skip empty space: all that march but riemann.
 bool job_method_takes_steps(enum job_method method);
@@ -129,5 +130,7 @@ int job_find_step_limit(const struct job *job); // the largest number of steps a
 // True when each medium needs a majorant: an upper bound of its density.
 bool job_quality_has_majorants(const struct job_quality *quality);
 const char *job_method_name(enum job_method method);
+// The names of all methods in the order of enum job_method, then NULL.
+void job_method_list(const char *names[static JOB_METHOD_COUNT + 1]);
 const char *job_estimator_name(enum job_estimator estimator);
 const char *job_compression_name(enum job_compression compression);

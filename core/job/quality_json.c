@@ -199,11 +199,11 @@ static bool check_is_planned(const struct json_node *object, struct error *error
 
 static bool read_method(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const methods[] = {"riemann", "midpoint",      "equiangular", "jittered", "adaptive", "gauss",
-                                          "cached",  "preintegrated", "tracking",    "auto",     NULL};
+    const char *methods[JOB_METHOD_COUNT + 1];
     struct json_node method = json_node_child(object, "method");
     int choice = JOB_METHOD_AUTO;
 
+    job_method_list(methods);
     if (json_node_is_absent(&method)) {
         if (!check_is_planned(object, error)) return false;
     } else if (!json_read_enum(&method, methods, &choice, error)) {

@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
+#include "core/scene/density_rules.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 #include "tests/support/schema_check.h"
@@ -151,24 +152,13 @@ static const char *const for_strings[] = {"\"1-5\"",
                                           "\"a\\u0085b\"",
                                           "\"point\"",
                                           "\"sun\"",
-                                          "\"riemann\"",
-                                          "\"midpoint\"",
-                                          "\"jittered\"",
-                                          "\"equiangular\"",
-                                          "\"adaptive\"",
-                                          "\"gauss\"",
-                                          "\"tracking\"",
                                           "\"ratio\"",
                                           "\"jackknife\"",
-                                          "\"auto\"",
-                                          "\"homogeneous\"",
-                                          "\"noise\"",
                                           "\"sphere\"",
                                           "\"box\"",
                                           "\"slab\"",
                                           "\"clip\"",
                                           "\"rayleigh\"",
-                                          "\"grid\"",
                                           "\"uint8\"",
                                           "\"big\"",
                                           "\"nearest\"",
@@ -315,6 +305,28 @@ static void check_replacements(const char *text, const char *path, const char *c
     }
 }
 
+static void check_name(const char *text, const char *path, const char *name)
+{
+    char *quoted = xasprintf("\"%s\"", name);
+    const char *const replacements[] = {quoted, NULL};
+
+    check_replacements(text, path, replacements);
+    free(quoted);
+}
+
+// Names that the code reads from tables: a new one that the schema lacks, or spells otherwise, is a disagreement.
+static void check_names(const char *text, const char *path)
+{
+    const char *methods[JOB_METHOD_COUNT + 1], *densities[DENSITY_RULES_LIMIT];
+
+    job_method_list(methods);
+    for (size_t i = 0; methods[i]; i++)
+        check_name(text, path, methods[i]);
+    density_rules_list(densities);
+    for (size_t i = 0; densities[i]; i++)
+        check_name(text, path, densities[i]);
+}
+
 static void check_place(const char *text, const struct json_place *place)
 {
     const char *dot = strrchr(place->path, '.');
@@ -335,6 +347,7 @@ static void check_place(const char *text, const struct json_place *place)
     free(key);
     check_replacements(text, place->path, for_all);
     check_replacements(text, place->path, place->is_string ? for_strings : for_others);
+    if (place->is_string) check_names(text, place->path);
     if (strncmp(place->path, "scene.objects", 13) == 0)
         check_replacements(text, place->path, place->is_string ? for_object_strings : for_object_others);
 }

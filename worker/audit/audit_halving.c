@@ -20,10 +20,17 @@ static double left_over_change(enum job_method method)
     case JOB_METHOD_JITTERED:
     case JOB_METHOD_TRACKING:
         return 0.0; // noise: the difference of two pictures is larger than the error of either
-    default:
-        // Second order or more; kinks of a density leave no more than that.
-        return 1.0 / 3.0;
+    case JOB_METHOD_MIDPOINT:
+    case JOB_METHOD_EQUIANGULAR:
+    case JOB_METHOD_ADAPTIVE:
+    case JOB_METHOD_GAUSS:
+    case JOB_METHOD_CACHED:
+    case JOB_METHOD_PREINTEGRATED:
+    case JOB_METHOD_AUTO:
+        break;
     }
+    // Second order or more; kinks of a density leave no more than that.
+    return 1.0 / 3.0;
 }
 
 void audit_by_halving(const struct job *job, const struct image *coarser, const struct image *finer,
