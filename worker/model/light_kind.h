@@ -8,7 +8,7 @@
 
 struct frame_uniforms;
 
-// A new kind is a row in light_kind.c and its module.
+// docs/architecture.md has the recipe of a new kind: a row in light_kind.c, its module, and what tells lights apart.
 struct light_kind {
     const char *module;     // below shaders/
     const char *call;       // the function and its struct, up to the struct's first member, which is the intensity
