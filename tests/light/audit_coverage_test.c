@@ -1,4 +1,4 @@
-// Whether error95 is what it says: hundreds of small frames, good and broken ones, whose true error is known in every pixel.
+// Coverage of error95, on hundreds of small frames, good and broken, whose true error is known.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "core/base/error.h"
@@ -25,18 +25,18 @@
 enum { WIDTH_PX = 64, HEIGHT_PX = 36, PIXELS = WIDTH_PX * HEIGHT_PX, SMALL_WIDTH_PX = 16, SMALL_HEIGHT_PX = 9 };
 enum { RAYS = 64, POOLED_RAYS = 8, AUDITS = 25, FRAME_LIMIT = 600 };
 
-// What the reference and the file's rounding leave.
+// The relative error of the reference and of the file's rounding.
 static const double RESOLUTION = 5e-4;
 
 struct stage {
     struct gl_stage gl;
 };
 
-// A scene at a moment.
-struct place {
+// A scene at one moment and its true light.
+struct moment {
     struct job job;
     int32_t frame;
-    struct truth_pixel *light; // owned; of every pixel
+    struct truth_pixel *light; // owned; one of each pixel
 };
 
 enum flaw { FLAW_NONE, FLAW_SPOT, FLAW_DIM, FLAW_CONSTANT, FLAW_LIGHT_MOVED, FLAW_LIGHT_GONE, FLAW_COARSE, FLAW_COUNT };
@@ -51,14 +51,14 @@ static const char *const FLAWS[FLAW_COUNT] = {"none",
 
 struct picture {
     struct image image, finer, coarser;
-    double error; // true, of the values as a half holds them
+    double error; // true relative error of the values as halves
 };
 
-// What a kind of frames came to.
+// Results of the audits of one kind of frames.
 struct tally {
     const char *name;
     int frames, audits, covered, badly_covered;
-    double ratios[FRAME_LIMIT]; // error95 over the true error, a median a frame
+    double ratios[FRAME_LIMIT]; // error95 over the true error: the median of each frame's audits
 };
 
 static int compare(const void *a, const void *b)
@@ -119,32 +119,32 @@ static struct job in_steps(const struct job *job, double factor)
     return changed;
 }
 
-static void open_place(struct place *place, int32_t frame)
+static void open_moment(struct moment *moment, int32_t frame)
 {
     const struct integrate_accuracy accuracy = {.relative = 1e-3};
     struct truth_point *all = xcalloc(PIXELS, sizeof *all);
     struct error error = {{0}};
     struct truth *truth;
 
-    place->frame = frame;
-    place->job.quality.samples = 1;
-    place->job.output.has_depth = place->job.output.has_transmittance = false;
-    place->light = xcalloc(PIXELS, sizeof *place->light);
+    moment->frame = frame;
+    moment->job.quality.samples = 1;
+    moment->job.output.has_depth = moment->job.output.has_transmittance = false;
+    moment->light = xcalloc(PIXELS, sizeof *moment->light);
     for (int i = 0; i < PIXELS; i++)
         all[i] = (struct truth_point){i % WIDTH_PX, i / WIDTH_PX};
-    truth = truth_open(&(struct truth_params){.job = &place->job, .frame = frame}, &error);
+    truth = truth_open(&(struct truth_params){.job = &moment->job, .frame = frame}, &error);
     if (!truth) fail_msg("%s", error.message);
     truth_measure_many(
-        truth, &(struct truth_many){.points = all, .pixels = place->light, .count = PIXELS, .accuracy = &accuracy});
+        truth, &(struct truth_many){.points = all, .pixels = moment->light, .count = PIXELS, .accuracy = &accuracy});
     truth_close(truth);
     free(all);
 }
 
-static void open_example(struct place *place, const char *name, double time, int32_t frame)
+static void open_example(struct moment *moment, const char *name, double time, int32_t frame)
 {
-    example_job_load(&place->job, name);
-    example_job_shrink(&place->job, WIDTH_PX, HEIGHT_PX, time);
-    open_place(place, frame);
+    example_job_load(&moment->job, name);
+    example_job_shrink(&moment->job, WIDTH_PX, HEIGHT_PX, time);
+    open_moment(moment, frame);
 }
 
 static struct timeline constant(double value)
@@ -152,13 +152,13 @@ static struct timeline constant(double value)
     return (struct timeline){.component_count = 1, .value = {value}};
 }
 
-// A ball that thins out towards its rim, marched: coarse steps show.
-static void open_ball(struct place *place, double scale)
+// A marched ball whose density falls off towards its rim, so that coarse steps show.
+static void open_ball(struct moment *moment, double scale)
 {
-    ball_job_parse(&place->job, "\"sigma_s\": [3, 2.1, 1.2], \"sigma_a\": 0.4",
+    ball_job_parse(&moment->job, "\"sigma_s\": [3, 2.1, 1.2], \"sigma_a\": 0.4",
                    BALL_JOB_POINT_LIGHT ", \"background\": 0.05, "
                                         "\"quality\": {\"method\": \"midpoint\", \"step\": 0.1, \"light_step\": 0.2}");
-    place->job.scene.media[0].density = (struct scene_density){
+    moment->job.scene.media[0].density = (struct scene_density){
         .kind = SCENE_DENSITY_HOMOGENEOUS,
         .bounds = {.kind = SCENE_BOUNDS_SPHERE,
                    .center = {.component_count = 3},
@@ -166,15 +166,15 @@ static void open_ball(struct place *place, double scale)
                    .falloff = constant(0.6)},
         .homogeneous.scale = constant(scale),
     };
-    place->job.width_px = WIDTH_PX;
-    place->job.height_px = HEIGHT_PX;
-    open_place(place, 0);
+    moment->job.width_px = WIDTH_PX;
+    moment->job.height_px = HEIGHT_PX;
+    open_moment(moment, 0);
 }
 
-static void close_place(struct place *place)
+static void close_moment(struct moment *moment)
 {
-    free(place->light);
-    job_finish(&place->job);
+    free(moment->light);
+    job_finish(&moment->job);
 }
 
 static bool is_in_region(int i)
@@ -189,7 +189,7 @@ static float *value_at(struct image *image, int i, int channel)
     return &image->rgba[4 * (size_t)i + (size_t)channel];
 }
 
-// A mistake that a renderer could make, in the picture itself.
+// Puts a mistake that a renderer could make into the picture itself.
 static void spoil_values(struct image *image, enum flaw flaw)
 {
     float brightest = 0.0f;
@@ -208,7 +208,7 @@ static void spoil_values(struct image *image, enum flaw flaw)
     }
 }
 
-// `job` is a copy that is not finished.
+// `job` is a shallow copy that the caller does not finish.
 static void dim_light(struct job *job, int32_t frame, double factor)
 {
     struct timeline *intensity = &job->scene.lights[0].intensity,
@@ -220,23 +220,23 @@ static void dim_light(struct job *job, int32_t frame, double factor)
     *intensity = dimmed;
 }
 
-// A mistake in the scene: its first light is elsewhere, or hardly there in one region.
-static void spoil_light(const struct stage *stage, const struct place *place, const struct job *job, enum flaw flaw,
+// Puts a mistake of the scene into the picture: its first light is late, or dim in one region.
+static void spoil_light(const struct stage *stage, const struct moment *moment, const struct job *job, enum flaw flaw,
                         struct image *image)
 {
     struct job spoilt = *job;
     struct image dark;
 
     if (flaw == FLAW_LIGHT_MOVED) spoilt.time_offset += 0.2;
-    if (flaw == FLAW_LIGHT_GONE) dim_light(&spoilt, place->frame, 0.25);
-    render(stage, &spoilt, place->frame, WIDTH_PX, HEIGHT_PX, &dark);
+    if (flaw == FLAW_LIGHT_GONE) dim_light(&spoilt, moment->frame, 0.25);
+    render(stage, &spoilt, moment->frame, WIDTH_PX, HEIGHT_PX, &dark);
     for (int i = 0; i < PIXELS; i++)
         for (int c = 0; c < 3; c++)
             if (flaw == FLAW_LIGHT_MOVED || is_in_region(i)) *value_at(image, i, c) = *value_at(&dark, i, c);
     image_finish(&dark);
 }
 
-static double find_error(const struct place *place, const struct image *image)
+static double find_error(const struct moment *moment, const struct image *image)
 {
     struct audit_map map;
     double errors = 0.0, light = 0.0;
@@ -245,27 +245,27 @@ static double find_error(const struct place *place, const struct image *image)
     for (int i = 0; i < PIXELS; i++) {
         struct truth_point at = {i % WIDTH_PX, i / WIDTH_PX};
 
-        errors += audit_map_compare(&map, at, &place->light[i]).square * audit_map_density(&map, at) * map.mean_square;
+        errors += audit_map_compare(&map, at, &moment->light[i]).square * audit_map_density(&map, at) * map.mean_square;
         for (int c = 0; c < 3; c++)
-            light += place->light[i].rgb[c] * place->light[i].rgb[c] / 3.0;
+            light += moment->light[i].rgb[c] * moment->light[i].rgb[c] / 3.0;
     }
     audit_map_finish(&map);
     return sqrt(errors / light);
 }
 
-static void make_picture(const struct stage *stage, const struct place *place, double steps, enum flaw flaw,
+static void make_picture(const struct stage *stage, const struct moment *moment, double steps, enum flaw flaw,
                          struct picture *picture)
 {
-    struct job used = in_steps(&place->job, flaw == FLAW_COARSE ? 3.0 * steps : steps), halved = in_steps(&used, 0.5);
+    struct job used = in_steps(&moment->job, flaw == FLAW_COARSE ? 3.0 * steps : steps), halved = in_steps(&used, 0.5);
 
-    render(stage, &used, place->frame, WIDTH_PX, HEIGHT_PX, &picture->image);
-    render(stage, &used, place->frame, SMALL_WIDTH_PX, SMALL_HEIGHT_PX, &picture->coarser);
-    render(stage, &halved, place->frame, SMALL_WIDTH_PX, SMALL_HEIGHT_PX, &picture->finer);
+    render(stage, &used, moment->frame, WIDTH_PX, HEIGHT_PX, &picture->image);
+    render(stage, &used, moment->frame, SMALL_WIDTH_PX, SMALL_HEIGHT_PX, &picture->coarser);
+    render(stage, &halved, moment->frame, SMALL_WIDTH_PX, SMALL_HEIGHT_PX, &picture->finer);
     if (flaw == FLAW_LIGHT_MOVED || flaw == FLAW_LIGHT_GONE)
-        spoil_light(stage, place, &used, flaw, &picture->image);
+        spoil_light(stage, moment, &used, flaw, &picture->image);
     else
         spoil_values(&picture->image, flaw);
-    picture->error = find_error(place, &picture->image);
+    picture->error = find_error(moment, &picture->image);
 }
 
 static void finish_picture(struct picture *picture)
@@ -284,15 +284,15 @@ static void map_picture(struct audit_map *map, const struct picture *picture)
                                                    .is_own = true});
 }
 
-static void draw_samples(const struct audit_map *map, const struct place *place, int seed, size_t count,
+static void draw_samples(const struct audit_map *map, const struct moment *moment, int seed, size_t count,
                          struct audit_samples *samples)
 {
-    struct truth_point places[RAYS];
+    struct truth_point points[RAYS];
 
-    audit_map_draw(map, &place->job, seed, 0, count, places);
+    audit_map_draw(map, &moment->job, seed, 0, count, points);
     for (size_t i = 0; i < count; i++) {
-        const struct truth_pixel *light = &place->light[places[i].y * WIDTH_PX + places[i].x];
-        struct audit_sample sample = audit_map_compare(map, places[i], light);
+        const struct truth_pixel *light = &moment->light[points[i].y * WIDTH_PX + points[i].x];
+        struct audit_sample sample = audit_map_compare(map, points[i], light);
 
         audit_samples_append(samples, &sample);
     }
@@ -308,9 +308,9 @@ static void note_frame(struct tally *tally, const struct picture *picture, doubl
     if (covered < 0.95 * AUDITS) tally->badly_covered++;
 }
 
-// Many audits of one frame, each with other pixels; `pool` NULL: by itself.
-static void audit_picture(struct tally *tally, const struct place *place, const struct picture *picture,
-                          const struct place *pool_place, const struct picture *pool_picture)
+// Audits one frame AUDITS times, each time on other pixels. Without a pool (both NULL) the frame is judged by itself.
+static void audit_picture(struct tally *tally, const struct moment *moment, const struct picture *picture,
+                          const struct moment *pool_moment, const struct picture *pool_picture)
 {
     struct audit_map map, pool_map = {.change = -1.0};
     double bounds[AUDITS];
@@ -324,15 +324,15 @@ static void audit_picture(struct tally *tally, const struct place *place, const 
             .own = &own, .change = map.change, .pool_change = pool_map.change, .resolution = RESOLUTION};
         struct audit_verdict verdict;
 
-        draw_samples(&map, place, i, pool_picture ? POOLED_RAYS : RAYS, &own);
+        draw_samples(&map, moment, i, pool_picture ? POOLED_RAYS : RAYS, &own);
         if (pool_picture) {
-            draw_samples(&pool_map, pool_place, 1000 + i, RAYS, &pool);
+            draw_samples(&pool_map, pool_moment, 1000 + i, RAYS, &pool);
             evidence.pool = &pool;
         }
         verdict = audit_estimate(&evidence);
-        if (pool_picture && !verdict.is_pooled) { // it goes on by itself
+        if (pool_picture && !verdict.is_pooled) { // the frame is unlike the pool, and is judged by itself
             audit_samples_finish(&own);
-            draw_samples(&map, place, i, RAYS, &own);
+            draw_samples(&map, moment, i, RAYS, &own);
             verdict = audit_estimate(&evidence);
         }
         bounds[i] = verdict.error95;
@@ -348,8 +348,8 @@ static void audit_picture(struct tally *tally, const struct place *place, const 
 static void report(struct tally *tally)
 {
     qsort(tally->ratios, (size_t)tally->frames, sizeof *tally->ratios, compare);
-    print_message("%-34s %3d frames, %5d audits: holds in %.2f %%, in less than 95 %% of %d frames; ratio median %.2f, "
-                  "9 of 10 below %.2f\n",
+    print_message("%-34s %3d frames, %5d audits: error95 holds in %.2f %%, in less than 95 %% for %d frames; "
+                  "error95 over the true error: median %.2f, 90 %% below %.2f\n",
                   tally->name, tally->frames, tally->audits, 100.0 * tally->covered / tally->audits,
                   tally->badly_covered, quantile(tally->ratios, tally->frames, 0.5),
                   quantile(tally->ratios, tally->frames, 0.9));
@@ -358,34 +358,34 @@ static void report(struct tally *tally)
 static const double STEPS[] = {1.0, 2.0, 4.0, 8.0};
 enum { STEPS_COUNT = sizeof STEPS / sizeof *STEPS };
 
-// Frames of two moments of a scene, so that one's pool serves the other.
+// Frames of two moments of a scene: each moment's good frame is the other's pool.
 struct tallies {
     struct tally alone[FLAW_COUNT], pooled[FLAW_COUNT];
 };
 
-static void audit_scene(const struct stage *stage, struct place places[static 2], struct tallies *tallies)
+static void audit_scene(const struct stage *stage, struct moment moments[static 2], struct tallies *tallies)
 {
     for (int s = 0; s < STEPS_COUNT; s++) {
         struct picture whole[2], picture;
 
         for (int m = 0; m < 2; m++)
-            make_picture(stage, &places[m], STEPS[s], FLAW_NONE, &whole[m]);
+            make_picture(stage, &moments[m], STEPS[s], FLAW_NONE, &whole[m]);
         for (int i = 0; i < 2 * FLAW_COUNT; i++) {
             int m = i % 2, flaw = i / 2;
 
-            make_picture(stage, &places[m], STEPS[s], (enum flaw)flaw, &picture);
-            audit_picture(&tallies->alone[flaw], &places[m], &picture, NULL, NULL);
-            audit_picture(&tallies->pooled[flaw], &places[m], &picture, &places[1 - m], &whole[1 - m]);
+            make_picture(stage, &moments[m], STEPS[s], (enum flaw)flaw, &picture);
+            audit_picture(&tallies->alone[flaw], &moments[m], &picture, NULL, NULL);
+            audit_picture(&tallies->pooled[flaw], &moments[m], &picture, &moments[1 - m], &whole[1 - m]);
             finish_picture(&picture);
         }
         finish_picture(&whole[0]);
         finish_picture(&whole[1]);
     }
-    close_place(&places[0]);
-    close_place(&places[1]);
+    close_moment(&moments[0]);
+    close_moment(&moments[1]);
 }
 
-// Returns all frames but the good ones as one.
+// Returns the sum over all frames with a flaw.
 static struct tally report_all(struct tally tallies[static FLAW_COUNT], const char *name)
 {
     static struct tally broken;
@@ -417,20 +417,20 @@ static void error95_holds(void **state)
 {
     struct tallies *tallies = xcalloc(1, sizeof *tallies);
     struct tally alone, pooled;
-    struct place places[2];
+    struct moment moments[2];
 
-    open_example(&places[0], "fog", 1.4, 0);
-    open_example(&places[1], "fog", 1.8, 0);
-    audit_scene(*state, places, tallies);
-    open_example(&places[0], "sunset", 2.0, 0);
-    open_example(&places[1], "sunset", 7.0, 0);
-    audit_scene(*state, places, tallies);
-    open_example(&places[0], "smoke", 0.0, 6);
-    open_example(&places[1], "smoke", 0.0, 8);
-    audit_scene(*state, places, tallies);
-    open_ball(&places[0], 1.0);
-    open_ball(&places[1], 1.4);
-    audit_scene(*state, places, tallies);
+    open_example(&moments[0], "fog", 1.4, 0);
+    open_example(&moments[1], "fog", 1.8, 0);
+    audit_scene(*state, moments, tallies);
+    open_example(&moments[0], "sunset", 2.0, 0);
+    open_example(&moments[1], "sunset", 7.0, 0);
+    audit_scene(*state, moments, tallies);
+    open_example(&moments[0], "smoke", 0.0, 6);
+    open_example(&moments[1], "smoke", 0.0, 8);
+    audit_scene(*state, moments, tallies);
+    open_ball(&moments[0], 1.0);
+    open_ball(&moments[1], 1.4);
+    audit_scene(*state, moments, tallies);
     alone = report_all(tallies->alone, "by themselves");
     pooled = report_all(tallies->pooled, "with a pool of good frames");
     assert_true(tallies->alone[FLAW_NONE].frames + alone.frames >= 200);
@@ -438,7 +438,7 @@ static void error95_holds(void **state)
     assert_true(covered_share(&tallies->pooled[FLAW_NONE]) >= 0.95);
     assert_true(covered_share(&alone) >= 0.95);
     assert_true(covered_share(&pooled) >= 0.9);
-    // Far from tight is of no use: frames would be rendered again that are good.
+    // A loose bound is of no use: good frames would be rendered again.
     assert_true(quantile(tallies->alone[FLAW_NONE].ratios, tallies->alone[FLAW_NONE].frames, 0.5) < 2.5);
     assert_true(quantile(alone.ratios, alone.frames, 0.5) < 3.0);
     free(tallies);

@@ -1,4 +1,4 @@
-// Pictures of sparse grids against the converged integral: filters, placement, several lights, a black body, real smoke.
+// Pictures of sparse grids against the converged integral: filters, placement, lights, a black body, real smoke.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -20,7 +20,7 @@
 
 enum { WIDTH_PX = 24, HEIGHT_PX = 16 };
 
-// Soft lobes with none alike under any mirror or exchange of axes, at corners of bricks and away from them.
+// Three soft lobes, at corners of bricks and away from them, without any symmetry by mirrors or exchanges of axes.
 static float lobes(const int voxel[3])
 {
     static const double centers[3][3] = {{-9, 0, 8}, {12, -6, 15}, {1, 17, 26}};
@@ -45,7 +45,7 @@ static float heat(const int voxel[3])
 
 static const double OBLIQUE[12] = {0.031, 0.004, -0.002, 0, -0.006, 0.03, 0.005, 0, 0.001, 0.003, -0.035, 0.6};
 
-// A file of the lobes as "density" and of their heat as "temperature".
+// Writes a file with two grids: lobes as "density" and heat as "temperature". Returns its path.
 static const char *write_lobes(void **state)
 {
     struct nanovdb_params params = {.min = {-19, -13, -2}, .max = {19, 23, 32}, .is_zip = true};
@@ -104,7 +104,7 @@ static void assert_true_light(const struct picture *picture, enum gl_backend bac
 #define SCATTERS ", \"sigma_s\": [9, 8, 7], \"sigma_a\": [2, 3, 4], \"phase\": [{\"g\": 0.5}]"
 #define GLOWS ", \"sigma_a\": [3, 4, 5], \"blackbody\": {\"grid\": \"temperature\", \"kelvin\": 1400, \"intensity\": 9}"
 
-// Steps of a quarter voxel over cells whose interpolation has kinks at their faces: second order, some 1e-4.
+// Steps of a quarter voxel are of second order: an error of some 1e-4. Interpolation has kinks at the faces of cells.
 static void lit_from_outside_and_inside_the_box(void **state)
 {
     const char *path = write_lobes(state);
@@ -124,7 +124,7 @@ static void a_black_body_glows_by_its_temperature(void **state)
     assert_true_light(&picture, GL_BACKEND_EGL, 8e-4);
 }
 
-static void voxels_of_other_sides_at_another_place(void **state)
+static void voxels_of_other_sides_at_another_position(void **state)
 {
     struct picture picture = {write_lobes(state),
                               ", \"spacing\": [0.04, 0.025, 0.03], \"center\": [0.2, -0.1, 0.3]",
@@ -136,7 +136,8 @@ static void voxels_of_other_sides_at_another_place(void **state)
     assert_true_light(&picture, GL_BACKEND_OSMESA, 8e-4);
 }
 
-// What is opaque lies between values that are not, some of it where nothing is active: whole bricks of 0 count, too.
+// Opaque values lie between transparent ones. The first function is opaque around 0, too, so that space without active
+// voxels and whole bricks of 0 count.
 static void a_transfer_function_colours_values(void **state)
 {
     struct picture picture = {write_lobes(state),
@@ -153,7 +154,7 @@ static void a_transfer_function_colours_values(void **state)
     assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
 }
 
-// Between voxels of different value there is a step, in the middle of a segment or not: first order.
+// Density jumps between voxels, anywhere in a segment: the error is of first order.
 static void nearest_voxels(void **state)
 {
     struct picture picture = {write_lobes(state), ", \"interpolation\": \"nearest\"", SCATTERS, OUTSIDE, LIGHTS,
@@ -162,7 +163,7 @@ static void nearest_voxels(void **state)
     assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-2);
 }
 
-// The grids of lights lie around the file's box: what their cells leave, a sun's and an inner light's.
+// Light grids lie around the file's box. The tolerance is the error of their cells for a sun and for a light inside.
 static void lit_by_light_grids(void **state)
 {
     struct picture picture = {write_lobes(state),
@@ -175,8 +176,8 @@ static void lit_by_light_grids(void **state)
     assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
 }
 
-// Simulated gas from 280 to 1650 K, where the light grows with the ninth power of the temperature and more: steps of a
-// quarter voxel leave several times the error of smooth light.
+// The simulated gas has 280 to 1650 K. Its light grows with the ninth power of the temperature and more, so steps of a
+// quarter voxel have several times the error of smooth light.
 static void a_simulated_fire_is_its_integral(void **state)
 {
     struct picture picture = {
@@ -196,7 +197,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(lit_from_outside_and_inside_the_box, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_black_body_glows_by_its_temperature, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(voxels_of_other_sides_at_another_place, temp_folder_create,
+        cmocka_unit_test_setup_teardown(voxels_of_other_sides_at_another_position, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_transfer_function_colours_values, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(nearest_voxels, temp_folder_create, temp_folder_destroy),

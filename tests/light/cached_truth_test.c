@@ -1,4 +1,4 @@
-// The cached method against the converged integral: lights anywhere, media of all kinds, grids that grow.
+// The cached method against the converged integral: lights inside and outside, all kinds of media, finer grids.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -49,7 +49,8 @@ static void parse(struct job *job, const char *camera, const char *lights, const
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 
-// What a grid of 32 cells leaves falls with the square of its cells as long as it is more than the camera's steps leave.
+// The error is at most `tolerance` with a light grid of 32 cells. It falls with the square of the number of cells, down
+// to `floor`, the error of the camera's steps.
 static void assert_shrinks(const char *camera, const char *lights, const char *media, double tolerance, double floor)
 {
     struct true_light_truth truth = {.planes = NULL};
@@ -85,13 +86,13 @@ static void several_lights_have_a_grid_each(void **state)
     assert_shrinks(CAMERA_OUTSIDE, POINT_OUTSIDE ", " SUN ", " EVEN_POINT, FRACTAL ", " SOFT_BOX, 2e-3, 5e-5);
 }
 
-static void even_media_stay_in_closed_form(void **state)
+static void homogeneous_media_stay_in_closed_form(void **state)
 {
     (void)state;
     assert_shrinks(CAMERA_OUTSIDE, POINT_INSIDE ", " SUN, HAZE ", " SOFT_BOX, 2.5e-4, 5e-5);
 }
 
-static void media_of_even_density_need_no_grid(void **state)
+static void homogeneous_media_need_no_grid(void **state)
 {
     struct true_light light;
     struct job job;
@@ -110,7 +111,7 @@ static void assert_example(const char *name, double time, enum gl_backend backen
     struct job job;
 
     example_job_load(&job, name);
-    // The reference takes its time over noise.
+    // The reference is slow on noise.
     if (strcmp(name, "noise") == 0)
         example_job_shrink(&job, 12, 7, time);
     else
@@ -128,7 +129,7 @@ static struct job_quality quality_of(double step, int cells)
         .method = JOB_METHOD_CACHED, .step = step, .light_grid = cells, .samples = 1, .max_depth = JOB_DEPTH_DEFAULT};
 }
 
-// Folds are finer than any grid: errors fall a little slower than with the cells' square.
+// Folds are finer than the cells of any grid: errors fall a little slower than with the square of the number of cells.
 static void the_cloud_is_within_a_percent_at_80_cells(void **state)
 {
     const struct job_quality coarse = quality_of(0.01, 40), fine = quality_of(0.01, 80), finer = quality_of(0.01, 256);
@@ -166,8 +167,8 @@ int main(int argc, char *argv[])
         cmocka_unit_test(a_lamp_inside_lights_media_all_round),
         cmocka_unit_test(a_lamp_at_the_camera_is_met_by_every_ray),
         cmocka_unit_test(several_lights_have_a_grid_each),
-        cmocka_unit_test(even_media_stay_in_closed_form),
-        cmocka_unit_test(media_of_even_density_need_no_grid),
+        cmocka_unit_test(homogeneous_media_stay_in_closed_form),
+        cmocka_unit_test(homogeneous_media_need_no_grid),
         cmocka_unit_test(the_cloud_is_within_a_percent_at_80_cells),
         cmocka_unit_test(segments_may_follow_optical_depth),
         cmocka_unit_test(noise_is_the_converged_light),

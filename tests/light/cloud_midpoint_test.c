@@ -13,7 +13,6 @@
 
 enum { WIDTH_PX = 48, HEIGHT_PX = 27, PIXELS = WIDTH_PX * HEIGHT_PX };
 
-// Compares what the method is for: radiance, and beside it transmittance and alpha.
 static void compare(double time)
 {
     static float radiance[3 * PIXELS], transmittance[3 * PIXELS], alpha[PIXELS];
@@ -30,7 +29,7 @@ static void compare(double time)
     still_init(&still, &job, time);
     job_finish(&job);
     for (int i = 0; i < PIXELS; i++) {
-        // Ten times laxer than its default, the reference is still ten times better than what it judges.
+        // An accuracy of 1e-3, ten times coarser than the default, is still ten times finer than the tolerance.
         struct reference_pixel pixel =
             reference_measure_pixel(&still, i % WIDTH_PX, i / WIDTH_PX, &(struct integrate_accuracy){.relative = 1e-3});
 
@@ -50,7 +49,7 @@ static void compare(double time)
     print_message("t = %.1f: relative RMSE of radiance %.2e (largest %.2e), transmittance %.2e, alpha %.2e\n", time,
                   of_radiance.relative_rmse, of_radiance.largest, of_transmittance.relative_rmse,
                   of_alpha.relative_rmse);
-    // What the issue asks of this method at the steps the job names.
+    // The method's goal at the job's steps: one per cent.
     assert_true(of_radiance.relative_rmse <= 0.01);
     assert_true(of_transmittance.relative_rmse <= 0.01);
     assert_true(of_alpha.relative_rmse <= 0.01);
@@ -66,7 +65,7 @@ static void midpoint_is_within_a_percent_at_5_7_s(void **state)
     compare(5.7);
 }
 
-// Depth of an opaque cloud: half of the light is lost in a few steps.
+// Depth of an opaque cloud is sharp: half of the light is lost within a few steps.
 static void depth_is_within_a_step(void **state)
 {
     struct still still;
@@ -83,7 +82,7 @@ static void depth_is_within_a_step(void **state)
         double depth = reference_measure_depth(&still, i % WIDTH_PX, i / WIDTH_PX);
         double mean = (double)image.transmittance[4 * i];
 
-        // Where about half of all light passes, rounding decides whether there is a depth.
+        // Rounding decides whether there is a depth where transmittance is about a half.
         if (mean > 0.45 && mean < 0.55) continue;
         opaque += depth > 0.0;
         assert_true(image.depth[i] >= depth - job.quality.step && image.depth[i] <= depth + job.quality.step);

@@ -1,8 +1,7 @@
 // The seed's cloud from jobs/cloud_seed.json against a transcription of the seed's formulas.
 // SPDX-License-Identifier: Apache-2.0
-// tests/mutations runs this program with broken shaders or jobs: MARCHD_TEST_SHADER_DIR overrides shader modules,
-// MARCHD_TEST_JOB is another job's path; arguments are the picture's size in pixels and a pattern for which tests to
-// run.
+// tests/mutations runs this program with broken shaders or jobs. MARCHD_TEST_SHADER_DIR overrides shader modules,
+// MARCHD_TEST_JOB is the path of another job. Arguments: the picture's size in pixels, a pattern of the tests to run.
 #include "core/base/error.h"
 #include "reference/reference.h"
 #include "tests/support/example_job.h"
@@ -24,7 +23,8 @@ static int size_px = 96;
 static const double TIMES[] = {0.0, 2.0, 5.7, 9.9};
 enum { TIME_COUNT = sizeof TIMES / sizeof TIMES[0] };
 
-// Floats in place of doubles, with early stops that rounding moves, stay below 3e-5; each mutation is over 1e-2.
+// Floats differ from doubles by less than 3e-5, including early stops that rounding moves. Mutations differ by over
+// 1e-2.
 static const double TOLERANCE = 1e-4;
 
 static void render(struct renderer *renderer, double time, struct image *image)

@@ -1,4 +1,4 @@
-// The sparse grid's shader modules against their twin in reference/, on voxels that went through a file and GL textures.
+// The sparse grid's shader modules against their twin in reference/, on voxels from a file, in GL textures.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "reference/grid.h"
@@ -28,7 +28,7 @@ enum { COUNT = 400 };
 static const char *const MODULES[] = {"density/bricks.glsl", "density/bricks_linear.glsl",
                                       "density/bricks_nearest.glsl", NULL};
 
-// Inputs: the matrix' columns and the shift, low and high, then a position and a direction a probe.
+// Inputs: the columns of the matrix, the shift, the box's two corners, then each probe's position and direction.
 static const char BODY[] =
     "layout(binding = 0) uniform sampler2DArray atlas;\n"
     "layout(binding = 1) uniform usampler3D index;\n"
@@ -50,7 +50,7 @@ struct stage {
     struct sparse_grid *sparse; // owned
     struct brick_atlas *atlas;  // owned
     struct gl_bricks bricks;
-    float *values; // owned; of the box and one voxel around it
+    float *values; // owned; of the box and of one voxel around it
     int size[3];
     float inputs[SHADER_PROBE_INPUT_LIMIT][4], outputs[COUNT][4];
 };
@@ -60,7 +60,7 @@ static struct stage stage;
 static const double SKEWED[12] = {0.031, 0.004, -0.002, 0.7, -0.006, 0.02, 0.005, -0.3, 0.001, 0.003, -0.055, 0.2};
 static const double PLAIN[12] = {1.0 / 32, 0, 0, 0, 0, 1.0 / 32, 0, 0, 0, 0, 1.0 / 32, 0};
 
-// Clumps in space without density, each voxel another number.
+// Clumps of 16 voxels a side in empty space. Neighbouring voxels differ.
 static float clumps(const int voxel[3])
 {
     int cell = (voxel[0] >> 4) * 7 + (voxel[1] >> 4) * 5 + (voxel[2] >> 4) * 3;
@@ -157,7 +157,8 @@ static void set_point(int i, const double map[12], const double index[3])
                                                map[4 * row + 2] * index[2] + map[4 * row + 3]);
 }
 
-// A third anywhere, a third within a voxel of the faces between bricks, a third on voxel centres or halfway between.
+// Puts a third of the points anywhere, a third within a voxel of the faces between bricks, and a third at voxel centres
+// or halfway between two.
 static void place_points(struct random *random, const double map[12])
 {
     for (int i = 0; i < COUNT; i++) {
@@ -202,7 +203,7 @@ static struct vec3 point_at(int i)
     return (struct vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-// Floats leave lattice coordinates of up to 100 off by some 1e-5 of a voxel, and neighbours differ by at most 1.
+// Lattice coordinates of up to 100 are off by some 1e-5 of a voxel in floats. Neighbouring voxels differ by at most 1.
 static const double tolerance = 1e-4;
 
 static void check_values(const double map[12])
@@ -220,14 +221,14 @@ static void check_values(const double map[12])
 
         assert_near((double)stage.outputs[i][0], grid_value(&linear, p), tolerance);
         with_density += stage.outputs[i][0] > 0;
-        // Halfway between two centres either may be the nearest.
+        // Either of two voxels may be the nearest halfway between their centres.
         if (fabs((double)stage.outputs[i][1] - grid_value(&nearest, p)) > tolerance) apart++;
     }
     assert_true(with_density > COUNT / 10);
     assert_true(apart < COUNT / 50);
 }
 
-static void values_are_the_reference_s(void **state)
+static void values_are_those_of_the_reference(void **state)
 {
     for (int egl = 0; egl < 2; egl++) {
         open_stage(SKEWED);
@@ -241,8 +242,8 @@ static void values_are_the_reference_s(void **state)
     }
 }
 
-// Along the distance that a skip promises the reference is 0; and an empty brick promises some distance.
-static void nothing_is_skipped_but_emptiness(void **state)
+// The reference is 0 along the distance that a skip promises, and skips are a good part of an empty brick.
+static void only_empty_space_is_skipped(void **state)
 {
     struct random random = {9};
     struct grid twin;
@@ -299,8 +300,8 @@ static void rays_meet_the_box_where_it_is(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values_are_the_reference_s),
-        cmocka_unit_test(nothing_is_skipped_but_emptiness),
+        cmocka_unit_test(values_are_those_of_the_reference),
+        cmocka_unit_test(only_empty_space_is_skipped),
         cmocka_unit_test(rays_meet_the_box_where_it_is),
     };
 

@@ -28,7 +28,7 @@ enum { COUNT = 400, VOXEL_LIMIT = 40 * 40 * 40 };
 static const char *const MODULES[] = {"density/grid.glsl", "density/grid_linear.glsl", "density/grid_nearest.glsl",
                                       "density/grid_bricks.glsl", NULL};
 
-// Inputs: the matrix' columns and the shift, size, slope and intercept, then a position and a direction a probe.
+// Inputs: the columns of the matrix, the shift, size, slope and intercept, then each probe's position and direction.
 static const char BODY[] =
     "layout(binding = 0) uniform %ssampler2DArray voxels;\n"
     "layout(binding = 1) uniform sampler3D bricks;\n"
@@ -60,7 +60,7 @@ struct stage {
 static struct stage stage;
 
 static const double SKEWED[12] = {0.031, 0.004, -0.002, 0.7, -0.006, 0.02, 0.005, -0.3, 0.001, 0.003, -0.055, 0.2};
-// A power of two a voxel, so that index coordinates are exact.
+// Voxels whose sides are a power of two, so that index coordinates are exact.
 static const double EXACT[12] = {1.0 / 32, 0, 0, 0, 0, 1.0 / 32, 0, 0, 0, 0, 1.0 / 32, 0};
 
 static bool is_not_positive(double min, double max, const void *user)
@@ -104,7 +104,7 @@ static double extreme(enum volume_type type, bool is_high)
     return is_high ? high[type] : low[type];
 }
 
-// Random stored numbers of the whole range of the type.
+// Stored numbers are random over the whole range of the type, with both of its ends.
 static void make_voxels(struct random *random)
 {
     size_t voxel_bytes = volume_type_size(stage.type), count = voxel_count();
@@ -122,7 +122,7 @@ static void make_voxels(struct random *random)
             stored = number;
             memcpy(voxels + 4 * i, &number, 4);
         } else {
-            int64_t number = (int64_t)stored; // its low bytes are those of the narrower type
+            int64_t number = (int64_t)stored; // on a little-endian machine its first bytes are the narrower type
 
             memcpy(voxels + voxel_bytes * i, &number, voxel_bytes);
         }
@@ -133,7 +133,7 @@ static void make_voxels(struct random *random)
     free(voxels);
 }
 
-// Nothing but blocks of 7 voxels a side, each the inside of a brick; one in eight has 1, the others -1.
+// Blocks of 7 voxels a side fill the inside of bricks. One block in eight is 1, all else is -1.
 static void make_blocks(struct random *random)
 {
     float *voxels = calloc(voxel_count(), sizeof *voxels);
@@ -195,7 +195,7 @@ static struct vec3 direction_of(size_t probe)
     return (struct vec3){input[0], input[1], input[2]};
 }
 
-// Positions in the box and a voxel around it; `grain` divides a voxel into the fractions that occur.
+// Positions are in the box and a voxel around it, at multiples of a voxel over `grain`.
 static void put_probes(struct random *random, double grain)
 {
     const double *m = make_twin(false).world_to_index;
@@ -210,7 +210,7 @@ static void put_probes(struct random *random, double grain)
 
         for (int axis = 0; axis < 3; axis++) {
             index[axis] = floor(grain * random_between(random, -1.5, stage.size[axis] + 0.5)) / grain;
-            // Some along an axis of the world.
+            // Some directions are along an axis of the world.
             direction[axis] = i % 8 < 3 && (int)(i % 8) != axis ? 0 : random_between(random, -1, 1);
             length = hypot(length, direction[axis]);
         }
@@ -274,7 +274,7 @@ static void check_values(double tolerance)
 
 static const int SIZES[][3] = {{23, 9, 31}, {1, 1, 1}, {2, 1, 1}, {1, 2, 3}, {40, 40, 40}};
 
-// Exact index coordinates: what is left are a dozen roundings of numbers up to the range, 2^-24 of it each.
+// Index coordinates are exact. The error is a dozen roundings of numbers up to the range, 2^-24 of it each.
 static void values_of_every_type_are_the_twins(void **state)
 {
     struct random random = {17};
@@ -291,8 +291,8 @@ static void values_of_every_type_are_the_twins(void **state)
             }
 }
 
-// A world position is rounded to 2^-24 of up to 2 m, which is 6e-6 of the thinnest voxel here; the matrix adds a few such,
-// and from one voxel to the next a value may change by three times the range (an axis each).
+// A world position of up to 2 m is rounded by 2^-24 of it, which is 6e-6 of the thinnest voxel here. The matrix adds a
+// few such roundings. A value may change by three times the range from one voxel to the next, once along each axis.
 static void oblique_flat_mirrored_voxels_are_the_twins(void **state)
 {
     struct random random = {18};
@@ -306,7 +306,7 @@ static void oblique_flat_mirrored_voxels_are_the_twins(void **state)
     }
 }
 
-// A ramp of 8-bit voxels is a straight line between them, not 256 stairs.
+// A ramp of 8-bit voxels is a straight line between their centres, not a staircase of 256 steps.
 static void eight_bits_are_interpolated_as_floats(void **state)
 {
     unsigned char ramp[40];
@@ -327,8 +327,8 @@ static void eight_bits_are_interpolated_as_floats(void **state)
     }
 }
 
-// Where all voxels around are the one whose value is 0, so is the value: no haze of density about what a scan shows.
-static void nothing_is_exactly_nothing(void **state)
+// Interpolation between voxels of value 0 gives exactly 0, so that no haze is around what a scan shows.
+static void voxels_of_zero_give_exactly_zero(void **state)
 {
     struct random random = {22};
 
@@ -365,7 +365,7 @@ static void spans_end_half_a_voxel_beyond_the_outer_centres(void **state)
         struct grid grid = make_twin(false);
         struct vec3 p = position_of(i), d = direction_of(i);
         float near = stage.outputs[i][0], far = stage.outputs[i][1];
-        // Rounding of the position and of quotients of it: some 2^-21 of a metre, more where the ray grazes a face.
+        // Roundings of the position and of quotients of it are some 2^-21 m, and more where the ray grazes a face.
         double shift = 2e-5;
 
         if (near > far) {
@@ -395,7 +395,7 @@ static void skipped_stretches_are_empty_and_long(void **state)
     for (size_t i = 0; i < COUNT; i++) {
         struct grid grid = make_twin(false);
         struct vec3 p = position_of(i), d = direction_of(i);
-        // In the box only, and not in the last hundred-thousandth, where rounding decides.
+        // Rounding decides in the last hundred-thousandth of a skip. Skips count within the box only.
         double end = stage.outputs[i][2] * (1 - 1e-5);
 
         assert_true(stage.outputs[i][2] >= 0);
@@ -416,7 +416,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test_setup_teardown(oblique_flat_mirrored_voxels_are_the_twins, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(eight_bits_are_interpolated_as_floats, temp_folder_create, temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(nothing_is_exactly_nothing, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(voxels_of_zero_give_exactly_zero, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(spans_end_half_a_voxel_beyond_the_outer_centres, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(skipped_stretches_are_empty_and_long, temp_folder_create, temp_folder_destroy),

@@ -1,4 +1,4 @@
-// The examples of fog, of a sunset and of objects at several moments against the converged integral, on both backends.
+// Example jobs (fog, a sunset, objects) at several moments against the converged integral, on both backends.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "tests/support/example_job.h"
@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-// One sample a pixel, and surfaces that are smooth: what is left of the picture has one true value.
+// Takes one sample a pixel and makes surfaces smooth: no random number is left, and each pixel has one true value.
 static void look_through_centres(struct job *job)
 {
     job->quality.samples = 1;
@@ -22,7 +22,7 @@ static void look_through_centres(struct job *job)
     }
 }
 
-// Then the reference takes its time over each pixel.
+// The reference is slow on marched media: their pictures are smaller.
 static bool is_marched(const struct job *job)
 {
     return job->quality.method != JOB_METHOD_EQUIANGULAR;
@@ -42,16 +42,17 @@ static void assert_true_light(const char *name, double time, enum gl_backend bac
     job_finish(&job);
 }
 
-// A ray crosses shadows of the balls, whose edges 32 points know to about a part in a thousand of the light.
+// Rays cross shadows of the balls. The job's 32 points resolve the edges of shadows to about 1e-3 of the light.
 static const double fog_tolerance = 1e-3;
-// Places are known to a float's half metre 6360 km from the world's centre, ways to a few parts in ten thousand.
+// Positions 6360 km from the world's centre are rounded to half a metre in floats. Lengths of paths change by
+// a few parts in ten thousand.
 static const double sunset_tolerance = 1e-3;
 
-// Nothing is marched; reflections in the ball amplify what floats round off.
+// Nothing is marched. Reflections in the ball amplify roundings of floats.
 static const double surface_tolerance = 1e-4;
-// Jitter makes noise of the steps: half of this is left where four samples are taken, as the job does.
+// Jitter makes noise of the error of steps. The job's four samples have half of this.
 static const double translucent_tolerance = 2e-2;
-// What the steps through smoke leave, mostly on the way to the light.
+// The error of the steps through smoke, mostly of those of shadow rays.
 static const double globe_tolerance = 1e-2;
 
 static void fog_is_the_converged_light(void **state)

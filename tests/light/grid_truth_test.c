@@ -1,4 +1,4 @@
-// Pictures of voxels against the converged integral: transfer functions, filters, placement, the camera inside, lit scans.
+// Pictures of voxel grids against the converged integral: transfer functions, filters, placement, inner cameras, light.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -78,7 +78,7 @@ static void assert_true_light(const struct picture *picture, double tolerance)
 
 static const int SIZE[3] = {21, 17, 19};
 
-// Steps of a quarter voxel over cells whose interpolation has kinks at their faces: second order, some 1e-3.
+// Steps of a quarter voxel are of second order: an error of some 1e-3. Interpolation has kinks at the faces of cells.
 static void transfer_function_on_both_backends(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
@@ -110,7 +110,7 @@ static void camera_inside_the_box(void **state)
         &(struct picture){path, SMOOTH_TRANSFER, .camera = INSIDE, .quality = MIDPOINT("\"step_voxels\": 0.25")}, 1e-3);
 }
 
-// Between voxels of different value there is a step, in the middle of a segment or not: first order.
+// Density jumps between voxels, anywhere in a segment: the error is of first order.
 static void nearest_voxels(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
@@ -121,7 +121,7 @@ static void nearest_voxels(void **state)
                       2e-3);
 }
 
-// Opacity appears within a hundredth of the values: shells some tenths of a millimetre thin.
+// Opacity rises within a hundredth of the range of values: shells are some tenths of a millimetre thin.
 static void steep_transfer_function(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
@@ -170,7 +170,7 @@ static void grids_of_one_and_two_voxels(void **state)
     }
 }
 
-// The picture is that of the integral whatever the step: halving it takes the error to a quarter.
+// Opacity converges to the integral: half the step leaves a quarter of the error.
 static void opacity_does_not_depend_on_the_step(void **state)
 {
     static const char *const steps[] = {MIDPOINT("\"step_voxels\": 1"), MIDPOINT("\"step_voxels\": 0.5"),
@@ -184,10 +184,10 @@ static void opacity_does_not_depend_on_the_step(void **state)
             compare(&(struct picture){path, SMOOTH_TRANSFER, .camera = OUTSIDE, .quality = steps[i]}, GL_BACKEND_OSMESA)
                 .radiance.relative_rmse;
     assert_true(error[0] < 0.02);
-    assert_true(error[0] / error[2] > 8); // 16, were there no kinks
+    assert_true(error[0] / error[2] > 8); // 16 without the kinks of interpolation
 }
 
-static void riemann_sums_know_the_box_too(void **state)
+static void riemann_sums_end_at_the_box_too(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
 
@@ -203,7 +203,7 @@ static void two_grids_overlap(void **state)
     char density[1024];
 
     lobes_write(path, SIZE, SKEWED_AXES);
-    // The second one is a member of the list of media that the first one's end is written into.
+    // The text of the first density closes its medium and opens the second one in the same list.
     snprintf(density, sizeof density,
              SMOOTH_TRANSFER
              " } }, { \"density\": { \"kind\": \"grid\", \"file\": \"%s\", \"spacing\": [0.05, 0.03, 0.02],"
@@ -214,7 +214,7 @@ static void two_grids_overlap(void **state)
                       1e-3);
 }
 
-// Where the bounds end within a segment it ends there too; the falloff is a cubic.
+// Segments end where the bounds end. The falloff is a cubic.
 static void bounds_fall_off_inside_a_grid(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
@@ -229,7 +229,7 @@ static void bounds_fall_off_inside_a_grid(void **state)
         1e-3);
 }
 
-// Depth is where half the light is gone: found within a step of where it is, unless rounding decides that it is nowhere.
+// Depth is where transmittance is a half. The picture has it within a step, 0.01, of the reference's.
 static void depth_of_a_coloured_scan(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
@@ -275,7 +275,7 @@ int main(int argc, char *argv[])
         TEST(depth_of_a_coloured_scan),
         TEST(grids_of_one_and_two_voxels),
         TEST(opacity_does_not_depend_on_the_step),
-        TEST(riemann_sums_know_the_box_too),
+        TEST(riemann_sums_end_at_the_box_too),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations

@@ -1,4 +1,4 @@
-// The jittered method: noise where coarse steps of the midpoint method are wrong, and the light itself on the average.
+// The jittered method: noise in place of the midpoint method's bands, and the true light on average.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -23,33 +23,33 @@
 enum { WIDTH_PX = 32, HEIGHT_PX = 24, PIXELS = WIDTH_PX * HEIGHT_PX };
 
 #define BALL "\"bounds\": { \"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 1"
-// Density falls smoothly from the middle to 0 on the face.
+// Density falls smoothly from the ball's middle to 0 on its surface.
 #define SMOOTH_DENSITY "\"density\": { \"kind\": \"homogeneous\", " BALL ", \"falloff\": 1 } }"
 #define SMOOTH "{ \"sigma_s\": 2, \"sigma_a\": 1, " SMOOTH_DENSITY " }"
 #define THIN "{ \"sigma_s\": 0.1, \"sigma_a\": 0.1, " SMOOTH_DENSITY " }"
-// Grains of a quarter of the radius.
+// Grains have a quarter of the ball's radius.
 #define GRAINS "\"density\": { \"kind\": \"noise\", \"frequency\": 4, \"octaves\": 1, \"mode\": \"clip\", " BALL " } }"
 #define GLOWING_GRAINS "{ \"emission\": 1, \"sigma_a\": 0, \"sigma_s\": 0, " GRAINS " }"
 #define DARK_GRAINS "{ \"emission\": 1, \"sigma_a\": 2, \"sigma_s\": 0, " GRAINS " }"
 #define LAMP "{ \"kind\": \"point\", \"intensity\": 4, \"position\": [1.5, 1, 1] },"
 
-// `lights` go on with a black one that moves: each frame is the same light by other random numbers.
+// A black light that moves is added to `lights`: each frame shows the same light with other random numbers.
 static void parse(struct job *job, const char *media, const char *lights, const char *quality)
 {
     struct error error = {{0}};
     char text[4096];
 
     snprintf(text, sizeof text,
-             "{ \"version\": 1, \"name\": \"lot\", \"frames\": \"0-999\", \"fps\": 24, \"resolution\": [%d, %d],"
+             "{ \"version\": 1, \"name\": \"jittered\", \"frames\": \"0-999\", \"fps\": 24, \"resolution\": [%d, %d],"
              " \"camera\": { \"position\": [0.1, 0.2, 4], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov\": 32 },"
              " \"lights\": [ %s { \"kind\": \"point\", \"intensity\": 0, \"position\": { \"start\": [0, 9, 0],"
              " \"rate\": [1, 0, 0] } } ], \"scene\": { \"media\": [ %s ] }, \"quality\": { %s },"
-             " \"output\": { \"path\": \"lot.####.exr\", \"aovs\": [\"Z\", \"transmittance\"] } }",
+             " \"output\": { \"path\": \"jittered.####.exr\", \"aovs\": [\"Z\", \"transmittance\"] } }",
              WIDTH_PX, HEIGHT_PX, lights, media, quality);
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 
-// What frames show: red and transmittance of each pixel, as all channels are alike.
+// Sums over frames of each pixel's red and its transmittance. Other channels are equal to red.
 struct sums {
     double light[PIXELS], squares[PIXELS], transmittance[PIXELS];
     int count;
@@ -98,7 +98,7 @@ static struct sums measure(const char *media, const char *lights)
     return truth;
 }
 
-// What every test of the smooth ball compares with.
+// The true light of the smooth ball, measured once.
 static const struct sums *lit_smooth_ball(void)
 {
     static struct sums truth;
@@ -120,10 +120,10 @@ static struct sums render(const char *media, const char *lights, const char *qua
 
 #define STEPS(METHOD, STEP, LIGHT_STEP) "\"method\": \"" METHOD "\", \"step\": " STEP ", \"light_step\": " LIGHT_STEP
 
-// Relative to the mean of the truth: the root of the mean square, and the mean with its sign; and how far the errors of
-// pixels side by side go together, from -1 to 1.
+// Root of the mean square error and mean error, relative to the mean of the truth, and the correlation of the errors of
+// horizontally adjacent pixels.
 struct errors {
-    double rmse, bias, neighbours;
+    double rmse, bias, neighbours; // neighbours: from -1 to 1
 };
 
 static struct errors find_errors(const double *sums, int count, const double *truth)
@@ -146,8 +146,8 @@ static struct errors light_errors(const struct sums *sums, const struct sums *tr
 {
     struct errors light = find_errors(sums->light, sums->count, truth->light);
 
-    print_message("%s, %d frames: light's RMSE %.2e, bias %.2e, neighbours %.2f\n", name, sums->count, light.rmse,
-                  light.bias, light.neighbours);
+    print_message("%s, %d frames: RMSE of light %.2e, bias %.2e, correlation of neighbours %.2f\n", name, sums->count,
+                  light.rmse, light.bias, light.neighbours);
     return light;
 }
 
@@ -158,7 +158,7 @@ static struct errors smooth_errors(const char *quality, int count)
     return light_errors(&sums, lit_smooth_ball(), quality);
 }
 
-// Of uncorrelated noise a row of 31 neighbours in each of 24 rows correlates by 0.04, one time in three by more.
+// The correlation of uncorrelated noise over 24 rows of 31 pairs of pixels has a standard deviation of 0.04.
 static void bands_of_coarse_steps_become_noise(void **state)
 {
     struct errors wide = smooth_errors(STEPS("midpoint", "1", "1"), 1);
@@ -170,7 +170,7 @@ static void bands_of_coarse_steps_become_noise(void **state)
     assert_true(fabs(wide.neighbours) < 0.2 && fabs(narrow.neighbours) < 0.2);
 }
 
-// Sixteen times as many frames: a quarter of the noise.
+// Noise of sixteen times as many frames is a quarter.
 static void noise_falls_with_the_root_of_samples(void **state)
 {
     struct errors one = smooth_errors(STEPS("jittered", "0.125", "0.125"), 1);
@@ -179,24 +179,24 @@ static void noise_falls_with_the_root_of_samples(void **state)
     assert_true(many.rmse > 0.2 * one.rmse && many.rmse < 0.32 * one.rmse);
 }
 
-// Half the step leaves a quarter of the bias, or less.
-static void what_stays_falls_with_the_square_of_the_step(void **state)
+// Bias at half the step is a quarter, or less.
+static void bias_falls_with_the_square_of_the_step(void **state)
 {
-    // Next to a lamp whose light falls off, steps are shorter.
+    // The lamp's light does not fall off: steps would be shorter next to one whose light does.
     static const char lamp[] =
         "{ \"kind\": \"point\", \"falloff\": \"none\", \"intensity\": 1, \"position\": [1.5, 1, 1] },";
     struct sums truth = measure(SMOOTH, lamp);
     struct sums wide = render(SMOOTH, lamp, STEPS("jittered", "0.5", "0.5"), 64);
     struct sums narrow = render(SMOOTH, lamp, STEPS("jittered", "0.125", "0.125"), 64);
     struct errors coarse = light_errors(&wide, &truth, "steps of a half");
-    struct errors fine = light_errors(&narrow, &truth, "of an eighth");
+    struct errors fine = light_errors(&narrow, &truth, "steps of an eighth");
 
     assert_true(fabs(fine.bias) < fabs(coarse.bias) / 8);
     assert_true(fabs(fine.bias) < 3e-3);
 }
 
-// Media that take nothing: the mean is the integral itself, its error chance's alone, though steps are longer than grains.
-static void what_glows_is_right_whatever_the_step(void **state)
+// Media without extinction have no bias, even with steps longer than grains: all error is random.
+static void glow_is_unbiased_at_any_step(void **state)
 {
     struct sums truth = measure(GLOWING_GRAINS, ""), sums = {.count = 0};
     double squares = 0, count = 0;
@@ -214,14 +214,15 @@ static void what_glows_is_right_whatever_the_step(void **state)
     }
     print_message("%g pixels, mean square of the errors in standard errors: %.3f\n", count, squares / count);
     assert_true(count > PIXELS / 4);
-    // Its own spread is the root of 2 / count; variances of 64 frames add some hundredths.
+    // The standard deviation of this mean is the root of 2 / count. Variances of only 64 frames add some hundredths.
     assert_true(fabs(squares / count - 1) < 0.25);
     sums = render(GLOWING_GRAINS, "", STEPS("midpoint", "0.7", "1"), 1);
     assert_true(find_errors(sums.light, 1, truth.light).rmse > 0.2);
 }
 
-// Grains that steps of half their size see badly: what stays after many frames is less than half the midpoint's error.
-static void grains_are_less_wrong_than_at_midpoints(void **state)
+// Steps of half a grain's size resolve grains badly. The error of the mean over many frames is less than half of the
+// midpoint method's.
+static void grains_have_less_error_than_at_midpoints(void **state)
 {
     struct sums truth = measure(DARK_GRAINS, "");
     struct sums midpoint = render(DARK_GRAINS, "", STEPS("midpoint", "0.125", "1"), 1);
@@ -232,8 +233,8 @@ static void grains_are_less_wrong_than_at_midpoints(void **state)
     assert_true(left.rmse < 0.5 * wrong.rmse);
 }
 
-// Camera rays march finely here, so that what is left is the marches' to the lamp; their columns are so thin that the mean of
-// exponentials is that of the mean.
+// Camera rays take fine steps here, so that the error is that of shadow rays. Their optical depths are so small that
+// the mean of the transmittances is the transmittance of the mean depth.
 static void marches_to_lights_are_jittered_too(void **state)
 {
     struct sums truth = measure(THIN, LAMP);
@@ -245,8 +246,8 @@ static void marches_to_lights_are_jittered_too(void **state)
     assert_true(left.rmse < 0.25 * wrong.rmse);
 }
 
-// Two boxes overlap, a lamp beside them: segments are exact wherever in them they are looked at.
-static void what_is_even_is_exact(void **state)
+// Two homogeneous boxes overlap, with a lamp beside them: segments are exact wherever their samples are.
+static void homogeneous_media_are_exact(void **state)
 {
     static const char boxes[] =
         "{ \"sigma_a\": 2, \"sigma_s\": 1, \"density\": { \"kind\": \"homogeneous\", \"bounds\":"
@@ -256,36 +257,36 @@ static void what_is_even_is_exact(void **state)
     struct sums truth = measure(boxes, LAMP), sums = render(boxes, LAMP, STEPS("jittered", "0.37", "1"), 1);
     struct errors light = light_errors(&sums, &truth, "even media");
 
-    // The light's way to each place differs from place to place: that alone is noise.
+    // Noise comes only from the shadow rays, whose length differs from point to point.
     assert_true(light.rmse > 1e-4);
     assert_true(find_errors(sums.transmittance, 1, truth.transmittance).rmse < 1e-6);
 }
 
-// Density is 1 where z < -0.9, up to where the box ends; in front of it the text tells how far it is. It glows by how often
-// it was asked so far.
+// The medium glows where z < -0.9, down to the box's face at -1. Its density there is the number of evaluations so far,
+// and in front of it minus the distance to it.
 #define COUNTING                                                                                                       \
     "{ \"sigma_a\": 0, \"sigma_s\": 1e-6, \"emission\": 1, \"density\": { \"kind\": \"glsl\", \"lipschitz\": 1,"       \
-    " \"source\": \"int looks = 0; float density(vec3 p, float t) { ++looks; return p.z < -0.9 ? float(looks) :"       \
+    " \"source\": \"int count = 0; float density(vec3 p, float t) { ++count; return p.z < -0.9 ? float(count) :"       \
     " -0.9 - p.z; }\", \"bounds\": { \"kind\": \"box\", \"center\": [0, 0, 0], \"size\": [9, 9, 2] } } }"
 #define SUN(DIRECTION) "{ \"kind\": \"sun\", \"intensity\": 1, \"direction\": [0, 0, " DIRECTION "] },"
 
-// About ten segments of what glows; with the steps through the empty part each would have been asked 190 times more.
-static void what_is_empty_is_jumped(void **state)
+// The glowing part has about ten segments. Steps through the empty part would add 190 evaluations to each.
+static void empty_space_is_skipped(void **state)
 {
-    // The camera looks towards -z through what is empty; then the light comes through it, too.
+    // The camera looks towards -z through the empty part. The second light comes through it, too.
     struct sums midpoint = render(COUNTING, SUN("1"), STEPS("midpoint", "0.01", "0.01"), 1);
     struct sums jittered = render(COUNTING, SUN("1"), STEPS("jittered", "0.01", "0.01"), 1);
     struct sums midpoint_lit = render(COUNTING, SUN("-1"), STEPS("midpoint", "0.01", "0.01"), 1);
     struct sums jittered_lit = render(COUNTING, SUN("-1"), STEPS("jittered", "0.01", "0.01"), 1);
     int middle = PIXELS / 2 + WIDTH_PX / 2;
 
-    print_message("looks along a ray: midpoint %.3g and %.3g, jittered %.3g and %.3g\n", midpoint.light[middle],
+    print_message("evaluations along a ray: midpoint %.3g and %.3g, jittered %.3g and %.3g\n", midpoint.light[middle],
                   midpoint_lit.light[middle], jittered.light[middle], jittered_lit.light[middle]);
     assert_true(jittered.light[middle] < 1.5 * midpoint.light[middle]);
     assert_true(jittered_lit.light[middle] < 1.5 * midpoint_lit.light[middle]);
 }
 
-// Renders frames up to `last` by one renderer, and keeps that one's picture.
+// Renders frames `first` to `last` with one renderer. Returns the picture of `last`.
 static struct image render_up_to(const struct job *job, int32_t first, int32_t last)
 {
     struct error error = {{0}};
@@ -302,7 +303,8 @@ static struct image render_up_to(const struct job *job, int32_t first, int32_t l
     return image;
 }
 
-// Whoever renders it, and whatever they rendered before, by which they choose their tiles; no frame's numbers are another's.
+// A picture does not depend on what its renderer rendered before, though that changes the size of tiles. Each frame has
+// random numbers of its own.
 static void a_frame_is_the_same_picture_for_all(void **state)
 {
     struct image alone, after_others, other;
@@ -310,7 +312,7 @@ static void a_frame_is_the_same_picture_for_all(void **state)
     size_t count, differing = 0;
 
     parse(&job, SMOOTH, LAMP, STEPS("jittered", "0.5", "0.5"));
-    // More rows than a renderer's first tile has.
+    // The picture has more rows than a renderer's first tile.
     job.height_px = 4 * HEIGHT_PX;
     count = 4 * (size_t)job.width_px * (size_t)job.height_px;
     alone = render_up_to(&job, 5, 5);
@@ -326,8 +328,9 @@ static void a_frame_is_the_same_picture_for_all(void **state)
     job_finish(&job);
 }
 
-// The numbers are whole until they are divided, so that drivers draw the same; their arithmetic differs by roundings.
-static void both_backends_draw_the_same(void **state)
+// Random numbers are integers until they are divided, so that both drivers draw the same ones. Other arithmetic differs
+// by roundings.
+static void both_backends_draw_the_same_numbers(void **state)
 {
     struct image first, second;
     struct job job;
@@ -342,7 +345,7 @@ static void both_backends_draw_the_same(void **state)
     image_finish(&second);
 }
 
-// Media end where objects begin, and fill them; bent rays and those to the lamp draw as straight ones do.
+// Media end at objects and fill them. Refracted rays and shadow rays take random steps as camera rays do.
 static void media_among_objects_are_jittered(void **state)
 {
     static const char scene[] = THIN
@@ -362,17 +365,17 @@ static void media_among_objects_are_jittered(void **state)
     assert_true(fabs(left.bias) < 1e-3);
 }
 
-// Rays that end by lot, and rays that end early: the mean stays, or what is lost is little.
+// Roulette ends rays at random, and leaves the mean. A least transmittance ends rays early, and loses light.
 static void rays_still_end_early(void **state)
 {
     struct errors whole = smooth_errors(STEPS("jittered", "0.1", "0.1"), 64);
-    struct errors lot =
+    struct errors roulette =
         smooth_errors(STEPS("jittered", "0.1", "0.1") ", \"roulette\": { \"below\": 0.8, \"survive\": 0.3 }", 64);
     struct errors early = smooth_errors(STEPS("jittered", "0.1", "0.1") ", \"min_transmittance\": 0.8", 64);
 
-    assert_true(lot.rmse > 1.2 * whole.rmse);
-    // Four standard errors of the mean over all pixels and frames.
-    assert_near(lot.bias, whole.bias, 4 * lot.rmse / sqrt(PIXELS));
+    assert_true(roulette.rmse > 1.2 * whole.rmse);
+    // The tolerance is four standard errors of the mean over all pixels and frames.
+    assert_near(roulette.bias, whole.bias, 4 * roulette.rmse / sqrt(PIXELS));
     assert_true(early.bias < whole.bias - 0.05);
 }
 
@@ -382,14 +385,14 @@ int main(int argc, char *argv[])
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bands_of_coarse_steps_become_noise),
         cmocka_unit_test(noise_falls_with_the_root_of_samples),
-        cmocka_unit_test(what_stays_falls_with_the_square_of_the_step),
-        cmocka_unit_test(what_glows_is_right_whatever_the_step),
-        cmocka_unit_test(grains_are_less_wrong_than_at_midpoints),
+        cmocka_unit_test(bias_falls_with_the_square_of_the_step),
+        cmocka_unit_test(glow_is_unbiased_at_any_step),
+        cmocka_unit_test(grains_have_less_error_than_at_midpoints),
         cmocka_unit_test(marches_to_lights_are_jittered_too),
-        cmocka_unit_test(what_is_even_is_exact),
-        cmocka_unit_test(what_is_empty_is_jumped),
+        cmocka_unit_test(homogeneous_media_are_exact),
+        cmocka_unit_test(empty_space_is_skipped),
         cmocka_unit_test(a_frame_is_the_same_picture_for_all),
-        cmocka_unit_test(both_backends_draw_the_same),
+        cmocka_unit_test(both_backends_draw_the_same_numbers),
         cmocka_unit_test(media_among_objects_are_jittered),
         cmocka_unit_test(rays_still_end_early),
     };

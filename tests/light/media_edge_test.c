@@ -1,4 +1,4 @@
-// Rays, cameras and lights at the very edges of media: finite, and what little is known of them.
+// Rays, cameras and lights exactly on faces of media, and endless media: finite pictures, and the few known values.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -23,7 +23,7 @@
 
 enum { SIDE_PX = 5, MIDDLE = SIDE_PX * (SIDE_PX / 2) + SIDE_PX / 2 };
 
-// A camera that looks along z; its middle pixel does so to the last digit.
+// The camera looks along z. The ray of its middle pixel is exactly along z.
 static struct image render(double y, double z, const char *lights, const char *bounds, const char *medium,
                            const char *quality)
 {
@@ -59,7 +59,7 @@ static void endless_fog_under_a_sun_is_black(void **state)
     image_finish(&image);
 }
 
-static void endless_glow_is_in_balance(void **state)
+static void endless_glow_is_emission_over_absorption(void **state)
 {
     struct image image = render(0, 0, "", "", "\"sigma_a\": 7, \"emission\": 7", EQUIANGULAR);
 
@@ -68,7 +68,7 @@ static void endless_glow_is_in_balance(void **state)
     image_finish(&image);
 }
 
-static void a_camera_in_a_face_sees_what_is_before_it(void **state)
+static void a_camera_in_a_face_sees_the_medium_in_front_of_it(void **state)
 {
     struct image image = render(0, -1, "", BOX, "\"sigma_a\": 1", MIDPOINT);
 
@@ -79,7 +79,7 @@ static void a_camera_in_a_face_sees_what_is_before_it(void **state)
     image_finish(&image);
 }
 
-// Looks along the face that y = 1 is.
+// The camera looks along the face y = 1.
 static void a_ray_in_a_face_is_finite(void **state)
 {
     static const char *const qualities[] = {MIDPOINT, EQUIANGULAR};
@@ -96,7 +96,7 @@ static void a_ray_along_a_slab_has_no_end(void **state)
     struct image image = render(0.5, 0, SUN, SLAB, "\"sigma_s\": 0.5", EQUIANGULAR);
     double pi = 3.14159265358979323846;
 
-    // Light that comes half a metre down, then the whole way that the ray goes on.
+    // The sun's light passes half a metre of the slab, and is scattered along the endless ray.
     assert_true(fabs(image.rgba[4 * MIDDLE] - 2 * exp(-0.25) / (4 * pi)) < 1e-5);
     assert_true(image.transmittance[4 * MIDDLE] == 0);
     image_finish(&image);
@@ -132,8 +132,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(endless_fog_under_a_sun_is_black),
-        cmocka_unit_test(endless_glow_is_in_balance),
-        cmocka_unit_test(a_camera_in_a_face_sees_what_is_before_it),
+        cmocka_unit_test(endless_glow_is_emission_over_absorption),
+        cmocka_unit_test(a_camera_in_a_face_sees_the_medium_in_front_of_it),
         cmocka_unit_test(a_ray_in_a_face_is_finite),
         cmocka_unit_test(a_ray_along_a_slab_has_no_end),
         cmocka_unit_test(a_light_on_a_ray_is_finite),

@@ -1,4 +1,4 @@
-// Media of all regions, overlapping, around the camera and around lights, against the converged integral.
+// Media in regions of every kind, overlapping, around the camera and around lights, against the converged integral.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -62,15 +62,15 @@ static void assert_true_light(const char *camera, const char *lights, const char
     job_finish(&job);
 }
 
-// Second order in steps of a fiftieth of the media; places and directions at faces are off by whole per cents.
+// Steps of a fiftieth of the media are of second order. A wrong position or direction at a face costs whole per cents.
 static const double march_tolerance = 3e-4;
-// What 16 points leave: ten times less than 8. Faces, where the way to a light has a kink, and a light before the camera
-// cost most.
+// The error of 16 points is a tenth of that of 8. It is largest at faces, where the optical depth to a light has a
+// kink, and with a light in front of the camera.
 static const double placed_tolerance = 2e-4;
-// Of the closed forms' few roundings.
+// Closed forms have a few roundings.
 static const double exact_tolerance = 3e-6;
 
-static void even_media_are_marched_with_shadows_in_closed_form(void **state)
+static void homogeneous_media_are_marched_with_shadows_in_closed_form(void **state)
 {
     assert_true_light(CAMERA_OUTSIDE, POINT_OUTSIDE ", " SUN, EVEN(BOX, COLORS), MIDPOINT, march_tolerance);
     assert_true_light(CAMERA_OUTSIDE, EVEN_POINT, EVEN(SLAB, COLORS), MIDPOINT, march_tolerance);
@@ -88,21 +88,22 @@ static void media_of_every_region_overlap(void **state)
     "{ \"density\": { \"kind\": \"noise\", \"frequency\": 2, \"scale\": 4, \"bounds\": { \"kind\": \"sphere\", "       \
     "\"center\": [" X ", 0, 0], \"radius\": 0.2, \"falloff\": 0.1 } }, " COLORS " }"
 
-// The way to the sun leads from one through empty space into the other, which is not stepped over.
+// Shadow rays lead from one ball through empty space into the other, which must not be stepped over.
 static void a_ball_in_another_ones_shadow(void **state)
 {
     assert_true_light(CAMERA_OUTSIDE, "{ \"kind\": \"sun\", \"intensity\": 1, \"direction\": [1, 0, 0] }",
                       SMOKE("-0.5") ", " SMOKE("0.5"), MIDPOINT, 1e-3);
 }
 
-static void an_even_medium_around_a_fractal(void **state)
+static void a_homogeneous_medium_around_a_fractal(void **state)
 {
-    // No empty space to step over leads to the fractal's faces, where its density has a kink.
+    // The homogeneous medium leaves no empty space to step over up to the fractal's faces, where density has a kink.
     assert_true_light(CAMERA_OUTSIDE, SUN, FRACTAL ", " EVEN(SPHERE, COLORS), MIDPOINT, 1.5e-3);
 }
 
-// A sum of first order, along the ray and to the light: 5e-2. What of the even medium lies behind the light is no part of it.
-static void sums_of_even_media_end_at_the_light(void **state)
+// Riemann sums along the ray and to the light are of first order: an error of 5e-2. The medium behind the light is no
+// part of the sum.
+static void sums_of_homogeneous_media_end_at_the_light(void **state)
 {
     assert_true_light(
         CAMERA_OUTSIDE,
@@ -110,7 +111,7 @@ static void sums_of_even_media_end_at_the_light(void **state)
         FRACTAL ", " EVEN(SPHERE, COLORS), "\"method\": \"riemann\", \"step\": 0.01, \"light_steps\": 32", 7e-2);
 }
 
-// Their samples lie where they lie, in front of a region and behind it, too. Of first order: 1 %.
+// Samples of Riemann sums are at fixed points, in front of a region and behind it, too. First order: an error of 1 %.
 static void sums_of_one_medium_end_with_its_region(void **state)
 {
     static const char *const quality = "\"method\": \"riemann\", \"step\": 0.005, \"light_steps\": 64";
@@ -121,7 +122,7 @@ static void sums_of_one_medium_end_with_its_region(void **state)
                       quality, 3e-2);
 }
 
-static void even_media_without_light_are_exact(void **state)
+static void homogeneous_media_without_light_are_exact(void **state)
 {
     static const char *const qualities[] = {MIDPOINT, EQUIANGULAR};
 
@@ -151,7 +152,7 @@ static void assert_true_depth(const char *lights, const char *media, const char 
     for (int i = 0; i < job.width_px * job.height_px; ++i) {
         double wanted = reference_measure_depth(&still, i % job.width_px, i / job.width_px);
 
-        // Some 2 m from the camera, the sum of up to 100 steps.
+        // The tolerance is rounding: a depth of some 2 m is the sum of up to 100 steps.
         assert_near(image.depth[i], wanted, 2e-5);
         seen += wanted > 0;
     }
@@ -160,14 +161,14 @@ static void assert_true_depth(const char *lights, const char *media, const char 
     job_finish(&job);
 }
 
-// Colours fade at different lengths: the mean is a sum of exponentials, whose half has no closed form.
-static void depth_is_where_half_of_all_colours_is_left(void **state)
+// Colours fade over different lengths. The point where the mean of their exponentials is a half has no closed form.
+static void depth_is_where_the_mean_of_colours_is_half(void **state)
 {
     assert_true_depth("", EVEN(SPHERE, "\"sigma_a\": [0.3, 1, 6]") ", " EVEN(BOX, "\"sigma_a\": [2, 0.5, 0]"),
                       MIDPOINT);
 }
 
-// A ray that goes on for others has more than half again, and loses it a second time.
+// The transmittance of a ray that survives roulette is weighted up to over a half, and falls below it a second time.
 static void depth_is_where_half_is_lost_first(void **state)
 {
     assert_true_depth(POINT_OUTSIDE, EVEN(SPHERE, "\"sigma_s\": 2, \"sigma_a\": 4"),
@@ -208,7 +209,7 @@ static double radiance_error(const char *lights, const char *media, const char *
 
 static void thin_and_thick_media_under_every_light(void **state)
 {
-    // Ten thousand times the depth makes a position's rounding that much of an optical depth.
+    // Extinction 10,000 times as large makes a position's rounding an error of optical depth 10,000 times as large.
     static const struct {
         const char *scale, *power;
         double tolerance;
@@ -233,9 +234,9 @@ static void thin_and_thick_media_under_every_light(void **state)
     }
 }
 
-// One colour is gone after a thousandth of another's way: without points of its own it is half as bright as it should be.
-// What is left is steep shadows at the ball's rim, seen from where the thickest colour is lit.
-static void colours_of_very_different_thickness(void **state)
+// One colour's mean free path is a thousandth of another's. Without points of its own it is half as bright as it should
+// be. The remaining error comes from steep shadows at the ball's rim, where the densest colour is lit.
+static void colours_of_very_different_extinction(void **state)
 {
     static const char *const media[] = {EVEN(SPHERE, "\"sigma_s\": [100, 10, 1]"),
                                         EVEN(SPHERE, "\"sigma_s\": [1, 1000, 30]"),
@@ -249,7 +250,7 @@ static void colours_of_very_different_thickness(void **state)
 
 static void twice_the_points_are_ten_times_closer(void **state)
 {
-    static const char *const counts[] = {"4", "8", "16"}; // 32 are closer than reference/ is
+    static const char *const counts[] = {"4", "8", "16"}; // 32 points have less error than reference/
     double before = 1;
 
     for (int i = 0; i < 3; ++i) {
@@ -263,8 +264,8 @@ static void twice_the_points_are_ten_times_closer(void **state)
     }
 }
 
-// Beyond 64 they are several rules, one behind the other.
-static void many_points_cover_the_whole_way(void **state)
+// More than 64 points are divided among several Gauss rules, one behind the other along the ray.
+static void many_points_cover_the_whole_ray(void **state)
 {
     assert_true(radiance_error(POINT_OUTSIDE, EVEN(SPHERE, COLORS), "\"method\": \"equiangular\", \"points\": 150") <
                 1e-4);
@@ -290,21 +291,21 @@ static void sharp_phases_need_more_points(void **state)
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(even_media_are_marched_with_shadows_in_closed_form),
+        cmocka_unit_test(homogeneous_media_are_marched_with_shadows_in_closed_form),
         cmocka_unit_test(media_of_every_region_overlap),
         cmocka_unit_test(a_ball_in_another_ones_shadow),
-        cmocka_unit_test(an_even_medium_around_a_fractal),
-        cmocka_unit_test(sums_of_even_media_end_at_the_light),
+        cmocka_unit_test(a_homogeneous_medium_around_a_fractal),
+        cmocka_unit_test(sums_of_homogeneous_media_end_at_the_light),
         cmocka_unit_test(sums_of_one_medium_end_with_its_region),
-        cmocka_unit_test(even_media_without_light_are_exact),
-        cmocka_unit_test(depth_is_where_half_of_all_colours_is_left),
+        cmocka_unit_test(homogeneous_media_without_light_are_exact),
+        cmocka_unit_test(depth_is_where_the_mean_of_colours_is_half),
         cmocka_unit_test(depth_is_where_half_is_lost_first),
         cmocka_unit_test(a_falloff_softens_a_region),
         cmocka_unit_test(points_placed_for_each_light),
         cmocka_unit_test(thin_and_thick_media_under_every_light),
-        cmocka_unit_test(colours_of_very_different_thickness),
+        cmocka_unit_test(colours_of_very_different_extinction),
         cmocka_unit_test(twice_the_points_are_ten_times_closer),
-        cmocka_unit_test(many_points_cover_the_whole_way),
+        cmocka_unit_test(many_points_cover_the_whole_ray),
         cmocka_unit_test(sharp_phases_need_more_points),
     };
 

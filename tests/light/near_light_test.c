@@ -1,4 +1,4 @@
-// Point lights in media as marches see them: rays that pass them closer than a step, against the converged integral.
+// Point lights inside marched media: rays that pass a light closer than a step, against the converged integral.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "tests/support/ball_job.h"
@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-// A ball that fades outwards, so that it is marched, and a lamp in it.
+// The ball's density falls off outwards, so that it is marched. A lamp is inside.
 static struct true_light compare(const char *lamp, const char *quality)
 {
     struct true_light light;
@@ -31,7 +31,8 @@ static struct true_light compare(const char *lamp, const char *quality)
     return light;
 }
 
-// The middle pixel's ray passes a lamp at a twentieth and at a 200th of a step: even steps leave half of its light and more.
+// The middle pixel's ray passes a lamp at a twentieth and at a 200th of a step. Equal steps have an error of half of
+// the light and more.
 static void a_ray_that_passes_a_lamp_shows_its_light(void **state)
 {
     static const char *const lamps[] = {"0.005, 0.001, 0.013", "0.0005, 0, 0.013"};
@@ -41,7 +42,7 @@ static void a_ray_that_passes_a_lamp_shows_its_light(void **state)
     } methods[] = {
         {"\"method\": \"cached\", \"step\": 0.1, \"light_grid\": 96", 1.3e-3},
         {"\"method\": \"gauss\", \"step\": 0.1, \"light_step\": 0.1, \"order\": 3", 1e-4},
-        // Of one sample, whose noise is elsewhere.
+        // The error of one sample is noise that comes from elsewhere.
         {"\"method\": \"jittered\", \"step\": 0.1, \"light_step\": 0.1", 3e-3},
     };
 

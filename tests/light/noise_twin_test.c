@@ -17,8 +17,8 @@ enum { COUNT = SHADER_PROBE_INPUT_LIMIT };
 
 // Half the distance from one float to the next, relative.
 static const double ROUNDING = 0x1p-24;
-// A weight's polynomial passes through numbers up to 9, so that up to 20 roundings of 1 stay; three weights blend ramps up
-// to 2 apart, and hardly ever are all of them at their worst.
+// A weight's polynomial passes through numbers up to 9, so that up to 20 roundings of 1 stay; three weights blend ramps
+// up to 2 apart, and hardly ever are all of them at their worst.
 static const double OCTAVE_TOLERANCE = 40.0 * 0x1p-24;
 
 static float inputs[COUNT][4];
