@@ -15,10 +15,10 @@
 
 enum { COUNT = SHADER_PROBE_INPUT_LIMIT };
 
-// Half the distance from one float to the next, relative.
+// ROUNDING is half the relative distance between adjacent floats.
 static const double ROUNDING = 0x1p-24;
-// A weight's polynomial passes through numbers up to 9, so that up to 20 roundings of 1 stay; three weights blend ramps
-// up to 2 apart, and hardly ever are all of them at their worst.
+// A weight's polynomial has terms of up to 9, so that its error is up to 20 roundings of 1. Three weights blend ramps
+// that differ by up to 2. Hardly ever are all of them at their worst.
 static const double OCTAVE_TOLERANCE = 40.0 * 0x1p-24;
 
 static float inputs[COUNT][4];
@@ -45,7 +45,7 @@ static void put_random_point(struct random *random, size_t at, double half_size)
         inputs[at][c] = (float)random_between(random, -half_size, half_size);
 }
 
-// Compares what `inputs` hold; returns how many are not 0.
+// Compares the noise at all `inputs`. Returns how many values are not 0.
 static int compare_octaves(void)
 {
     static const char *const MODULES[] = {"density/noise.glsl", NULL};
@@ -63,7 +63,7 @@ static void noise_is_its_twin_at_random_points(void **state)
 {
     struct random random = {21};
 
-    // Each number of the permutation is read for x, and some sixteen times for a gradient.
+    // Each entry of the permutation is read for x, and some sixteen times for a gradient.
     for (size_t i = 0; i < COUNT; i++) {
         put_random_point(&random, i, 300.0);
         inputs[i][0] = (float)(random_between(&random, 0.0, 1.0) + (double)i - 512.0);
@@ -78,14 +78,14 @@ static void noise_is_its_twin_on_the_faces_of_cells(void **state)
     for (size_t i = 0; i < COUNT; i++) {
         put_random_point(&random, i, 5.0);
         inputs[i][i % 3] = floorf(inputs[i][i % 3]);
-        // Just below a face a coordinate's fraction may round to 1.
+        // A coordinate's fraction may round to 1 just below a face.
         if (i % 4 == 0) inputs[i][(i + 1) % 3] = -1e-9f;
         if (i % 4 == 1) inputs[i][(i + 1) % 3] = nextafterf(roundf(inputs[i][(i + 1) % 3]), -INFINITY);
     }
     assert_true(compare_octaves() > COUNT / 2);
 }
 
-// Up to 2^24 a coordinate has a fraction, beyond it has none; from 2^31 on it is no int either.
+// Coordinates have a fraction up to 2^24 and none beyond. From 2^31 on they do not fit an int either.
 static void noise_is_its_twin_at_large_coordinates(void **state)
 {
     struct random random = {23};
@@ -98,7 +98,7 @@ static void noise_is_its_twin_at_large_coordinates(void **state)
     assert_int_equal(compare_octaves(), 0);
 }
 
-// Sums five octaves as a scene's shader does; OCTAVE and SHAPE are GLSL of `octave` and `sum`.
+// Sums five octaves as a scene's shader does. `octave` and `shape` are GLSL: expressions of its `octave` and `sum`.
 static void compare_mode(enum scene_noise_mode mode, const char *module, const char *octave, const char *shape)
 {
     const char *modules[] = {"density/noise.glsl", module, "density/noise_bias.glsl", NULL};
@@ -130,8 +130,8 @@ static void compare_mode(enum scene_noise_mode mode, const char *module, const c
     for (size_t i = 0; i < COUNT; i++) {
         double wanted = density_noise(&noise, vector_of(inputs[i]));
 
-        // The finest octave's coordinates, up to 82, carry four roundings and its slope is 2; the power's slope grows
-        // without end towards 0, where a sum of tolerance t becomes t^(3/7).
+        // The finest octave has a slope of 2, and coordinates up to 82 with four roundings. Values are compared before
+        // the power 3/7, whose slope is infinite at 0.
         double sum_tolerance = 5.0 * OCTAVE_TOLERANCE + 2.0 * 4.0 * 82.0 * ROUNDING;
 
         assert_near(pow(outputs[i][0], 7.0 / 3.0), pow(wanted, 7.0 / 3.0), 2.0 * sum_tolerance);

@@ -1,4 +1,4 @@
-// Objects, and media in and around them, against the reference: light, alpha, depth and the rays that were followed.
+// Objects, and media in and around them, against the reference: light, alpha, depth and the statistics of rays.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-// So many pixels of a picture may see an edge from its other side.
+// STRAY_LIMIT pixels of a picture may see the other side of an edge, by rounding.
 enum { WIDTH_PX = 24, HEIGHT_PX = 16, STRAY_LIMIT = 4 };
 
 #define LAMP "{\"kind\": \"point\", \"intensity\": [9, 8, 7], \"position\": [1.4, 2.1, 0.8]}"
@@ -61,7 +61,7 @@ static void parse(struct job *job, const struct view *view)
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 
-// A stray pixel may follow, or cut, a few rays more.
+// Stray pixels may follow, or cut, a few rays more or less.
 static void assert_same_rays(const struct true_light *light)
 {
     double strays = (double)STRAY_LIMIT / (WIDTH_PX * HEIGHT_PX);
@@ -85,9 +85,9 @@ static void assert_true_objects(const struct view *view, double tolerance)
     job_finish(&job);
 }
 
-// Nothing is marched: what differs is roundings, which balls magnify.
+// Nothing is marched: errors are roundings, which balls magnify.
 static const double SURFACES = 2e-6;
-// The points' and the steps' own error, mostly where a shadow begins or ends between them.
+// The error of points and steps, mostly where a shadow begins or ends between two of them.
 static const double MEDIA = 3e-4;
 
 static void a_glass_ball_on_a_floor(void **state)
@@ -99,7 +99,7 @@ static void a_glass_ball_on_a_floor(void **state)
         SURFACES);
 }
 
-static void mirrors_and_their_unions(void **state)
+static void mirrors_and_unions_of_mirrors(void **state)
 {
     assert_true_objects(
         &(struct view){.lights = LAMP,
@@ -131,7 +131,8 @@ static void later_objects_in_earlier_ones(void **state)
           "}}, {\"kind\": \"box\", \"center\": [-0.3, -0.7, 0.6], \"size\": [0.7, 0.4, 0.4], \"material\":"            \
           " {\"kind\": \"dielectric\", \"ior\": 1.3}}" LAST
 
-// A block and a ball on the floor, another block on the first and one at its side: faces in one place are one boundary.
+// A block and a ball lie on the floor, other blocks on the first one and at its side. Coinciding faces are one
+// boundary.
 static void objects_that_touch(void **state)
 {
     static const char *const OBJECTS[] = {STONES(FLOOR("") ", ", GLASS, ""), STONES("", GLASS, ", " FLOOR("")),
@@ -144,11 +145,11 @@ static void objects_that_touch(void **state)
 
 static void seen_from_within(void **state)
 {
-    static const char *const PLACES[] = {"[0.2, 0.1, 0.3]", "[0.35, 0.15, 0.05]", "[0.4, -1.5, 1]"};
+    static const char *const POSITIONS[] = {"[0.2, 0.1, 0.3]", "[0.35, 0.15, 0.05]", "[0.4, -1.5, 1]"};
 
-    for (size_t i = 0; i < sizeof PLACES / sizeof *PLACES; ++i)
+    for (size_t i = 0; i < sizeof POSITIONS / sizeof *POSITIONS; ++i)
         assert_true_objects(
-            &(struct view){.position = PLACES[i],
+            &(struct view){.position = POSITIONS[i],
                            .lights = LAMP,
                            .objects = FLOOR("") ", " BALL(GLASS) ", " CORE("\"kind\": \"dielectric\", \"ior\": 1.1")},
             SURFACES);
@@ -164,8 +165,8 @@ static void smoke_in_glass_in_fog(void **state)
                         MEDIA);
 }
 
-// Both throw their own dice: what differs must be what means of so many samples differ by.
-static void rough_surfaces_on_the_mean(void **state)
+// Renderer and reference have random numbers of their own. Their means must differ as means of so many samples do.
+static void rough_surfaces_have_the_true_mean(void **state)
 {
     enum { ACROSS_PX = 6, DOWN_PX = 4, SEEN = 256, TAKEN = 1024, COUNT = 3 * ACROSS_PX * DOWN_PX };
     static struct reference_sample samples[TAKEN];
@@ -195,7 +196,8 @@ static void rough_surfaces_on_the_mean(void **state)
     }
     print_message("%.3f of the expected square, offset by %.2f standard errors\n", square / COUNT,
                   offset / sqrt(variance));
-    // The picture's strata take from the square; colours of a pixel go together, of which the sum has more errors.
+    // Stratified samples lower the square. The three colours of a pixel are correlated, so the sum's standard error is
+    // up to sqrt(3) times as large.
     assert_true(square / COUNT < 1.2);
     assert_near(offset, 0.0, 4.0 * sqrt(3.0 * variance));
     image_finish(&image);
@@ -206,12 +208,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_glass_ball_on_a_floor),
-        cmocka_unit_test(mirrors_and_their_unions),
+        cmocka_unit_test(mirrors_and_unions_of_mirrors),
         cmocka_unit_test(later_objects_in_earlier_ones),
         cmocka_unit_test(objects_that_touch),
         cmocka_unit_test(seen_from_within),
         cmocka_unit_test(smoke_in_glass_in_fog),
-        cmocka_unit_test(rough_surfaces_on_the_mean),
+        cmocka_unit_test(rough_surfaces_have_the_true_mean),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,5 @@
-// Boundaries of dielectrics: the shaders' modules against formulas in double precision.
+// Boundaries of dielectrics: shader modules against formulas in double precision, on the same inputs rounded to float.
 // SPDX-License-Identifier: Apache-2.0
-// Both get the same inputs, rounded to float.
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/probe_vectors.h"
@@ -18,7 +17,7 @@
 
 enum { COUNT = 512 };
 
-// Half the distance from one float to the next, relative.
+// ROUNDING is half the relative distance between adjacent floats.
 static const double ROUNDING = 0x1p-24;
 
 static const char *const modules[] = {"surface/snell.glsl", "surface/fresnel_exact.glsl",
@@ -38,7 +37,7 @@ static void probe(const char *body, bool on_egl)
                      outputs);
 }
 
-// eta anywhere in [0.1, 10], some of them 1 or a few roundings from it.
+// eta is random in [0.1, 10]. Some values are 1 or a few roundings from it.
 static double any_eta(struct random *random, size_t i)
 {
     if (i % 16 == 0) return 1;
@@ -46,7 +45,7 @@ static double any_eta(struct random *random, size_t i)
     return pow(10, random_between(random, -1, 1));
 }
 
-// Cosines in .x and etas in .y, many of them grazing.
+// Inputs: .x is the cosine of incidence, often grazing, .y is eta.
 static void put_boundaries(void)
 {
     struct random random = {17};
@@ -65,15 +64,15 @@ static double refracted_square(double cos_in, double eta)
     return 1 - eta * eta * (1 - cos_in * cos_in);
 }
 
-// Returns the uncertainty in floats: the two terms have some roundings each.
-static double refracted_doubt(double cos_in, double eta)
+// Returns the error of refracted_square in floats: its two terms have some roundings each.
+static double refracted_error(double cos_in, double eta)
 {
     return 4 * ROUNDING * (fabs(1 - eta * eta) + eta * eta * cos_in * cos_in);
 }
 
-// One less the energy that gets through, by the transmitted amplitudes of both polarisations and the energy n cos |t|^2
-// on each side. `square` is the refracted ray's cosine squared.
-static double reflected_share(double cos_in, double eta, double square)
+// Reflectance is one less transmittance. That follows from the transmitted amplitudes t of both polarisations and the
+// energy n cos |t|^2 on each side. `square` is the refracted ray's cosine squared.
+static double reflectance(double cos_in, double eta, double square)
 {
     double cos_out = sqrt(fmax(square, 0));
     double across = 2 * eta * cos_in / (eta * cos_in + cos_out);
@@ -83,12 +82,12 @@ static double reflected_share(double cos_in, double eta, double square)
     return 1 - 0.5 * (across * across + along * along) * cos_out / (eta * cos_in);
 }
 
-// How far the share may be off for what is unknown of the square, and a dozen roundings.
-static double share_doubt(double cos_in, double eta)
+// Returns the error of the reflectance in floats: that of the square, and a dozen roundings.
+static double reflectance_error(double cos_in, double eta)
 {
-    double square = refracted_square(cos_in, eta), doubt = refracted_doubt(cos_in, eta);
-    double share = reflected_share(cos_in, eta, square);
-    double more = reflected_share(cos_in, eta, square + doubt), less = reflected_share(cos_in, eta, square - doubt);
+    double square = refracted_square(cos_in, eta), doubt = refracted_error(cos_in, eta);
+    double share = reflectance(cos_in, eta, square);
+    double more = reflectance(cos_in, eta, square + doubt), less = reflectance(cos_in, eta, square - doubt);
 
     return 16 * ROUNDING + fmax(fabs(more - share), fabs(less - share));
 }
@@ -101,19 +100,19 @@ static void assert_energy_is_kept(bool on_egl)
         double cos_in = inputs[i][0], eta = inputs[i][1];
 
         if (inputs[i][1] == 1.0f) assert_true(outputs[i][0] == 0.0f);
-        assert_near(outputs[i][0], reflected_share(cos_in, eta, refracted_square(cos_in, eta)),
-                    share_doubt(cos_in, eta));
+        assert_near(outputs[i][0], reflectance(cos_in, eta, refracted_square(cos_in, eta)),
+                    reflectance_error(cos_in, eta));
     }
 }
 
-static void what_is_not_reflected_gets_through(void **state)
+static void energy_is_conserved(void **state)
 {
     assert_energy_is_kept(false);
     assert_energy_is_kept(true);
 }
 
-// Beside the critical angle all of the difference is the cosine's rounding.
-static void both_ways_through_a_boundary_are_alike(void **state)
+// Reflectance is the same from both sides of a boundary. They differ by the rounding of the cosine.
+static void both_sides_of_a_boundary_reflect_alike(void **state)
 {
     size_t seen = 0;
 
@@ -126,7 +125,7 @@ static void both_ways_through_a_boundary_are_alike(void **state)
           false);
     for (size_t i = 0; i < COUNT; ++i) {
         double eta = inputs[i][1], least = fmin(inputs[i][0], outputs[i][2]);
-        // Some roundings of the squares, which a root makes more the smaller it is; shares change at most 5 times as fast.
+        // The squares have some roundings, which a small root magnifies. Reflectance changes at most 5 times as fast.
         double tolerance = 64 * ROUNDING * (eta * eta + 1 / (eta * eta)) / least;
 
         if (least < 0.05) continue;
@@ -137,7 +136,7 @@ static void both_ways_through_a_boundary_are_alike(void **state)
     assert_true(seen > COUNT / 4);
 }
 
-static void at_right_angles_the_iors_alone_count(void **state)
+static void at_normal_incidence_the_iors_alone_count(void **state)
 {
     put_boundaries();
     probe("vec4 probe(int i)\n{\n    return vec4(fresnel_exact(1.0, inputs[i].y), snell_cos(1.0, inputs[i].y),\n"
@@ -147,7 +146,7 @@ static void at_right_angles_the_iors_alone_count(void **state)
     for (size_t i = 0; i < COUNT; ++i) {
         double eta = inputs[i][1], ratio = (1 - eta) / (1 + eta);
 
-        // 1 - eta^2 + eta^2: roundings of 100.
+        // The cosine is the root of 1 - eta^2 + eta^2, with roundings of up to 100.
         assert_near(outputs[i][0], ratio * ratio, 8 * ROUNDING * (1 + eta * eta));
         assert_near(outputs[i][1], 1, 4 * ROUNDING * (1 + eta * eta));
         assert_near(outputs[i][2], 0.25, 4 * ROUNDING);
@@ -155,7 +154,8 @@ static void at_right_angles_the_iors_alone_count(void **state)
     }
 }
 
-// Where reflected and refracted ray are at right angles, tan = 1 / eta, only light across the plane is reflected.
+// Reflected and refracted ray are at right angles at Brewster's angle, tan = 1 / eta. Only light polarised across the
+// plane of incidence is reflected.
 static void brewsters_angle_loses_one_polarisation(void **state)
 {
     struct random random = {23};
@@ -170,14 +170,15 @@ static void brewsters_angle_loses_one_polarisation(void **state)
     for (size_t i = 0; i < COUNT; ++i) {
         double cos_in = inputs[i][0], eta = inputs[i][1], across = (1 - eta * eta) / (1 + eta * eta);
         double nearby = cos_in * (1 - ROUNDING);
-        double slope = reflected_share(nearby, eta, refracted_square(nearby, eta)) -
-                       reflected_share(cos_in, eta, refracted_square(cos_in, eta));
+        double slope = reflectance(nearby, eta, refracted_square(nearby, eta)) -
+                       reflectance(cos_in, eta, refracted_square(cos_in, eta));
 
-        assert_near(outputs[i][0], 0.5 * across * across, share_doubt(cos_in, eta) + 2 * fabs(slope));
+        assert_near(outputs[i][0], 0.5 * across * across, reflectance_error(cos_in, eta) + 2 * fabs(slope));
     }
 }
 
-// c = cosine on the side of the smaller ior; its square is known to some roundings, which a root makes many.
+// Schlick's formula takes the cosine on the side of the lower index of refraction. Its square has some roundings, which
+// the root magnifies.
 static void schlick_is_a_power_on_the_thin_side(void **state)
 {
     put_boundaries();
@@ -190,7 +191,7 @@ static void schlick_is_a_power_on_the_thin_side(void **state)
           false);
     for (size_t i = 0; i < COUNT; ++i) {
         double cos_in = inputs[i][0], eta = inputs[i][1], f0 = inputs[i][2], f90 = inputs[i][3];
-        double square = refracted_square(cos_in, eta), doubt = refracted_doubt(cos_in, eta);
+        double square = refracted_square(cos_in, eta), doubt = refracted_error(cos_in, eta);
         double thin = eta > 1 ? sqrt(fmax(square, 0)) : cos_in;
         double thin_doubt = eta > 1 ? sqrt(fmax(square, 0) + doubt) - thin : 0;
         double wanted = f0 + (f90 - f0) * pow(1 - thin, 5);
@@ -203,7 +204,7 @@ static void schlick_is_a_power_on_the_thin_side(void **state)
     }
 }
 
-// A thousandth of a radian on either side of it, whatever the kind.
+// Angles are a thousandth of a radian on either side of the critical angle, for every kind of Fresnel formula.
 static void beyond_the_critical_angle_all_is_reflected(void **state)
 {
     struct random random = {29};
@@ -228,7 +229,7 @@ static void beyond_the_critical_angle_all_is_reflected(void **state)
     }
 }
 
-// Every pair of the worst cosines and etas: shares stay shares, directions stay directions.
+// Reflectances stay in [0, 1] and directions stay unit vectors for every pair of the worst cosines and etas.
 static void the_worst_boundaries_stay_finite(void **state)
 {
     static const float cosines[] = {-1e-6f, -1e-30f,    0, 1e-38f,     1e-20f, 1e-8f,
@@ -245,14 +246,14 @@ static void the_worst_boundaries_stay_finite(void **state)
           "    vec3 shares = vec3(fresnel_exact(c, eta), fresnel_schlick(FresnelSchlick(0.0, 1.0), c, eta),\n"
           "                       fresnel_none(c, eta));\n"
           "    float after = max(snell_cos(c, eta), 0.0);\n"
-          "    vec3 way = vec3(sqrt(max(1.0 - c * c, 0.0)), -c, 0.0);\n"
-          "    return vec4(shares, length(snell_refract(way, vec3(0.0, 1.0, 0.0), c, after, eta)));\n}\n",
+          "    vec3 incoming = vec3(sqrt(max(1.0 - c * c, 0.0)), -c, 0.0);\n"
+          "    return vec4(shares, length(snell_refract(incoming, vec3(0.0, 1.0, 0.0), c, after, eta)));\n}\n",
           false);
     for (size_t i = 0; i < COUNT; ++i) {
         for (int c = 0; c < 3; ++c)
             assert_true(outputs[i][c] >= 0 && outputs[i][c] <= 1);
         assert_near(outputs[i][3], 1, 4 * ROUNDING);
-        // Along the surface all is reflected, but where there is none.
+        // All light along the surface is reflected, and none where eta = 1 makes no boundary.
         if (inputs[i][0] <= 0) assert_near(outputs[i][0], inputs[i][1] == 1.0f ? 0 : 1, 2e-6);
     }
 }
@@ -263,10 +264,10 @@ static void assert_snells_law(bool on_egl)
     size_t seen = 0;
 
     for (size_t i = 0; i < COUNT; ++i) {
-        struct vec3 normal = probe_any_direction(&random), way = probe_any_direction(&random);
+        struct vec3 normal = probe_any_direction(&random), direction = probe_any_direction(&random);
 
         probe_put_vector(inputs[2 * i], normal);
-        probe_put_vector(inputs[2 * i + 1], vec3_dot(way, normal) < 0 ? way : vec3_scale(way, -1));
+        probe_put_vector(inputs[2 * i + 1], vec3_dot(direction, normal) < 0 ? direction : vec3_scale(direction, -1));
         inputs[2 * i][3] = (float)any_eta(&random, i);
     }
     probe("vec4 probe(int i)\n{\n    vec3 n = inputs[2 * i].xyz;\n    vec3 d = inputs[2 * i + 1].xyz;\n"
@@ -306,9 +307,9 @@ static void rays_bend_by_snells_law(void **state)
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_not_reflected_gets_through),
-        cmocka_unit_test(both_ways_through_a_boundary_are_alike),
-        cmocka_unit_test(at_right_angles_the_iors_alone_count),
+        cmocka_unit_test(energy_is_conserved),
+        cmocka_unit_test(both_sides_of_a_boundary_reflect_alike),
+        cmocka_unit_test(at_normal_incidence_the_iors_alone_count),
         cmocka_unit_test(brewsters_angle_loses_one_polarisation),
         cmocka_unit_test(schlick_is_a_power_on_the_thin_side),
         cmocka_unit_test(beyond_the_critical_angle_all_is_reflected),

@@ -1,4 +1,4 @@
-// Transfer functions of whole segments against the converged integral, and beside midpoint.
+// The preintegrated method, a lookup for a whole segment, against the converged integral and the midpoint method.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -23,21 +23,21 @@
 #define SOFT                                                                                                           \
     "\"transfer_function\": [[0.05, 0.1, 0.3, 1, 0], [0.4, 1, 0.2, 0.1, 0.3], [0.9, 1, 0.9, 0.3, 0.9]], "              \
     "\"unit_distance\": 0.08"
-// A shell a hundredth of the values thin, inside of which there is another of another colour.
+// A shell is a hundredth of the range of values thin. Another shell of another colour is inside.
 #define STEEP                                                                                                          \
     "\"transfer_function\": [[0.3, 0, 0, 0, 0], [0.31, 1, 0.6, 0.2, 0.97], [0.34, 1, 0.5, 0.1, 0.97],"                 \
     " [0.35, 0, 0, 0, 0], [0.7, 0.2, 0.4, 1, 0], [0.71, 0.2, 0.4, 1, 0.999]], \"unit_distance\": 0.02"
-// Between the centres of two voxels, 0 and 200, along which values are linear: what is in front hides another colour behind it.
+// Values rise linearly from 0 to 200 between the centres of two voxels. One colour hides another one behind it.
 #define LAYERS                                                                                                         \
     "\"spacing\": [0.5, 2, 2], \"center\": [0, 0, 0], \"transfer_function\": [[10, 0, 0.2, 1, 0.9],"                   \
     " [100, 0, 0.2, 1, 0.9], [101, 1, 0, 0, 0.9], [190, 1, 0.5, 0, 0.5]], \"unit_distance\": 0.3, \"bounds\": { "      \
     "\"kind\": \"box\", \"center\": [0, 0, 0], \"size\": [0.5, 2, 2] }"
-#define GRID(FILE_FORMAT, LOOK) "{ \"density\": { \"kind\": \"grid\", \"file\": \"" FILE_FORMAT "\", " LOOK " } }"
+#define GRID(FILE_FORMAT, MEMBERS) "{ \"density\": { \"kind\": \"grid\", \"file\": \"" FILE_FORMAT "\", " MEMBERS " } }"
 #define STEPS(METHOD, VOXELS) "\"method\": \"" METHOD "\", \"step_voxels\": " VOXELS
 
 struct picture {
     const char *file;
-    const char *media; // with an @ for each place of the file
+    const char *media; // @ stands for the file's path
     const char *lights, *quality;
 };
 
@@ -92,7 +92,7 @@ static void soft_functions_on_both_backends(void **state)
     assert_true(true_light_is_within(&light, 1e-3));
 }
 
-// Halving the step takes the error to a quarter, but for kinks of the interpolation.
+// Half the step leaves a quarter of the error, kinks of interpolation aside.
 static void soft_functions_are_of_second_order(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
@@ -105,8 +105,8 @@ static void soft_functions_are_of_second_order(void **state)
     assert_true(coarse.radiance.relative_rmse / fine.radiance.relative_rmse > 8);
 }
 
-// What lies between two samples is not missed.
-static void thin_shells_want_fewer_steps_than_by_midpoint(void **state)
+// A shell between two samples is not missed.
+static void thin_shells_need_fewer_steps_than_by_midpoint(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
     struct true_light midpoint, light;
@@ -133,17 +133,17 @@ static void thin_shells_converge(void **state)
     assert_true(true_light_is_within(&light, 2e-3));
 }
 
-static void what_is_in_front_hides_the_rest_of_its_segment(void **state)
+static void front_of_a_segment_hides_its_rest(void **state)
 {
     const char *path = temp_folder_path(state, "ramp_2x1x1xuint8.raw");
     struct true_light light;
 
     volume_maker_write(path, (const unsigned char[]){0, 200}, 2);
     light = compare(&(struct picture){path, GRID("@", LAYERS), .quality = STEPS("preintegrated", "1")});
-    assert_true(light.radiance.relative_rmse < 0.06); // 0.35 without a look between the ends
+    assert_true(light.radiance.relative_rmse < 0.06); // 0.35 without a lookup between the ends
 }
 
-// Two tables, one of which ends within the other's box and falls off, and a medium of another kind that is lit.
+// Two grids with transfer functions overlap. One ends with a falloff within the other's box. The third medium is lit.
 static void tables_beside_other_media(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
@@ -163,7 +163,7 @@ static void tables_beside_other_media(void **state)
     assert_true(true_light_is_within(&light, 2e-3));
 }
 
-static void values_without_interpolation_are_of_the_middle(void **state)
+static void nearest_voxels_are_those_of_the_middle(void **state)
 {
     const char *path = temp_folder_path(state, "lobes.nrrd");
     struct true_light midpoint, light;
@@ -182,11 +182,11 @@ int main(int argc, char *argv[])
     const struct CMUnitTest tests[] = {
         TEST(soft_functions_on_both_backends),
         TEST(soft_functions_are_of_second_order),
-        TEST(thin_shells_want_fewer_steps_than_by_midpoint),
+        TEST(thin_shells_need_fewer_steps_than_by_midpoint),
         TEST(thin_shells_converge),
-        TEST(what_is_in_front_hides_the_rest_of_its_segment),
+        TEST(front_of_a_segment_hides_its_rest),
         TEST(tables_beside_other_media),
-        TEST(values_without_interpolation_are_of_the_middle),
+        TEST(nearest_voxels_are_those_of_the_middle),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]); // for tests/mutations

@@ -1,4 +1,4 @@
-// Scenes that nobody chose, of every kind of medium, region, light and camera, against the converged integral.
+// Random scenes of every kind of medium, region, light and camera, against the converged integral.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -17,8 +17,8 @@
 
 #include <cmocka.h>
 
-// Of second order in the steps: the worst two of these scenes, 1.5e-3 and 1.9e-3 off, are a quarter of that at half the
-// steps. A wrong convention is off by whole per cents where it matters.
+// Errors are of second order in the steps. Those of the worst two scenes, 1.5e-3 and 1.9e-3, are a quarter at half the
+// step. A wrong convention has errors of whole per cents where it matters.
 static const double tolerance = 3e-3;
 
 static struct true_light compare(const char *volume, uint64_t seed, double step)

@@ -1,4 +1,4 @@
-// Regions, phases and placements of points against their twins in reference/ and against closed forms.
+// Regions, phase functions and placements of points against their twins in reference/ and against closed forms.
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/bounds.h"
 #include "reference/closed_form.h"
@@ -33,7 +33,7 @@ static void probe(const char *const *modules, const char *body, size_t input_cou
                      outputs);
 }
 
-// A ray's origin and unit direction from 2 i on.
+// Puts a ray's origin into input 2 i and its direction, of any length, into the next. Returns the ray.
 static struct ray put_ray(struct random *random, size_t i)
 {
     struct vec3 origin, direction;
@@ -42,7 +42,7 @@ static struct ray put_ray(struct random *random, size_t i)
         inputs[2 * i][c] = (float)random_between(random, -2, 2);
         inputs[2 * i + 1][c] = (float)random_between(random, -1, 1);
     }
-    // Some along the axes, where a box's faces are met at right angles or not at all.
+    // Some rays are along the axes, where they meet a box's faces at right angles or not at all.
     if (i % 8 == 0) inputs[2 * i + 1][0] = inputs[2 * i + 1][2] = 0;
     if (i % 8 == 1) inputs[2 * i + 1][1] = 0;
     origin = (struct vec3){inputs[2 * i][0], inputs[2 * i][1], inputs[2 * i][2]};
@@ -53,7 +53,7 @@ static struct ray put_ray(struct random *random, size_t i)
 static const char *const modules[] = {"math/constants.glsl", "region/span.glsl", "region/sphere.glsl",
                                       "region/box.glsl",     "region/slab.glsl", NULL};
 
-// `region` is a GLSL expression of what `bounds` is.
+// `region` is the GLSL expression of `bounds`.
 static void assert_region(const struct bounds *bounds, const char *kind, const char *region)
 {
     struct random random = {7};
@@ -74,9 +74,9 @@ static void assert_region(const struct bounds *bounds, const char *kind, const c
         bool is_met = bounds_clip(bounds, &rays[i], &near, &far);
 
         assert_near(outputs[i][2], bounds_depth(bounds, rays[i].origin), 1e-6);
-        // Rounding decides about a grazing ray; the shortest chords are lost in it.
+        // Rounding decides whether a grazing ray meets the region, so the shortest chords are left out.
         if (is_met && far - near > 0.02) {
-            // Ten roundings of numbers about 3, and more where faces are met at a small angle.
+            // The tolerance is ten roundings of numbers about 3, and more where rays meet faces at a small angle.
             assert_true(fabs(entry - near) < 1e-5 * (1 + fabs(near)));
             assert_true(fabs(leave - far) < 1e-5 * (1 + fabs(far)));
             ++met;
@@ -99,7 +99,7 @@ static void regions_are_met_where_their_twins_are(void **state)
         "slab", "RegionSlab(vec3(0.3, -0.2, 0.1), vec3(0.6, 0.8, 0.0), 0.4)");
 }
 
-// A ray in a face, or along a slab: no NaN, and spans that are sums and squares away from infinity.
+// A ray in a face, or along a slab, gives no NaN. Sums and squares of the ends of its span are finite.
 static void rays_along_faces_are_finite(void **state)
 {
     static const char body[] =
@@ -114,7 +114,7 @@ static void rays_along_faces_are_finite(void **state)
     for (size_t i = 0; i < COUNT; ++i)
         for (int c = 0; c < 4; ++c)
             assert_true(fabsf(outputs[i][c]) <= 1.0001e18f);
-    // The rays are along x, y, z from the middle: they leave the box after its half side; the slab along y only.
+    // Rays from the middle leave the box after half its side, and the slab along y only.
     assert_near(outputs[13][1], 1, 1e-6);
     assert_near(outputs[13 + 27][3], 1, 1e-6);
     assert_true(outputs[13][3] > 1e15f && outputs[13][2] < -1e15f);
@@ -129,7 +129,7 @@ static void rayleigh_is_its_twin(void **state)
         assert_near(outputs[i][0], phase_rayleigh((double)i / 127.5 - 1), 1e-7);
 }
 
-// Gauss's rule over the cosine: exact for a polynomial of degree 2.
+// Gauss's rule of two points over the cosine is exact for polynomials of degree 2.
 static void rayleigh_is_normalized(void **state)
 {
     static const char *const phase[] = {"math/constants.glsl", "phase/rayleigh.glsl", NULL};
@@ -161,16 +161,17 @@ static void gauss_is_exact_for_polynomials(void **state)
     }
 }
 
-// Places by angle weigh 1 / r^2 out: whatever the light's height and the stretch, the sum of weights is the integral.
+// Points placed by angle cancel 1 / r^2. Their weight is its integral whatever the light's height and the stretch.
 static void angles_integrate_the_inverse_square(void **state)
 {
     static const char *const placement[] = {"placement/share.glsl", "math/arc.glsl", "placement/angle.glsl", NULL};
     static const char body[] =
         "vec4 probe(int i)\n{\n"
-        "    PlacementAngle way = placement_angle(vec3(inputs[i].x, inputs[i].y, 0.0), vec3(0.0, 1.0, 0.0), "
+        "    PlacementAngle placement = placement_angle(vec3(inputs[i].x, inputs[i].y, 0.0), vec3(0.0, 1.0, 0.0), "
         "inputs[i].z, 0.0);\n"
-        "    Placed first = placement_angle_at(way, 0.0);\n    Placed middle = placement_angle_at(way, 0.5);\n"
-        "    return vec4(middle.weight, first.at, middle.at, placement_angle_at(way, 1.0).at);\n}\n";
+        "    Placed first = placement_angle_at(placement, 0.0);\n"
+        "    Placed middle = placement_angle_at(placement, 0.5);\n"
+        "    return vec4(middle.weight, first.at, middle.at, placement_angle_at(placement, 1.0).at);\n}\n";
     struct random random = {3};
 
     for (size_t i = 0; i < COUNT; ++i) {
@@ -183,23 +184,23 @@ static void angles_integrate_the_inverse_square(void **state)
         double height = inputs[i][0], foot = inputs[i][1], length = inputs[i][2];
         double whole = closed_form_inverse_square(height, foot, 0, length);
 
-        // Some roundings, more where the light is nearly in line with the stretch.
+        // The tolerance is some roundings, and more where the light is nearly in line with the stretch.
         assert_true(fabs(outputs[i][0] / whole - 1) < 2e-6);
         assert_near(outputs[i][1], 0, 1e-6 * length);
-        // The end of half a circle is most of a long chord, and adds nearly nothing.
+        // The last angles of nearly half a circle cover most of a long stretch, and add nearly nothing.
         assert_true(outputs[i][3] <= (float)length && outputs[i][3] > 0.97 * length);
         assert_true(fabs(closed_form_inverse_square(height, foot, 0, outputs[i][2]) / whole - 0.5) < 2e-4);
     }
 }
 
-// Half of what a thick stretch loses is lost before the middle of its transmittance.
-static void places_by_transmittance_share_out_what_is_lost(void **state)
+// A point placed by transmittance has that share of the stretch's loss in front of it.
+static void points_by_transmittance_share_out_the_loss(void **state)
 {
     static const char *const placement[] = {"placement/share.glsl", "placement/transmittance.glsl", NULL};
     static const char body[] =
         "vec4 probe(int i)\n{\n"
-        "    PlacementTransmittance way = PlacementTransmittance(inputs[i].x * inputs[i].y, inputs[i].y);\n"
-        "    Placed placed = placement_transmittance_at(way, inputs[i].z);\n"
+        "    PlacementTransmittance placement = PlacementTransmittance(inputs[i].x * inputs[i].y, inputs[i].y);\n"
+        "    Placed placed = placement_transmittance_at(placement, inputs[i].z);\n"
         "    return vec4(placed.at, placed.weight, 0.0, 0.0);\n}\n";
     struct random random = {5};
 
@@ -214,7 +215,7 @@ static void places_by_transmittance_share_out_what_is_lost(void **state)
         double at = x < 0.1 ? share * length : -log(1 - share * (1 - exp(-x))) / sigma;
         double weight = x < 0.1 ? length : (1 - exp(-x)) / (sigma * exp(-sigma * at));
 
-        // A logarithm's digits near 1, and those of what is left far in.
+        // Tolerances are roundings of the logarithm near 1, and of the transmittance deep in the medium.
         assert_true(fabs(outputs[i][0] - at) < 2e-6 * length);
         assert_true(fabs(outputs[i][1] / weight - 1) < 1e-5 * exp(fmin(sigma * at, 8)));
     }
@@ -230,7 +231,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(rayleigh_is_normalized),
         cmocka_unit_test(gauss_is_exact_for_polynomials),
         cmocka_unit_test(angles_integrate_the_inverse_square),
-        cmocka_unit_test(places_by_transmittance_share_out_what_is_lost),
+        cmocka_unit_test(points_by_transmittance_share_out_the_loss),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);

@@ -1,4 +1,4 @@
-// Normals of rough surfaces: which are drawn, how often, and what becomes of rays that they send to the wrong side.
+// Normals of rough surfaces: their distribution, repeated draws, and rays that they send to the wrong side.
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/vec3.h"
 #include "tests/support/assert_near.h"
@@ -17,7 +17,7 @@
 
 enum { COUNT = 512, DRAW_COUNT = 4096 };
 
-// Half the distance from one float to the next, relative.
+// ROUNDING is half the relative distance between adjacent floats.
 static const double ROUNDING = 0x1p-24;
 
 static float inputs[SHADER_PROBE_INPUT_LIMIT][4];
@@ -43,8 +43,8 @@ static int compare(const void *a, const void *b)
     return (left > right) - (left < right);
 }
 
-// Kolmogorov's distance of the values from being uniform between two numbers, in units of 1 / sqrt(count): over 2 once in
-// a thousand times.
+// Kolmogorov's distance of the values from a uniform distribution between `low` and `high`, in units of
+// 1 / sqrt(count). It is over 2 less than once in a thousand times.
 static double distance_from_uniform(double *values, size_t count, double low, double high)
 {
     double most = 0;
@@ -58,7 +58,7 @@ static double distance_from_uniform(double *values, size_t count, double low, do
     return most * sqrt((double)count);
 }
 
-// Draws DRAW_COUNT normals of a surface that faces up (z), hit by a ray of this cosine that travels along +x.
+// Draws DRAW_COUNT normals of a surface that faces up (z). The ray hits it with this cosine and travels towards +x.
 static void draw_normals(double cos_in, double roughness, bool on_egl)
 {
     probe_put_vector(inputs[0], (struct vec3){sqrt(1 - cos_in * cos_in), 0, -cos_in});
@@ -71,7 +71,8 @@ static void draw_normals(double cos_in, double roughness, bool on_egl)
         assert_near(vec3_length(probe_vector(outputs[i])), 1, 4 * ROUNDING);
 }
 
-// The mean over a ball's surface of unit vectors from a point outside, by the gradient of the mean distance R + r^2 / 3 R.
+// The mean unit vector from a point outside a sphere to its surface is the gradient of their mean distance,
+// R + r^2 / (3 R). Here R = 1.
 static void normals_spread_with_roughness(void **state)
 {
     static const double spreads[] = {0.05, 0.3, 0.7, 1};
@@ -83,40 +84,41 @@ static void normals_spread_with_roughness(void **state)
         draw_normals(1, r, k >= 4);
         for (size_t i = 0; i < DRAW_COUNT; ++i)
             mean = vec3_add(mean, vec3_scale(probe_vector(outputs[i]), 1.0 / DRAW_COUNT));
-        // Four standard errors: no component varies by more than r.
+        // Tolerances are four standard errors: no component varies by more than r.
         assert_near(mean.x, 0, 4 * r / sqrt(3.0 * DRAW_COUNT));
         assert_near(mean.y, 0, 4 * r / sqrt(3.0 * DRAW_COUNT));
         assert_near(mean.z, 1 - r * r / 3, 2 * r * r / sqrt(DRAW_COUNT));
     }
 }
 
-// With roughness 1 the point of the sphere is 2 (n' n) n' - n. The ray can meet those lower than its cosine, and
-// heights on a sphere are uniform.
+// The point on the sphere is 2 (n' n) n' - n at roughness 1. The ray can meet points lower than its cosine. Heights on
+// a sphere are uniform.
 static void normals_are_drawn_again_until_the_ray_meets_them(void **state)
 {
     static const double cosines[] = {1, 0.5, 0.1};
-    static double heights[DRAW_COUNT], turns[DRAW_COUNT];
+    static double heights[DRAW_COUNT], angles[DRAW_COUNT];
 
     for (int k = 0; k < 3; ++k) {
-        struct vec3 up = {0, 0, 1}, way, side = {0, 1, 0}, third;
+        struct vec3 up = {0, 0, 1}, incoming, side = {0, 1, 0}, third;
 
         draw_normals(cosines[k], 1, false);
-        way = probe_vector(inputs[0]);
-        third = vec3_cross(way, side);
+        incoming = probe_vector(inputs[0]);
+        third = vec3_cross(incoming, side);
         for (size_t i = 0; i < DRAW_COUNT; ++i) {
             struct vec3 facet = probe_vector(outputs[i]);
             struct vec3 point = vec3_subtract(vec3_scale(facet, 2 * facet.z), up);
 
-            assert_true(facet.z > 0 && vec3_dot(facet, way) < 1e-6);
-            heights[i] = vec3_dot(point, way);
-            turns[i] = atan2(vec3_dot(point, side), vec3_dot(point, third));
+            assert_true(facet.z > 0 && vec3_dot(facet, incoming) < 1e-6);
+            heights[i] = vec3_dot(point, incoming);
+            angles[i] = atan2(vec3_dot(point, side), vec3_dot(point, third));
         }
         assert_true(distance_from_uniform(heights, DRAW_COUNT, -1, cosines[k]) < 2);
-        assert_true(distance_from_uniform(turns, DRAW_COUNT, -M_PI, M_PI) < 2);
+        assert_true(distance_from_uniform(angles, DRAW_COUNT, -M_PI, M_PI) < 2);
     }
 }
 
-// A smooth surface draws no numbers, and one that no facet of can be met, or a ray along it, still has a normal.
+// A smooth surface draws no random numbers. A ray that can meet no facet gets the surface's normal, a ray along the
+// surface gets a facet.
 static void normals_that_cannot_be_drawn_are_the_surfaces_own(void **state)
 {
     draw_normals(0.3, 0, false);
@@ -148,7 +150,7 @@ static void directions_are_mirrored_to_their_side(void **state)
         double side = inputs[2 * i][3];
 
         assert_near(vec3_dot(out, n), side * fabs(vec3_dot(d, n)), 8 * ROUNDING);
-        // Along the surface nothing changes.
+        // The component along the surface does not change.
         assert_near(vec3_length(vec3_cross(vec3_subtract(out, d), n)), 0, 8 * ROUNDING);
     }
 }

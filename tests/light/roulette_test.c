@@ -1,4 +1,4 @@
-// Russian roulette of the midpoint method: the same light on the average, for fewer steps.
+// Russian roulette of the midpoint method: the same light on average, with fewer steps.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -24,7 +24,7 @@ enum { CHANNELS = 4 };
 #define SUN "\"lights\": [{\"kind\": \"sun\", \"intensity\": [3, 2, 1], \"direction\": [1, -1, -1]}]"
 #define MEDIUM "\"sigma_s\": [1, 2, 3], \"sigma_a\": 1, \"emission\": 0.5"
 
-// The ball in an even background, seen through `samples` points a pixel.
+// The ball is in front of a uniform background, with `samples` samples a pixel.
 static void parse(struct job *job, const char *roulette, int samples)
 {
     char rest[512];
@@ -58,7 +58,7 @@ static struct difference find_difference(const float *values, const float *wante
     return difference;
 }
 
-// Four standard errors: chance alone is outside once in 16,000 draws, and the seeds are fixed.
+// Four standard errors are exceeded by chance once in 16,000 times. Seeds are fixed.
 static void assert_same_mean(const float *values, const float *wanted, size_t pixel_count)
 {
     for (size_t channel = 0; channel < 3; channel++) {
@@ -93,12 +93,12 @@ static void mean_is_that_without_roulette(void **state)
     assert_unbiased(", \"roulette\": {\"below\": 0.3, \"survive\": 0.5}");
 }
 
-static void mean_holds_for_small_odds_from_the_start_on(void **state)
+static void mean_holds_for_rare_survival_from_the_start(void **state)
 {
     assert_unbiased(", \"roulette\": {\"below\": 1, \"survive\": 0.05}");
 }
 
-// No pixel may weigh more than the light that it looks at.
+// Weights of surviving rays must not lift a pixel's transmittance above 1.
 static void transmittance_stays_within_one(void **state)
 {
     struct image image;
@@ -127,7 +127,7 @@ static void the_same_frame_is_the_same_picture(void **state)
     image_finish(&second);
 }
 
-// No ray through the ball comes down to a millionth of a millionth.
+// Transmittance through the ball is above 1e-12 along every ray.
 static void rays_above_the_limit_are_left_alone(void **state)
 {
     struct image with, without;
@@ -152,8 +152,8 @@ static bool count_call(void *user, double done)
     return true;
 }
 
-// 200,000 steps through the ball, of which the driver runs 60,000 at once: how often the renderer tells of progress. After as
-// many there is still 1e-13 left.
+// Returns how often the renderer reports progress over 200,000 steps through the ball. The driver runs 60,000 at once,
+// after which transmittance is still 1e-13.
 static int count_slices(const char *roulette, struct error *error)
 {
     struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
@@ -168,7 +168,7 @@ static int count_slices(const char *roulette, struct error *error)
              roulette);
     ball_job_parse(&job, "\"sigma_s\": 0, \"sigma_a\": 50, \"emission\": 1", rest);
     job.width_px = job.height_px = 1;
-    job.quality.step = 1e-5; // a job says so only where the check cannot know
+    job.quality.step = 1e-5; // set here: the check of a job refuses so many steps
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, error));
     if (!renderer_render(stage.renderer,
                          &(struct renderer_frame){
@@ -189,7 +189,7 @@ static void rays_end_earlier(void **state)
                 count_slices(", \"roulette\": {\"below\": 0.01, \"survive\": 0.5}", &error) + 2);
 }
 
-static void no_roulette_no_code(void **state)
+static void without_roulette_its_code_is_absent(void **state)
 {
     struct scene_program program;
     struct job job;
@@ -206,12 +206,12 @@ int main(int argument_count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mean_is_that_without_roulette),
-        cmocka_unit_test(mean_holds_for_small_odds_from_the_start_on),
+        cmocka_unit_test(mean_holds_for_rare_survival_from_the_start),
         cmocka_unit_test(transmittance_stays_within_one),
         cmocka_unit_test(the_same_frame_is_the_same_picture),
         cmocka_unit_test(rays_above_the_limit_are_left_alone),
         cmocka_unit_test(rays_end_earlier),
-        cmocka_unit_test(no_roulette_no_code),
+        cmocka_unit_test(without_roulette_its_code_is_absent),
     };
 
     if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
