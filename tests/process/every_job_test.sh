@@ -1,15 +1,15 @@
 #!/bin/bash
-# Every job in jobs/ renders through the farm, and its frames are the same whatever the chunks, the workers and the order,
-# after a restart, and nearly so on another backend.
+# Every job in jobs/ renders through the farm. Its frames are the same for all chunks, workers and orders and after a
+# restart, and nearly the same on another backend.
 . "$PROJECT_ROOT/tests/process/farm.sh"
 
-# A start, a middle and an end of each, small; a march through llvmpipe under sanitizers is slow.
+# Three small frames of each job: a march through llvmpipe under sanitizers is slow.
 small=(--set 'resolution=[32,18]' --set output.pixel=float)
 backend_limit=1e-4
 
 names() { basename -s .json -a "$PROJECT_ROOT"/jobs/*.json | grep -vx schema; }
 
-frames_of() # NAME: three frames, ascending
+frames_of() # NAME: prints the first, a middle and the last frame
 {
     local first last
     first=$(jq -r '.frames | split("-")[0]' "$PROJECT_ROOT/jobs/$1.json")
@@ -19,7 +19,7 @@ frames_of() # NAME: three frames, ascending
 
 reversed() { tr , '\n' <<<"$1" | tac | paste -sd,; }
 
-# farm FOLDER [ORDER]: submits every job, its frames by ORDER, and waits.
+# farm FOLDER [ORDER]: submits every job with its frames in the order that the command ORDER gives, and waits.
 farm()
 {
     local ids=() id
@@ -36,7 +36,7 @@ farm()
     }
 }
 
-# same FOLDER-A FOLDER-B LIMIT-OF-LIGHT LIMIT-OF-DEPTH
+# same FOLDER-A FOLDER-B LIMIT-OF-LIGHT LIMIT-OF-DEPTH: fails where a picture differs by more.
 same()
 {
     local count=0 apart
@@ -61,5 +61,5 @@ same once again 0 0
 start_daemon --backend egl --workers 1
 farm egl
 stop_daemon
-# Depth is where half the light is gone: a threshold, which rounding moves in a pixel here and there.
+# Depth is where transmittance falls below one half: rounding moves that threshold in a few pixels.
 same once egl "$backend_limit" 1e-2

@@ -1,11 +1,11 @@
 #!/bin/bash
-# The man pages say what the programs' help and marchd.conf say, no more and no less, and a formatter finds nothing wrong in them.
+# The man pages agree with the programs' help and with marchd.conf, and a formatter finds no fault in them.
 . "$PROJECT_ROOT/tests/process/farm.sh"
 pages=$PROJECT_ROOT/deploy/man
 
 "$pages/update" --check "$bin" || fail "a page is out of date"
 
-# Nothing was lost on the way: each verb and option of the help is a tag of its page, and each tag one of the help.
+# The help's verbs and options are the tags of its page, and the tags are all verbs or options of the help.
 verbs=$("$bin/march" help --json | jq -r '.verbs[].name')
 expect "verbs of march(1)" "$(sed -n 's/^\.SS march \([a-z]*\).*/\1/p' "$pages/march.1")" "$verbs"
 for verb in $verbs; do
@@ -15,13 +15,13 @@ for verb in $verbs; do
 done
 expect "options of marchd(8)" "$(sed -n '/BEGIN/,/END/s/^\.B \(.*\)/\1/p' "$pages/marchd.8" | grep -o -- '\\-\\-[a-z\-]*' | sed 's/\\//g')" \
     "$("$bin/marchd" --help | grep -oE '^  --[a-z-]+|, --version' | grep -o -- '--.*')"
-# A setting is an option that a file may have.
+# A setting is an option of the daemon that a file may hold.
 expect "settings of marchd.conf(5)" "$(sed -n 's/^\.B \([a-z\-]*\) = *.*/\1/p' "$pages/marchd.conf.5" | sed 's/\\//g' | sort -u)" \
     "$("$bin/marchd" --help | sed -nE 's/^  --([a-z-]+) [^ ].*/\1/p' | grep -vxE 'config|system' | sort -u)"
 expect "options of march-worker(8)" "$(sed -nE '/^\.SH OPTIONS/,$s/^\.(B|BI|BR) (\\-\\-[^ ]*).*/\2/p' "$pages/march-worker.8" | sed 's/\\//g')" \
     "$("$bin/march-worker" --help 2>&1 | grep -oE -- '--[a-z-]+')"
 
-# The job of marchd-job(5) is one.
+# The example of marchd-job(5) is a valid job.
 sed -n '/^\.EX/,/^\.EE/{//!p}' "$pages/marchd-job.5" | sed 's/\\-/-/g; s/\\e/\\/g' >"$scratch/first.json"
 "$bin/march" validate "$scratch/first.json" || fail "marchd-job(5) shows a wrong job"
 

@@ -1,5 +1,6 @@
 #!/bin/sh
-# The Debian package is built by one command and holds what is installed, its setting file, its scripts and what it needs.
+# The Debian package is built by one command and holds the installed files, its setting file, its scripts and its
+# dependencies.
 set -eu
 . "$PROJECT_ROOT/tests/process/package_files.sh"
 for program in dpkg-buildpackage dpkg-deb dh; do
@@ -13,7 +14,7 @@ version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/C
 [ "$package" = "$scratch/out/marchd_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $package"
 [ "$(dpkg-deb -f "$package" Version)" = "$version-7" ] || fail "version $(dpkg-deb -f "$package" Version)"
 
-# Its files are the installed ones, and what Debian wants of a package beside them; man pages and the changelog are compressed.
+# The package's files are the installed ones and those that Debian requires; man pages and the changelog are compressed.
 case "$(. /etc/os-release && echo "$ID $VERSION_ID")" in
 'debian 12') units=/lib/systemd/system ;;
 *) units=/usr/lib/systemd/system ;;
@@ -45,7 +46,7 @@ done
 [ "$(dpkg-deb -f "$package" Recommends)" = libosmesa6 ] || fail "does not recommend OSMesa, which newer releases lack"
 dpkg-deb -f "$package" Suggests | grep -q libnanovdb-tools || fail "does not suggest the OpenVDB converter"
 
-# does SCRIPT TEXT
+# does SCRIPT TEXT: the script of the package contains the text.
 does() { grep -qF -- "$2" "$scratch/control/$1" || fail "$1: expected $2"; }
 for script in postinst prerm postrm; do
     sh -n "$scratch/control/$script" || fail "$script is no shell script"
@@ -58,7 +59,7 @@ does postinst "deb-systemd-invoke \$_dh_action 'marchd.service'"
 does postinst "deb-systemd-invoke start 'marchd.socket'"
 does prerm "deb-systemd-invoke stop 'marchd.service'"
 does prerm "deb-systemd-invoke stop 'marchd.socket'"
-# The user that owns the folders is there before they are; clients wait at the socket while an upgrade goes on.
+# The user that owns the folders is created before them; clients wait at the socket while an upgrade goes on.
 users=$(grep -n systemd-sysusers "$scratch/control/postinst" | head -n 1 | cut -d: -f1)
 folders=$(grep -n systemd-tmpfiles "$scratch/control/postinst" | head -n 1 | cut -d: -f1)
 [ "$users" -lt "$folders" ] || fail "folders are made before their owner"

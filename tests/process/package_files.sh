@@ -1,13 +1,13 @@
-# Shared by the package's tests: what is installed, from the tree's own lists where a folder goes as a whole.
+# Shared by the package's tests: the installed files, from the tree's own lists where a folder is installed as a whole.
 fail() {
     echo "FAILED: $*"
     exit 1
 }
 
-# below FOLDER PLACE: the folder's files, named as they lie in the place.
+# below FOLDER TARGET: the folder's files, named by their paths below the target.
 below() { (cd "$PROJECT_ROOT/$1" && find . -type f | sed "s|^\.|$2|"); }
 
-# installed_files PREFIX UNIT-FOLDER
+# installed_files PREFIX UNIT-FOLDER: prints the paths of all installed files.
 installed_files() {
     {
         cat <<END

@@ -1,6 +1,6 @@
 #!/bin/sh
-# cmake --install puts exactly what is listed where it is listed, units name the programs that were installed, and the
-# programs run from there: the daemon finds its worker, and the examples are valid.
+# cmake --install installs exactly the listed files, and the units name the installed programs. The programs run from
+# there: the daemon finds its worker, and the examples are valid.
 set -eu
 . "$PROJECT_ROOT/tests/process/package_files.sh"
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/package_install_test.XXXXXX")
@@ -22,7 +22,7 @@ for unit in system/marchd.service user/marchd.service; do
 done
 cmp -s "$PROJECT_ROOT/deploy/marchd.conf" "$root/etc/marchd/marchd.conf" || fail "marchd.conf is not the one of the tree"
 
-# Examples name their files relative to themselves; the scan's comes from another package.
+# Examples name their files relative to themselves; the scan's file comes from another package.
 for job in "$root$prefix"/share/marchd/jobs/*.json; do
     case "$job" in */schema.json | */scan.json) continue ;; esac
     "$root$prefix/bin/march" validate "$job" >"$scratch/log" 2>&1 || fail "$job: $(cat "$scratch/log")"

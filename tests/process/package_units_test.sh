@@ -1,5 +1,5 @@
 #!/bin/sh
-# Units are what systemd understands, as closed as promised, and open where rendering needs it.
+# The units are valid to systemd, as restricted as promised, and allow what rendering needs.
 set -eu
 . "$PROJECT_ROOT/tests/process/package_files.sh"
 command -v systemd-analyze >/dev/null || { echo "skipped: there is no systemd-analyze"; exit 77; }
@@ -7,14 +7,14 @@ scratch=$(mktemp -d "${TMPDIR:-/tmp}/package_units_test.XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
 deploy=$PROJECT_ROOT/deploy
 
-# systemd warns of what it does not know, and goes on.
+# systemd-analyze only warns of settings that it does not know.
 understands() { # WHOSE OPTION...
     whose=$1
     shift
     XDG_RUNTIME_DIR=$scratch systemd-analyze verify --man=no "$@" >"$scratch/said" 2>&1 || fail "$whose units: $(cat "$scratch/said")"
     ! grep marchd "$scratch/said" || fail "systemd does not understand the $whose units"
 }
-# The system's, in a root of their own, where the program is where they say.
+# The system's units are checked in a root of their own, which has the program at its installed path.
 mkdir -p "$scratch/root/usr/lib/systemd/system" "$scratch/root/usr/bin"
 ln -s usr/bin usr/lib "$scratch/root"
 cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy/marchd.service" "$deploy/marchd.socket" \
@@ -22,7 +22,7 @@ cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy/marchd.serv
 cp /bin/true "$scratch/root/usr/bin/marchd"
 cp /bin/sh "$scratch/root/usr/bin/sh"
 understands system --root="$scratch/root" marchd.service marchd.socket
-# A user's, with another program: no root can be given for them.
+# A user's units are checked with another program, because they cannot be given a root.
 mkdir "$scratch/user"
 sed 's|^ExecStart=/usr/bin/marchd$|ExecStart=/bin/true|' "$deploy/user/marchd.service" >"$scratch/user/marchd.service"
 cp "$deploy/user/marchd.socket" "$scratch/user"
@@ -39,7 +39,7 @@ lacks() { ! grep -qE -- "^$2=" "$deploy/$1" || fail "$1: $2 must not be set"; }
 lacks marchd.service PrivateDevices   # GPUs
 lacks marchd.service PrivateUsers     # peers' user ids
 lacks marchd.service ProcSubset       # NVIDIA's driver
-lacks marchd.service RuntimeDirectory # it would take the socket away
+lacks marchd.service RuntimeDirectory # systemd would remove the socket with it
 lacks marchd.service DynamicUser      # pictures have an owner
 for unit in marchd.service user/marchd.service; do
     lacks $unit MemoryDenyWriteExecute # llvmpipe compiles what it renders
@@ -65,12 +65,12 @@ has marchd.socket 'SocketGroup=marchd'
 has user/marchd.socket 'ListenStream=%t/marchd.sock'
 has user/marchd.socket 'SocketMode=0600'
 
-# systemd waits longer than the daemon does.
+# systemd waits longer than the daemon's own limit for stopping.
 limit=$(sed -n 's/^#stop-timeout = //p' "$deploy/marchd.conf")
 waits=$(sed -n 's/^TimeoutStopSec=//p' "$deploy/marchd.service")
 [ "$waits" -gt "$((limit + 10))" ] || fail "systemd kills after $waits s what may take $limit s to finish"
 
-# Users and folders are what the programs ask for.
+# Users and folders are those that the programs ask for.
 if [ "$(id -u)" -ne 0 ]; then
     echo "users and folders: only root can make them, not looked at"
     exit 0

@@ -1,5 +1,5 @@
 #!/bin/sh
-# A sequence of sparse grids: a file that is wrong costs its own frame only, and OpenVDB files show the same picture.
+# A sequence of sparse grids: a bad file fails only its own frame, and OpenVDB files give the same picture.
 set -u
 PATH=$PROGRAM_FOLDER:$PATH
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/smoke_test.XXXXXX")
@@ -12,7 +12,7 @@ cp "$PROJECT_ROOT/jobs/smoke.json" .
 mkdir smoke
 cp "$PROJECT_ROOT"/jobs/smoke/smoke.000[3-7].nvdb smoke
 
-# render CODE FOLDER FRAMES [OPTION...]
+# render CODE FOLDER FRAMES [OPTION...]: renders the job's frames and expects that exit code.
 render() {
     code=$1
     folder=$2
@@ -23,14 +23,15 @@ render() {
         --out "$folder/####.exr" "$@"
 }
 
-# same A B: equal to the last bit.
+# same A B: the pictures are equal bit for bit.
 same() { [ "$(exr-compare "$1" "$2")" = "$(exr-compare "$1" "$1")" ] || fail "$1 and $2 differ: $(exr-compare "$1" "$2")"; }
 
 render 0 whole 3-7
 [ "$(ls whole | wc -l)" -eq 5 ] || fail "expected five frames"
 ! exr-compare whole/0003.exr whole/0004.exr | grep -q '^0 0' || fail "frames 3 and 4 show the same"
 
-# In another order, and with one file cut short that is read while the frame before is rendered.
+# The frames are in another order, and one file, which is read ahead while the frame before it is rendered, is cut
+# short.
 head -c 20000 smoke/smoke.0005.nvdb >cut
 mv cut smoke/smoke.0005.nvdb
 render 1 holed 7,4,5,6,3

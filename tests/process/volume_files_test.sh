@@ -1,5 +1,5 @@
 #!/bin/sh
-# Volume files that are wrong: `march render` names the file and the place, and leaves nothing behind.
+# Bad volume files: `march render` names the file and the member of the job, and leaves no files behind.
 set -u
 PATH=$PROGRAM_FOLDER:$PATH
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/volume_files_test.XXXXXX")
@@ -10,7 +10,7 @@ unset MARCH_WORKER
 seeds=$PROJECT_ROOT/tests/fuzz/seeds
 
 last=1
-# job FILE [KEYS]: job.json shows that volume.
+# job FILE [KEYS]: writes job.json, which shows that volume.
 job() {
     cat >job.json <<JSON
 { "version": 1, "name": "scan", "frames": "0-$last", "fps": 24, "resolution": [16, 9],
@@ -22,7 +22,7 @@ job() {
 JSON
 }
 
-# refuse CODE FILE WORDS [KEYS]: 2 where the job itself cannot be, 1 where its frames fail.
+# refuse CODE FILE WORDS [KEYS]: CODE is 2 where the job itself is refused, 1 where its frames fail.
 refuse() {
     wanted=$1
     file=$2
@@ -35,7 +35,7 @@ refuse() {
     rm -rf pictures
 }
 
-# What is right is shown, so that the refusals below are for their reasons.
+# Good files render, so that the refusals below have their own reasons.
 cp "$seeds/volume_nifti/version_1" good.nii
 cp "$seeds/volume_nifti/gzip" good.nii.gz
 cp "$seeds/volume_nrrd/raw" good.nrrd
@@ -58,14 +58,15 @@ refuse 1 empty.nii 'ends after 0 bytes'
 refuse 1 long.nii '60 bytes, got 61 bytes'
 head -c 120 good.nii.gz >cut.nii.gz
 refuse 1 cut.nii.gz 'its gzip data end before they are complete'
-# More frames than a worker is given at once, a file each: each fails by itself, and the command ends.
+# Each frame has a file of its own, and there are more frames than a worker gets at once: each fails by itself, and the
+# command ends.
 last=5
 for frame in 0 1 2 3 4 5; do cp cut.nii.gz "cut.$frame.nii.gz"; done
 job cut.#.nii.gz
 expect 1 march render job.json
 [ "$(grep -c 'frame [0-5] failed: .*/cut.[0-5].nii.gz: its gzip data end' err)" -eq 6 ] || fail "each frame's own file"
 rm -rf pictures
-# One file for all that nobody is writing any more stays cut: the other frames are not tried.
+# One cut file for all frames, which nobody has written to for a while, stays cut: the other frames are not tried.
 sleep 2.5
 refuse 1 cut.nii.gz 'frame 0 failed: '
 ! grep -q 'frame 1 failed' err || fail "a cut file fails the job at once"

@@ -1,5 +1,6 @@
 #!/bin/sh
-# A long sequence of scans, a file a frame: what the worker holds is what it keeps for later, not every hole in its heap.
+# A long sequence of scans, a file a frame: the worker's memory is that of the volumes it keeps, without growing holes
+# in its heap.
 set -u
 grep -q __asan_init "$PROGRAM_FOLDER/march-worker" && { echo "sanitizers keep what is freed: not measured"; exit 77; }
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/worker_memory_test.XXXXXX")
@@ -8,7 +9,7 @@ cd "$scratch" || exit 1
 unset MARCH_WORKER
 . "$PROJECT_ROOT/tests/process/march.sh"
 
-# 16 MB each, of which the worker keeps 16; no two are alike.
+# The files have 16 MB each, and no two are alike; the worker keeps 16 of them.
 for frame in $(seq 10 89); do
     printf '\%o\1' "$frame" >"s${frame}_200x200x200xuint16.raw"
     truncate -s 16000000 "s${frame}_200x200x200xuint16.raw"
@@ -32,7 +33,7 @@ done
 wait "$march" || fail "march render ended with $?"
 [ "$(ls scans.*.exr | wc -l)" -eq 80 ] || fail "expected 80 frames"
 echo "the worker held $((peak / 1024)) MiB at most"
-# 16 of 15.3 MiB, and what a worker without volumes holds: near 80 MiB, less than 160.
+# The limit is 16 volumes of 15.3 MiB, and a worker without volumes: near 80 MiB, less than 160.
 [ "$peak" -gt 50000 ] || fail "the worker's memory was not seen"
 [ "$peak" -lt 420000 ] || fail "expected less than 410 MiB"
 exit $((failures > 0))

@@ -1,5 +1,6 @@
 #!/bin/bash
-# A job's worker reaches the job's files and no other: what a hostile job points at is refused with a reason, and others render.
+# A worker can read the files of its job and no others: a hostile job's file is refused with a reason, and other jobs
+# render.
 . "$(dirname "$0")/farm.sh"
 mkdir -p "$scratch/in/ann" "$scratch/in/bob" "$scratch/out"
 head -c 60 /dev/zero >"$scratch/in/ann/good_5x4x3xuint8.raw"
@@ -18,7 +19,7 @@ scan()
           quality: { method: "midpoint", step: 0.1 }, output: { path: ($name + "/f.####.exr"), pixel: "half" } }'
 }
 
-# served FIELD: of the workers that have rendered.
+# served FIELD: the field's values of all workers that have rendered.
 served()
 {
     ask worker.list | jq -r "[.result.workers[] | select(.done > 0) | .$1 | tostring] | unique | join(\" \")"
@@ -31,14 +32,14 @@ expect_files good 2
 held=$(served sandbox) first=$(served pid)
 [[ $held == "landlock "*", seccomp" || $held == "seccomp, no landlock in this kernel" ]] || fail "a worker with a job's files is held by \"$held\""
 
-# Another job gets another process, though it reads and writes in the same folders.
+# Another job gets another process, even if it reads and writes in the same folders.
 id=$(submit "$(scan "$scratch/in/ann/good_5x4x3xuint8.raw" good | jq -c '.output.path = "good/g.####.exr"')")
 wait_state "$id" succeeded
 expect_files good 4
 [ "$(served pid)" != "$first" ] || fail "the worker of the first job has served the second"
 stop_daemon
 
-# A job that eats memory is told what it may have; without the limit it would be the machine's.
+# A job that exceeds the memory limit fails and names the limit.
 if grep -q __asan_init "$bin/march-worker"; then
     echo "sanitizers need more memory than there would be: not tried"
 else
@@ -50,7 +51,7 @@ else
     said=$(ask job.log "{\"id\":$bomb}" | jq -r '.result.attempts[].log')
     [[ $said == *"out of memory: a worker may have 0.5 GiB (worker-memory)"* ]] || fail "the reason: $said"
     stop_daemon
-    rm "$scratch/daemon.log" # that was worth a warning
+    rm "$scratch/daemon.log" # the limit is worth a warning
 fi
 
 if [[ $held != landlock* ]]; then
@@ -59,20 +60,20 @@ if [[ $held != landlock* ]]; then
 fi
 start_daemon --backend osmesa --input-root "$scratch/in"
 
-# The header is a file of the job's, what it names is not.
+# The header is a file of the job; the file that the header names is not.
 spy=$(submit "$(scan "$scratch/in/ann/spy.nhdr" spy)")
 wait_state "$spy" failed
 ask job.frames "{\"id\":$spy}" | jq -r '.result.frames[].error' | grep -q 'Permission denied' ||
     fail "the reason: $(field "$spy" .reason) $(ask job.frames "{\"id\":$spy}")"
 expect_files spy 0
 
-# Nothing of it stays with the slots.
+# The slot of the refused job's worker serves the next job without trouble.
 other=$(submit "$(scan "$scratch/in/ann/good_5x4x3xuint8.raw" after)")
 wait_state "$other" succeeded
 expect "workers in trouble" "$(ask worker.list | jq '[.result.workers[] | select(.reason != null)] | length')" 0
 grep -q 'warning: worker' "$scratch/daemon.log" && fail "a change of jobs is no warning"
 stop_daemon
-# With the sandbox off it is rendered: nothing else refused it.
+# The same job renders without the sandbox: no other check refused it.
 start_daemon --backend osmesa --input-root "$scratch/in" --sandbox no
 open=$(submit "$(scan "$scratch/in/ann/spy.nhdr" open)")
 wait_state "$open" succeeded

@@ -1,4 +1,4 @@
-# Jobs and what becomes of them in the machine. Sourced by tests/service.
+# Jobs in the machine: submitting them, their states and their pictures. Sourced by tests/service.
 
 # cloud_job FRAMES WIDTH HEIGHT FOLDER: prints a job document. 480x270 takes about half a second a frame on two cores.
 cloud_job()
@@ -51,7 +51,7 @@ main_pid()
     inside systemctl show -P MainPID marchd.service
 }
 
-# has_new_pid PID: the service is active as another process.
+# has_new_pid PID: the service is active, as another process than PID.
 has_new_pid()
 {
     [ "$(inside systemctl is-active marchd.service)" = active ] && [ "$(main_pid)" != "$1" ]
@@ -62,8 +62,8 @@ journal()
     inside journalctl --no-pager -o json "$@"
 }
 
-# landed_once FOLDER FRAMES [LIST]: so many pictures and nothing else, and those of LIST ("inode name" a line, from
-# list_files) are the same files as then.
+# landed_once FOLDER FRAMES [LIST]: the folder has so many pictures and no other file. The pictures of LIST (output of
+# list_files, "inode name" a line) are still the same files.
 landed_once()
 {
     local folder=$root/srv/marchd/$1
@@ -79,14 +79,14 @@ list_files()
     find "$root/srv/marchd/$1" -name '*.exr' -printf '%i %f\n' | sort
 }
 
-# volume_job FILE FOLDER: a job that reads the file as 16^3 bytes.
+# volume_job FILE FOLDER: prints a job that reads the file as 16^3 bytes.
 volume_job()
 {
     cloud_job 1 32 18 "$2" | jq -c --arg file "$1" '.scene.media[0].density =
         { kind: "grid", file: $file, size: [16, 16, 16], type: "uint8" }'
 }
 
-# bomb_job FOLDER: its GLSL unfolds into hundreds of millions of words before a compiler has seen one.
+# bomb_job FOLDER: prints a job whose GLSL expands into hundreds of millions of words in the preprocessor.
 bomb_job()
 {
     cloud_job 1 32 18 "$1" | jq -c --arg text '#define A(x) x + x + x + x + x + x + x + x
@@ -96,13 +96,14 @@ float density(vec3 p, float t) { return B(B(B(p.x))); }
         bounds: { kind: "sphere", center: [0, 0, 0], radius: 1 } } | del(.camera.clip)'
 }
 
-# set_conf LINE...: the administrator's settings; the daemon has not heard of them yet.
+# set_conf LINE...: writes the administrator's settings; the daemon does not reread them.
 set_conf()
 {
     printf '%s\n' "$@" >"$root/etc/marchd/marchd.conf"
 }
 
-# reload LINE...: and now it has: returns once it has said something about them, which is in $work/settings.
+# reload LINE...: writes the settings and returns once the daemon has logged about them; the log lines are in
+# $work/settings.
 reload()
 {
     local cursor

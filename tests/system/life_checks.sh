@@ -1,4 +1,4 @@
-# The service through reloads, deaths, hangs and stops. Sourced by tests/service.
+# The service through reloads, crashes, hangs and stops. Sourced by tests/service.
 
 reload_holds()
 {
@@ -32,14 +32,14 @@ worker_is_killed()
     id=$(submit ann "$(cloud_job 1-8 480 270 wounded)")
     until_true "a frame is done" has_done ann "$id" 1
     pid=$(main_pid)
-    # Whose hands are not empty.
+    # The worker that is killed has frames in flight.
     inside kill -KILL "$(as ann march workers --json | jq '[.. | objects | select((.frames? // 0) > 0) | .pid][0]')"
     as ann march wait "$id"
     landed_once wounded 8
     expect "the daemon" "$(main_pid)" "$pid"
     entry=$(journal MARCHD_JOB="$id" _SYSTEMD_UNIT=marchd.service |
         jq -c 'select(.MESSAGE | contains("signal 9")) | select(.MARCHD_FRAME)' | tail -n 1)
-    # jq takes nothing at all for true.
+    # jq -e succeeds on empty input.
     [ -n "$entry" ] && echo "$entry" | jq -e '(.MARCHD_FRAME | tonumber) >= 1 and .MARCHD_ATTEMPT == "1" and (.MARCHD_WORKER | tonumber) >= 1 and .MARCHD_OWNER == "ann"' ||
         fail "no entry with job, frame and attempt of the killed worker: $entry"
     expect "attempts that the job's log tells of" "$(as ann march log "$id" | grep -c 'signal 9')" 1
@@ -49,7 +49,7 @@ memory_bomb_is_survived()
 {
     local id other pid
 
-    # Before a clock does: half a gigabyte a second is what it takes.
+    # The memory limit acts before the progress limit: the job takes half a gigabyte a second.
     reload "user-jobs = 3" "log-level = debug" "worker-memory = 1G" "progress-limit = 300"
     pid=$(main_pid)
     id=$(submit ann "$(bomb_job bomb)")
@@ -83,7 +83,7 @@ daemon_is_killed()
     expect "workers of dead daemons" "$(render_workers | wc -l)" "$(as ann march workers --json | jq '[.. | .pid? // empty] | length')"
 }
 
-# drop_in SETTING: of the service, until it is removed.
+# drop_in SETTING: changes a setting of the service's unit until remove_drop_in.
 drop_in()
 {
     mkdir -p "$root/etc/systemd/system/marchd.service.d"
@@ -103,7 +103,7 @@ watchdog_acts()
 
     limit=$(inside systemctl show -P WatchdogUSec marchd.service)
     [[ $limit != 0 && $limit != infinity ]] || fail "WatchdogSec is $limit"
-    # The shipped limit is there for slow machines; here it only takes time.
+    # The shipped limit allows for slow machines; a shorter one saves time here.
     drop_in "WatchdogSec=3"
     inside systemctl restart marchd.service
     id=$(submit ann "$(cloud_job 1-10 480 270 hung)")
@@ -117,7 +117,7 @@ watchdog_acts()
     inside journalctl -q --no-pager -o cat -u marchd.service -g 'Watchdog timeout' | grep -q . || fail "it was not the watchdog"
     as ann march wait "$id"
     landed_once hung 10 "$work/list"
-    # A loop that turns is left alone, for longer than the limit.
+    # The watchdog leaves a daemon alone whose event loop runs, for longer than the limit.
     pid=$(main_pid)
     sleep 4
     expect "the daemon after a quiet time" "$(main_pid)" "$pid"
@@ -129,7 +129,7 @@ stop_is_graceful()
 {
     local id running number begin
 
-    # The manager's own patience does not count: the daemon asks it for what stop-timeout says.
+    # The unit's timeout does not count: the daemon asks systemd for as long as stop-timeout.
     drop_in "TimeoutStopSec=1"
     id=$(submit ann "$(cloud_job 1-7 800 450 stopped)")
     until_true "a frame is done" has_done ann "$id" 1

@@ -1,10 +1,11 @@
-# A booted machine for the system test: systemd-nspawn in control groups of its own, commands in it, its end. Sourced by
-# tests/service.
+# A machine for the system test: systemd-nspawn in control groups of its own, commands in the machine, its shutdown.
+# Sourced by tests/service.
 leader=
 nspawn=
 groups=()
 
-# Two machines in one control group would be one systemd's to the other. Best effort: alone, none of it matters.
+# Each machine gets a control group of its own: two systemds in one group would interfere. Failures are ignored, because
+# a machine that runs alone needs no group.
 make_groups()
 {
     local line path mount
@@ -31,7 +32,7 @@ remove_groups()
     groups=()
 }
 
-# boot ROOT: returns once its systemd has started all it starts.
+# boot ROOT: returns once systemd has started all units in the machine.
 boot()
 {
     local group
@@ -46,12 +47,12 @@ boot()
             --machine="service-$$" -b </dev/null >"$work/console.log" 2>&1
     ) &
     nspawn=$!
-    # A plain Debian that does not boot here says nothing of ours.
+    # A plain Debian that does not boot here is no fault of the package.
     comes_true has_begun && [ -n "$leader" ] && comes_true has_booted ||
         skip "systemd-nspawn boots no machine here: $(tail -n 3 "$work/console.log")"
 }
 
-# Finds the machine's init, or that there is none and will be none.
+# has_begun: the machine's init is found, in $leader, or systemd-nspawn has ended.
 has_begun()
 {
     local pid
@@ -68,13 +69,13 @@ has_booted()
     inside systemctl is-system-running --wait 2>/dev/null | grep -qE 'running|degraded'
 }
 
-# inside COMMAND...: in the machine, as root.
+# inside COMMAND...: runs the command in the machine, as root.
 inside()
 {
     nsenter --target "$leader" --all -- env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 "$@"
 }
 
-# as USER COMMAND...: in the machine, in the user's home.
+# as USER COMMAND...: runs the command in the machine, in the user's home.
 as()
 {
     local user=$1 runtime
@@ -85,7 +86,7 @@ as()
         USER="$user" XDG_RUNTIME_DIR="$runtime" "$@"
 }
 
-# tell_journal SECOND: its tail since then.
+# tell_journal SECOND: prints the journal's last lines since then.
 tell_journal()
 {
     [ -n "$leader" ] && [ -d "/proc/$leader" ] || return
@@ -95,7 +96,7 @@ tell_journal()
 
 halt_machine()
 {
-    # Its init takes all with it: they are in its namespace of processes.
+    # The init's end kills all processes of the machine, which are in its PID namespace.
     [ -n "$leader" ] && kill -KILL "$leader" 2>/dev/null
     [ -n "$nspawn" ] && kill -TERM "$nspawn" 2>/dev/null && wait "$nspawn" 2>/dev/null
     leader=

@@ -1,6 +1,6 @@
-# Installing, looking at, upgrading and purging the package. Sourced by tests/service.
+# Installing, inspecting, upgrading and purging the package. Sourced by tests/service.
 
-# make_revision DEB FILE SUFFIX: the same package under a later version.
+# make_revision DEB FILE SUFFIX: writes the same package with a later version.
 make_revision()
 {
     local folder=$work/revision
@@ -17,7 +17,7 @@ apt()
     inside env DEBIAN_FRONTEND=noninteractive apt-get -qq -y -o Dpkg::Use-Pty=0 "$@"
 }
 
-# Files that no package owns, without those that come and go by themselves: logs, what systemd and apt note, the test's own.
+# unowned_files: files that no package owns, without logs, the records of systemd and apt, and the test's own.
 unowned_files()
 {
     comm -23 <(find "$root" -xdev \( -path "$root/proc" -o -path "$root/sys" -o -path "$root/dev" -o -path "$root/run" \
@@ -90,7 +90,7 @@ purge_leaves_nothing()
     [ ! -e "$root/run/marchd" ] && [ ! -e "$root/var/lib/marchd" ] && [ ! -e "$root/etc/marchd" ] || fail "folders are left"
     inside test ! -e /run/marchd || fail "/run/marchd is left"
     unowned_files >"$work/after"
-    # By Debian's custom a user that owned files stays, in files that were there before.
+    # The user that owns pictures stays, by Debian's custom: it is in files that existed before.
     comm -13 "$work/before" "$work/after" | grep -vE '^/srv/marchd(/|$)' >"$work/left" || true
     expect "what is left" "$(cat "$work/left")" ""
     [ "$(find "$root/srv/marchd" -name '*.exr' | wc -l)" -gt 0 ] || fail "what was rendered is gone"

@@ -1,8 +1,8 @@
-# How checks of the system test run and what is said of them. Sourced by tests/service.
+# Running the checks of the system test and reporting on them. Sourced by tests/service.
 passed=0
 failed=0
 
-# In a check: ends it.
+# fail WORD...: ends the check.
 fail()
 {
     echo "FAIL: $*" >&2
@@ -15,15 +15,15 @@ skip()
     exit 77
 }
 
-# expect WHAT ACTUAL WANTED
+# expect WHAT ACTUAL WANTED: fails where the two differ.
 expect()
 {
     [ "$2" = "$3" ] || fail "$1: expected \"$3\", got \"$2\""
 }
 
-patience_s=600 # a guard against what never happens, not a measure: machines are slow and busy
+patience_s=600 # a guard, far longer than any wait on slow and busy machines
 
-# comes_true COMMAND...
+# comes_true COMMAND...: repeats the command until it succeeds, for at most $patience_s.
 comes_true()
 {
     local end=$((SECONDS + patience_s))
@@ -34,7 +34,7 @@ comes_true()
     done
 }
 
-# until_true WHAT COMMAND...
+# until_true WHAT COMMAND...: fails where the command does not come true.
 until_true()
 {
     local what=$1
@@ -43,8 +43,8 @@ until_true()
     comes_true "$@" || fail "not within $patience_s s: $what"
 }
 
-# check TITLE FUNCTION: a check of its own; what it says is shown only if it fails. Must not stand in a condition, which
-# would turn off set -e in it.
+# check TITLE FUNCTION: runs the function as a check and shows its output only if it fails. A check must not be part of
+# a condition, which would turn off set -e in it.
 check()
 {
     local title=$1 begin=$EPOCHREALTIME status seconds
@@ -65,12 +65,12 @@ check()
     printf 'FAIL %6s s  %s\n' "$seconds" "$title"
     sed 's/^/       /' "$work/said"
     tell_journal "${begin%.*}" 2>&1 | sed 's/^/       /'
-    cancel_all >/dev/null 2>&1 # the next check is about its own jobs
+    cancel_all >/dev/null 2>&1 # the next check counts its own jobs
     failed=$((failed + 1))
     return
 }
 
-# After a check without which the others say nothing.
+# stop_if_failed: ends the test where the checks so far are needed by all others.
 stop_if_failed()
 {
     [ "$failed" -eq 0 ] || finish

@@ -1,6 +1,6 @@
-# Who may do what, and what jobs may reach. Sourced by tests/service.
+# Permissions of users, and of jobs in the sandbox. Sourced by tests/service.
 
-# ann and bob may render, carol administers, eve is nobody to the daemon.
+# The users ann and bob may render, carol administers, eve has no rights at the daemon.
 add_people()
 {
     local name
@@ -17,7 +17,7 @@ let_people_in()
     inside usermod -a -G marchd,marchd-admin carol
 }
 
-# ends STATUS TEXT COMMAND...: it exits so, and says the text (a regular expression).
+# ends STATUS TEXT COMMAND...: the command exits with the status and prints the text (a regular expression).
 ends()
 {
     local wanted=$1 text=$2 status=0
@@ -74,16 +74,15 @@ cloud_is_the_same()
     "$bin/march" render "$work/outside/job.json" --out "$work/outside/c.####.exr"
     for frame in 0010 0011 0012; do
         apart=$("$bin/exr-compare" "$root/srv/marchd/compared/c.$frame.exr" "$work/outside/c.$frame.exr")
-        # The same code on the same driver; a driver that is built otherwise rounds otherwise.
+        # The limit is that of the same code on the same driver; a driver that is built differently rounds differently.
         awk -v light="${apart% *}" -v depth="${apart#* }" 'BEGIN { exit !(light <= 1e-3 && depth <= 1e-3) }' ||
             fail "frame $frame is apart by (light, depth) $apart"
     done
     echo "apart (light, depth): $apart"
-    # It is a picture: light varies over it.
     expect "the picture's owner" "$(stat -c %a "$root/srv/marchd/compared/c.0010.exr")" 644
 }
 
-# Where the kernel of this machine has Landlock: what holds inside is what held for the job.
+# Workers apply Landlock and seccomp under the unit too, where the kernel has Landlock.
 workers_are_fenced()
 {
     local id sandbox
@@ -93,7 +92,7 @@ workers_are_fenced()
     sandbox=$(as ann march workers --json | jq -r '[.workers[] | select(.done > 0) | .sandbox] | unique | join("; ")')
     echo "$sandbox"
     [[ $sandbox == *landlock*seccomp* ]] || fail "expected landlock and seccomp, got \"$sandbox\""
-    # The daemon itself is as the unit has it; a worker can do less.
+    # The unit restricts the daemon; a worker is restricted further.
     inside sh -c 'for pid in $(pgrep -u marchd -f march-worker); do grep -E "^(NoNewPrivs|Seccomp):" /proc/$pid/status; done' >"$work/out"
     grep -q 'Seccomp:.2' "$work/out" && ! grep -q 'NoNewPrivs:.0' "$work/out" || fail "$(cat "$work/out")"
 }
@@ -103,7 +102,7 @@ inputs_stay_below_roots()
     local document file id
 
     trap 'rm -f "$root/etc/own.raw" "$root/srv/marchd-input/way-out.raw"' EXIT
-    # Whole volumes, readable for all: it is the roots that count.
+    # The files are valid volumes and readable to all: only the input roots forbid them.
     inside sh -c 'for file in /home/ann/own.raw /etc/own.raw; do head -c 4096 /dev/urandom >$file; chmod 644 $file; done'
     inside chmod 755 /home/ann
     for file in /home/ann/own.raw /etc/own.raw /srv/marchd-input/../../home/ann/own.raw; do
@@ -111,7 +110,7 @@ inputs_stay_below_roots()
         printf '%s\n' "$document" >"$root/home/ann/job.json"
         ends 4 "expected a file below .*own.raw" as ann march submit job.json
     done
-    # Below a root, by a link that leads out of it.
+    # A link below a root leads out of it.
     inside ln -s /etc/own.raw /srv/marchd-input/way-out.raw
     printf '%s\n' "$(volume_job /srv/marchd-input/way-out.raw stolen)" >"$root/home/ann/job.json"
     as ann march submit job.json >"$work/out" 2>&1 || true
