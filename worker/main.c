@@ -30,12 +30,12 @@
 
 enum {
     BEAT_MS = 1000,
-    // How long an abandoned worker waits for a tile or an encoding to end before it leaves them where they are.
+    // Time that an abandoned worker gives a tile or an encoding to end before it leaves it unfinished.
     ABANDON_MS = 2000
 };
 
-// Voxels and pictures that are freed go back to the system: left to itself malloc soon puts them on heaps, where a sequence
-// of scans leaves holes that nothing fits into.
+// Freed voxels and pictures go back to the system with these fixed thresholds. Without them malloc soon raises its own
+// and puts such blocks on heaps, where a sequence of scans leaves holes that nothing fits into.
 static void keep_memory_whole(void)
 {
     mallopt(M_MMAP_THRESHOLD, 4 * 1024 * 1024);
@@ -50,8 +50,8 @@ static int64_t now_ms(void)
     return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-// A terminal sends SIGINT to whoever started us too, who then tells us what to do about it. A file over the size allowed
-// is to fail like a full disk, not to end us.
+// A terminal sends SIGINT to the program that started the worker as well, which then sends orders. A file over the size
+// limit fails like a full disk instead of ending the worker.
 static int open_signals(void)
 {
     sigset_t set;
@@ -60,7 +60,7 @@ static int open_signals(void)
     signal(SIGXFSZ, SIG_IGN);
     sigemptyset(&set);
     sigaddset(&set, SIGTERM);
-    // Before there are threads, so that they all inherit it.
+    // The mask is set before there are threads, so that they all inherit it.
     pthread_sigmask(SIG_BLOCK, &set, NULL);
     return signalfd(-1, &set, SFD_CLOEXEC);
 }
@@ -82,7 +82,7 @@ struct state {
     bool has_ended, is_abandoned, is_ready;
 };
 
-static struct state look(struct worker *worker)
+static struct state read_state(struct worker *worker)
 {
     struct state state;
 
@@ -92,7 +92,7 @@ static struct state look(struct worker *worker)
     return state;
 }
 
-// Waits for at most `timeout_ms` and deals with what has come.
+// Waits for at most `timeout_ms`; handles orders, a signal and the end of the connection.
 static bool wait_for_orders(struct worker *worker, int signal_fd, bool is_abandoned, int timeout_ms)
 {
     struct pollfd ready[] = {{.fd = worker->wake_fd, .events = POLLIN},
@@ -112,12 +112,12 @@ static bool wait_for_orders(struct worker *worker, int signal_fd, bool is_abando
     return true;
 }
 
-// Reads orders and beats until the other threads have ended. False when they do not although nobody listens.
+// Reads orders and sends beats until the other threads have ended. False if an abandoned worker's threads do not end.
 static bool serve(struct worker *worker, int signal_fd)
 {
     int64_t next_beat_ms = now_ms(), deadline_ms = INT64_MAX;
 
-    for (struct state state = look(worker); !state.has_ended; state = look(worker)) {
+    for (struct state state = read_state(worker); !state.has_ended; state = read_state(worker)) {
         int64_t now = now_ms();
 
         if (state.is_abandoned && deadline_ms == INT64_MAX) deadline_ms = now + ABANDON_MS;
@@ -148,7 +148,7 @@ static bool start_threads(struct worker *worker, pthread_t threads[2])
     return true;
 }
 
-// The first line says what the job may reach; nothing else is looked at before that holds.
+// The first line is the fence: the files that the job may open. No other line is parsed before the fence is in force.
 static bool receive_fence(struct connection *connection, struct fence *fence, struct error *error)
 {
     struct message message = {0};
@@ -211,7 +211,7 @@ int main(int argc, char *argv[])
         worker_finish(&worker);
         return 1;
     }
-    // Threads that do not end, or were not all started, are left to the end of the process.
+    // Threads that do not end, or were not all started, end with the process.
     if (!start_threads(&worker, threads) || !serve(&worker, signal_fd)) _exit(1);
     for (int i = 0; i < 2; i++)
         pthread_join(threads[i], NULL);

@@ -1,4 +1,4 @@
-// Which files a scene may read, by the ending of their names. A new format is a row in the table and a reader in the worker.
+// File formats that a scene may read, by the ending of the name. A new one is a row here and a reader in the worker.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -1,5 +1,4 @@
-// The scene of jobs/noise.json is the one that it is named after: its density is computed here once more, from frame
-// numbers.
+// The scene of jobs/noise.json is the one in its name: the test computes its density again, from frame numbers.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/job/job.h"
 #include "reference/still.h"

@@ -277,8 +277,8 @@ static exr_result_t compress_zip(const struct writer *writer, struct packer *pac
     return EXR_ERR_SUCCESS;
 }
 
-// OpenEXR 3.2 allocates too little for a small chunk: piz writes a table of up to 8192 bytes before the data, past the end.
-// A buffer that is large enough is kept by the library, which also frees it.
+// OpenEXR 3.2 allocates too little for a small chunk: piz writes a table of up to 8192 bytes before the data, past the
+// buffer's end. The library keeps a buffer that is large enough, and frees it.
 static bool has_room_to_compress(exr_encode_pipeline_t *pipeline, size_t chunk_bytes)
 {
     size_t size_bytes = 2 * chunk_bytes + 65536;

@@ -101,7 +101,8 @@ static void the_example_is_its_twin(void **state)
     example_job_load(&job, "custom");
     example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, 3);
     job.quality.step = job.quality.light_step = 0.004;
-    // Second order in steps of a tenth of the shell's width; its edge is a kink. The scene at another time is off by 0.3.
+    // The method is of second order in steps of a tenth of the shell's width; the shell's edge is a kink. The scene at
+    // another time is off by 0.3.
     assert_true(measure_error(&job, &inputs) < 2e-3);
     job_finish(&job);
 }

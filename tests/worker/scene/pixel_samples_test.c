@@ -39,7 +39,7 @@ static void strata_are_as_square_as_may_be(void **state)
     }
 }
 
-// The stratum, of `count` along one side, that a place in [0, 1) is in.
+// The stratum, of `count` along one side, that contains a coordinate in [0, 1).
 static int stratum_of(float place, int count)
 {
     return (int)(place * (float)count);
@@ -47,7 +47,7 @@ static int stratum_of(float place, int count)
 
 static void each_stratum_holds_one_point(void **state)
 {
-    // Places are multiples of 2^-20, so that one in a million may lie just before its stratum; none of these does.
+    // Coordinates are multiples of 2^-20, so that one in a million may lie just before its stratum; none of these does.
     for (int count = 2; count <= SAMPLE_LIMIT; count = count < 32 ? count + 1 : 2 * count) {
         struct job job = moving_job(count);
         int columns, rows;
@@ -68,13 +68,13 @@ static void each_stratum_holds_one_point(void **state)
     }
 }
 
-// Every sample's point is anywhere in the pixel alike, over many pixels: means and squares of what is even in [0, 1) and,
-// between samples' places and their numbers, which are their times, no correlation.
-static void place_and_time_have_nothing_to_do_with_one_another(void **state)
+// Points of each sample number, which stands for a time, are uniform in the pixel over many pixels. Means and mean
+// squares are those of a uniform number in [0, 1), and x and y are uncorrelated.
+static void point_and_time_are_independent(void **state)
 {
     enum { SIDE = 200 };
     static const int counts[] = {2, 3, 4, 9, 16};
-    // Over SIDE^2 pixels, a mean of numbers even in [0, 1) is within five of its standard deviations.
+    // The mean of SIDE^2 uniform numbers in [0, 1) is within five of its standard deviations.
     const double tolerance = 5 * sqrt(1.0 / 12) / SIDE;
 
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
@@ -86,12 +86,12 @@ static void place_and_time_have_nothing_to_do_with_one_another(void **state)
             for (int pixel = 0; pixel < SIDE * SIDE; pixel++) {
                 int x = pixel % SIDE, y = pixel / SIDE;
                 struct pixel_point point = pixel_samples_point(&job, 1, x, y, k);
-                double place_x = (double)point.x_px - x, place_y = (double)point.y_px - y;
+                double offset_x = (double)point.x_px - x, offset_y = (double)point.y_px - y;
 
-                sum_x += place_x;
-                sum_y += place_y;
-                squares_x += place_x * place_x;
-                products += (place_x - 0.5) * (place_y - 0.5);
+                sum_x += offset_x;
+                sum_y += offset_y;
+                squares_x += offset_x * offset_x;
+                products += (offset_x - 0.5) * (offset_y - 0.5);
             }
             assert_near(sum_x / (SIDE * SIDE), 0.5, tolerance);
             assert_near(sum_y / (SIDE * SIDE), 0.5, tolerance);
@@ -101,7 +101,7 @@ static void place_and_time_have_nothing_to_do_with_one_another(void **state)
     }
 }
 
-// Two samples that follow one another in time lie in two strata that are any pair alike.
+// Strata of two successive samples are equally often each pair of strata.
 static void the_order_of_strata_is_any(void **state)
 {
     enum { COUNT = 4, TRIALS = 40000, PAIRS = COUNT * (COUNT - 1) };
@@ -202,7 +202,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(strata_are_as_square_as_may_be),
         cmocka_unit_test(each_stratum_holds_one_point),
-        cmocka_unit_test(place_and_time_have_nothing_to_do_with_one_another),
+        cmocka_unit_test(point_and_time_are_independent),
         cmocka_unit_test(the_order_of_strata_is_any),
         cmocka_unit_test(points_differ_by_pixel_and_frame),
         cmocka_unit_test(times_are_the_middles_of_the_shutters_parts),
