@@ -139,10 +139,11 @@ static void a_union_has_no_walls_inside(void **state)
     "\"media\": [{\"density\": {" density                                                                              \
     "}, \"sigma_s\": [0.1, 0.12, 0.15], \"sigma_a\": 0.02, \"phase\": [{\"g\": 0.4}]}], "
 
+#define FOG_BALL "\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 3}"
+
 static void fog_is_outside_only(void **state)
 {
-    compare(FOG("\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": 3}") "\"objects\": [" OBJECT_JOB_FLOOR(
-                OBJECT_JOB_GREY) ", " OBJECT_JOB_BALL(OBJECT_JOB_GLASS) "]",
+    compare(FOG(FOG_BALL) "\"objects\": [" OBJECT_JOB_FLOOR(OBJECT_JOB_GREY) ", " OBJECT_JOB_BALL(OBJECT_JOB_GLASS) "]",
             OBJECT_JOB_LIGHT, MARCHING);
 }
 
@@ -167,18 +168,13 @@ static void a_camera_may_be_in_glass(void **state)
     " \"direction\": [1, -2, -1], \"intensity\": [1, 0.8, 0.5]}]"
 #define EQUIANGULAR "\"quality\": {\"method\": \"equiangular\", \"points\": 32}"
 
+#define SMOKY_GLASS OBJECT_JOB_GLASS INTERIOR("\"sigma_s\": [1, 0.5, 0.2], \"sigma_a\": 0.1")
+
 static void points_are_placed_in_every_region(void **state)
 {
-    compare_by(
-        FOG("\"kind\": \"homogeneous\", \"bounds\": {\"kind\": \"sphere\", \"center\": [0, 0, 0], \"radius\": "
-            "3}") "\"objects\": [" OBJECT_JOB_FLOOR(OBJECT_JOB_GREY) ", " SPHERE(-0.8, 0.1, 0, 0.7,
-                                                                                 OBJECT_JOB_GLASS INTERIOR(
-                                                                                     "\"sigma_s\": [1, 0.5, "
-                                                                                     "0.2], \"sigma_a\": "
-                                                                                     "0.1")) ", " SPHERE(0.8, 0.1, 0.3,
-                                                                                                         0.5,
-                                                                                                         OBJECT_JOB_MIRROR) "]",
-        TWO_LIGHTS, EQUIANGULAR, MARCHING);
+    compare_by(FOG(FOG_BALL) "\"objects\": [" OBJECT_JOB_FLOOR(OBJECT_JOB_GREY) ", " SPHERE(
+                   -0.8, 0.1, 0, 0.7, SMOKY_GLASS) ", " SPHERE(0.8, 0.1, 0.3, 0.5, OBJECT_JOB_MIRROR) "]",
+               TWO_LIGHTS, EQUIANGULAR, MARCHING);
 }
 
 // The box ends inside the ball and continues behind it: the smoke in the ball sees only the part that begins at the
