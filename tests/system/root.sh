@@ -1,20 +1,21 @@
 # A Debian root for the system test: made once by debootstrap, kept as a tarball, unpacked for each run. Sourced by
 # tests/service.
-# The package is built for this machine's release.
+# The root is of this machine's Debian release, for which the package is built.
 suite=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
-# jq and procps are the test's own; the rest is what any Debian with systemd has.
+# The packages jq and procps are for the test itself; the others are those of any Debian with systemd.
 root_packages=systemd,systemd-sysv,dbus,dbus-user-session,libpam-systemd,jq,procps
 cache=${XDG_CACHE_HOME:-/var/cache}/marchd-tests
 
-# find_mirror ARCHIVE: the mirror of it that this machine's own packages come from, where it says so; else debootstrap has its
-# own.
+# find_mirror ARCHIVE: prints the archive's mirror in this machine's own apt sources. It prints nothing where there is
+# none, and debootstrap uses its default.
 find_mirror()
 {
     cat /etc/apt/sources.list /etc/apt/sources.list.d/*.sources /etc/apt/sources.list.d/*.list 2>/dev/null |
         grep -oE "https?://[^ ]+/$1/?( |\$)" | head -n 1 | tr -d ' '
 }
 
-# make_base DEB FILE: packages are fetched, not installed: to bring the right ones is what the .deb's Depends are for.
+# make_base DEB FILE: packages are fetched but not installed, because installing the right ones is for the .deb's
+# Depends.
 make_base()
 {
     local deb=$1 file=$2 mirror security
@@ -25,13 +26,13 @@ make_base()
     echo "making a Debian root (once, a minute or two)"
     debootstrap --variant=minbase --include="$root_packages" "$suite" "$root" ${mirror:+"$mirror"} >"$work/debootstrap.log" 2>&1 ||
         skip "debootstrap could not make a root: $(tail -n 1 "$work/debootstrap.log")"
-    # Old snapshots are mirrors, too. Without timers of apt's that wake up in the middle of a check.
+    # Snapshots of mirrors may be out of date. The timers of apt are off, which could act in the middle of a check.
     printf '%s\n' 'Acquire::Check-Valid-Until "false";' 'Acquire::Check-Date "false";' \
         'APT::Keep-Downloaded-Packages "true";' >"$root/etc/apt/apt.conf.d/90test"
     ln -s /dev/null "$root/etc/systemd/system/apt-daily.timer"
     ln -s /dev/null "$root/etc/systemd/system/apt-daily-upgrade.timer"
     ln -s /dev/null "$root/etc/systemd/system/console-getty.service"
-    # What was built with a security update asks for no less.
+    # A package built with a security update depends on that version or later.
     [ -z "$security" ] || echo "deb $security $suite-security main" >>"$root/etc/apt/sources.list"
     cp "$deb" "$root/marchd.deb"
     chroot "$root" sh -c 'apt-get update -qq && apt-get install -y -qq --download-only /marchd.deb' \
@@ -58,7 +59,7 @@ make_root()
         flock 8
         if [ ! -f "$file" ]; then
             make_base "$deb" "$file"
-            # Roots of other dependencies than the newest few are not asked for again.
+            # The newest three roots are kept; older ones are for dependencies that changed.
             find "$cache" -name 'root-*.tar' -printf '%T@ %p\n' | sort -rn | tail -n +4 | cut -d ' ' -f 2- | xargs -r rm -f
         fi
         tar -C "$folder" -xf "$file"
