@@ -198,7 +198,7 @@ static void glass_in_fog_keeps_the_fog_out(void **state)
     studio_check(&scene, lambert, &sky, near_edge, 0.8);
 }
 
-// Total reflection has no place at a boundary along a straight line.
+// Boundaries reflect nothing totally along a straight line: shadow rays are not bent.
 static void thin_balls_throw_no_black_shadow(void **state)
 {
     const struct sky sky = {.kind = LAMP_SUN, .has_ball = true, .is_glass = true, .ior = 0.7, .f0 = -1};
