@@ -3,7 +3,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
-#include "tests/support/worker_child.h"
+#include "tests/support/test_worker.h"
 #include "worker/audit/gate.h"
 #include "worker/picture/image_exr.h"
 
@@ -38,30 +38,29 @@ static void format_document(char *text, size_t size, int width, int height, doub
         width, height, step, existing);
 }
 
-static void say_job(const struct worker_child *child, int id, int width, int height, double step, const char *existing)
+static void say_job(const struct test_worker *child, int id, int width, int height, double step, const char *existing)
 {
     char document[2048];
 
     format_document(document, sizeof document, width, height, step, existing);
-    worker_child_say(
-        child,
-        "{\"jsonrpc\":\"2.0\",\"method\":\"worker.job\",\"params\":{\"job\":%d,\"epoch\":3,\"root\":\"%s\","
-        "\"owner\":\"ada\",\"document\":%s}}",
-        id, child->root, document);
+    test_worker_say(child,
+                    "{\"jsonrpc\":\"2.0\",\"method\":\"worker.job\",\"params\":{\"job\":%d,\"epoch\":3,\"root\":\"%s\","
+                    "\"owner\":\"ada\",\"document\":%s}}",
+                    id, child->root, document);
 }
 
-static void say_assign(const struct worker_child *child, int id, const char *frames)
+static void say_assign(const struct test_worker *child, int id, const char *frames)
 {
-    worker_child_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.assign\",\"params\":{\"job\":%d,\"frames\":%s}}",
-                     id, frames);
+    test_worker_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.assign\",\"params\":{\"job\":%d,\"frames\":%s}}",
+                    id, frames);
 }
 
-static void say_exit(const struct worker_child *child)
+static void say_exit(const struct test_worker *child)
 {
-    worker_child_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
+    test_worker_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
 }
 
-static int count_files(const struct worker_child *child)
+static int count_files(const struct test_worker *child)
 {
     char path[128];
     DIR *folder;
@@ -88,7 +87,7 @@ static double number_of(const struct message *message, const char *key)
 static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
 {
     struct image_exr_facts facts;
-    struct worker_child child;
+    struct test_worker child;
     struct message message;
     struct gate_result found;
     struct error error = {0};
@@ -96,11 +95,11 @@ static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
     char document[2048], path[256];
     int fd;
 
-    worker_child_start_renderer(&child);
+    test_worker_start_renderer(&child);
     say_job(&child, 7, 33, 20, 0.02, "verify");
     say_assign(&child, 7, "[[10,1],[12,4]]");
-    worker_child_expect_frame(&child, "frame.finished", 10);
-    message = worker_child_expect(&child, "frame.finished");
+    test_worker_expect_frame(&child, "frame.finished", 10);
+    message = test_worker_expect(&child, "frame.finished");
     assert_int_equal(count_files(&child), 2);
     snprintf(path, sizeof path, "%s/test/test.0012.exr.7.3.4.part", child.root);
     fd = open(path, O_RDONLY | O_CLOEXEC);
@@ -110,9 +109,9 @@ static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
     if (!gate_check(&(struct gate_params){.fd = fd, .job = &job, .picture_hash = job.hash, .frame = 12}, &found,
                     &error))
         fail_msg("%s", error.message);
-    assert_int_equal(strtoull(worker_child_text_of(&message, "inode"), NULL, 10), found.file.inode);
-    assert_int_equal(worker_child_integer_of(&message, "size_bytes"), found.file.size_bytes);
-    assert_string_equal(worker_child_text_of(&message, "hash"), found.file.hash);
+    assert_int_equal(strtoull(test_worker_text_of(&message, "inode"), NULL, 10), found.file.inode);
+    assert_int_equal(test_worker_integer_of(&message, "size_bytes"), found.file.size_bytes);
+    assert_string_equal(test_worker_text_of(&message, "hash"), found.file.hash);
     assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
     assert_true(facts.render_seconds > 0 && number_of(&message, "encode_s") > 0);
     assert_true(number_of(&message, "render_s") == facts.render_seconds);
@@ -120,56 +119,56 @@ static void finished_frame_is_a_part_file_that_passes_the_gate(void **state)
     close(fd);
     message_finish(&message);
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void bad_document_fails_each_of_its_frames(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
-    worker_child_start_renderer(&child);
-    worker_child_say(&child,
-                     "{\"jsonrpc\":\"2.0\",\"method\":\"worker.job\",\"params\":{\"job\":1,\"epoch\":1,\"root\":\"%s\","
-                     "\"owner\":\"ada\",\"document\":{\"version\":1,\"frames\":5}}}",
-                     child.root);
+    test_worker_start_renderer(&child);
+    test_worker_say(&child,
+                    "{\"jsonrpc\":\"2.0\",\"method\":\"worker.job\",\"params\":{\"job\":1,\"epoch\":1,\"root\":\"%s\","
+                    "\"owner\":\"ada\",\"document\":{\"version\":1,\"frames\":5}}}",
+                    child.root);
     say_assign(&child, 1, "[[1,1],[2,1]]");
-    worker_child_expect_failure(&child, 1, "job", "name: expected a string");
-    worker_child_expect_failure(&child, 2, "job", "name: expected a string");
+    test_worker_expect_failure(&child, 1, "job", "name: expected a string");
+    test_worker_expect_failure(&child, 2, "job", "name: expected a string");
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
-static void say_drop(const struct worker_child *child, int id, bool running)
+static void say_drop(const struct test_worker *child, int id, bool running)
 {
-    worker_child_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.drop\",\"params\":{\"job\":%d,\"running\":%s}}",
-                     id, running ? "true" : "false");
+    test_worker_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.drop\",\"params\":{\"job\":%d,\"running\":%s}}",
+                    id, running ? "true" : "false");
 }
 
 // The worker is at its first frame, 20, for seconds.
-static void start_long_job(struct worker_child *child, const char *frames)
+static void start_long_job(struct test_worker *child, const char *frames)
 {
-    worker_child_start_renderer(child);
+    test_worker_start_renderer(child);
     say_job(child, 1, 2048, 2048, 0.002, "verify");
     say_assign(child, 1, frames);
-    worker_child_expect_frame(child, "frame.started", 20);
+    test_worker_expect_frame(child, "frame.started", 20);
 }
 
 // The next message about this frame; heartbeats are skipped.
-static void expect_next(struct worker_child *child, const char *method, int frame)
+static void expect_next(struct test_worker *child, const char *method, int frame)
 {
     struct message message;
 
     do
-        assert_true(worker_child_hear(child, &message));
+        assert_true(test_worker_hear(child, &message));
     while (!strcmp(message.method, "worker.beat") && (message_finish(&message), true));
     assert_string_equal(message.method, method);
-    assert_int_equal(worker_child_integer_of(&message, "frame"), frame);
+    assert_int_equal(test_worker_integer_of(&message, "frame"), frame);
     message_finish(&message);
 }
 
 static void dropped_frame_is_given_back_while_it_renders(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
     start_long_job(&child, "[[20,1],[21,1]]");
     say_drop(&child, 1, true);
@@ -177,14 +176,14 @@ static void dropped_frame_is_given_back_while_it_renders(void **state)
     expect_next(&child, "frame.dropped", 20);
     assert_int_equal(count_files(&child), 0);
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void drop_takes_what_it_names_and_no_more(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
-    worker_child_start_renderer(&child);
+    test_worker_start_renderer(&child);
     say_job(&child, 1, 512, 512, 0.002, "verify");
     say_assign(&child, 1, "[[20,1],[21,1]]");
     expect_next(&child, "frame.started", 20);
@@ -194,17 +193,17 @@ static void drop_takes_what_it_names_and_no_more(void **state)
     expect_next(&child, "frame.dropped", 21);
     expect_next(&child, "frame.rendered", 20);
     expect_next(&child, "frame.started", 30);
-    worker_child_expect_frame(&child, "frame.finished", 20);
-    worker_child_expect_frame(&child, "frame.finished", 30);
+    test_worker_expect_frame(&child, "frame.finished", 20);
+    test_worker_expect_frame(&child, "frame.finished", 30);
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void frame_dropped_while_it_is_written_leaves_no_file(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
-    worker_child_start_renderer(&child);
+    test_worker_start_renderer(&child);
     say_job(&child, 1, 2048, 2048, 1.0, "verify");
     say_assign(&child, 1, "[[20,1]]");
     expect_next(&child, "frame.started", 20);
@@ -215,32 +214,32 @@ static void frame_dropped_while_it_is_written_leaves_no_file(void **state)
     expect_next(&child, "frame.dropped", 20);
     assert_int_equal(count_files(&child), 0);
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 // One sample per ray takes less time than writing the picture.
 static void frames_rendered_faster_than_written_are_all_written(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
-    worker_child_start_renderer(&child);
+    test_worker_start_renderer(&child);
     say_job(&child, 1, 1024, 1024, 1.0, "verify");
     say_assign(&child, 1, "[[20,1],[21,1],[22,1],[23,1],[24,1]]");
     for (int frame = 20; frame < 25; frame++)
-        worker_child_expect_frame(&child, "frame.finished", frame);
+        test_worker_expect_frame(&child, "frame.finished", frame);
     assert_int_equal(count_files(&child), 5);
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void part_file_that_is_there_is_not_touched(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
     char path[256];
     struct stat status;
     int fd;
 
-    worker_child_start_renderer(&child);
+    test_worker_start_renderer(&child);
     snprintf(path, sizeof path, "%s/test", child.root);
     assert_int_equal(mkdir(path, 0700), 0);
     snprintf(path, sizeof path, "%s/test/test.0010.exr.1.3.1.part", child.root);
@@ -249,31 +248,31 @@ static void part_file_that_is_there_is_not_touched(void **state)
     close(fd);
     say_job(&child, 1, 33, 20, 0.02, "verify");
     say_assign(&child, 1, "[[10,1]]");
-    worker_child_expect_failure(&child, 10, "frame", "File exists");
+    test_worker_expect_failure(&child, 10, "frame", "File exists");
     assert_int_equal(stat(path, &status), 0);
     assert_int_equal(status.st_size, 0);
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void worker_ends_when_its_parent_goes_away_mid_render(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
     start_long_job(&child, "[[20,1],[21,1]]");
     shutdown(child.fd, SHUT_RDWR);
-    assert_int_not_equal(worker_child_finish(&child), -1);
+    assert_int_not_equal(test_worker_finish(&child), -1);
 }
 
 static void exit_and_sigterm_finish_what_is_started(void **state)
 {
     for (int is_signal = 0; is_signal < 2; is_signal++) {
-        struct worker_child child;
+        struct test_worker child;
 
-        worker_child_start_renderer(&child);
+        test_worker_start_renderer(&child);
         say_job(&child, 1, 64, 64, 0.02, "verify");
         say_assign(&child, 1, "[[20,1],[21,1],[22,1],[23,1]]");
-        worker_child_expect_frame(&child, "frame.started", 20);
+        test_worker_expect_frame(&child, "frame.started", 20);
         if (is_signal)
             kill(child.pid, SIGTERM);
         else
@@ -282,16 +281,16 @@ static void exit_and_sigterm_finish_what_is_started(void **state)
         for (int ended = 0; ended < 4;) {
             struct message message;
 
-            assert_true(worker_child_hear(&child, &message));
+            assert_true(test_worker_hear(&child, &message));
             ended += !strcmp(message.method, "frame.finished") || !strcmp(message.method, "frame.dropped");
             assert_string_not_equal(message.method, "frame.failed");
             message_finish(&message);
         }
-        assert_int_equal(worker_child_finish(&child), 0);
+        assert_int_equal(test_worker_finish(&child), 0);
     }
 }
 
-static void publish(const struct worker_child *child, int frame)
+static void publish(const struct test_worker *child, int frame)
 {
     char part[256], name[256];
 
@@ -302,79 +301,79 @@ static void publish(const struct worker_child *child, int frame)
 
 static void frame_that_is_there_is_skipped_redone_or_refused(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
     char name[256], other[256];
 
-    worker_child_start_renderer(&child);
+    test_worker_start_renderer(&child);
     say_job(&child, 1, 33, 20, 0.02, "verify");
     say_assign(&child, 1, "[[10,1]]");
-    worker_child_expect_frame(&child, "frame.finished", 10);
+    test_worker_expect_frame(&child, "frame.finished", 10);
     publish(&child, 10);
     say_assign(&child, 1, "[[10,2]]");
-    worker_child_expect_frame(&child, "frame.skipped", 10);
+    test_worker_expect_frame(&child, "frame.skipped", 10);
     // A link to the same picture does not count as the picture.
     snprintf(name, sizeof name, "%s/test/test.0010.exr", child.root);
     snprintf(other, sizeof other, "%s/test/other.exr", child.root);
     assert_int_equal(rename(name, other), 0);
     assert_int_equal(symlink("other.exr", name), 0);
     say_assign(&child, 1, "[[10,3]]");
-    worker_child_expect_frame(&child, "frame.finished", 10);
+    test_worker_expect_frame(&child, "frame.finished", 10);
     assert_int_equal(rename(other, name), 0);
     say_job(&child, 2, 33, 20, 0.01, "verify");
     say_assign(&child, 2, "[[10,1]]");
-    worker_child_expect_frame(&child, "frame.finished", 10);
+    test_worker_expect_frame(&child, "frame.finished", 10);
     say_job(&child, 3, 33, 20, 0.02, "overwrite");
     say_assign(&child, 3, "[[10,1]]");
-    worker_child_expect_frame(&child, "frame.finished", 10);
+    test_worker_expect_frame(&child, "frame.finished", 10);
     say_job(&child, 4, 33, 20, 0.02, "fail");
     say_assign(&child, 4, "[[10,1]]");
-    worker_child_expect_failure(&child, 10, "frame", "test.0010.exr exists");
+    test_worker_expect_failure(&child, 10, "frame", "test.0010.exr exists");
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void unreachable_output_is_the_outputs_fault(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
     char path[128];
     int fd;
 
-    worker_child_start_renderer(&child);
+    test_worker_start_renderer(&child);
     snprintf(path, sizeof path, "%s/test", child.root);
     fd = open(path, O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
     assert_true(fd >= 0);
     close(fd);
     say_job(&child, 1, 33, 20, 0.02, "verify");
     say_assign(&child, 1, "[[10,1]]");
-    worker_child_expect_failure(&child, 10, "output", "not a folder");
+    test_worker_expect_failure(&child, 10, "output", "not a folder");
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void file_that_cannot_be_written_whole_is_removed_and_the_outputs_fault(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
-    worker_child_start_renderer(&child);
+    test_worker_start_renderer(&child);
     assert_int_equal(prlimit(child.pid, RLIMIT_FSIZE, &(struct rlimit){2000, 2000}, NULL), 0);
     say_job(&child, 1, 64, 64, 0.02, "verify");
     say_assign(&child, 1, "[[20,1]]");
-    worker_child_expect_failure(&child, 20, "output", "File too large");
+    test_worker_expect_failure(&child, 20, "output", "File too large");
     assert_int_equal(count_files(&child), 0);
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void worker_without_a_device_says_so(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
     struct message message;
 
-    worker_child_start(&child, "egl", "999");
-    message = worker_child_expect(&child, "worker.failed");
-    assert_true(worker_child_text_of(&message, "error")[0]);
+    test_worker_start(&child, "egl", "999");
+    message = test_worker_expect(&child, "worker.failed");
+    assert_true(test_worker_text_of(&message, "error")[0]);
     message_finish(&message);
-    assert_int_equal(worker_child_finish(&child), 1);
+    assert_int_equal(test_worker_finish(&child), 1);
 }
 
 static void wrong_options_and_messages_end_the_worker(void **state)
@@ -383,25 +382,25 @@ static void wrong_options_and_messages_end_the_worker(void **state)
         "nonsense", "{\"jsonrpc\":\"2.0\",\"method\":\"worker.dance\"}",
         "{\"jsonrpc\":\"2.0\",\"method\":\"worker.assign\",\"params\":{\"job\":1,\"frames\":[[1,1]]}}",
         "{\"jsonrpc\":\"2.0\",\"method\":\"worker.drop\",\"params\":{}}"};
-    struct worker_child child;
+    struct test_worker child;
 
-    worker_child_start(&child, "vulkan", NULL);
-    assert_int_equal(worker_child_finish(&child), 2);
+    test_worker_start(&child, "vulkan", NULL);
+    assert_int_equal(test_worker_finish(&child), 2);
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
         struct message message;
 
-        worker_child_start(&child, "none", NULL);
-        message = worker_child_expect(&child, "worker.ready");
+        test_worker_start(&child, "none", NULL);
+        message = test_worker_expect(&child, "worker.ready");
         message_finish(&message);
-        worker_child_say(&child, "%s", lines[i]);
-        assert_int_equal(worker_child_finish(&child), 1);
+        test_worker_say(&child, "%s", lines[i]);
+        assert_int_equal(test_worker_finish(&child), 1);
     }
 }
 
-static void expect_answer(struct worker_child *child, struct message *message, int id)
+static void expect_answer(struct test_worker *child, struct message *message, int id)
 {
     do {
-        assert_true(worker_child_hear(child, message));
+        assert_true(test_worker_hear(child, message));
         if (message->kind != MESSAGE_NOTIFICATION) break;
         message_finish(message);
     } while (true);
@@ -410,43 +409,43 @@ static void expect_answer(struct worker_child *child, struct message *message, i
 
 static void requests_are_answered_without_a_context(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
     struct message message;
     char document[2048];
 
-    worker_child_start(&child, "none", NULL);
-    message = worker_child_expect(&child, "worker.ready");
-    assert_string_equal(worker_child_text_of(&message, "backend"), "none");
+    test_worker_start(&child, "none", NULL);
+    message = test_worker_expect(&child, "worker.ready");
+    assert_string_equal(test_worker_text_of(&message, "backend"), "none");
     message_finish(&message);
     format_document(document, sizeof document, 32, 32, 0.02, "verify");
-    worker_child_say(
+    test_worker_say(
         &child,
         "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"worker.explain\",\"params\":{\"root\":\"/out\",\"document\":%s}}",
         document);
     expect_answer(&child, &message, 1);
     assert_int_equal(message.kind, MESSAGE_RESULT);
-    assert_non_null(strstr(worker_child_text_of(&message, "shader"), "fold_fractal"));
+    assert_non_null(strstr(test_worker_text_of(&message, "shader"), "fold_fractal"));
     message_finish(&message);
-    worker_child_say(
+    test_worker_say(
         &child,
         "{\"jsonrpc\":\"2.0\",\"id\":2,\"method\":\"worker.explain\",\"params\":{\"document\":{\"version\":9}}}");
     expect_answer(&child, &message, 2);
     assert_int_equal(message.kind, MESSAGE_ERROR);
     assert_int_equal(message.code, MESSAGE_CODE_PARAMS);
     message_finish(&message);
-    worker_child_say(&child,
-                     "{\"jsonrpc\":\"2.0\",\"id\":3,\"method\":\"worker.preview\",\"params\":{\"files\":[\"/nowhere/"
-                     "a.exr\"],\"out\":\"x\"}}");
+    test_worker_say(&child,
+                    "{\"jsonrpc\":\"2.0\",\"id\":3,\"method\":\"worker.preview\",\"params\":{\"files\":[\"/nowhere/"
+                    "a.exr\"],\"out\":\"x\"}}");
     expect_answer(&child, &message, 3);
     assert_int_equal(message.kind, MESSAGE_ERROR);
     assert_non_null(strstr(message.text, "/nowhere/a.exr: No such file"));
     message_finish(&message);
-    worker_child_say(&child, "{\"jsonrpc\":\"2.0\",\"id\":4,\"method\":\"worker.dance\"}");
+    test_worker_say(&child, "{\"jsonrpc\":\"2.0\",\"id\":4,\"method\":\"worker.dance\"}");
     expect_answer(&child, &message, 4);
     assert_int_equal(message.code, MESSAGE_CODE_NO_METHOD);
     message_finish(&message);
     say_exit(&child);
-    assert_int_equal(worker_child_finish(&child), 0);
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 int main(void)

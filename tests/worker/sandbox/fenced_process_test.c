@@ -4,8 +4,8 @@
 #include "core/wire/worker_status.h"
 #include "tests/support/fence_places.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/test_worker.h"
 #include "tests/support/volume_maker.h"
-#include "tests/support/worker_child.h"
 #include "worker/sandbox/sanitizer.h"
 
 #include <fcntl.h>
@@ -30,7 +30,7 @@
 
 enum { COPY_LIMIT = 64 << 20 };
 
-static const char *at(const struct worker_child *child, const char *name)
+static const char *at(const struct test_worker *child, const char *name)
 {
     void *const state[] = {(void *)child->root};
 
@@ -38,18 +38,18 @@ static const char *at(const struct worker_child *child, const char *name)
 }
 
 // Starts a worker that waits for its fence. Inputs are in in/ann/; no job may read the secret beside in/.
-static void start(struct worker_child *child, const char *backend)
+static void start(struct test_worker *child, const char *backend)
 {
     const char *const options[] = {"--backend", backend, "--fenced", "--memory", "2000000000", NULL};
 
-    worker_child_start_with(child, options);
+    test_worker_start_with(child, options);
     assert_int_equal(mkdir(at(child, "in"), 0700), 0);
     assert_int_equal(mkdir(at(child, "in/ann"), 0700), 0);
     assert_int_equal(mkdir(at(child, "out"), 0700), 0);
     volume_maker_write_raw(at(child, "secret_5x4x3xuint8.raw"), (int[]){5, 4, 3}, VOLUME_STORED_UINT8, false);
 }
 
-static void copy(const struct worker_child *child, const char *from, const char *name)
+static void copy(const struct test_worker *child, const char *from, const char *name)
 {
     char *bytes;
     size_t size_bytes;
@@ -59,49 +59,48 @@ static void copy(const struct worker_child *child, const char *from, const char 
     free(bytes);
 }
 
-static void say_fence(const struct worker_child *child, const char *name, bool has_converter)
+static void say_fence(const struct test_worker *child, const char *name, bool has_converter)
 {
-    worker_child_say(
-        child,
-        SAY("worker.fence") "{\"inputs\":[{\"place\":\"the grid\",\"root\":\"%s/in\",\"folder\":\"ann\","
-                            "\"path\":\"%s/in/ann/%s\"}],\"output\":{\"root\":\"%s/out\",\"folder\":\"a\"},"
-                            "\"closed\":[],\"converter\":%s}}",
-        child->root, child->root, name, child->root, has_converter ? "true" : "false");
+    test_worker_say(child,
+                    SAY("worker.fence") "{\"inputs\":[{\"place\":\"the grid\",\"root\":\"%s/in\",\"folder\":\"ann\","
+                                        "\"path\":\"%s/in/ann/%s\"}],\"output\":{\"root\":\"%s/out\",\"folder\":\"a\"},"
+                                        "\"closed\":[],\"converter\":%s}}",
+                    child->root, child->root, name, child->root, has_converter ? "true" : "false");
 }
 
 // Skips the test where there is no context of this kind.
-static void expect_ready(struct worker_child *child, const char *sandbox)
+static void expect_ready(struct test_worker *child, const char *sandbox)
 {
     struct message message;
 
-    assert_true(worker_child_hear(child, &message));
-    if (!strcmp(message.method, "worker.failed") && strstr(worker_child_text_of(&message, "error"), "no GL context")) {
-        print_message("%s\n", worker_child_text_of(&message, "error"));
+    assert_true(test_worker_hear(child, &message));
+    if (!strcmp(message.method, "worker.failed") && strstr(test_worker_text_of(&message, "error"), "no GL context")) {
+        print_message("%s\n", test_worker_text_of(&message, "error"));
         message_finish(&message);
-        worker_child_finish(child);
+        test_worker_finish(child);
         skip();
     }
     assert_string_equal(message.method, "worker.ready");
-    if (!strstr(worker_child_text_of(&message, "sandbox"), sandbox))
-        fail_msg("expected %s, got %s", sandbox, worker_child_text_of(&message, "sandbox"));
+    if (!strstr(test_worker_text_of(&message, "sandbox"), sandbox))
+        fail_msg("expected %s, got %s", sandbox, test_worker_text_of(&message, "sandbox"));
     message_finish(&message);
 }
 
 // Renders one frame of `scene`.
-static void say_frame(const struct worker_child *child, const char *scene)
+static void say_frame(const struct test_worker *child, const char *scene)
 {
-    worker_child_say(child,
-                     SAY("worker.job") "{\"job\":1,\"epoch\":1,\"root\":\"%s/out\",\"owner\":\"ada\",\"document\":"
-                                       "{\"version\":1,\"name\":\"test\",\"frames\":\"1-2\",\"fps\":24,"
-                                       "\"resolution\":[16,9],\"camera\":{\"position\":[0,0,9],\"target\":[0,0,0],"
-                                       "\"fov\":30},\"background\":[1,1,1],\"scene\":{%s},"
-                                       "\"quality\":{\"method\":\"midpoint\",\"step\":0.1},"
-                                       "\"output\":{\"path\":\"a/test.####.exr\"}}}}",
-                     child->root, scene);
-    worker_child_say(child, SAY("worker.assign") "{\"job\":1,\"frames\":[[1,1]]}}");
+    test_worker_say(child,
+                    SAY("worker.job") "{\"job\":1,\"epoch\":1,\"root\":\"%s/out\",\"owner\":\"ada\",\"document\":"
+                                      "{\"version\":1,\"name\":\"test\",\"frames\":\"1-2\",\"fps\":24,"
+                                      "\"resolution\":[16,9],\"camera\":{\"position\":[0,0,9],\"target\":[0,0,0],"
+                                      "\"fov\":30},\"background\":[1,1,1],\"scene\":{%s},"
+                                      "\"quality\":{\"method\":\"midpoint\",\"step\":0.1},"
+                                      "\"output\":{\"path\":\"a/test.####.exr\"}}}}",
+                    child->root, scene);
+    test_worker_say(child, SAY("worker.assign") "{\"job\":1,\"frames\":[[1,1]]}}");
 }
 
-static void say_grid(const struct worker_child *child, const char *name)
+static void say_grid(const struct test_worker *child, const char *name)
 {
     char *scene;
 
@@ -111,25 +110,25 @@ static void say_grid(const struct worker_child *child, const char *name)
     free(scene);
 }
 
-static void expect_frame_and_end(struct worker_child *child)
+static void expect_frame_and_end(struct test_worker *child)
 {
-    struct message message = worker_child_expect(child, "frame.finished");
+    struct message message = test_worker_expect(child, "frame.finished");
 
     message_finish(&message);
-    worker_child_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
-    assert_int_equal(worker_child_finish(child), 0);
+    test_worker_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
+    assert_int_equal(test_worker_finish(child), 0);
 }
 
-static void expect_denial_and_end(struct worker_child *child)
+static void expect_denial_and_end(struct test_worker *child)
 {
-    worker_child_expect_failure(child, 1, "frame", "Permission denied");
-    worker_child_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
-    assert_int_equal(worker_child_finish(child), 0);
+    test_worker_expect_failure(child, 1, "frame", "Permission denied");
+    test_worker_say(child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
+    assert_int_equal(test_worker_finish(child), 0);
 }
 
 static void assert_grid_is_shown(const char *backend, const char *from, const char *name)
 {
-    struct worker_child child;
+    struct test_worker child;
     char path[256];
 
     start(&child, backend);
@@ -156,7 +155,7 @@ static void egl_shows_it_too(void **state)
 
 static void the_converter_is_run(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
     char *command;
 
     if (system("command -v nanovdb_convert >/dev/null") != 0) {
@@ -176,7 +175,7 @@ static void the_converter_is_run(void **state)
 
 static void textures_are_read(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
     char *scene;
 
     start(&child, "osmesa");
@@ -195,7 +194,7 @@ static void textures_are_read(void **state)
 // The job names another file than its fence does. No daemon sends that, but a worker that is taken over would open it.
 static void file_of_another_job_stays_closed(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
     fence_places_skip_without_landlock();
     start(&child, "osmesa");
@@ -206,7 +205,7 @@ static void file_of_another_job_stays_closed(void **state)
     expect_denial_and_end(&child);
 }
 
-static void start_header(struct worker_child *child, const char *data_file)
+static void start_header(struct test_worker *child, const char *data_file)
 {
     char *header;
 
@@ -223,7 +222,7 @@ static void start_header(struct worker_child *child, const char *data_file)
 
 static void header_reads_the_file_beside_it(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
     start_header(&child, "beside.raw");
     expect_frame_and_end(&child);
@@ -231,7 +230,7 @@ static void header_reads_the_file_beside_it(void **state)
 
 static void assert_header_is_refused(const char *data_file)
 {
-    struct worker_child child;
+    struct test_worker child;
 
     start_header(&child, data_file);
     expect_denial_and_end(&child);
@@ -246,7 +245,7 @@ static void headers_read_no_files_outside_their_folder(void **state)
 
 static void link_of_a_sequence_that_leads_out_fails_its_frame(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
     fence_places_skip_without_landlock();
     start(&child, "osmesa");
@@ -257,20 +256,20 @@ static void link_of_a_sequence_that_leads_out_fails_its_frame(void **state)
     expect_denial_and_end(&child);
 }
 
-static void expect_unable(struct worker_child *child, const char *fault, const char *words)
+static void expect_unable(struct test_worker *child, const char *fault, const char *words)
 {
-    struct message message = worker_child_expect(child, "worker.failed");
+    struct message message = test_worker_expect(child, "worker.failed");
 
-    assert_string_equal(worker_child_text_of(&message, "fault"), fault);
-    if (!strstr(worker_child_text_of(&message, "error"), words))
-        fail_msg("expected \"%s\" in \"%s\"", words, worker_child_text_of(&message, "error"));
+    assert_string_equal(test_worker_text_of(&message, "fault"), fault);
+    if (!strstr(test_worker_text_of(&message, "error"), words))
+        fail_msg("expected \"%s\" in \"%s\"", words, test_worker_text_of(&message, "error"));
     message_finish(&message);
-    assert_int_equal(worker_child_finish(child), 1);
+    assert_int_equal(test_worker_finish(child), 1);
 }
 
 static void links_that_lead_out_end_the_worker(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
     start(&child, "osmesa");
     assert_int_equal(symlink("../../secret_5x4x3xuint8.raw", at(&child, "in/ann/a_5x4x3xuint8.raw")), 0);
@@ -285,7 +284,7 @@ static void links_that_lead_out_end_the_worker(void **state)
 
 static void nothing_is_done_without_a_fence(void **state)
 {
-    struct worker_child child;
+    struct test_worker child;
 
     start(&child, "osmesa");
     say_grid(&child, "secret_5x4x3xuint8.raw");
@@ -299,7 +298,7 @@ static void source_that_grows_without_end_ends_the_worker(void **state)
                                 "[0,0,0],\"radius\":1},\"source\":\"#define A0 +p.x+p.y+p.z+p.x\\n%sfloat density(vec3 "
                                 "p,float t){return 0.0 A30;}\"},\"emission\":1}]";
     char lines[2048] = "", *scene;
-    struct worker_child child;
+    struct test_worker child;
     struct message message;
     time_t began = time(NULL);
     int status;
@@ -318,11 +317,11 @@ static void source_that_grows_without_end_ends_the_worker(void **state)
     say_frame(&child, scene);
     free(scene);
     // The worker dies, and before that it reports only that it lives and has begun.
-    while (worker_child_hear(&child, &message)) {
+    while (test_worker_hear(&child, &message)) {
         if (strcmp(message.method, "worker.beat") != 0) assert_string_equal(message.method, "frame.started");
         message_finish(&message);
     }
-    status = worker_child_finish(&child);
+    status = test_worker_finish(&child);
     assert_int_equal(status, WORKER_STATUS_MEMORY);
     assert_true(time(NULL) - began < 60);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/support/worker_child.h"
+#include "tests/support/test_worker.h"
 
 #include "core/base/error.h"
 
@@ -23,20 +23,20 @@
 // Guards against what never happens: machines are slow and busy.
 enum { MESSAGE_TIMEOUT_MS = 600 * 1000, EXIT_TIMEOUT_MS = 600 * 1000 };
 
-void worker_child_start(struct worker_child *child, const char *backend, const char *device)
+void test_worker_start(struct test_worker *child, const char *backend, const char *device)
 {
     const char *const options[] = {"--backend", backend, device ? "--device" : NULL, device, NULL};
 
-    worker_child_start_with(child, options);
+    test_worker_start_with(child, options);
 }
 
-void worker_child_start_with(struct worker_child *child, const char *const options[])
+void test_worker_start_with(struct test_worker *child, const char *const options[])
 {
     const char *arguments[16] = {"march-worker", "--fd"};
     int fds[2];
     char number[16];
 
-    *child = (struct worker_child){.root = "/tmp/worker_process_test_XXXXXX"};
+    *child = (struct test_worker){.root = "/tmp/worker_process_test_XXXXXX"};
     assert_non_null(mkdtemp(child->root));
     assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, fds), 0);
     child->fd = fds[0];
@@ -54,7 +54,7 @@ void worker_child_start_with(struct worker_child *child, const char *const optio
     close(fds[1]);
 }
 
-void worker_child_say(const struct worker_child *child, const char *format, ...)
+void test_worker_say(const struct test_worker *child, const char *format, ...)
 {
     va_list arguments;
 
@@ -64,7 +64,7 @@ void worker_child_say(const struct worker_child *child, const char *format, ...)
     assert_int_equal(write(child->fd, "\n", 1), 1);
 }
 
-bool worker_child_hear(struct worker_child *child, struct message *message)
+bool test_worker_hear(struct test_worker *child, struct message *message)
 {
     const char *line;
     size_t length, room;
@@ -85,7 +85,7 @@ bool worker_child_hear(struct worker_child *child, struct message *message)
     return true;
 }
 
-struct message worker_child_expect(struct worker_child *child, const char *method)
+struct message test_worker_expect(struct test_worker *child, const char *method)
 {
     static const char *const passed_over[] = {"worker.beat", "frame.started", "frame.planning", "frame.planned",
                                               "frame.rendered"};
@@ -94,7 +94,7 @@ struct message worker_child_expect(struct worker_child *child, const char *metho
     for (;;) {
         bool is_passed_over = false;
 
-        if (!worker_child_hear(child, &message)) fail_msg("expected %s, got the end", method);
+        if (!test_worker_hear(child, &message)) fail_msg("expected %s, got the end", method);
         if (message.kind == MESSAGE_NOTIFICATION && !strcmp(message.method, method)) return message;
         for (size_t i = 0; i < sizeof passed_over / sizeof passed_over[0]; i++)
             is_passed_over |= message.kind == MESSAGE_NOTIFICATION && !strcmp(message.method, passed_over[i]);
@@ -103,7 +103,7 @@ struct message worker_child_expect(struct worker_child *child, const char *metho
     }
 }
 
-int64_t worker_child_integer_of(const struct message *message, const char *key)
+int64_t test_worker_integer_of(const struct message *message, const char *key)
 {
     struct json_node node = json_node_child(&message->body, key);
     int64_t integer = -1;
@@ -112,7 +112,7 @@ int64_t worker_child_integer_of(const struct message *message, const char *key)
     return integer;
 }
 
-const char *worker_child_text_of(const struct message *message, const char *key)
+const char *test_worker_text_of(const struct message *message, const char *key)
 {
     struct json_node node = json_node_child(&message->body, key);
     const char *text = "";
@@ -121,22 +121,22 @@ const char *worker_child_text_of(const struct message *message, const char *key)
     return text;
 }
 
-void worker_child_expect_frame(struct worker_child *child, const char *method, int frame)
+void test_worker_expect_frame(struct test_worker *child, const char *method, int frame)
 {
-    struct message message = worker_child_expect(child, method);
+    struct message message = test_worker_expect(child, method);
 
-    assert_int_equal(worker_child_integer_of(&message, "frame"), frame);
+    assert_int_equal(test_worker_integer_of(&message, "frame"), frame);
     message_finish(&message);
 }
 
-void worker_child_expect_failure(struct worker_child *child, int frame, const char *fault, const char *reason)
+void test_worker_expect_failure(struct test_worker *child, int frame, const char *fault, const char *reason)
 {
-    struct message message = worker_child_expect(child, "frame.failed");
+    struct message message = test_worker_expect(child, "frame.failed");
 
-    assert_int_equal(worker_child_integer_of(&message, "frame"), frame);
-    assert_string_equal(worker_child_text_of(&message, "fault"), fault);
-    if (!strstr(worker_child_text_of(&message, "error"), reason))
-        fail_msg("expected \"%s\" in \"%s\"", reason, worker_child_text_of(&message, "error"));
+    assert_int_equal(test_worker_integer_of(&message, "frame"), frame);
+    assert_string_equal(test_worker_text_of(&message, "fault"), fault);
+    if (!strstr(test_worker_text_of(&message, "error"), reason))
+        fail_msg("expected \"%s\" in \"%s\"", reason, test_worker_text_of(&message, "error"));
     message_finish(&message);
 }
 
@@ -156,7 +156,7 @@ static void remove_folder(const char *path)
     rmdir(path);
 }
 
-int worker_child_finish(struct worker_child *child)
+int test_worker_finish(struct test_worker *child)
 {
     int status = 0;
     pid_t ended = 0;
@@ -175,20 +175,20 @@ int worker_child_finish(struct worker_child *child)
     return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-void worker_child_start_renderer(struct worker_child *child)
+void test_worker_start_renderer(struct test_worker *child)
 {
     struct message message;
 
-    worker_child_start(child, "osmesa", NULL);
-    assert_true(worker_child_hear(child, &message));
+    test_worker_start(child, "osmesa", NULL);
+    assert_true(test_worker_hear(child, &message));
     if (!strcmp(message.method, "worker.failed")) {
-        print_message("no OSMesa: %s\n", worker_child_text_of(&message, "error"));
+        print_message("no OSMesa: %s\n", test_worker_text_of(&message, "error"));
         message_finish(&message);
-        worker_child_finish(child);
+        test_worker_finish(child);
         skip();
     }
     assert_string_equal(message.method, "worker.ready");
-    assert_string_equal(worker_child_text_of(&message, "backend"), "osmesa");
-    assert_int_equal(worker_child_integer_of(&message, "pid"), child->pid);
+    assert_string_equal(test_worker_text_of(&message, "backend"), "osmesa");
+    assert_int_equal(test_worker_integer_of(&message, "pid"), child->pid);
     message_finish(&message);
 }
