@@ -96,7 +96,7 @@ refuse 1 nan_2x2x2xfloat32.raw 'voxel (1, 1, 1) is no finite number'
 if [ "$(id -u)" -ne 0 ]; then
     cp good.nii secret.nii
     chmod 000 secret.nii
-    refuse 1 secret.nii 'Permission denied'
+    refuse 2 secret.nii 'Permission denied'
 fi
 
 [ "$failures" -eq 0 ] || { echo "$failures failed"; exit 1; }
