@@ -2,6 +2,7 @@
 #include "reference/integrate.h"
 
 #include "core/base/alloc.h"
+#include "core/scene/light_rules.h"
 #include "reference/gauss.h"
 #include "reference/light_walk.h"
 #include "reference/shadow_edges.h"
@@ -223,7 +224,7 @@ static void find_spans(const struct gatherer *gatherer, double near, double far,
         span_list_finish(&own);
     }
     for (size_t i = 0; i < still->light_count; i++) {
-        if (still->lights[i].kind == SCENE_LIGHT_POINT) cut_at_light(spans, ray, still->lights[i].position);
+        if (light_rules_of(still->lights[i].kind)->has_position) cut_at_light(spans, ray, still->lights[i].position);
         shadow_edges_split(&still->objects, &still->lights[i], ray, spans);
     }
 }

@@ -29,5 +29,11 @@ struct light_arrival light_sun(const struct light *light)
 
 struct light_arrival light_arrive(const struct light *light, struct vec3 position)
 {
-    return light->kind == SCENE_LIGHT_SUN ? light_sun(light) : light_point(light, position);
+    switch (light->kind) {
+    case SCENE_LIGHT_POINT:
+        return light_point(light, position);
+    case SCENE_LIGHT_SUN:
+        break;
+    }
+    return light_sun(light);
 }

@@ -9,13 +9,13 @@ struct light {
     enum scene_light_kind kind;
     enum scene_falloff falloff; // point only
     double intensity[3];        // W/sr, or W/m^2 without falloff and of a sun
-    struct vec3 position;       // point only
-    struct vec3 direction;      // sun only: the direction in which its light travels, of length 1
+    struct vec3 position;       // where its kind has one (core/scene/light_rules.h)
+    struct vec3 direction;      // the same: the direction in which its light travels, of length 1
 };
 
 struct light_arrival {
     struct vec3 travel;   // direction in which the light passes the point
-    double distance;      // m to the light; INFINITY for a sun
+    double distance;      // m to the light; INFINITY for parallel light
     double irradiance[3]; // W/m^2
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/shadow_edges.h"
 
+#include "core/scene/light_rules.h"
+
 #include <math.h>
 #include <stdbool.h>
 
@@ -29,8 +31,8 @@ enum { DISC_LIMIT = SCENE_SHAPE_LIMIT, EDGE_LIMIT = 6 * SCENE_SHAPE_LIMIT };
 struct section {
     struct ray ray;
     struct vec3 upwards, normal; // of the plane; of length 1, at right angles to the ray
-    bool is_sun;
-    struct point light; // or the direction to a sun
+    bool is_parallel;
+    struct point light; // or the direction to it
     struct disc discs[DISC_LIMIT];
     size_t disc_count;
     struct edge edges[EDGE_LIMIT];
@@ -40,8 +42,9 @@ struct section {
 // False when the light lies on the ray's line: then the plane is not unique.
 static bool init_section(struct section *section, const struct light *light, const struct ray *ray)
 {
-    struct vec3 to_light = light->kind == SCENE_LIGHT_SUN ? vec3_scale(light->direction, -1.0)
-                                                          : vec3_subtract(light->position, ray->origin);
+    bool is_parallel = !light_rules_of(light->kind)->has_position;
+    struct vec3 to_light =
+        is_parallel ? vec3_scale(light->direction, -1.0) : vec3_subtract(light->position, ray->origin);
     double along = vec3_dot(to_light, ray->direction);
     struct vec3 across = vec3_subtract(to_light, vec3_scale(ray->direction, along));
     double height = vec3_length(across);
@@ -50,7 +53,7 @@ static bool init_section(struct section *section, const struct light *light, con
     section->ray = *ray;
     section->upwards = vec3_scale(across, 1.0 / height);
     section->normal = vec3_cross(ray->direction, section->upwards);
-    section->is_sun = light->kind == SCENE_LIGHT_SUN;
+    section->is_parallel = is_parallel;
     section->light = (struct point){along, height};
     section->disc_count = section->edge_count = 0;
     return true;
@@ -137,8 +140,8 @@ static void split_at(const struct section *section, struct point point, struct s
 {
     double x = section->light.x, y = section->light.y, distance;
 
-    if (!(point.y > 0.0) || (!section->is_sun && point.y >= y)) return;
-    distance = section->is_sun ? point.x - point.y * x / y : x + (point.x - x) * y / (y - point.y);
+    if (!(point.y > 0.0) || (!section->is_parallel && point.y >= y)) return;
+    distance = section->is_parallel ? point.x - point.y * x / y : x + (point.x - x) * y / (y - point.y);
     for (size_t i = 0; i < spans->count; i++) {
         double sliver = SLIVER * fabs(distance);
 
@@ -153,14 +156,14 @@ static void split_at_tangents(const struct section *section, const struct disc *
 {
     double x = section->light.x, y = section->light.y, radius = disc->radius, along, across, distance;
 
-    if (!section->is_sun) {
+    if (!section->is_parallel) {
         x -= disc->center.x;
         y -= disc->center.y;
     }
     distance = hypot(x, y);
-    if (!section->is_sun && distance <= radius) return;
+    if (!section->is_parallel && distance <= radius) return;
     // From the centre: towards the light, and at right angles to that.
-    along = section->is_sun ? 0.0 : radius * radius / distance;
+    along = section->is_parallel ? 0.0 : radius * radius / distance;
     across = sqrt(radius * radius - along * along);
     for (int side = -1; side <= 1; side += 2) {
         split_at(section,

@@ -2,6 +2,7 @@
 #include "reference/still.h"
 
 #include "core/job/job.h"
+#include "core/scene/light_rules.h"
 #include "core/scene/timeline.h"
 
 #include <string.h>
@@ -256,11 +257,9 @@ static void stop_light(struct light *light, const struct scene_light *source, do
     light->kind = source->kind;
     light->falloff = source->falloff;
     color_at(&source->intensity, time, light->intensity);
-    if (source->kind == SCENE_LIGHT_SUN) {
+    light->position = vector_at(&source->position, time);
+    if (light_rules_of(source->kind)->has_direction)
         light->direction = vec3_normalize(vector_at(&source->direction, time));
-    } else {
-        light->position = vector_at(&source->position, time);
-    }
 }
 
 static struct shape stop_shape(const struct scene_shape *source, double time)

@@ -5,6 +5,7 @@
 #include "core/job/job.h"
 #include "core/job/step_check.h"
 #include "core/json/json_read.h"
+#include "core/scene/light_rules.h"
 #include "core/scene/scene_nodes.h"
 
 #include <math.h>
@@ -76,7 +77,8 @@ static bool check_lights(const struct moment *moment)
         const struct scene_light *light = &moment->job->scene.lights[i];
         struct json_node node = json_node_element(&lights, i);
 
-        if (light->kind == SCENE_LIGHT_SUN && !check_direction(moment, &node, "direction", &light->direction))
+        if (light_rules_of(light->kind)->has_direction &&
+            !check_direction(moment, &node, "direction", &light->direction))
             return false;
     }
     return true;

@@ -5,6 +5,7 @@
 #include "core/job/job.h"
 #include "core/json/json_read.h"
 #include "core/scene/density_rules.h"
+#include "core/scene/light_rules.h"
 #include "core/scene/scene_nodes.h"
 
 #include <math.h>
@@ -80,14 +81,14 @@ static double medium_diameter(const struct check *check, const struct scene_medi
     return fmin(diameter, object_diameter(scene, &scene->objects[medium->owner - 1], check->span));
 }
 
-// The path of a sun's light through a slab, m.
-static double slab_path(const struct scene_bounds *slab, const struct scene_light *sun, struct timeline_span span)
+// The path of parallel light through a slab, m.
+static double slab_path(const struct scene_bounds *slab, const struct scene_light *light, struct timeline_span span)
 {
     double normal[3], direction[3], dot = 0.0, normal_square = 0.0, direction_square = 0.0;
 
-    if (!timeline_is_constant(&slab->normal) || !timeline_is_constant(&sun->direction)) return INFINITY;
+    if (!timeline_is_constant(&slab->normal) || !timeline_is_constant(&light->direction)) return INFINITY;
     timeline_evaluate(&slab->normal, span.first, normal);
-    timeline_evaluate(&sun->direction, span.first, direction);
+    timeline_evaluate(&light->direction, span.first, direction);
     for (int i = 0; i < 3; i++) {
         dot += normal[i] * direction[i];
         normal_square += normal[i] * normal[i];
@@ -143,7 +144,7 @@ static double light_path(const struct check *check, const struct scene_medium *m
     const struct scene_bounds *bounds = &medium->density.bounds;
     double diameter = medium_diameter(check, medium);
 
-    if (light->kind == SCENE_LIGHT_POINT)
+    if (light_rules_of(light->kind)->has_position)
         return fmin(diameter, fmax(point_distance(check, light), surface_distance(check, light)));
     if (bounds->kind == SCENE_BOUNDS_SLAB) return fmin(diameter, slab_path(bounds, light, check->span));
     return diameter;

@@ -37,8 +37,8 @@ struct scene_light {
     enum scene_light_kind kind;
     enum scene_falloff falloff; // point only
     struct timeline intensity;  // 1 or 3 components, >= 0; of a sun: irradiance
-    struct timeline position;   // point only
-    struct timeline direction;  // sun only: the direction of travel of its light; any length but 0
+    struct timeline position;   // where its kind has one (light_rules.h)
+    struct timeline direction;  // the same: the direction of travel of its light; any length but 0
 };
 
 // Blackbody emission: source = intensity rho B(kelvin value). B is Planck's radiation in linear Rec. 709, scaled to the

@@ -5,6 +5,7 @@
 #include "core/job/job.h"
 #include "core/job/job_json.h"
 #include "core/scene/density_rules.h"
+#include "core/scene/light_rules.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
 #include "tests/support/schema_check.h"
@@ -150,8 +151,6 @@ static const char *const for_strings[] = {"\"1-5\"",
                                           "\"caf\\u00e9\"",
                                           "\"a\\tb\"",
                                           "\"a\\u0085b\"",
-                                          "\"point\"",
-                                          "\"sun\"",
                                           "\"ratio\"",
                                           "\"jackknife\"",
                                           "\"sphere\"",
@@ -317,7 +316,7 @@ static void check_name(const char *text, const char *path, const char *name)
 // Names that the code reads from tables: a new one that the schema lacks, or spells otherwise, is a disagreement.
 static void check_names(const char *text, const char *path)
 {
-    const char *methods[JOB_METHOD_COUNT + 1], *densities[DENSITY_RULES_LIMIT];
+    const char *methods[JOB_METHOD_COUNT + 1], *densities[DENSITY_RULES_LIMIT], *lights[LIGHT_RULES_LIMIT];
 
     job_method_list(methods);
     for (size_t i = 0; methods[i]; i++)
@@ -325,6 +324,9 @@ static void check_names(const char *text, const char *path)
     density_rules_list(densities);
     for (size_t i = 0; densities[i]; i++)
         check_name(text, path, densities[i]);
+    light_rules_list(lights);
+    for (size_t i = 0; lights[i]; i++)
+        check_name(text, path, lights[i]);
 }
 
 static void check_place(const char *text, const struct json_place *place)

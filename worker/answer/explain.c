@@ -3,6 +3,7 @@
 
 #include "core/job/job.h"
 #include "core/json/json_write.h"
+#include "core/scene/light_rules.h"
 #include "worker/density/density_bake.h"
 #include "worker/density/density_kind.h"
 #include "worker/model/light_grid.h"
@@ -172,10 +173,9 @@ static void list_lights(const struct listing *listing)
 
     for (size_t i = 0; i < scene->light_count; ++i) {
         char name[64];
-        bool is_point = scene->lights[i].kind == SCENE_LIGHT_POINT;
 
         snprintf(name, sizeof name, "light %zu", i);
-        say(listing, features->light_is_seen[i], name, "%s %s", is_point ? "a point light" : "a sun",
+        say(listing, features->light_is_seen[i], name, "%s %s", light_rules_of(scene->lights[i].kind)->noun,
             !features->light_is_seen[i]  ? "that does not shine, or nothing scatters it"
             : !features->media_are_lit   ? "that surfaces show"
             : features->surfaces_are_lit ? "that media scatter and surfaces show"

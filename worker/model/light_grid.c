@@ -2,6 +2,7 @@
 #include "worker/model/light_grid.h"
 
 #include "core/job/job.h"
+#include "core/scene/light_rules.h"
 #include "worker/glsl/timeline_value.h"
 #include "worker/model/scene_model.h"
 #include "worker/scene/media_extent.h"
@@ -111,11 +112,11 @@ struct beam {
     struct frame frame;
     double middle[3];
     double low[3], high[3]; // across, up, along
-    double distance;        // from the light to the plane of the middle; INFINITY for a sun
+    double distance;        // from the light to the plane of the middle; INFINITY for parallel light
 };
 
-static void find_sun_beam(const struct media_extent *extents, size_t count, const struct scene_light *light,
-                          double time, struct beam *beam)
+static void find_parallel_beam(const struct media_extent *extents, size_t count, const struct scene_light *light,
+                               double time, struct beam *beam)
 {
     const double *const axes[] = {beam->frame.across, beam->frame.up, beam->frame.along};
     double direction[9] = {0};
@@ -168,8 +169,8 @@ static bool find_beam(const struct light_grid *grid, double time, struct beam *b
     size_t count = find_extents(grid, time, extents);
 
     find_middle(extents, count, beam->middle);
-    if (light->kind != SCENE_LIGHT_SUN) return find_point_beam(extents, count, light, time, beam);
-    find_sun_beam(extents, count, light, time, beam);
+    if (light_rules_of(light->kind)->has_position) return find_point_beam(extents, count, light, time, beam);
+    find_parallel_beam(extents, count, light, time, beam);
     return true;
 }
 
@@ -234,7 +235,7 @@ static bool beam_does(const struct light_grid *grid, double time)
 static bool is_still(const struct light_grid *grid)
 {
     const struct scene_light *light = light_of(grid);
-    bool is_still = timeline_is_constant(light->kind == SCENE_LIGHT_SUN ? &light->direction : &light->position);
+    bool is_still = timeline_is_constant(&light->position) && timeline_is_constant(&light->direction);
 
     for (size_t i = 0; i < grid->medium_count; ++i)
         is_still &= media_extent_is_still(&grid->job->scene.media[grid->media[i]].density);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/scene/scene_visibility.h"
 
+#include "core/scene/light_rules.h"
 #include "worker/scene/camera_view.h"
 #include "worker/scene/media_extent.h"
 #include "worker/scene/pixel_samples.h"
@@ -52,15 +53,15 @@ static double distance_to_ray(const double point[3], const double from[3], const
 static bool meets_shadow_ray(const struct scene_ball *ball, const struct scene_ball *lit,
                              const struct scene_light *light, double time)
 {
-    bool is_point = light->kind == SCENE_LIGHT_POINT;
+    bool has_end = light_rules_of(light->kind)->has_position;
     double ray[3], radius = (ball->radius + lit->radius) * (1.0 + MARGIN);
 
     if (!isfinite(radius)) return true;
-    timeline_evaluate(is_point ? &light->position : &light->direction, time, ray);
+    timeline_evaluate(has_end ? &light->position : &light->direction, time, ray);
     for (int axis = 0; axis < 3; ++axis)
-        ray[axis] = is_point ? ray[axis] - lit->center[axis] : -ray[axis];
+        ray[axis] = has_end ? ray[axis] - lit->center[axis] : -ray[axis];
     radius += MARGIN * 1e-2 * distance_of(ball->center, lit->center);
-    return !(distance_to_ray(ball->center, lit->center, ray, is_point) > radius);
+    return !(distance_to_ray(ball->center, lit->center, ray, has_end) > radius);
 }
 
 static bool is_between(const struct scene *scene, const struct scene_ball *balls, const bool *is_seen, size_t medium,
