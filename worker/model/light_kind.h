@@ -8,16 +8,23 @@
 
 struct frame_uniforms;
 
-// docs/architecture.md has the recipe of a new kind: a row in light_kind.c, its module, and what tells lights apart.
+enum { LIGHT_VALUE_LIMIT = 4 };
+
+struct light_value {
+    const char *name; // the frame value is light_I_NAME
+    void (*add)(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index);
+};
+
+// A new kind is a row in light_kind.c, its module, and what core/scene/light_rules.c says of it.
 struct light_kind {
-    const char *module;     // below shaders/
-    const char *call;       // the function and its struct, up to the struct's first member, which is the intensity
-    const char *value;      // the second member: the frame value light_I_VALUE
-    bool takes_point;       // the function's last parameter is the point that is lit
-    bool is_inverse_square; // its irradiance falls with the square of the distance
-    void (*add_value)(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index);
+    const char *module; // below shaders/
+    const char *call;   // the function and its struct, up to the struct's first member, which is the intensity
+    const struct light_value *values[LIGHT_VALUE_LIMIT]; // the other members
+    bool is_inverse_square; // near it, segments take their light from light_point_segment: it shines as LightPoint does
 };
 
 const struct light_kind *light_kind_of(const struct scene_light *light);
+// Adds the frame values of its kind, without the intensity.
+void light_kind_add_values(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index);
 // Adds light_I_position, for kinds that have one.
 void light_kind_add_position(struct frame_uniforms *uniforms, const struct scene_light *light, size_t index);

@@ -173,7 +173,7 @@ static void add_light(struct frame_uniforms *uniforms, const struct scene_light 
     frame_uniforms_add(uniforms,
                        timeline_value(&light->intensity, spectrum, value_range_not_negative, "lights.intensity"),
                        "light_%zu_intensity", index);
-    light_kind_of(light)->add_value(uniforms, light, index);
+    light_kind_add_values(uniforms, light, index);
 }
 
 // Adds whole numbers, which floats hold exactly.

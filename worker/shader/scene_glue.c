@@ -2,6 +2,7 @@
 #include "worker/shader/scene_glue.h"
 
 #include "core/job/job.h"
+#include "core/scene/light_rules.h"
 #include "worker/glsl/pixel_mark.h"
 #include "worker/model/light_kind.h"
 #include "worker/model/scene_model.h"
@@ -36,8 +37,10 @@ static void write_light(FILE *out, const struct scene_light *light, size_t i)
 {
     const struct light_kind *kind = light_kind_of(light);
 
-    fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return %slight_%zu_intensity, light_%zu_%s)%s);\n}\n", i,
-            kind->call, i, i, kind->value, kind->takes_point ? ", point" : "");
+    fprintf(out, "LightSample light_%zu(vec3 point)\n{\n    return %slight_%zu_intensity", i, kind->call, i);
+    for (size_t k = 0; k < LIGHT_VALUE_LIMIT && kind->values[k]; ++k)
+        fprintf(out, ", light_%zu_%s", i, kind->values[k]->name);
+    fprintf(out, ")%s);\n}\n", light_rules_of(light->kind)->has_position ? ", point" : "");
 }
 
 void scene_glue_write_step_limit(FILE *out, const struct scene_model *model)
