@@ -2,6 +2,7 @@
 #include "worker/scene/texture_image.h"
 
 #include "core/base/error.h"
+#include "core/scene/file_format.h"
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr.h"
 #include "worker/picture/image_png_read.h"
@@ -12,6 +13,7 @@
 #include <fcntl.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -112,7 +114,7 @@ enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
 // NULL on failure.
 static const struct format *find_format(int fd, struct error *error)
 {
-    char bytes[MAGIC_LIMIT] = {0};
+    char bytes[MAGIC_LIMIT] = {0}, *endings;
 
     if (pread(fd, bytes, sizeof bytes, 0) < 0) {
         error_set_errno(error, errno, "it cannot be read");
@@ -120,7 +122,9 @@ static const struct format *find_format(int fd, struct error *error)
     }
     for (size_t i = 0; i < FORMAT_COUNT; ++i)
         if (memcmp(bytes, formats[i].magic, formats[i].magic_bytes) == 0) return &formats[i];
-    error_set(error, "expected a PNG or EXR file");
+    endings = file_format_list_endings(FILE_IMAGE, "or");
+    error_set(error, "expected the contents of a %s file", endings);
+    free(endings);
     return NULL;
 }
 
