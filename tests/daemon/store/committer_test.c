@@ -120,7 +120,7 @@ static void a_lasting_failure_is_reported_to_later_ops(void **state)
         uv_run(&loop, UV_RUN_ONCE);
     put(committer, COMMIT_OR_DROP, 2, &dropped);
     put(committer, COMMIT_REPORTED, 3, &reported);
-    for (uint64_t start_ms = uv_now(&loop); !strchr(told, '3') && uv_now(&loop) - start_ms < 5000;)
+    while (!strchr(told, '3'))
         uv_run(&loop, UV_RUN_ONCE);
     assert_string_equal(told, "1+ 2- 3-");
     assert_int_equal(committer_waiting(committer), 2);

@@ -17,6 +17,8 @@
 
 #include <cmocka.h>
 
+enum { PATIENCE_S = 600 }; // no search is cut short, however busy the machine is
+
 static void fill(struct image *image, int width, int height, float (*value)(int x, int y))
 {
     assert_true(image_init(image, width, height, false, false, NULL));
@@ -132,10 +134,11 @@ static struct chart_truth find(int width, int height, const struct job *job)
     fill(&finer, width, height, wrong_spot);
     fill(&coarser, width, height, coarse_spot);
     fill(&finest, width, height, spot);
-    if (!chart_truth_find(&truth,
-                          &(struct chart_truth_params){
-                              .job = job, .finer = &finer, .coarser = &coarser, .finest = &finest, .seconds = 60},
-                          &error))
+    if (!chart_truth_find(
+            &truth,
+            &(struct chart_truth_params){
+                .job = job, .finer = &finer, .coarser = &coarser, .finest = &finest, .seconds = PATIENCE_S},
+            &error))
         fail_msg("%s", error.message);
     image_finish(&finer);
     image_finish(&coarser);
@@ -217,7 +220,7 @@ static void reference_is_asked(void **state)
     fill(&finer, 12, 8, spot);
     fill(&coarser, 12, 8, coarse_spot);
     assert_true(chart_truth_find(
-        &truth, &(struct chart_truth_params){.job = &job, .finer = &finer, .coarser = &coarser, .seconds = 60},
+        &truth, &(struct chart_truth_params){.job = &job, .finer = &finer, .coarser = &coarser, .seconds = PATIENCE_S},
         &error));
     assert_string_equal(truth.kind, "reference");
     assert_int_equal(truth.count, 96);
@@ -249,11 +252,11 @@ static void an_unwanted_truth_is_not_found(void **state)
 
     ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
     fill(&image, job.width_px, job.height_px, spot);
-    assert_false(
-        chart_truth_find(&truth,
-                         &(struct chart_truth_params){
-                             .job = &job, .finer = &image, .coarser = &image, .seconds = 60, .is_wanted = is_wanted},
-                         &error));
+    assert_false(chart_truth_find(
+        &truth,
+        &(struct chart_truth_params){
+            .job = &job, .finer = &image, .coarser = &image, .seconds = PATIENCE_S, .is_wanted = is_wanted},
+        &error));
     assert_true(error.message[0] != 0);
     assert_null(truth.pixels);
     image_finish(&image);

@@ -286,7 +286,7 @@ static void finish_shot(struct shot *shot)
 static struct audit_params params_of(const struct shot *shot)
 {
     return (struct audit_params){
-        .job = &shot->job, .image = &shot->image, .truth = shot->truth, .tolerance = 0.01, .budget_s = 60.0};
+        .job = &shot->job, .image = &shot->image, .truth = shot->truth, .tolerance = 0.01, .budget_s = 600.0};
 }
 
 static void a_good_frame_is_within_and_a_coarse_one_is_not(void **state)
@@ -331,8 +331,9 @@ static void a_budget_ends_an_audit(void **state)
     finish_shot(&shot);
 }
 
-static bool stop_at_once(void *user)
+static bool stop_at_once(void *calls)
 {
+    ++*(int *)calls;
     return false;
 }
 
@@ -341,11 +342,15 @@ static void an_audit_can_be_stopped(void **state)
     struct audit_result result;
     struct audit_params params;
     struct shot shot;
+    int calls = 0;
 
     take_shot(&shot, 32);
     params = params_of(&shot);
     params.on_progress = stop_at_once;
+    params.user = &calls;
+    params.thread_count = 1; // other threads could measure all pixels before this one asks
     assert_false(audit_frame(&params, &result));
+    assert_int_equal(calls, 1);
     finish_shot(&shot);
 }
 
