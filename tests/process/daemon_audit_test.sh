@@ -7,6 +7,13 @@ accuracy_of()
     ask job.frames "{\"id\":$1}" | jq -c '[.result.frames[] | [.audit, .measured_error, .error95, .audit_rays, .method, .cut_share]]'
 }
 
+# told_end EVENTS ID: the subscriber has all events of the job's frames.
+told_end()
+{
+    jq -e --argjson id "$2" 'select(.params.type == "job" and .params.job.id == $id and .params.job.state == "succeeded")' \
+        "$1" >/dev/null
+}
+
 start_daemon --worker-program "$(stub audited:0)"
 id=$(submit "$(job 0-1 '.output.path = "a/a.####.exr"')")
 wait_state "$id" succeeded
@@ -45,6 +52,7 @@ id=$(submit "$(job 0-1 '.output.path = "e/e.####.exr"')")
 wait_state "$id" succeeded
 expect "attempts of planned frames" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] | [.state, .attempts]]')" \
     '[["succeeded",1],["succeeded",1]]'
+wait_until "the end is told" told_end "$scratch/events" "$id"
 expect "beginnings" "$(grep -c '"frame":[01],"state":"running"' "$scratch/events")" 2
 stop_daemon
 
@@ -58,5 +66,6 @@ wait_state "$id" succeeded
 expect "errors" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] | [.audit, .measured_error, .error95, .method]]')" \
     "$(jq -c '[.files[] | [.audit, .measured_error, .error95, .method]]' verified)"
 expect "within" "$(jq '[.files[] | select(.audit and .measured_error <= 0.05 and .tolerance == 0.05)] | length' verified)" 3
+wait_until "the end is told" told_end "$scratch/real" "$id"
 expect "beginnings" "$(grep -c '"state":"running"' <(grep '"type":"frame"' "$scratch/real"))" 3
 stop_daemon

@@ -18,7 +18,7 @@ reload()
 
 said()
 {
-    grep -qF -- "$1" "$scratch/daemon.log" || fail "expected the line \"$1\""
+    wait_until "the line \"$1\"" grep -qF -- "$1" "$scratch/daemon.log"
 }
 
 # A service manager that records its notifications.

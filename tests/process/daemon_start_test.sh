@@ -98,6 +98,7 @@ wait_until "workers do not start" eval '[ "$(grep -c "ended: exit status 1" "$sc
 expect "a job when no worker starts" "$(field "$bad" .state)" queued
 rm "$scratch/outage"
 wait_state "$good" succeeded
+wait_state "$bad" paused
 [[ $(field "$bad" '"\(.state): \(.reason)"') == "paused: paused: workers start for other jobs, but not for this one: exit status 1" ]] ||
     fail "a job whose workers do not start: $(field "$bad" '{state, reason}')"
 stop_daemon
