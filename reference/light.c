@@ -12,7 +12,7 @@ static struct light_arrival arrive(const struct light *light, struct vec3 travel
     return arrival;
 }
 
-struct light_arrival light_point(const struct light *light, struct vec3 position)
+static struct light_arrival arrive_from_point(const struct light *light, struct vec3 position)
 {
     struct vec3 from_light = vec3_subtract(position, light->position);
     double distance = vec3_length(from_light);
@@ -22,7 +22,7 @@ struct light_arrival light_point(const struct light *light, struct vec3 position
     return arrive(light, vec3_scale(from_light, distance > 0.0 ? 1.0 / distance : 0.0), distance, factor);
 }
 
-struct light_arrival light_sun(const struct light *light)
+static struct light_arrival arrive_from_sun(const struct light *light)
 {
     return arrive(light, light->direction, INFINITY, 1.0);
 }
@@ -31,9 +31,9 @@ struct light_arrival light_arrive(const struct light *light, struct vec3 positio
 {
     switch (light->kind) {
     case SCENE_LIGHT_POINT:
-        return light_point(light, position);
+        return arrive_from_point(light, position);
     case SCENE_LIGHT_SUN:
         break;
     }
-    return light_sun(light);
+    return arrive_from_sun(light);
 }

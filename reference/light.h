@@ -19,6 +19,4 @@ struct light_arrival {
     double irradiance[3]; // W/m^2
 };
 
-struct light_arrival light_point(const struct light *light, struct vec3 position);
-struct light_arrival light_sun(const struct light *light);
 struct light_arrival light_arrive(const struct light *light, struct vec3 position);

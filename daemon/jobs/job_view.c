@@ -48,7 +48,8 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
     return xstrdup("waits for a free worker");
 }
 
-char *job_view_format_reason(const struct farm *farm, const struct job_record *record)
+// Why the job waits, is paused or failed; NULL: no reason. Owned by the caller.
+static char *format_reason(const struct farm *farm, const struct job_record *record)
 {
     const struct queue_job *queued = record->queued;
 
@@ -90,7 +91,7 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
 {
     const struct queue_job *queued = record->queued;
     char *range = frame_range_format(&queued->frames);
-    char *reason = job_view_format_reason(farm, record);
+    char *reason = format_reason(farm, record);
 
     json_write_integer_member(writer, "id", record->id);
     json_write_string_member(writer, "name", record->name);

@@ -9,5 +9,3 @@ struct json_writer;
 void job_view_write(const struct farm *farm, struct job_record *record, struct json_writer *writer);
 // The members of the object without its braces.
 void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer);
-// Why the job waits, is paused or failed; NULL: no reason. Owned by the caller.
-char *job_view_format_reason(const struct farm *farm, const struct job_record *record);

@@ -158,23 +158,18 @@ unsigned char *png_maker_make(const struct png_params *params, size_t *size_byte
     return bytes.at;
 }
 
-void png_maker_write(const char *path, const struct png_params *params)
-{
-    size_t size;
-    unsigned char *bytes = png_maker_make(params, &size);
-
-    volume_maker_write(path, bytes, size);
-    free(bytes);
-}
-
 void png_maker_write_rgb(const char *path, int width, int height, const unsigned char *rgb)
 {
     size_t count = 3 * (size_t)width * (size_t)height;
     uint16_t *values = malloc(count * sizeof *values);
+    struct png_params params = {.width = width, .height = height, .color = PNG_RGB, .bits = 8, .values = values};
+    unsigned char *bytes;
+    size_t size;
 
     for (size_t i = 0; i < count; i++)
         values[i] = rgb[i];
-    png_maker_write(
-        path, &(struct png_params){.width = width, .height = height, .color = PNG_RGB, .bits = 8, .values = values});
+    bytes = png_maker_make(&params, &size);
+    volume_maker_write(path, bytes, size);
+    free(bytes);
     free(values);
 }

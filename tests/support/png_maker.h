@@ -23,6 +23,5 @@ struct png_params {
 int png_maker_channels(enum png_color color);
 // Owned by the caller.
 unsigned char *png_maker_make(const struct png_params *params, size_t *size_bytes);
-void png_maker_write(const char *path, const struct png_params *params);
 // 8-bit RGB from `rgb`, 3 bytes a pixel.
 void png_maker_write_rgb(const char *path, int width, int height, const unsigned char *rgb);
