@@ -2,7 +2,9 @@
 #include "tests/support/job_expect.h"
 
 #include "core/base/error.h"
+#include "core/job/job_check.h"
 #include "core/job/job_json.h"
+#include "core/json/json_read.h"
 #include "tests/support/json_edit.h"
 
 #include <setjmp.h>
@@ -40,4 +42,19 @@ void job_expect_edit_refused(const char *text, const char *path, const char *val
 
     job_expect_refused(edited, expected);
     free(edited);
+}
+
+void job_expect_no_inputs(const char *text, const char *expected)
+{
+    struct cJSON *root = NULL;
+    struct job job = job_expect(text);
+    struct json_node document;
+    struct error error = {0};
+
+    assert_true(json_parse(&root, text, strlen(text), NULL));
+    document = json_node_root(root);
+    assert_int_equal(job_check_inputs(&job, &document, &error), !expected);
+    assert_string_equal(error.message, expected ? expected : "");
+    json_delete(root);
+    job_finish(&job);
 }

@@ -13,3 +13,5 @@ struct job job_expect(const char *text);
 void job_expect_refused(const char *text, const char *expected);
 // The same of `text` with `value` (JSON; NULL removes) at `path`; see json_edit.h.
 void job_expect_edit_refused(const char *text, const char *path, const char *value, const char *expected);
+// Whether a machine that sees `text` alone can read the job's files: the message is `expected`, NULL if it can.
+void job_expect_no_inputs(const char *text, const char *expected);

@@ -2,9 +2,6 @@
 #include "core/scene/density_rules.h"
 
 #include "core/base/alloc.h"
-#include "core/base/error.h"
-#include "core/job/job_check.h"
-#include "core/json/json_read.h"
 #include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
@@ -95,32 +92,17 @@ static void a_text_has_a_limit(void **state)
     free(source);
 }
 
-static void assert_no_inputs(const char *text, const char *expected)
-{
-    struct cJSON *root = NULL;
-    struct job job = job_expect(text);
-    struct json_node document;
-    struct error error = {0};
-
-    assert_true(json_parse(&root, text, strlen(text), NULL));
-    document = json_node_root(root);
-    assert_int_equal(job_check_inputs(&job, &document, &error), !expected);
-    assert_string_equal(error.message, expected ? expected : "");
-    json_delete(root);
-    job_finish(&job);
-}
-
 static void elsewhere_only_whole_jobs_can_be_read(void **state)
 {
     char *relative = json_edit_set(job_text_glsl, "scene.media[1].density.source", "\"float\"");
     char *absolute = json_edit_set(job_text_glsl, "scene.media[1].density.file", "\"/a.glsl\"");
     char *whole = json_edit_set(relative, "scene.media[1].density.file", NULL);
 
-    assert_no_inputs(relative, "scene.media[1].density.file: expected an absolute path, got \"a.glsl\"");
-    assert_no_inputs(absolute, "scene.media[1].density.source: expected the text of the file, got nothing");
-    assert_no_inputs(whole, NULL);
-    assert_no_inputs(job_text_grid, "scene.media[2].density.file: expected an absolute path, got \"still.nvdb\"");
-    assert_no_inputs(job_text_noise, NULL);
+    job_expect_no_inputs(relative, "scene.media[1].density.file: expected an absolute path, got \"a.glsl\"");
+    job_expect_no_inputs(absolute, "scene.media[1].density.source: expected the text of the file, got nothing");
+    job_expect_no_inputs(whole, NULL);
+    job_expect_no_inputs(job_text_grid, "scene.media[2].density.file: expected an absolute path, got \"still.nvdb\"");
+    job_expect_no_inputs(job_text_noise, NULL);
     free(whole);
     free(absolute);
     free(relative);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene/object_json.h"
 
-#include "core/base/error.h"
 #include "core/base/file.h"
-#include "core/job/job_check.h"
 #include "core/job/job_json.h"
 #include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
@@ -341,31 +339,16 @@ static void wrong_path_keys_are_refused(void **state)
     assert_edit_refused("quality.max_cut", "1.5", "quality.max_cut: expected a number from 0 to 1, got 1.5");
 }
 
-static void assert_no_inputs(const char *text, const char *expected)
-{
-    struct cJSON *root = NULL;
-    struct job job = job_expect(text);
-    struct json_node document;
-    struct error error = {0};
-
-    assert_true(json_parse(&root, text, strlen(text), NULL));
-    document = json_node_root(root);
-    assert_int_equal(job_check_inputs(&job, &document, &error), !expected);
-    assert_string_equal(error.message, expected ? expected : "");
-    json_delete(root);
-    job_finish(&job);
-}
-
 static void elsewhere_only_absolute_paths_can_be_read(void **state)
 {
     char *globe = json_edit_set(job_text_objects, MATERIAL(3) ".texture.file", "\"/globe.png\"");
     char *wood = json_edit_set(globe, MATERIAL(4) ".texture.file", "\"/wood.exr\"");
     char *smoke = json_edit_set(wood, MATERIAL(5) ".interior.density", "{\"kind\":\"grid\",\"file\":\"a.nii\"}");
 
-    assert_no_inputs(job_text_objects, MATERIAL(3) ".texture.file: expected an absolute path, got \"globe.png\"");
-    assert_no_inputs(globe, MATERIAL(4) ".texture.file: expected an absolute path, got \"wood.exr\"");
-    assert_no_inputs(smoke, MATERIAL(5) ".interior.density.file: expected an absolute path, got \"a.nii\"");
-    assert_no_inputs(wood, NULL);
+    job_expect_no_inputs(job_text_objects, MATERIAL(3) ".texture.file: expected an absolute path, got \"globe.png\"");
+    job_expect_no_inputs(globe, MATERIAL(4) ".texture.file: expected an absolute path, got \"wood.exr\"");
+    job_expect_no_inputs(smoke, MATERIAL(5) ".interior.density.file: expected an absolute path, got \"a.nii\"");
+    job_expect_no_inputs(wood, NULL);
     free(smoke);
     free(wood);
     free(globe);
