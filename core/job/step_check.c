@@ -271,6 +271,16 @@ static bool media_are_even(const struct scene *scene)
     return is_even;
 }
 
+static bool check_no_objects(const struct check *check)
+{
+    struct json_node method = json_node_child(check->quality, "method");
+
+    if (check->job->scene.object_count == 0) return true;
+    return json_fail(&method, check->error,
+                     "expected a method that renders objects (midpoint or, in homogeneous media, equiangular), got %s",
+                     job_method_name(check->job->quality.method));
+}
+
 // Each light has a grid around the media of varying density, with a channel for each of them.
 static bool check_light_grids(const struct check *check)
 {
@@ -278,7 +288,7 @@ static bool check_light_grids(const struct check *check)
     struct json_node method = json_node_child(check->quality, "method");
     size_t count = 0;
 
-    if (scene->object_count > 0) return json_fail(&method, check->error, "cached is not for scenes with objects yet");
+    if (!check_no_objects(check)) return false;
     for (size_t i = 0; i < scene->medium_count && scene->light_count > 0; i++) {
         const struct scene_density *density = &scene->media[i].density;
         struct density_nodes nodes;
@@ -342,9 +352,8 @@ static bool check_majorant(const struct check *check, size_t index)
 static bool check_tracking(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
-    struct json_node method = json_node_child(check->quality, "method");
 
-    if (scene->object_count > 0) return json_fail(&method, check->error, "tracking is not for scenes with objects yet");
+    if (!check_no_objects(check)) return false;
     for (size_t i = 0; i < scene->medium_count && job_quality_has_majorants(&check->job->quality); i++)
         if (!check_majorant(check, i)) return false;
     return check_midpoint(check);
@@ -356,7 +365,7 @@ static bool check_riemann(const struct check *check)
     struct json_node step = json_node_child(check->quality, "step"), method = json_node_child(check->quality, "method");
     double length = scene->camera.clip_far - scene->camera.clip_near;
 
-    if (scene->object_count > 0) return json_fail(&method, check->error, "riemann is not for scenes with objects");
+    if (!check_no_objects(check)) return false;
     if (!isfinite(length))
         return json_fail(&method, check->error,
                          "riemann needs camera.clip: it steps from the near to the far distance");

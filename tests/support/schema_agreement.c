@@ -83,7 +83,7 @@ const struct cross_rule schema_cross_rules[] = {
     {"equiangular is for the even", "0, which equiangular needs", {"scene", MEDIUM(FALLOFF)}},
     {"objects are there to be cut at", "only for scenes with objects", {"quality.max_depth", "3"}},
     {"riemann is for scenes without objects",
-     "riemann is not for scenes with objects",
+     "expected a method that renders objects",
      {"scene", "{\"objects\":[" GLASS "]}"}},
     {"media and interiors in all",
      "media, interiors among them",

@@ -15,6 +15,9 @@
 
 #include <cmocka.h>
 
+#define FOR_OBJECTS                                                                                                    \
+    "quality.method: expected a method that renders objects (midpoint or, in homogeneous media, equiangular), got "
+
 static void riemann_needs_an_end(void **state)
 {
     char *open = json_edit_set(job_text_full, "camera.clip", NULL);
@@ -116,7 +119,7 @@ static void light_grids_need_bounds(void **state)
     free(open);
     free(slab);
     slab = json_edit_set(text, "scene.objects", objects);
-    job_expect_refused(slab, "quality.method: cached is not for scenes with objects yet");
+    job_expect_refused(slab, FOR_OBJECTS "cached");
     free(slab);
     free(text);
 }
@@ -299,11 +302,14 @@ static void light_marches_to_all_that_it_lights(void **state)
     free(foggy);
 }
 
-static void riemann_knows_no_objects(void **state)
+static void methods_without_objects_name_those_with(void **state)
 {
     char *text = json_edit_set(job_text_objects, "quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4}");
 
-    job_expect_refused(text, "quality.method: riemann is not for scenes with objects");
+    job_expect_refused(text, FOR_OBJECTS "riemann");
+    free(text);
+    text = json_edit_set(job_text_objects, "quality", "{\"method\":\"tracking\",\"estimator\":\"ratio\"}");
+    job_expect_refused(text, FOR_OBJECTS "tracking");
     free(text);
 }
 
@@ -335,7 +341,7 @@ int main(void)
         cmocka_unit_test(an_interior_ends_with_its_object),
         cmocka_unit_test(an_interior_ends_with_its_bounds),
         cmocka_unit_test(light_marches_to_all_that_it_lights),
-        cmocka_unit_test(riemann_knows_no_objects),
+        cmocka_unit_test(methods_without_objects_name_those_with),
         cmocka_unit_test(equiangular_takes_even_interiors),
     };
 
