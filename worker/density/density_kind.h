@@ -95,5 +95,4 @@ struct density_kind {
 extern const struct density_kind density_kind_fold_fractal, density_kind_homogeneous, density_kind_noise,
     density_kind_grid, density_kind_bricks, density_kind_glsl;
 
-// Returns NULL for a kind that cannot be rendered.
 const struct density_kind *density_kind_of(const struct scene_density *density);

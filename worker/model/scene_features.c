@@ -19,7 +19,7 @@ static struct medium_features medium_features_of(const struct scene_medium *medi
     const struct scene_bounds *bounds = &medium->density.bounds;
     struct medium_features features = {0};
 
-    if (!kind || kind->is_zero(&medium->density)) return features;
+    if (kind->is_zero(&medium->density)) return features;
     features.has_color = kind->has_color && kind->has_color(&medium->density);
     features.scatters = !features.has_color && !timeline_value_is_zero(&medium->sigma_s);
     features.absorbs = features.has_color || !timeline_value_is_zero(&medium->sigma_a);

@@ -5,9 +5,6 @@
 #include "worker/density/density_kind.h"
 #include "worker/model/scene_features.h"
 
-#include <stdbool.h>
-
-struct error;
 struct job;
 struct job_quality;
 struct scene_inputs;
@@ -19,9 +16,7 @@ struct scene_model {
     struct scene_features features;
 };
 
-// Fails when a density's kind cannot be rendered.
-bool scene_model_init(struct scene_model *model, const struct job *job, const struct scene_inputs *inputs,
-                      struct error *error);
+void scene_model_init(struct scene_model *model, const struct job *job, const struct scene_inputs *inputs);
 // Returns the job's quality. Where the frame reads files, steps in voxels have become metres there.
 const struct job_quality *scene_model_quality(const struct scene_model *model);
 // Returns the medium of that index, as its density's kind is asked about it.

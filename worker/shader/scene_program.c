@@ -326,7 +326,7 @@ static bool init(struct scene_program *program, const struct job *job, const str
     struct camera_view view;
 
     *program = (struct scene_program){0};
-    if (!scene_model_init(&program->model, job, inputs, error)) return false;
+    scene_model_init(&program->model, job, inputs);
     program->model.features.is_sliced = is_sliced;
     if (!camera_view_init(&view, &job->scene.camera, job_frame_time(job, frame_range_at(&job->frames, 0)),
                           job->width_px, job->height_px, error))
