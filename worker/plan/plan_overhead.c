@@ -12,6 +12,7 @@
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_small.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 #include <sys/mman.h>

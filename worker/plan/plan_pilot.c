@@ -9,6 +9,7 @@
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_pilot_frame.h"
 #include "worker/plan/plan_small.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 #include <stdlib.h>

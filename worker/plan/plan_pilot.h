@@ -4,7 +4,7 @@
 
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_search.h"
-#include "worker/render/renderer.h"
+#include "worker/render/renderer_fault.h"
 
 #include <stdbool.h>
 

@@ -5,7 +5,7 @@
 #include "core/job/job.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
-#include "worker/render/renderer.h"
+#include "worker/render/renderer_fault.h"
 
 #include <stdbool.h>
 #include <stddef.h>

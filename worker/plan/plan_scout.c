@@ -11,6 +11,7 @@
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_scouting.h"
 #include "worker/plan/plan_small.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 

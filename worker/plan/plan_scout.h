@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "worker/render/renderer.h"
+#include "worker/render/renderer_fault.h"
 
 #include <stdbool.h>
 

@@ -3,6 +3,7 @@
 
 #include "worker/picture/image.h"
 #include "worker/plan/plan_params.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 

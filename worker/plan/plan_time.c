@@ -7,6 +7,7 @@
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_small.h"
+#include "worker/render/renderer.h"
 
 #include <math.h>
 #include <stdlib.h>
