@@ -20,7 +20,7 @@ struct light_kind {
     const char *module; // below shaders/
     const char *call;   // the function and its struct, up to the struct's first member, which is the intensity
     const struct light_value *values[LIGHT_VALUE_LIMIT]; // the other members
-    bool is_inverse_square; // near it, segments take their light from light_point_segment: it shines as LightPoint does
+    bool is_inverse_square; // its irradiance is LightPoint's; else write_placed_scattering takes it for the intensity
 };
 
 const struct light_kind *light_kind_of(const struct scene_light *light);

@@ -149,9 +149,9 @@ static void damaged_files_are_refused(void **state)
     assert_int_equal(truncate(path, status.st_size - 20), 0);
     expect_error(path, "line");
     assert_int_equal(truncate(path, 3), 0);
-    expect_error(path, "expected the contents of a .png or .exr file");
+    expect_error(path, "expected the contents of a");
     assert_int_equal(truncate(path, 0), 0);
-    expect_error(path, "expected the contents of a .png or .exr file");
+    expect_error(path, "expected the contents of a");
     free(path);
 }
 
