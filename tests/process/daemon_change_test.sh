@@ -17,7 +17,10 @@ expect "the first goes on" "$(field "$first" .state)" running
 expect "paused" "$(ask job.pause "{\"id\":$first}" | jq -r '.result | .state + ": " + .reason')" "paused: paused by $(id -un)"
 wait_until "nothing of it is in hand" eval '[ "$(field "$first" .running)" = 0 ]'
 before=$(field "$first" .succeeded)
-sleep 0.5 # ten frames would be rendered
+# A job that would have to wait for it is rendered.
+ask job.priority "{\"id\":$second,\"priority\":0}" >/dev/null
+ask job.retry "{\"id\":$second,\"state\":\"succeeded\"}" >/dev/null
+wait_state "$second" succeeded
 expect "frames done while paused" "$(field "$first" .succeeded)" "$before"
 expect "resumed" "$(ask job.resume "{\"id\":$first}" | jq -r .result.state)" running
 
