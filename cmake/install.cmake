@@ -28,6 +28,6 @@ foreach(section 1 5 8)
 endforeach()
 install(FILES README.md STYLE.md CONTRIBUTING.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/marchd)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/marchd)
-# Without the programs that drew and converted what is there.
+# Without the programs that drew and simulated what is there.
 install(DIRECTORY jobs DESTINATION ${CMAKE_INSTALL_DATADIR}/marchd
-        PATTERN smoke/convert EXCLUDE PATTERN textures/draw_* EXCLUDE)
+        PATTERN smoke/simulate EXCLUDE PATTERN textures/draw_* EXCLUDE)

@@ -176,7 +176,7 @@ static void lit_by_light_grids(void **state)
     assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
 }
 
-// The simulated gas has 280 to 1650 K. Its light grows with the ninth power of the temperature and more, so steps of a
+// The simulated gas has up to 1610 K. Its light grows with the ninth power of the temperature and more, so steps of a
 // quarter voxel have several times the error of smooth light.
 static void a_simulated_fire_is_its_integral(void **state)
 {

@@ -29,7 +29,7 @@ dpkg-deb -c "$package" >"$scratch/listed"
 grep -v '^d' "$scratch/listed" | awk '{ print $6 }' | sed 's/^\.//' | sort >"$scratch/found"
 diff "$scratch/expected" "$scratch/found" >"$scratch/diff" || fail "packed otherwise (< expected, > found): $(cat "$scratch/diff")"
 dpkg-deb --fsys-tarfile "$package" | tar -xO ./usr/share/doc/marchd/copyright >"$scratch/copyright"
-for line in 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/' 'Files: jobs/smoke/*.nvdb' \
+for line in 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/' 'Files: *' 'License: Apache-2.0' \
     ' /usr/share/common-licenses/Apache-2.0.'; do
     grep -qxF -- "$line" "$scratch/copyright" || fail "copyright lacks: $line"
 done

@@ -32,7 +32,7 @@ $2/marchd.socket
 /etc/marchd/marchd.conf
 END
         below docs "$1/share/doc/marchd/docs"
-        below jobs "$1/share/marchd/jobs" | grep -Ev '/smoke/convert$|/textures/draw_[a-z]*$'
+        below jobs "$1/share/marchd/jobs" | grep -Ev '/smoke/simulate$|/textures/draw_[a-z]*$'
         for page in "$PROJECT_ROOT"/deploy/man/*.[158]; do
             [ ! -f "$page" ] || echo "$1/share/man/man${page##*.}/${page##*/}"
         done
