@@ -427,6 +427,7 @@ size_t queue_find_frames(const struct queue_job *job, unsigned states, const str
 
 int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states, const struct frame_range *range)
 {
+    bool was_live = queue_job_is_live(job);
     int64_t count = 0;
 
     for (int64_t i = 0; i < job->frame_count; i++) {
@@ -438,6 +439,7 @@ int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states,
     if (count == 0) return 0;
     job->is_canceled = false;
     job->is_failed = false;
+    if (!was_live) job->is_paused = false;
     job->has_started = job->counts[FRAME_QUEUED] < job->frame_count;
     // The search starts at the front and finds all queued frames, so none may be in the heap as well.
     index_heap_finish(&job->returned);

@@ -66,4 +66,13 @@ expect "retried in full" "$(field "$second" '[.state, .queued, .started] | map(t
 kill_daemon
 start_daemon --workers 1 --worker-program "$(stub nocontext)"
 expect "retried in full, after a restart" "$(field "$second" '[.state, .queued, .started] | map(tostring) | join(" ")')" "queued 3 null"
+
+# A job that was paused when it ended is not paused after a retry, also after a restart.
+third=$(submit "$(job 1-3 '.name = "third" | .output.path = "third/s.####.exr"')" true)
+expect "canceled while paused" "$(ask job.cancel "{\"id\":$third}" | jq -r .result.state)" canceled
+expect "retried" "$(ask job.retry "{\"id\":$third,\"state\":\"canceled\"}" | jq .result.retried)" 3
+expect "retried after a pause" "$(field "$third" .state)" queued
+kill_daemon
+start_daemon --workers 1 --worker-program "$(stub write:0)"
+wait_state "$third" succeeded
 stop_daemon

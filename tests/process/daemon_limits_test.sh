@@ -17,6 +17,7 @@ start() { start_daemon --worker-program "$(stub "${worker:-write:20}")" --admin-
 give() { ask_as "$1" "$2" job.submit "{\"paused\":${6:-true},\"document\":$(job "$4" ".name = \"$3\" | .output.path = \"$3/x.####.exr\" | ${5:-.}")}"; }
 id_of() { jq '.result.id // empty' <<<"$1"; }
 
+worker=nocontext # a retry lifts the pause of a job that is over: its frames must stay queued
 start --user-jobs 3 --user-frames 100 --user-pixels 100000
 first=$(id_of "$(give "${ann[@]}" a 1-60)")
 expect_error "$(give "${ann[@]}" b 1-41)" 2 "frames: games may have 100 unfinished frames, has 60, and this job adds 41"
@@ -37,6 +38,12 @@ expect "what a retry of all brings back" "$(ask_as "${ann[@]}" job.retry "{\"id\
 expect_error "$(ask_as "${ann[@]}" job.retry "{\"id\":$third,\"state\":\"canceled\"}")" 2 "and this retry adds 40"
 expect "the refused one" "$(field "$third" .state)" canceled
 expect "an administrator's retry" "$(ask_as "${chief[@]}" job.retry "{\"id\":$third,\"state\":\"canceled\"}" | jq .result.retried)" 40
+for id in "$second" "$third"; do
+    ask_as "${ann[@]}" job.pause "{\"id\":$id}" >/dev/null
+done
+stop_daemon
+worker=write:20
+start --user-jobs 3 --user-frames 100 --user-pixels 100000
 ask_as "${ann[@]}" job.resume "{\"id\":$first}" >/dev/null
 wait_state "$first" succeeded
 # 80 are left: 20 fit, which are 80000 - 46080 pixels at most.

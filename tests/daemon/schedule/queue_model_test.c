@@ -188,6 +188,7 @@ static void stop(struct model_job *job, enum frame_state state)
 static void retry(struct world *world, struct model_job *job, struct queue_job *real)
 {
     unsigned states = pick(world, 1u << FRAME_STATE_COUNT);
+    bool was_live = is_live(job);
     int count = 0;
 
     for (int i = 0; i < job->frame_count; i++) {
@@ -199,6 +200,7 @@ static void retry(struct world *world, struct model_job *job, struct queue_job *
         count++;
     }
     if (count > 0) job->is_canceled = job->is_failed = false;
+    if (count > 0 && !was_live) job->is_paused = false;
     assert_int_equal(queue_retry(world->queue, real, states, NULL), count);
 }
 
@@ -261,6 +263,7 @@ static void compare_job(const struct model_job *job, const struct queue_job *rea
     for (int state = 0; state < FRAME_STATE_COUNT; state++)
         assert_int_equal(real->counts[state], count_state(job, (enum frame_state)state));
     assert_int_equal(queue_job_is_live(real), is_live(job));
+    assert_int_equal(real->is_paused, job->is_paused);
 }
 
 static void compare(const struct world *world)

@@ -328,6 +328,39 @@ static void a_retried_canceled_job_is_live_again(void **state)
     queue_destroy(queue);
 }
 
+// It ends while paused, when its last frame fails or somebody cancels it. Nobody can resume it then.
+static void a_retried_job_that_was_paused_when_it_ended_runs(void **state)
+{
+    struct queue *queue = new_queue();
+    struct queue_job *job = add_job(queue, 1, "1-2", 50);
+    struct queue_ticket first = take_one(queue), second = take_one(queue);
+
+    assert_true(queue_fail(queue, &first, true, NULL));
+    queue_pause(queue, job);
+    assert_true(queue_fail(queue, &second, true, NULL));
+    assert_int_equal(queue_job_state(job), JOB_FAILED);
+    assert_int_equal(queue_retry(queue, job, 1u << FRAME_FAILED, NULL), 2);
+    assert_int_equal(queue_job_state(job), JOB_QUEUED);
+    queue_pause(queue, job);
+    queue_cancel(queue, job);
+    assert_int_equal(queue_retry(queue, job, 1u << FRAME_CANCELED, NULL), 2);
+    assert_int_equal(take_one(queue).frame, 1);
+    queue_destroy(queue);
+}
+
+static void a_live_job_stays_paused_when_it_is_retried(void **state)
+{
+    struct queue *queue = new_queue();
+    struct queue_job *job = add_job(queue, 1, "1-2", 50);
+    struct queue_ticket ticket = take_one(queue);
+
+    assert_true(queue_fail(queue, &ticket, true, NULL));
+    queue_pause(queue, job);
+    assert_int_equal(queue_retry(queue, job, 1u << FRAME_FAILED, NULL), 1);
+    assert_int_equal(queue_job_state(job), JOB_PAUSED);
+    queue_destroy(queue);
+}
+
 static void retry_of_nothing_changes_nothing(void **state)
 {
     struct queue *queue = new_queue();
@@ -445,6 +478,8 @@ int main(void)
         cmocka_unit_test(ended_job_cannot_be_canceled),
         cmocka_unit_test(retry_gives_failed_frames_all_their_attempts),
         cmocka_unit_test(a_retried_canceled_job_is_live_again),
+        cmocka_unit_test(a_retried_job_that_was_paused_when_it_ended_runs),
+        cmocka_unit_test(a_live_job_stays_paused_when_it_is_retried),
         cmocka_unit_test(retry_of_nothing_changes_nothing),
         cmocka_unit_test(restored_frames_are_not_taken_again),
         cmocka_unit_test(restored_cancel_holds_for_a_job_whose_frames_all_succeeded),
