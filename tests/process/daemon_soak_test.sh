@@ -116,8 +116,17 @@ frames_left()
 {
     ask daemon.status | jq '.result.frames | .queued + .running'
 }
+tell_unfinished()
+{
+    ask daemon.status
+    ask worker.list
+    ask job.list '{"state":["queued","running","paused"]}'
+}
 for ((left = $(frames_left); left > 0; left = $(frames_left))); do
-    wait_until "fewer than $left frames are left" eval '[ "$(frames_left)" -lt "$left" ]'
+    (wait_until "fewer than $left frames are left" eval '[ "$(frames_left)" -lt "$left" ]') || {
+        tell_unfinished >&2
+        exit 1
+    }
 done
 wait_until "leftovers are gone" eval '[ -z "$(find "$scratch/out" -name "*.part")" ]'
 
