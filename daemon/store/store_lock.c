@@ -7,12 +7,16 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
+
+enum { STEP_MS = 10, STEP_LIMIT = 1000 };
 
 static bool sync_parent(const char *folder)
 {
@@ -43,11 +47,38 @@ static bool make_folder(const char *folder, struct error *error)
     return false;
 }
 
-static void set_taken_error(int fd, const char *folder, struct error *error)
+// The pid that the file names; 0: none.
+static long read_pid(int fd)
 {
     char text[32] = "";
     ssize_t length = pread(fd, text, sizeof text - 1, 0);
-    long pid = length > 0 ? strtol(text, NULL, 10) : 0;
+
+    return length > 0 ? strtol(text, NULL, 10) : 0;
+}
+
+static bool is_alive(long pid)
+{
+    return pid <= 0 || kill((pid_t)pid, 0) == 0 || errno != ESRCH;
+}
+
+// Returns 0 or an errno. A worker that a killed daemon was starting shares its lock until it executes its program, so
+// the lock of a dead process is waited for.
+static int lock_file(int fd)
+{
+    const struct timespec step = {.tv_nsec = STEP_MS * 1000L * 1000L};
+
+    for (int steps = 0; flock(fd, LOCK_EX | LOCK_NB) != 0; steps++) {
+        int code = errno;
+
+        if (code != EWOULDBLOCK || steps == STEP_LIMIT || is_alive(read_pid(fd))) return code;
+        nanosleep(&step, NULL);
+    }
+    return 0;
+}
+
+static void set_taken_error(int fd, const char *folder, struct error *error)
+{
+    long pid = read_pid(fd);
 
     if (pid > 0)
         error_set(error, "another marchd (pid %ld) uses %s", pid, folder);
@@ -58,7 +89,7 @@ static void set_taken_error(int fd, const char *folder, struct error *error)
 int store_lock_take(const char *folder, struct error *error)
 {
     char *path = NULL;
-    int fd = -1;
+    int fd = -1, code;
 
     if (!make_folder(folder, error)) goto fail;
     path = xasprintf("%s/lock", folder);
@@ -67,14 +98,15 @@ int store_lock_take(const char *folder, struct error *error)
         error_set_errno(error, errno, "store: cannot open %s", path);
         goto fail;
     }
-    if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
-        if (errno == EWOULDBLOCK)
+    code = lock_file(fd);
+    if (code != 0) {
+        if (code == EWOULDBLOCK)
             set_taken_error(fd, folder, error);
         else
-            error_set_errno(error, errno, "store: cannot lock %s", path);
+            error_set_errno(error, code, "store: cannot lock %s", path);
         goto fail;
     }
-    // The pid serves only the message above: the lock holds without it, as on a full disk.
+    // The lock holds without the pid, as on a full disk.
     if (ftruncate(fd, 0) == 0) dprintf(fd, "%ld\n", (long)getpid());
     free(path);
     return fd;

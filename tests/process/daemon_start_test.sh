@@ -26,6 +26,9 @@ expect "the first daemon's pid" "$(ask daemon.status | jq .result.pid)" "$daemon
 # A killed daemon leaves its socket; the next one replaces it.
 kill_daemon
 [ -S "$socket" ] || fail "the socket of a killed daemon should be there"
+# A worker that the killed daemon was starting has its lock until it is a program of its own.
+flock -n "$scratch/state/lock" sleep 1 &
+wait_until "the lock is taken" eval '! flock -n "$scratch/state/lock" true'
 start_daemon --worker-program "$(stub nocontext)"
 id=$(submit "$(job 1-3)")
 wait_until "the reason is known" eval '[[ $(field "$id" .reason) == "no worker is ready: there is no GL context"* ]]'
