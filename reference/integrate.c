@@ -15,8 +15,10 @@ static const double DEFAULT_RELATIVE = 1e-4;
 static const double DEFAULT_FLOOR = 1e-6;
 enum { DEFAULT_HALVING_LIMIT = 30 };
 
-// The transmittance behind which scattered light is left out; LOOSE_DARKNESS is relative to the accuracy.
-static const double DARKNESS = 1e-12, LOOSE_DARKNESS = 1e-3;
+// The transmittance behind which scattered light is left out.
+static const double DARKNESS = 1e-12;
+// The radiance of the scattered light that a loose accuracy leaves out, relative to the floor's error.
+static const double FAINT = 1e-3;
 
 // The optical depth of a cell at most: in a deeper one every node may lie behind the bright front, and two halvings
 // agree on black.
@@ -32,8 +34,8 @@ struct gatherer {
     double relative;          // accuracy of the radiance
     double shadow_tolerance;  // of optical depths
     double radiance_tolerance[3], share_tolerance;
-    double darkness; // throughput below which nothing is visible
-    bool is_loose;   // one agreement of halvings is enough
+    double faint;  // light is left out where it would add less even without shadow; radiance per metre
+    bool is_loose; // one agreement of halvings is enough
     bool hit_limit;
 };
 
@@ -51,29 +53,45 @@ struct cell_light {
     double radiance[3], optical_depth[3];
 };
 
+static bool is_dark(const double throughput[static 3])
+{
+    return throughput[0] < DARKNESS && throughput[1] < DARKNESS && throughput[2] < DARKNESS;
+}
+
+// Near a light even a small throughput may leave much of it.
+static bool is_faint(const struct gatherer *gatherer, const double throughput[static 3], const double source[static 3])
+{
+    for (int c = 0; c < 3; c++) {
+        if (!(throughput[c] * source[c] <= gatherer->faint)) return false;
+    }
+    return true;
+}
+
 static void add_light(const struct gatherer *gatherer, const struct light *light, struct vec3 position,
-                      const double *density, double source[static 3])
+                      const double *density, const double throughput[static 3], double source[static 3])
 {
     struct light_arrival arrival = light_arrive(light, position);
     struct ray shadow = {position, vec3_scale(arrival.travel, -1.0)};
     // The scattered light travels against the camera's ray.
     double cos_theta = -vec3_dot(arrival.travel, gatherer->ray->direction);
-    double share[3];
+    double unshadowed[3] = {0.0}, share[3];
 
-    light_walk(gatherer->still, &shadow, arrival.distance, gatherer->shadow_tolerance, share);
     for (size_t m = 0; m < gatherer->media.count; m++) {
         const struct medium *medium = &gatherer->media.list[m];
         double phase = medium_phase(medium, cos_theta);
 
-        for (int c = 0; c < 3; c++) {
-            source[c] += medium->sigma_s[c] * density[m] * phase * share[c] * arrival.irradiance[c];
-        }
+        for (int c = 0; c < 3; c++)
+            unshadowed[c] += medium->sigma_s[c] * density[m] * phase * arrival.irradiance[c];
     }
+    if (is_faint(gatherer, throughput, unshadowed)) return;
+    light_walk(gatherer->still, &shadow, arrival.distance, gatherer->shadow_tolerance, share);
+    for (int c = 0; c < 3; c++)
+        source[c] += share[c] * unshadowed[c];
 }
 
-// Extinction and source per metre at one point of the ray.
-static void sample(const struct gatherer *gatherer, double distance, bool is_dark, double sigma_t[static 3],
-                   double source[static 3])
+// Extinction and source per metre at one point of the ray, which is seen with `throughput`.
+static void sample(const struct gatherer *gatherer, double distance, const double throughput[static 3],
+                   double sigma_t[static 3], double source[static 3])
 {
     const struct still *still = gatherer->still;
     struct vec3 position = ray_at(gatherer->ray, distance);
@@ -94,19 +112,20 @@ static void sample(const struct gatherer *gatherer, double distance, bool is_dar
             scattering += medium->sigma_s[c] * density[m];
         }
     }
-    if (scattering == 0.0 || is_dark) return;
+    if (scattering == 0.0 || is_dark(throughput)) return;
     for (size_t i = 0; i < still->light_count; i++)
-        add_light(gatherer, &still->lights[i], position, density, source);
+        add_light(gatherer, &still->lights[i], position, density, throughput, source);
 }
 
-static struct cell_light light_of_cell(const struct gatherer *gatherer, struct cell cell, bool is_dark)
+static struct cell_light light_of_cell(const struct gatherer *gatherer, struct cell cell,
+                                       const double throughput[static 3])
 {
     struct cell_light light = {0};
     double length = cell.end - cell.begin;
     double sigma_t[GAUSS_NODES][3], source[GAUSS_NODES][3];
 
     for (int i = 0; i < GAUSS_NODES; i++) {
-        sample(gatherer, cell.begin + GAUSS_NODE[i] * length, is_dark, sigma_t[i], source[i]);
+        sample(gatherer, cell.begin + GAUSS_NODE[i] * length, throughput, sigma_t[i], source[i]);
     }
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < GAUSS_NODES; i++) {
@@ -137,7 +156,7 @@ static bool agree(const struct gatherer *gatherer, const double throughput[stati
                   const struct cell_light *b, double slack)
 {
     for (int c = 0; c < 3; c++) {
-        if (throughput[c] > gatherer->darkness && b->optical_depth[c] > THICKEST_CELL) return false;
+        if (throughput[c] > DARKNESS && b->optical_depth[c] > THICKEST_CELL) return false;
     }
     for (int c = 0; c < 3; c++) {
         double radiance_change = throughput[c] * fabs(a->radiance[c] - b->radiance[c]);
@@ -149,13 +168,6 @@ static bool agree(const struct gatherer *gatherer, const double throughput[stati
     return true;
 }
 
-static bool is_dark(const struct gatherer *gatherer, const double throughput[static 3])
-{
-    double darkness = gatherer->darkness;
-
-    return throughput[0] < darkness && throughput[1] < darkness && throughput[2] < darkness;
-}
-
 // Halves the cell until two halvings in a row change little, and the second changes nothing that matters. One alone may
 // agree by accident.
 static struct cell_light refine(struct gatherer *gatherer, struct cell cell, const double throughput[static 3],
@@ -163,14 +175,14 @@ static struct cell_light refine(struct gatherer *gatherer, struct cell cell, con
 {
     double middle = 0.5 * (cell.begin + cell.end);
     struct cell left = {cell.begin, middle}, right = {middle, cell.end};
-    struct cell_light left_light = light_of_cell(gatherer, left, is_dark(gatherer, throughput));
+    struct cell_light left_light = light_of_cell(gatherer, left, throughput);
     double throughput_right[3];
     struct cell_light right_light, halved;
     bool agrees;
 
     for (int c = 0; c < 3; c++)
         throughput_right[c] = throughput[c] * exp(-left_light.optical_depth[c]);
-    right_light = light_of_cell(gatherer, right, is_dark(gatherer, throughput_right));
+    right_light = light_of_cell(gatherer, right, throughput_right);
     halved = follow(&left_light, &right_light);
     if (agreed_before && agree(gatherer, throughput, whole, &halved, 1.0)) return halved;
     agrees = agree(gatherer, throughput, whole, &halved, LITTLE);
@@ -270,8 +282,7 @@ static struct cell_light expect(const struct gatherer *gatherer, const struct sp
 
         for (int c = 0; c < 3; c++)
             throughput[c] = exp(-total.optical_depth[c]);
-        expected[i].rough =
-            light_of_cell(gatherer, cell_of(&spans->spans[i]), gatherer->is_loose && is_dark(gatherer, throughput));
+        expected[i].rough = light_of_cell(gatherer, cell_of(&spans->spans[i]), throughput);
         for (int c = 0; c < 3; c++)
             expected[i].radiance[c] = throughput[c] * expected[i].rough.radiance[c];
         total = follow(&total, &expected[i].rough);
@@ -317,7 +328,6 @@ struct integrate_result integrate_stretch(const struct still *still, const struc
                                 .media = still_media(still, stretch->region),
                                 .relative = relative,
                                 .shadow_tolerance = 0.1 * relative,
-                                .darkness = relative >= INTEGRATE_LOOSE ? LOOSE_DARKNESS * relative : DARKNESS,
                                 .is_loose = relative >= INTEGRATE_LOOSE};
     struct span_list spans = {0};
     struct cell_light light;
@@ -326,6 +336,8 @@ struct integrate_result integrate_stretch(const struct still *still, const struc
     far = transmittance_reach(gatherer.media.list, gatherer.media.count, &stretch->ray, stretch->near, stretch->far);
     find_spans(&gatherer, stretch->near, far, &spans);
     if (spans.count == 0) return result;
+    if (gatherer.is_loose)
+        gatherer.faint = FAINT * relative * floor / (spans.spans[spans.count - 1].end - spans.spans[0].begin);
     light = gather_until_guess_holds(&gatherer, &spans, floor, limit);
     for (int c = 0; c < 3; c++) {
         result.radiance[c] = light.radiance[c];

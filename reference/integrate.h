@@ -6,8 +6,8 @@
 
 #include <stdbool.h>
 
-// The relative accuracy from which on one agreement of two halvings is enough, and light behind a transmittance of a
-// thousandth of it is left out.
+// The relative accuracy from which on one agreement of two halvings is enough, and light is left out of which even
+// without shadow a thousandth of the floor's error would arrive.
 #define INTEGRATE_LOOSE 2e-4
 
 // Zero means the default.

@@ -115,6 +115,32 @@ static void light_beside_a_ray_falls_with_the_square(void **state)
     }
 }
 
+// All light that reaches the camera has crossed the dark slab once, before it was scattered or after.
+static void lamp_behind_a_dark_slab_is_seen_at_any_accuracy(void **state)
+{
+    static const double DEPTHS[] = {6.0, 16.0, 24.0}, ACCURACIES[] = {0.05, 0.01, 1e-3, 1e-4};
+    static const struct homogeneous_box wide = {INFINITY, INFINITY, 10.0};
+    const double thin = 1e-7, height = 0.01;
+    struct ray ray = {{0.0, 0.0, -10.0}, {0.0, 0.0, 1.0}};
+
+    for (size_t i = 0; i < sizeof DEPTHS / sizeof DEPTHS[0]; i++) {
+        struct still still = slab_still(0.0, DEPTHS[i]);
+        double wanted =
+            exp(-DEPTHS[i]) * thin * 5e9 / (4.0 * M_PI) * closed_form_inverse_square(height, 2.0, -10.0, 10.0);
+
+        still.media[still.medium_count].density = homogeneous_box_density(&wide);
+        fill(still.media[still.medium_count++].sigma_s, thin);
+        add_point(&still, (struct vec3){0.0, height, 2.0}, 5e9);
+        for (size_t k = 0; k < sizeof ACCURACIES / sizeof ACCURACIES[0]; k++) {
+            struct integrate_accuracy accuracy = {.relative = ACCURACIES[k], .floor = 0.1 * wanted};
+            struct integrate_result result = integrate_ray(&still, &ray, 0.0, INFINITY, &accuracy);
+
+            assert_true(result.is_converged);
+            assert_near(result.radiance[0], wanted, ACCURACIES[k] * wanted);
+        }
+    }
+}
+
 // The slab extends 10 m beyond the light, all of it behind the light as seen from the ray.
 static void shadows_end_at_the_light(void **state)
 {
@@ -328,6 +354,7 @@ int main(void)
         cmocka_unit_test(front_lit_slab_sends_light_backwards),
         cmocka_unit_test(back_lit_slab_sends_light_forwards),
         cmocka_unit_test(light_beside_a_ray_falls_with_the_square),
+        cmocka_unit_test(lamp_behind_a_dark_slab_is_seen_at_any_accuracy),
         cmocka_unit_test(shadows_end_at_the_light),
         cmocka_unit_test(clips_bound_the_gathering_not_the_shadows),
         cmocka_unit_test(colors_are_gathered_apart),
