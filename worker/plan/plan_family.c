@@ -14,7 +14,7 @@ enum {
     STEP_RUNGS = 25,
     DEPTH_RUNGS = 20,
     PATH_RUNGS = 8,
-    TRANSMITTANCE_RUNGS = 8,
+    TRANSMITTANCE_RUNGS = 9, // the last is 0: no ray ends early
     BAKED_OCTAVES = 3,
     UNBAKED_RUNG = 9 // above 128 cells, where filling takes longer than it saves: the density itself is evaluated
 };
@@ -221,7 +221,7 @@ static void set_axis(struct job_quality *quality, enum plan_axis axis, const str
         quality->density_grid = rung < UNBAKED_RUNG ? grids[rung] : 0;
         break;
     case PLAN_AXIS_MIN_TRANSMITTANCE:
-        quality->min_transmittance = TRANSMITTANCE_FIRST * pow(4.0, -rung);
+        quality->min_transmittance = rung < TRANSMITTANCE_RUNGS - 1 ? TRANSMITTANCE_FIRST * pow(4.0, -rung) : 0.0;
         break;
     case PLAN_AXIS_PATHS:
         quality->min_throughput = scene->job->quality.min_throughput * pow(4.0, -rung);

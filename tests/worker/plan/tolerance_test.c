@@ -345,6 +345,33 @@ static void equal_frames_are_copied_with_their_audit(void **state)
     tolerance_stage_close(stage);
 }
 
+// Almost all that is seen of the smoke around the lamp is behind a transmittance of a millionth.
+static void light_from_deep_inside_is_kept(void **state)
+{
+    static const char text[] =
+        "{\"version\":1,\"name\":\"lamp\",\"frames\":\"0\",\"fps\":24,\"resolution\":[32,18],\"camera\":{\"position\":"
+        "[0,0,-2],\"target\":[0,0,0],\"fov\":30},\"lights\":[{\"kind\":\"point\",\"intensity\":60,\"position\":"
+        "[0,0,0]}],\"scene\":{\"media\":[{\"sigma_s\":64,\"density\":{\"kind\":\"fold_fractal\",\"iterations\":8,"
+        "\"offset\":0.06,\"radius\":0.15,\"rotate_x_rad\":0.6,\"rotate_y_rad\":0.3,\"exponent\":1.3,\"scale\":10}}]},"
+        "\"output\":{\"path\":\"lamp.####.exr\"},\"quality\":{\"tolerance\":0.02}}";
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct tolerance_result result;
+    struct error error = {{0}};
+    struct image image;
+    struct job job;
+    double truly;
+
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    if (!tolerance_stage_render(stage, &job, 0, &image, &result, &error)) fail_msg("%s", error.message);
+    truly = true_error_measure(&job, 0, &image);
+    print_message("truly %.2e, audited %.2e: %s\n", truly, result.audit.error, result.reason);
+    assert_true(truly <= 0.02);
+    assert_true(result.quality.min_transmittance == 0.0);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
 static bool stop_later(void *user, double done)
 {
     return --*(int *)user > 0;
@@ -424,6 +451,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(a_timed_plan_counts_all_that_a_frame_takes),
         cmocka_unit_test_setup_teardown(a_broken_frame_is_rendered_again_and_given_up, temp_folder_create,
                                         temp_folder_destroy),
+        cmocka_unit_test(light_from_deep_inside_is_kept),
         cmocka_unit_test(equal_frames_are_copied_with_their_audit),
         cmocka_unit_test(light_that_is_not_finite_is_reported),
         cmocka_unit_test(a_pilot_can_be_stopped),
