@@ -57,9 +57,16 @@ enum job_estimator {
     JOB_ESTIMATOR_JACKKNIFE // two jittered marches, one of twice the steps, extrapolated. Peters, 2025
 };
 
+// What becomes of a frame that no setting within reach brings below the tolerance.
+enum job_on_miss {
+    JOB_ON_MISS_FAIL,
+    JOB_ON_MISS_PUBLISH // the best rendering is published, and marked as missed
+};
+
 struct job_quality {
     enum job_method method;
     double tolerance;                      // auto: the largest allowed relative RMSE of a frame; else 0
+    enum job_on_miss on_miss;              // (auto)
     double step;                           // m, along camera rays; 0: see step_voxels
     double light_step;                     // m, along shadow rays (methods that march); 0: see light_step_voxels
     double step_voxels, light_step_voxels; // the same in shortest voxel edges of the scene's finest grid
@@ -79,7 +86,9 @@ struct job_quality {
     // or when its throughput (its strongest colour) is below `min_throughput`.
     int max_depth;         // [1, JOB_DEPTH_LIMIT]
     double min_throughput; // [0, 1)
-    double max_cut;        // [0, 1]: a frame fails if cut rays may have carried a larger share of its light
+    // [0, 1]: a frame fails if cut rays may have carried a larger share of its light. 1 with auto unless the job states
+    // another, because a frame's measured error has the light that they carried.
+    double max_cut;
 };
 
 enum job_pixel { JOB_PIXEL_HALF, JOB_PIXEL_FLOAT };

@@ -126,7 +126,8 @@ static void put_quality(FILE *text, const struct job_quality *quality)
     if (quality->method >= JOB_METHOD_ADAPTIVE) put_later_quality(text, quality);
 }
 
-// Only for scenes with objects. max_cut changes no pixel; the header of a file states its share of cut light.
+// Only for scenes with objects. max_cut and on_miss change no pixel: the header of a file states its share of cut
+// light, and whether it missed its tolerance.
 static void put_paths(FILE *text, const struct job_quality *quality)
 {
     fprintf(text, " max_depth %d", quality->max_depth);

@@ -7,5 +7,5 @@
 struct job;
 
 // The hash does not depend on the layout of the document, nor on name, frames, priority, output path, compression,
-// existing and max_cut. (A file itself states its share of cut light.)
+// existing, max_cut and on_miss. (A file itself states its share of cut light, and whether it missed its tolerance.)
 void job_hash_picture(const struct job *job, char text[static HASH_TEXT_SIZE]);

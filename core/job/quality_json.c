@@ -4,8 +4,8 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 
-static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;       // m
-static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01; // defaults
+static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;                              // m
+static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01, MAX_CUT_AUDITED = 1.0; // defaults
 static const double TOLERANCE_DEFAULT = 0.01, TOLERANCE_MIN = 1e-4, TOLERANCE_MAX = 0.5;
 static const double DEPTH_STEP_MIN = 1e-4, DEPTH_STEP_MAX = 100.0; // optical depth
 enum { GRID_MIN = 4 };
@@ -164,13 +164,17 @@ static bool read_tracking(const struct json_node *object, struct job_quality *qu
 
 static bool read_auto(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method", "tolerance", PATH_KEYS, NULL};
-    struct json_node tolerance = json_node_child(object, "tolerance");
+    static const char *const keys[] = {"method", "tolerance", "on_miss", PATH_KEYS, NULL};
+    static const char *const choices[] = {"fail", "publish", NULL};
+    struct json_node tolerance = json_node_child(object, "tolerance"), on_miss = json_node_child(object, "on_miss");
+    int choice = JOB_ON_MISS_FAIL;
 
     quality->tolerance = TOLERANCE_DEFAULT;
-    return json_check_keys(object, keys, error) &&
-           (json_node_is_absent(&tolerance) ||
-            json_read_number(&tolerance, TOLERANCE_MIN, TOLERANCE_MAX, &quality->tolerance, error));
+    if (!json_check_keys(object, keys, error)) return false;
+    if (!json_node_is_absent(&on_miss) && !json_read_enum(&on_miss, choices, &choice, error)) return false;
+    quality->on_miss = (enum job_on_miss)choice;
+    return json_node_is_absent(&tolerance) ||
+           json_read_number(&tolerance, TOLERANCE_MIN, TOLERANCE_MAX, &quality->tolerance, error);
 }
 
 static bool read_equiangular(const struct json_node *object, struct job_quality *quality, struct error *error)
@@ -243,6 +247,7 @@ static bool read_paths(const struct json_node *object, struct job_quality *quali
         return false;
     if (!read_optional_number(object, "min_throughput", 1.0, &quality->min_throughput, error)) return false;
     if (quality->min_throughput >= 1.0) return json_fail_expected(&min_throughput, error, "a number in [0, 1)");
+    quality->max_cut = quality->method == JOB_METHOD_AUTO ? MAX_CUT_AUDITED : MAX_CUT;
     return read_optional_number(object, "max_cut", 1.0, &quality->max_cut, error);
 }
 
@@ -255,7 +260,7 @@ bool quality_from_json(struct job_quality *quality, const struct json_node *docu
                                     .samples = 1,
                                     .max_depth = JOB_DEPTH_DEFAULT,
                                     .min_throughput = MIN_THROUGHPUT,
-                                    .max_cut = MAX_CUT};
+                                    .max_cut = MAX_CUT_AUDITED};
     if (json_node_is_absent(&object)) return true;
     quality->tolerance = 0.0;
     return json_check_object(&object, error) && read_method(&object, quality, error) &&

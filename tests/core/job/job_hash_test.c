@@ -99,6 +99,16 @@ static void how_much_may_be_cut_does_not_count(void **state)
     free(text);
 }
 
+static void what_becomes_of_a_miss_does_not_count(void **state)
+{
+    char *fails = json_edit_set(job_text_objects, "quality", "{\"tolerance\":0.02}");
+    char *publishes = json_edit_set(job_text_objects, "quality", "{\"tolerance\":0.02,\"on_miss\":\"publish\"}");
+
+    assert_string_equal(hash_of(publishes).text, hash_of(fails).text);
+    free(publishes);
+    free(fails);
+}
+
 // Values that have only one choice, that no picture depends on, or that change together with another.
 static bool is_left_out(const char *path)
 {
@@ -111,6 +121,7 @@ static bool is_left_out(const char *path)
                                         "output.existing",
                                         "quality.method",
                                         "quality.max_cut",
+                                        "quality.on_miss",
                                         "scene.objects[0].material.fresnel",
                                         "scene.objects[1].material.fresnel",
                                         "scene.media[0].phase[0].weight",
@@ -284,6 +295,7 @@ int main(void)
         cmocka_unit_test(spelled_out_defaults_do_not_count),
         cmocka_unit_test(what_no_picture_depends_on_does_not_count),
         cmocka_unit_test(how_much_may_be_cut_does_not_count),
+        cmocka_unit_test(what_becomes_of_a_miss_does_not_count),
         cmocka_unit_test(every_value_that_a_picture_depends_on_counts),
         cmocka_unit_test(what_changes_along_with_another_counts),
         cmocka_unit_test(jobs_without_objects_keep_their_hashes),

@@ -193,6 +193,27 @@ static void paths_are_read(void **state)
     free(plain);
 }
 
+// A measured error has the light that cut rays carried.
+static void a_tolerance_allows_every_cut_unless_one_is_stated(void **state)
+{
+    static const struct {
+        const char *quality;
+        double max_cut;
+    } cases[] = {{"{}", 1.0},
+                 {"{\"tolerance\":0.02}", 1.0},
+                 {"{\"method\":\"auto\",\"max_depth\":3}", 1.0},
+                 {"{\"tolerance\":0.02,\"max_cut\":0.01}", 0.01}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char *text = json_edit_set(job_text_objects, "quality", cases[i].quality);
+        struct job job = job_expect(text);
+
+        assert_true(job.quality.max_cut == cases[i].max_cut);
+        job_finish(&job);
+        free(text);
+    }
+}
+
 #define OBJECT(index) "scene.objects[" #index "]"
 #define MATERIAL(index) OBJECT(index) ".material"
 
@@ -386,6 +407,7 @@ int main(void)
         cmocka_unit_test(interiors_come_behind_the_media),
         cmocka_unit_test(objects_may_be_all_that_there_is),
         cmocka_unit_test(paths_are_read),
+        cmocka_unit_test(a_tolerance_allows_every_cut_unless_one_is_stated),
         cmocka_unit_test(wrong_objects_are_refused_by_place),
         cmocka_unit_test(wrong_materials_are_refused_by_place),
         cmocka_unit_test(wrong_textures_are_refused_by_place),
