@@ -10,6 +10,11 @@
 
 static const double ERROR_LIMIT = 1e300;
 
+bool frame_accuracy_is_over(const struct frame_accuracy *accuracy, double tolerance)
+{
+    return tolerance > 0.0 && accuracy->audit[0] && accuracy->error > tolerance;
+}
+
 void frame_accuracy_write(const struct frame_accuracy *accuracy, struct json_writer *writer)
 {
     if (accuracy->audit[0]) {
@@ -18,6 +23,7 @@ void frame_accuracy_write(const struct frame_accuracy *accuracy, struct json_wri
         json_write_number_member(writer, "error95", accuracy->error95);
         json_write_integer_member(writer, "audit_rays", accuracy->audit_rays);
         json_write_string_member(writer, "method", accuracy->method);
+        if (accuracy->is_missed) json_write_bool_member(writer, "missed", true);
     }
     if (accuracy->has_cut_share) json_write_number_member(writer, "cut_share", accuracy->cut_share);
 }
@@ -43,7 +49,7 @@ static bool read_audit(struct frame_accuracy *accuracy, const struct json_node *
     static const char *const audits[] = {"reference", "step_halving", NULL};
     struct json_node audit = json_node_child(object, "audit");
     struct json_node measured = json_node_child(object, "measured_error"), bound = json_node_child(object, "error95");
-    struct json_node rays = json_node_child(object, "audit_rays");
+    struct json_node rays = json_node_child(object, "audit_rays"), missed = json_node_child(object, "missed");
     int64_t ray_count;
     int choice;
 
@@ -52,7 +58,8 @@ static bool read_audit(struct frame_accuracy *accuracy, const struct json_node *
         !json_read_number(&measured, 0, ERROR_LIMIT, &accuracy->error, error) ||
         !json_read_number(&bound, 0, ERROR_LIMIT, &accuracy->error95, error) ||
         !json_read_integer(&rays, 0, INT_MAX, &ray_count, error) ||
-        !read_text(object, "method", accuracy->method, error))
+        !read_text(object, "method", accuracy->method, error) ||
+        (is_known(&missed) && !json_read_bool(&missed, &accuracy->is_missed, error)))
         return false;
     snprintf(accuracy->audit, sizeof accuracy->audit, "%s", audits[choice]);
     accuracy->audit_rays = (int)ray_count;

@@ -36,6 +36,7 @@ static struct audit_result find_audit(char *arguments[])
     audit.kind = AUDIT_REFERENCE;
     audit.error = find_number(arguments, "error", 0.005);
     audit.error95 = find_number(arguments, "error95", 1.5 * audit.error);
+    audit.is_missed = find_number(arguments, "missed", 0) != 0;
     audit.is_pooled = !strcmp(find_value(arguments, "scope", "frame"), "segment");
     return audit;
 }

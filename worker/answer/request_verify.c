@@ -72,7 +72,7 @@ static bool check_alone(const struct verification *verification, int fd, struct 
     image_finish(&image);
     if (!ok) return false;
     if (facts->audit.kind != AUDIT_NONE || verification->tolerance > 0.0)
-        return gate_check_audit(&facts->audit, 0.0, verification->tolerance, error);
+        return gate_check_audit(&facts->audit, &(struct gate_tolerance){.given = verification->tolerance}, error);
     error_set(error, "marchd:error: expected the frame's measured error, got nothing");
     return false;
 }

@@ -41,10 +41,23 @@ static bool check_rays(const struct image_exr_facts *facts, const struct job *jo
     return false;
 }
 
-bool gate_check_audit(const struct audit_result *audit, double job_tolerance, double given_tolerance,
-                      struct error *error)
+static bool check_error(const struct audit_result *audit, double tolerance, bool accepts_missed, struct error *error)
 {
-    double tolerance = given_tolerance > 0.0 ? given_tolerance : job_tolerance;
+    // NaN, from a damaged file, is neither a tolerance nor within one.
+    if (audit->error >= 0.0 && audit->error <= tolerance) return true;
+    if (!audit->is_missed)
+        error_set(error, "marchd:error: expected at most %g (tolerance), got %g", tolerance, audit->error);
+    else if (!accepts_missed || !(audit->error >= 0.0) || isinf(audit->error))
+        error_set(error, "marchd:missed: expected an error of at most %g (tolerance), got %g, the least that was found",
+                  tolerance, audit->error);
+    else
+        return true;
+    return false;
+}
+
+bool gate_check_audit(const struct audit_result *audit, const struct gate_tolerance *limits, struct error *error)
+{
+    double tolerance = limits->given > 0.0 ? limits->given : limits->job;
 
     if (audit->kind == AUDIT_NONE) {
         if (tolerance <= 0.0) return true;
@@ -52,13 +65,8 @@ bool gate_check_audit(const struct audit_result *audit, double job_tolerance, do
                   tolerance);
         return false;
     }
-    if (given_tolerance <= 0.0 && (job_tolerance <= 0.0 || audit->tolerance < job_tolerance))
-        tolerance = audit->tolerance;
-    // NaN, from a damaged file, is neither a tolerance nor within one.
-    if (!(audit->error >= 0.0 && audit->error <= tolerance)) {
-        error_set(error, "marchd:error: expected at most %g (tolerance), got %g", tolerance, audit->error);
-        return false;
-    }
+    if (limits->given <= 0.0 && (limits->job <= 0.0 || audit->tolerance < limits->job)) tolerance = audit->tolerance;
+    if (!check_error(audit, tolerance, limits->accepts_missed, error)) return false;
     if (isfinite(audit->error95)) return true;
     error_set(error, "marchd:error95: expected what the error is below with a confidence of 95 %%, got %g",
               audit->error95);
@@ -68,6 +76,10 @@ bool gate_check_audit(const struct audit_result *audit, double job_tolerance, do
 static bool check_facts(const struct image_exr_facts *facts, const struct gate_params *params, struct error *error)
 {
     const struct job *job = params->job;
+    const struct gate_tolerance tolerance = {.job = job->quality.tolerance,
+                                             .given = params->tolerance,
+                                             .accepts_missed =
+                                                 params->accepts_missed && job->quality.on_miss == JOB_ON_MISS_PUBLISH};
 
     if (strcmp(facts->job_hash, params->picture_hash) != 0) {
         error_set(error, "marchd:jobHash: expected %s, got %s", params->picture_hash,
@@ -87,8 +99,7 @@ static bool check_facts(const struct image_exr_facts *facts, const struct gate_p
         error_set(error, "pixel: expected %s, got %s", pixel_name(job->output.pixel), pixel_name(facts->pixel));
         return false;
     }
-    return check_rays(facts, job, error) &&
-           gate_check_audit(&facts->audit, job->quality.tolerance, params->tolerance, error) &&
+    return check_rays(facts, job, error) && gate_check_audit(&facts->audit, &tolerance, error) &&
            check_channel("A", facts->has_alpha, true, error) &&
            check_channel("Z", facts->has_depth, job->output.has_depth, error) &&
            check_channel("transmittance", facts->has_transmittance, job->output.has_transmittance, error);

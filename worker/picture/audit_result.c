@@ -30,5 +30,6 @@ struct frame_accuracy audit_result_accuracy(const struct audit_result *audit, co
     accuracy.error = audit->error;
     accuracy.error95 = audit->error95;
     accuracy.audit_rays = audit->ray_count;
+    accuracy.is_missed = audit->is_missed;
     return accuracy;
 }

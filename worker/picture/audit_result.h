@@ -22,6 +22,7 @@ struct audit_result {
     double error95;   // upper bound of `error`, with a confidence of 95 %
     int ray_count;    // pixels that were measured
     double tolerance; // what the job allows
+    bool is_missed;   // `error` is over it, and the job has such frames published
     double seconds;   // the time that the audit took
     // For a frame with rough surfaces, the standard error of its randomly sampled values, relative as `error` is.
     // `error` leaves out differences within four times that in a pixel.

@@ -52,6 +52,18 @@ void image_finish(struct image *image)
     *image = (struct image){0};
 }
 
+bool image_copy(struct image *to, const struct image *from, struct error *error)
+{
+    size_t count = (size_t)from->width_px * (size_t)from->height_px;
+
+    if (!to->rgba && !image_init(to, from->width_px, from->height_px, from->depth, from->transmittance, error))
+        return false;
+    memcpy(to->rgba, from->rgba, 4 * count * sizeof *to->rgba);
+    if (from->depth) memcpy(to->depth, from->depth, count * sizeof *to->depth);
+    if (from->transmittance) memcpy(to->transmittance, from->transmittance, 4 * count * sizeof *to->transmittance);
+    return true;
+}
+
 bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance)
 {
     return image->rgba && image->width_px == width_px && image->height_px == height_px &&

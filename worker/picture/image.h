@@ -23,6 +23,8 @@ bool image_init(struct image *image, int width_px, int height_px, bool has_depth
 // Makes an image with the size and channels of the job's frames.
 bool image_init_for_job(struct image *image, const struct job *job, struct error *error);
 void image_finish(struct image *image);
+// Copies size, channels and values. `to` is empty or has the size and the channels of `from`.
+bool image_copy(struct image *to, const struct image *from, struct error *error);
 bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance);
 // Returns true if no value is NaN, infinite or, with `half`, over 65504 in magnitude (except depth, which is never
 // written as half). Else `error` has the number of each and names the first by channel and pixel.

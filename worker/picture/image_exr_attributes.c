@@ -33,7 +33,7 @@ static void read_accuracy(exr_context_t context, struct image_exr_facts *facts)
 {
     struct audit_result *audit = &facts->audit;
     char kind[16] = "", scope[16] = "";
-    const exr_attribute_t *rays;
+    const exr_attribute_t *rays, *missed;
 
     read_text(context, "marchd:plan", facts->plan, sizeof facts->plan);
     read_double(context, "marchd:samplingError", &facts->sampling_error);
@@ -42,6 +42,8 @@ static void read_accuracy(exr_context_t context, struct image_exr_facts *facts)
     read_double(context, "marchd:tolerance", &audit->tolerance);
     if (!exr_get_attribute_by_name(context, 0, "marchd:auditRays", &rays) && rays->type == EXR_ATTR_INT)
         audit->ray_count = rays->i;
+    audit->is_missed = !exr_get_attribute_by_name(context, 0, "marchd:missed", &missed) &&
+                       missed->type == EXR_ATTR_INT && missed->i != 0;
     read_text(context, "marchd:auditScope", scope, sizeof scope);
     audit->is_pooled = !strcmp(scope, "segment");
     read_text(context, "marchd:audit", kind, sizeof kind);

@@ -155,6 +155,7 @@ static exr_result_t set_accuracy(exr_context_t context, const struct image_exr_h
     if (!result) result = exr_attr_set_double(context, 0, "marchd:error", audit->error);
     if (!result) result = exr_attr_set_double(context, 0, "marchd:error95", audit->error95);
     if (!result) result = exr_attr_set_int(context, 0, "marchd:auditRays", audit->ray_count);
+    if (!result && audit->is_missed) result = exr_attr_set_int(context, 0, "marchd:missed", 1);
     return result;
 }
 

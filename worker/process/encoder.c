@@ -78,7 +78,8 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
                                               .job = &picture->frame->job->job,
                                               .picture_hash = picture->hash,
                                               .frame = picture->frame->frame,
-                                              .thread_count = worker->options->encode_threads},
+                                              .thread_count = worker->options->encode_threads,
+                                              .accepts_missed = true},
                         result, error);
         if (!ok) error_prefix(error, "the file written does not verify");
     }

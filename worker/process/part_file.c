@@ -56,7 +56,8 @@ enum part_file_existing part_file_find_existing(const struct assignment_frame *f
     if (fd < 0 || !is_regular(fd))
         log_info("%s is no file of ours: rendered again", name);
     else if (gate_check(
-                 &(struct gate_params){.fd = fd, .job = job, .picture_hash = picture_hash, .frame = frame->frame},
+                 &(struct gate_params){
+                     .fd = fd, .job = job, .picture_hash = picture_hash, .frame = frame->frame, .accepts_missed = true},
                  found, &reason))
         existing = PART_FILE_SKIP;
     else

@@ -52,6 +52,19 @@ static void what_is_written_is_read(void **state)
     assert_written(&accuracy, all);
 }
 
+static void a_missed_tolerance_is_told(void **state)
+{
+    static const char missed[] = "{\"audit\":\"reference\",\"measured_error\":0.5,\"error95\":0.75,"
+                                 "\"audit_rays\":64,\"method\":\"cached\",\"missed\":true}";
+    struct frame_accuracy accuracy;
+
+    assert_true(read_text(&accuracy, missed, NULL));
+    assert_true(accuracy.is_missed);
+    assert_written(&accuracy, missed);
+    assert_true(read_text(&accuracy, all, NULL));
+    assert_false(accuracy.is_missed);
+}
+
 static void what_is_not_known_is_absent(void **state)
 {
     struct frame_accuracy accuracy = {.has_cut_share = true};
@@ -92,6 +105,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_written_is_read),
+        cmocka_unit_test(a_missed_tolerance_is_told),
         cmocka_unit_test(what_is_not_known_is_absent),
         cmocka_unit_test(an_audit_is_whole_or_refused),
     };

@@ -237,6 +237,40 @@ static void frame_over_its_tolerance_is_refused(void **state)
     assert_refused(make_audited_file(0.0101, 0.02, NAN), &job, 7, "marchd:error: expected at most nan");
 }
 
+static int make_missed_file(double error)
+{
+    return make_measured_file(
+        0, (struct image_exr_rays){0},
+        (struct audit_result){
+            .kind = AUDIT_REFERENCE, .error = error, .error95 = 0.04, .tolerance = 0.01, .is_missed = true});
+}
+
+static bool passes(int fd, const struct job *job, bool accepts_missed)
+{
+    bool passed = gate_check(
+        &(struct gate_params){
+            .fd = fd, .job = job, .picture_hash = job->hash, .frame = 7, .accepts_missed = accepts_missed},
+        NULL, NULL);
+
+    close(fd);
+    return passed;
+}
+
+static void missed_frame_passes_only_where_the_job_publishes_it(void **state)
+{
+    struct job job = make_job();
+
+    job.quality.tolerance = 0.01;
+    assert_false(passes(make_missed_file(0.02), &job, true));
+    job.quality.on_miss = JOB_ON_MISS_PUBLISH;
+    assert_true(passes(make_missed_file(0.02), &job, true));
+    assert_false(passes(make_missed_file(NAN), &job, true));
+    assert_false(passes(make_missed_file(INFINITY), &job, true));
+    assert_false(passes(make_audited_file(0.02, 0.04, 0.01), &job, true));
+    assert_refused(make_missed_file(0.02), &job, 7,
+                   "marchd:missed: expected an error of at most 0.01 (tolerance), got 0.02");
+}
+
 static void frame_without_an_audit_is_refused_where_a_tolerance_is_stated(void **state)
 {
     struct job job = make_job();
@@ -289,6 +323,7 @@ int main(void)
         cmocka_unit_test(frame_over_its_tolerance_is_refused),
         cmocka_unit_test(frame_without_an_audit_is_refused_where_a_tolerance_is_stated),
         cmocka_unit_test(frame_within_its_tolerance_passes),
+        cmocka_unit_test(missed_frame_passes_only_where_the_job_publishes_it),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

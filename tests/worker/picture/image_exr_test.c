@@ -237,10 +237,10 @@ static void audit_and_plan_are_read_back(void **state)
     assert_true(facts.step == 0.01);
     assert_string_equal(facts.sequence_hash, header.sequence_hash);
     close(fd);
-    header.audit = (struct audit_result){.kind = AUDIT_REFERENCE};
+    header.audit = (struct audit_result){.kind = AUDIT_REFERENCE, .is_missed = true};
     fd = write_image(&image, &header, 1);
     assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
-    assert_true(facts.audit.kind == AUDIT_REFERENCE && !facts.audit.is_pooled);
+    assert_true(facts.audit.kind == AUDIT_REFERENCE && !facts.audit.is_pooled && facts.audit.is_missed);
     image_finish(&image);
     close(fd);
 }
