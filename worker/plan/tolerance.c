@@ -7,8 +7,10 @@
 #include "worker/audit/audit.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
+#include "worker/plan/miss.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_make.h"
+#include "worker/plan/plan_retry.h"
 #include "worker/plan/plan_segment.h"
 
 #include <math.h>
@@ -16,7 +18,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEPT_LIMIT = 4 }; // plans
+enum {
+    KEPT_LIMIT = 4, // plans
+    SMALLER = 3     // by which the pictures are smaller in each direction that show what is to blame
+};
+
+// The gain of a finer rendering that makes the next one finer too, instead of trying another family.
+static const double GAIN = 0.7;
+// The least throughput of a picture that stands for the truth, relative to the frame's.
+static const double LEAST_THROUGHPUT = 1.0 / 256.0;
 
 // A segment's plan, and the evidence and the reference that the audits of its frames share.
 struct kept_plan {
@@ -34,6 +44,7 @@ struct tolerance {
     // The last frame, of which the renderer may make copies, if it was within its tolerance; else shown_serial is 0.
     int64_t shown_serial;
     struct tolerance_result shown;
+    char shader_hash[HASH_TEXT_SIZE]; // of the last frame that is published although it missed its tolerance
 };
 
 struct tolerance *tolerance_create(struct renderer *renderer)
@@ -96,7 +107,7 @@ static struct kept_plan *find_or_make_plan(struct tolerance *tolerance, const st
     return oldest;
 }
 
-// A frame that is rendered once or twice.
+// A frame, rendered until it is within its tolerance or given up.
 struct rendering {
     struct tolerance *tolerance;
     const struct tolerance_params *params;
@@ -105,6 +116,16 @@ struct rendering {
     struct error *error;
     bool is_finer;  // finer than the segment's plan: its audit shares no samples with other frames
     double seconds; // of all renderings so far
+    struct plan_retry retry;
+    double changes[PLAN_AXIS_LIMIT]; // of small pictures, with each axis of the latest plan; all 0: not known
+    // The rendering with the least error so far, once one was over the tolerance.
+    struct {
+        struct plan plan;
+        double changes[PLAN_AXIS_LIMIT];
+        struct tolerance_result result;
+        struct image image; // owned; empty where misses are not published
+        char shader_hash[HASH_TEXT_SIZE];
+    } best;
 };
 
 static bool on_pixel(void *user)
@@ -160,22 +181,20 @@ static bool audit_against_reference(const struct rendering *rendering, const str
     return audit_frame(&audit, &rendering->result->audit) || stop(rendering);
 }
 
-static bool has_promise(const struct scene_density *density)
-{
-    return density->kind == SCENE_DENSITY_GLSL && density->glsl.lipschitz > 0.0;
-}
-
 // Renders the frame small, with one sample. The small size keeps the renderer from copying the next frame from this
-// one. `is_bounded` false: the user's code is evaluated even where its lipschitz promises empty space.
+// one. `is_true`: it stands for the truth, so that paths are followed further and the user's code is evaluated even
+// where its lipschitz promises empty space.
 static bool render_small(const struct rendering *rendering, const struct plan *plan, const struct image *size,
-                         bool is_bounded, struct image *image)
+                         bool is_true, struct image *image)
 {
     const struct tolerance_params *params = rendering->params;
     struct job job = plan_apply(plan, params->job);
     struct renderer_result result;
 
-    for (size_t i = 0; i < job.scene.medium_count && !is_bounded; ++i)
-        if (has_promise(&job.scene.media[i].density)) job.scene.media[i].density.glsl.lipschitz = 0.0;
+    for (size_t i = 0; i < job.scene.medium_count && is_true; ++i)
+        if (miss_has_promise(&job.scene.media[i].density)) job.scene.media[i].density.glsl.lipschitz = 0.0;
+    if (is_true) job.quality.max_depth = JOB_DEPTH_LIMIT;
+    if (is_true) job.quality.min_throughput *= LEAST_THROUGHPUT;
     job.width_px = size->width_px;
     job.height_px = size->height_px;
     job.quality.samples = 1;
@@ -207,8 +226,8 @@ static bool audit_by_steps(const struct rendering *rendering, const struct plan 
         rendering->result->audit.is_pooled = true;
         return true;
     }
-    ok = ok && render_small(rendering, plan, &view->finer, true, &coarser) &&
-         render_small(rendering, &halved, &view->finer, false, &finer);
+    ok = ok && render_small(rendering, plan, &view->finer, false, &coarser) &&
+         render_small(rendering, &halved, &view->finer, true, &finer);
     if (ok) audit_by_halving(params->job, &coarser, &finer, &rendering->result->audit);
     image_finish(&finer);
     image_finish(&coarser);
@@ -267,33 +286,142 @@ static void note_shown(struct rendering *rendering)
     rendering->tolerance->shown = *rendering->result;
 }
 
-static bool miss(const struct rendering *rendering)
+static bool is_over_for_good(enum renderer_fault fault)
 {
-    const struct audit_result *audit = &rendering->result->audit;
-    const struct scene *scene = &rendering->params->job->scene;
-    bool promises = false;
+    return fault == RENDERER_FAULT_STOPPED || fault == RENDERER_FAULT_CONTEXT;
+}
 
-    for (size_t i = 0; i < scene->medium_count; ++i)
-        promises |= has_promise(&scene->media[i].density);
-    rendering->result->render.fault = RENDERER_FAULT_MISSED;
-    error_set(rendering->error,
-              "quality.tolerance: expected an error of at most %g, got %.3g (with confidence below %.3g), and %.3g in "
-              "longer steps before%s; %s",
-              rendering->params->job->quality.tolerance, audit->error, audit->error95, rendering->result->first_error,
-              promises ? " (is a density.lipschitz too low?)" : "", rendering->kept->plan.reason);
+static bool keep_if_best(struct rendering *rendering, const struct plan *plan)
+{
+    const struct tolerance_result *result = rendering->result;
+    double least = rendering->retry.count > 0 ? rendering->best.result.audit.error : NAN;
+
+    if (!isnan(least) && !(result->audit.error < least)) return true;
+    rendering->best.plan = *plan;
+    memcpy(rendering->best.changes, rendering->changes, sizeof rendering->changes);
+    rendering->best.result = *result;
+    snprintf(rendering->best.shader_hash, sizeof rendering->best.shader_hash, "%s", result->render.shader_hash);
+    return rendering->params->job->quality.on_miss != JOB_ON_MISS_PUBLISH ||
+           image_copy(&rendering->best.image, rendering->params->image, rendering->error);
+}
+
+static double root_mean_square_change(const struct image *a, const struct image *b)
+{
+    size_t count = (size_t)a->width_px * (size_t)a->height_px;
+    double sum = 0.0;
+
+    for (size_t i = 0; i < 4 * count; i++)
+        if (i % 4 < 3) sum += ((double)a->rgba[i] - b->rgba[i]) * ((double)a->rgba[i] - b->rgba[i]);
+    return sqrt(sum / (3.0 * (double)count));
+}
+
+// Finds how much small pictures change with each axis of the plan. A change is 0 where a picture cannot be rendered.
+// False when it was stopped.
+static bool find_changes(struct rendering *rendering, const struct plan *plan)
+{
+    const struct image *frame = rendering->params->image;
+    struct image size = {.width_px = (frame->width_px + SMALLER - 1) / SMALLER,
+                         .height_px = (frame->height_px + SMALLER - 1) / SMALLER};
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_retry_axes(&rendering->retry, plan, axes);
+    struct image base = {0};
+    bool ok = render_small(rendering, plan, &size, false, &base);
+
+    plan_retry_spend(&rendering->retry, plan, size.width_px, size.height_px);
+    for (int i = 0; i < count; i++) {
+        struct plan varied = *plan;
+        struct image image = {0};
+
+        if (!ok) break;
+        plan_retry_vary(&rendering->retry, &varied, i);
+        plan_retry_spend(&rendering->retry, &varied, size.width_px, size.height_px);
+        if (render_small(rendering, &varied, &size, false, &image))
+            rendering->changes[i] = root_mean_square_change(&image, &base);
+        else
+            ok = !is_over_for_good(rendering->result->render.fault);
+        image_finish(&image);
+    }
+    image_finish(&base);
+    return ok || !is_over_for_good(rendering->result->render.fault);
+}
+
+static bool change_family(struct rendering *rendering, struct plan *plan)
+{
+    *plan = rendering->best.plan;
+    memset(rendering->changes, 0, sizeof rendering->changes);
+    return plan_retry_change_family(&rendering->retry, plan);
+}
+
+// Chooses the setting of the next rendering. False when there is none.
+static bool choose_next(struct rendering *rendering, double error_before, struct plan *plan)
+{
+    double error = rendering->best.result.audit.error;
+
+    if (rendering->retry.count > 0 && !(error <= GAIN * error_before) && change_family(rendering, plan)) return true;
+    *plan = rendering->best.plan;
+    memcpy(rendering->changes, rendering->best.changes, sizeof rendering->changes);
+    return plan_retry_refine(&rendering->retry, plan, rendering->changes, error) || change_family(rendering, plan);
+}
+
+static void describe_retry(const struct rendering *rendering, const struct plan *plan)
+{
+    struct tolerance_result *result = rendering->result;
+
+    snprintf(result->reason, sizeof result->reason, "%s, rendered again: by %s, the error was %.2e",
+             plan_families[plan->family].name, plan_families[rendering->best.plan.family].name,
+             rendering->best.result.audit.error);
+}
+
+// Publishes the rendering with the least error, if the job asks for that and an error is known; else fails.
+static bool miss(struct rendering *rendering)
+{
+    const struct tolerance_params *params = rendering->params;
+    struct tolerance_result *result = rendering->result;
+    struct tolerance *tolerance = rendering->tolerance;
+    const struct plan_retry *retry = &rendering->retry;
+
+    *result = rendering->best.result;
+    result->retry_count = retry->count;
+    result->render.seconds = rendering->seconds;
+    memcpy(tolerance->shader_hash, rendering->best.shader_hash, sizeof tolerance->shader_hash);
+    result->render.shader_hash = tolerance->shader_hash;
+    result->audit.is_missed = params->job->quality.on_miss == JOB_ON_MISS_PUBLISH && isfinite(result->audit.error) &&
+                              isfinite(result->audit.error95);
+    if (result->audit.is_missed) return image_copy(params->image, &rendering->best.image, rendering->error);
+    result->render.fault = RENDERER_FAULT_MISSED;
+    miss_describe(&(struct miss){.job = params->job,
+                                 .quality = &result->quality,
+                                 .audit = &result->audit,
+                                 .first_error = result->first_error,
+                                 .rendering_count = 1 + retry->count,
+                                 .work = 1.0 + retry->spent_work / retry->first_work},
+                  rendering->error);
     return false;
 }
 
-int tolerance_find_retry_rungs(double error, double tolerance)
+static bool render_again(struct rendering *rendering, const struct plan *first)
 {
-    static const double ORDER = 1.5, GOAL = 0.5;
-    static const int classes[] = {3, 5, 8};
-    double wanted = 2.0 * log2(error / (GOAL * tolerance)) / ORDER;
-    size_t i = 0;
+    struct plan_retry *retry = &rendering->retry;
+    double error_before = INFINITY;
+    struct plan plan = *first;
 
-    while (i + 1 < sizeof classes / sizeof *classes && !(wanted <= classes[i]))
-        i++;
-    return classes[i];
+    plan_retry_init(retry, rendering->params->job, rendering->params->image, first);
+    if (!keep_if_best(rendering, first) || !find_changes(rendering, first)) return false;
+    memcpy(rendering->best.changes, rendering->changes, sizeof rendering->changes);
+    while (retry->count < PLAN_RETRY_LIMIT && choose_next(rendering, error_before, &plan)) {
+        describe_retry(rendering, &plan);
+        plan_retry_spend(retry, &plan, rendering->params->image->width_px, rendering->params->image->height_px);
+        rendering->result->retry_count = ++retry->count;
+        rendering->is_finer = true;
+        error_before = rendering->best.result.audit.error;
+        if (!render_and_audit(rendering, &plan)) {
+            if (is_over_for_good(rendering->result->render.fault)) return false;
+            break;
+        }
+        if (is_within(rendering)) return true;
+        if (!keep_if_best(rendering, &plan)) return false;
+    }
+    return miss(rendering);
 }
 
 static bool render_planned(struct rendering *rendering)
@@ -301,6 +429,7 @@ static bool render_planned(struct rendering *rendering)
     struct tolerance_result *result = rendering->result;
     const struct plan *plan = &rendering->kept->plan;
     struct plan finer = plan_of_frame(plan, rendering->params->job, rendering->params->frame);
+    bool ok;
 
     rendering->is_finer = memcmp(&finer.point, &plan->point, sizeof finer.point) != 0;
     memcpy(result->reason, finer.reason, sizeof result->reason);
@@ -310,11 +439,9 @@ static bool render_planned(struct rendering *rendering)
         note_shown(rendering);
         return true;
     }
-    if (!plan_refine(&finer, rendering->params->job,
-                     tolerance_find_retry_rungs(result->first_error, rendering->params->job->quality.tolerance)))
-        return miss(rendering);
-    result->is_second = rendering->is_finer = true;
-    return render_and_audit(rendering, &finer) && (is_within(rendering) || miss(rendering));
+    ok = render_again(rendering, &finer);
+    image_finish(&rendering->best.image);
+    return ok;
 }
 
 bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params *params,

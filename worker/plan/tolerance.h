@@ -1,4 +1,4 @@
-// Keeps a job's tolerance: plans segments, renders and audits frames, and renders a frame over the tolerance once more.
+// Keeps a job's tolerance: plans segments, renders and audits frames, and renders a frame over the tolerance again.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -29,20 +29,20 @@ struct tolerance_params {
 };
 
 struct tolerance_result {
-    struct renderer_result render; // of the last rendering; its seconds are those of all renderings
-    struct job_quality quality;    // of the last rendering
-    struct audit_result audit;     // AUDIT_NONE: the job states no tolerance
+    // Of the rendering that is in the image: the last one, or the one with the least error if none kept the tolerance.
+    // Its seconds are those of all renderings.
+    struct renderer_result render;
+    struct job_quality quality;    // of that rendering
+    struct audit_result audit;     // likewise; AUDIT_NONE: the job states no tolerance
     char reason[PLAN_REASON_SIZE]; // of the plan; empty: the job names its method
-    bool is_second;                // rendered twice: the first rendering was over the tolerance
+    int retry_count;               // renderings after the first, which was over the tolerance
     double first_error;            // the audited error of the first rendering
 };
 
-// Renders a frame of a job of any method, as renderer_render does, with the same faults. A frame that is over its
-// tolerance in finer steps too fails with RENDERER_FAULT_MISSED and the numbers.
+// Renders a frame of a job of any method, as renderer_render does, with the same faults. A frame over its tolerance is
+// rendered up to PLAN_RETRY_LIMIT times more, for at most PLAN_RETRY_WORK times the first one's work: finer in what is
+// to blame, or by the next family where that gains little. If none keeps the tolerance, the frame fails with
+// RENDERER_FAULT_MISSED and the numbers. If the job has misses published, the rendering with the least error is in the
+// image instead, and its audit says is_missed.
 bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params *params,
                       struct tolerance_result *result, struct error *error);
-
-// By how many rungs each axis is refined for the second rendering, after a first one with that audited error. Two rungs
-// halve a step. The aim is an error of half the tolerance, for errors of order 1.5. There are only three answers,
-// because an audit is no more exact than that. Pure.
-int tolerance_find_retry_rungs(double error, double tolerance);

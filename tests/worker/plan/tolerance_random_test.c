@@ -49,7 +49,7 @@ static void try(struct tolerance *tolerance, const char *text, int64_t serial, d
         if (truly > SLACK * allowed) print_message("%s\n", text);
         outcome->beyond += truly > SLACK * allowed;
         outcome->within += truly <= allowed;
-        outcome->seconds += result.is_second;
+        outcome->seconds += result.retry_count > 0;
     } else {
         print_message("%d: %s\n", (int)serial, error.message);
         assert_int_equal(result.render.fault, RENDERER_FAULT_MISSED);

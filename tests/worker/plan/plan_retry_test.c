@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_retry.h"
+
+#include "core/job/job.h"
+#include "tests/support/example_job.h"
+#include "worker/picture/image.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH_PX = 320, HEIGHT_PX = 180 };
+
+// A frame of the cloud over its tolerance, its left half being clear, and the plan by which it was rendered.
+struct stage {
+    struct job job;
+    struct image image;
+    struct plan plan;
+    struct plan_retry retry;
+};
+
+static size_t find_family(enum job_method method)
+{
+    size_t i = 0;
+
+    while (plan_families[i].method != method)
+        i++;
+    return i;
+}
+
+static void open_stage(struct stage *stage, enum job_method method, struct plan_point point)
+{
+    struct plan_scene scene;
+
+    memset(stage, 0, sizeof *stage);
+    example_job_load(&stage->job, "cloud");
+    stage->job.width_px = WIDTH_PX;
+    stage->job.height_px = HEIGHT_PX;
+    stage->job.quality = (struct job_quality){.method = JOB_METHOD_AUTO, .tolerance = 0.01, .samples = 1};
+    assert_true(image_init(&stage->image, WIDTH_PX, HEIGHT_PX, false, false, NULL));
+    for (int i = 0; i < WIDTH_PX * HEIGHT_PX; i++)
+        stage->image.rgba[4 * i + 3] = i % WIDTH_PX < WIDTH_PX / 2 ? 0.0f : 0.5f;
+    plan_scene_init(&scene, &stage->job);
+    stage->plan = (struct plan){.family = find_family(method), .point = point};
+    stage->plan.quality = plan_family_quality(&plan_families[stage->plan.family], &scene, &point);
+    plan_retry_init(&stage->retry, &stage->job, &stage->image, &stage->plan);
+}
+
+static void close_stage(struct stage *stage)
+{
+    image_finish(&stage->image);
+    job_finish(&stage->job);
+}
+
+static double work_of(const struct stage *stage, const struct plan *plan)
+{
+    return plan_family_work(&stage->retry.scene, &plan->quality);
+}
+
+static void the_frame_itself_says_how_deep_its_rays_are(void **state)
+{
+    struct stage stage;
+
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    assert_float_equal(stage.retry.scene.hit_share, 0.5, 0.05);
+    for (size_t i = 0; i < stage.retry.scene.depth_count; i++)
+        assert_float_equal(stage.retry.scene.depths[i], log(2.0), 1e-6);
+    assert_float_equal(stage.retry.first_work, work_of(&stage, &stage.plan), 1e-9);
+    close_stage(&stage);
+}
+
+static void only_what_is_to_blame_is_refined(void **state)
+{
+    for (int blamed = 0; blamed < 3; blamed++) {
+        double changes[PLAN_AXIS_LIMIT] = {0.0};
+        struct stage stage;
+        struct plan plan;
+
+        open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+        plan = stage.plan;
+        changes[blamed] = 0.3;
+        assert_true(plan_retry_refine(&stage.retry, &plan, changes, 0.012));
+        // From 0.012 to half of 0.01: two rungs divide by 2^1.5.
+        for (int axis = 0; axis < 3; axis++)
+            assert_int_equal(plan.point.rungs[axis] - stage.plan.point.rungs[axis], axis == blamed ? 2 : 0);
+        close_stage(&stage);
+    }
+}
+
+static void nothing_is_refined_where_the_finest_is_to_blame(void **state)
+{
+    double changes[PLAN_AXIS_LIMIT] = {0.0, 0.0, 0.3};
+    struct stage stage;
+    struct plan plan;
+
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 8}});
+    plan = stage.plan;
+    assert_true(plan.quality.min_transmittance == 0.0);
+    assert_false(plan_retry_refine(&stage.retry, &plan, changes, 0.012));
+    assert_memory_equal(&plan.point, &stage.plan.point, sizeof plan.point);
+    close_stage(&stage);
+}
+
+static void all_axes_are_refined_where_none_is_known_to_blame(void **state)
+{
+    double unknown[PLAN_AXIS_LIMIT] = {0.0};
+    struct stage stage;
+    struct plan plan;
+
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    plan = stage.plan;
+    assert_true(plan_retry_refine(&stage.retry, &plan, unknown, 0.008));
+    for (int axis = 0; axis < 3; axis++)
+        assert_true(plan.point.rungs[axis] > stage.plan.point.rungs[axis]);
+    close_stage(&stage);
+}
+
+static void all_renderings_together_stay_within_the_limit(void **state)
+{
+    static const double errors[] = {0.011, 0.03, 0.5, INFINITY, NAN};
+    static const enum job_method methods[] = {JOB_METHOD_MIDPOINT, JOB_METHOD_CACHED, JOB_METHOD_GAUSS};
+
+    for (size_t i = 0; i < sizeof errors / sizeof errors[0]; i++)
+        for (size_t k = 0; k < sizeof methods / sizeof methods[0]; k++) {
+            struct stage stage;
+            double changes[PLAN_AXIS_LIMIT] = {0.2, 0.1, 0.01}, work = 0.0;
+            struct plan plan;
+
+            open_stage(&stage, methods[k], (struct plan_point){{6, 5, 3}});
+            plan = stage.plan;
+            for (; stage.retry.count < PLAN_RETRY_LIMIT; stage.retry.count++) {
+                if (!plan_retry_refine(&stage.retry, &plan, changes, errors[i])) break;
+                work += work_of(&stage, &plan);
+                plan_retry_spend(&stage.retry, &plan, WIDTH_PX, HEIGHT_PX);
+            }
+            assert_true(stage.retry.count >= 1);
+            assert_true(work <= PLAN_RETRY_WORK * stage.retry.first_work);
+            close_stage(&stage);
+        }
+}
+
+static void small_pictures_cost_little(void **state)
+{
+    struct stage stage;
+
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    plan_retry_spend(&stage.retry, &stage.plan, WIDTH_PX / 4, HEIGHT_PX / 4);
+    assert_float_equal(stage.retry.spent_work, stage.retry.first_work / 16.0, 1e-3 * stage.retry.first_work);
+    close_stage(&stage);
+}
+
+static void an_axis_is_varied_towards_less_work(void **state)
+{
+    struct stage stage;
+    struct plan plan;
+
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 1, 3}});
+    plan = stage.plan;
+    plan_retry_vary(&stage.retry, &plan, 0);
+    assert_int_equal(plan.point.rungs[0], 4 - PLAN_HALVING_RUNGS);
+    assert_true(plan.quality.step == 2.0 * stage.plan.quality.step);
+    plan = stage.plan;
+    plan_retry_vary(&stage.retry, &plan, 1);
+    assert_int_equal(plan.point.rungs[1], 1 + PLAN_HALVING_RUNGS);
+    close_stage(&stage);
+}
+
+static void the_next_family_is_as_fine_where_that_is_allowed(void **state)
+{
+    struct stage stage;
+    struct plan plan;
+
+    open_stage(&stage, JOB_METHOD_GAUSS, (struct plan_point){{6, 6, 3}});
+    plan = stage.plan;
+    assert_true(plan_retry_change_family(&stage.retry, &plan));
+    assert_int_equal(plan.quality.method, JOB_METHOD_ADAPTIVE);
+    assert_true(plan.quality.step > 0.0 && plan.quality.light_step > 0.0 && plan.quality.depth_step > 0.0);
+    assert_true(work_of(&stage, &plan) <= plan_retry_allowance(&stage.retry));
+    // From the last family on, the search goes on with the first.
+    plan = stage.plan;
+    plan.family = find_family(JOB_METHOD_MIDPOINT);
+    assert_true(plan_retry_change_family(&stage.retry, &plan));
+    assert_int_not_equal(plan.quality.method, JOB_METHOD_MIDPOINT);
+    stage.retry.spent_work = PLAN_RETRY_WORK * stage.retry.first_work;
+    assert_false(plan_retry_change_family(&stage.retry, &plan));
+    close_stage(&stage);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_frame_itself_says_how_deep_its_rays_are),
+        cmocka_unit_test(only_what_is_to_blame_is_refined),
+        cmocka_unit_test(nothing_is_refined_where_the_finest_is_to_blame),
+        cmocka_unit_test(all_axes_are_refined_where_none_is_known_to_blame),
+        cmocka_unit_test(all_renderings_together_stay_within_the_limit),
+        cmocka_unit_test(small_pictures_cost_little),
+        cmocka_unit_test(an_axis_is_varied_towards_less_work),
+        cmocka_unit_test(the_next_family_is_as_fine_where_that_is_allowed),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

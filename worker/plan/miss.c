@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/miss.h"
+
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "worker/picture/audit_result.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { SETTINGS_SIZE = 256 };
+
+bool miss_has_promise(const struct scene_density *density)
+{
+    return density->kind == SCENE_DENSITY_GLSL && density->glsl.lipschitz > 0.0;
+}
+
+// Writes the numbers of the quality that are set, by their keys in a job.
+static void format_settings(const struct job *job, const struct job_quality *quality, char text[static SETTINGS_SIZE])
+{
+    const struct {
+        const char *key;
+        double number;
+    } settings[] = {{"step", quality->step},
+                    {"step_voxels", quality->step_voxels},
+                    {"light_step", quality->light_step},
+                    {"light_step_voxels", quality->light_step_voxels},
+                    {"depth_step", quality->depth_step},
+                    {"points", quality->points},
+                    {"light_grid", quality->light_grid},
+                    {"density_grid", quality->density_grid},
+                    {"min_transmittance", quality->min_transmittance},
+                    {"max_depth", job->scene.object_count > 0 ? quality->max_depth : 0}};
+    int length = snprintf(text, SETTINGS_SIZE, "%s", job_method_name(quality->method));
+
+    for (size_t i = 0; i < sizeof settings / sizeof *settings && length < SETTINGS_SIZE; i++) {
+        if (settings[i].number == 0.0) continue;
+        length +=
+            snprintf(text + length, SETTINGS_SIZE - (size_t)length, ", %s %.3g", settings[i].key, settings[i].number);
+    }
+}
+
+static bool promises(const struct scene *scene)
+{
+    for (size_t i = 0; i < scene->medium_count; ++i)
+        if (miss_has_promise(&scene->media[i].density)) return true;
+    return false;
+}
+
+void miss_describe(const struct miss *miss, struct error *error)
+{
+    char settings[SETTINGS_SIZE];
+
+    format_settings(miss->job, miss->quality, settings);
+    error_set(
+        error,
+        "quality.tolerance: expected an error of at most %g, got %.3g (with confidence below %.3g) at best, by %s; "
+        "the first of %d renderings had %.3g, and all took %.3g times its work%s; expected a larger tolerance, a "
+        "method with finer numbers, or \"on_miss\": \"publish\"",
+        miss->job->quality.tolerance, miss->audit->error, miss->audit->error95, settings, miss->rendering_count,
+        miss->first_error, miss->work, promises(&miss->job->scene) ? " (is a density.lipschitz too low?)" : "");
+}

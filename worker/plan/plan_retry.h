@@ -1,0 +1,47 @@
+// The settings of a frame that is rendered again because it is over its tolerance.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_family.h"
+
+#include <stdbool.h>
+
+struct image;
+
+enum { PLAN_RETRY_LIMIT = 3, PLAN_RETRY_DEPTHS = 256 };
+
+// The work of all renderings after the first, relative to it, as plan_family_work counts it.
+static const double PLAN_RETRY_WORK = 8.0;
+
+// The account of one frame. Init with plan_retry_init.
+struct plan_retry {
+    struct plan_scene scene; // its depths are of the frame itself
+    float depths[PLAN_RETRY_DEPTHS];
+    double first_work, spent_work; // per pixel; the work that is spent is without the first rendering
+    int count;                     // of renderings after the first
+};
+
+// Counts the rays of the first rendering, which was made with `plan`. `job` outlives the account, which keeps its
+// address.
+void plan_retry_init(struct plan_retry *retry, const struct job *job, const struct image *image,
+                     const struct plan *plan);
+// Adds a rendering of `width_px` x `height_px` pixels to the account.
+void plan_retry_spend(struct plan_retry *retry, const struct plan *plan, int width_px, int height_px);
+// The work that the next rendering may take, per pixel. It grows from rendering to rendering.
+double plan_retry_allowance(const struct plan_retry *retry);
+
+// The axes of the plan's family; returns their number.
+int plan_retry_axes(const struct plan_retry *retry, const struct plan *plan,
+                    enum plan_axis axes[static PLAN_AXIS_LIMIT]);
+// Makes one axis coarser by PLAN_HALVING_RUNGS, or finer where it is too coarse for that. The frame's change tells how
+// much of its error is to be blamed on the axis.
+void plan_retry_vary(const struct plan_retry *retry, struct plan *plan, int axis);
+// Refines the axes that are to be blamed until an error of half the tolerance is expected or the allowance is spent:
+// `changes` has an RMSE for each axis, and becomes what to expect afterwards. Errors are expected to fall with the
+// steps to the power of 1.5. All axes are to blame where no change is known. False when nothing can be refined.
+bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
+                       double error);
+// Moves to the next family that serves the scene, with the same rungs where they are within the allowance, else coarser
+// ones. False when there is none.
+bool plan_retry_change_family(const struct plan_retry *retry, struct plan *plan);
