@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct table_column columns[] = {{"ID", true},   {"NAME", false},  {"STATE", false}, {"PRIO", true},
-                                              {"DONE", true}, {"FRAMES", true}, {"FAILED", true}, {"S/FRAME", true},
-                                              {"ETA", true},  {"OWNER", false}, {"REASON", false}};
+static const struct table_column columns[] = {{"ID", true},      {"NAME", false},  {"STATE", false}, {"PRIO", true},
+                                              {"DONE", true},    {"FRAMES", true}, {"FAILED", true}, {"MISSED", true},
+                                              {"S/FRAME", true}, {"ETA", true},    {"OWNER", false}, {"REASON", false}};
 
 static void add_row(struct table *table, const struct job_report *job)
 {
@@ -28,6 +28,7 @@ static void add_row(struct table *table, const struct job_report *job)
     table_add_format(table, "%" PRId64, job->succeeded + job->skipped);
     table_add_format(table, "%" PRId64, job->frames);
     table_add_format(table, "%" PRId64, job->failed);
+    table_add_format(table, "%" PRId64, job->missed);
     if (job->seconds_per_frame >= 0) pace = progress_format_pace(job->seconds_per_frame);
     table_add(table, pace);
     table_add(table, eta);

@@ -25,6 +25,7 @@ struct telling {
     struct progress_display display;
     struct json_writer frames; // an array that is closed at the end
     int64_t counts[RENDER_FAILED + 1];
+    int64_t missed_count; // published although over the tolerance
     int64_t began_ms;
     bool knows_worker; // the renderer has been printed
 };
@@ -94,6 +95,7 @@ static void print_accuracy(const struct frame_accuracy *accuracy)
     if (accuracy->audit[0])
         printf("  error %.2g %% (95 %%: below %.2g %%)  %s", 100 * accuracy->error, 100 * accuracy->error95,
                accuracy->method);
+    if (accuracy->is_missed) printf("  over the tolerance");
     if (accuracy->has_cut_share) printf("  cut %.3g %%", 100 * accuracy->cut_share);
     putchar('\n');
 }
@@ -115,6 +117,7 @@ static void on_result(void *user, const struct render_result *result)
     struct telling *telling = user;
 
     telling->counts[result->outcome]++;
+    telling->missed_count += result->accuracy.is_missed;
     progress_display_clear(&telling->display);
     if (telling->options->json)
         write_result(&telling->frames, result);
@@ -138,6 +141,7 @@ static void print_end(struct telling *telling, const char *root)
     json_write_string_member(&writer, "root", root);
     for (int i = 0; i <= RENDER_FAILED; i++)
         json_write_integer_member(&writer, outcome_names[i], telling->counts[i]);
+    json_write_integer_member(&writer, "missed", telling->missed_count);
     json_write_number_member(&writer, "wall_s", wall_s);
     json_write_key(&writer, "frames");
     json_write_raw(&writer, telling->frames.text, telling->frames.length);

@@ -29,8 +29,13 @@ static void print_counts(const struct job_report *job)
     const struct {
         const char *name;
         int64_t count;
-    } counts[] = {{"queued", job->queued},   {"running", job->running},   {"succeeded", job->succeeded},
-                  {"skipped", job->skipped}, {"canceled", job->canceled}, {"failed", job->failed}};
+    } counts[] = {{"queued", job->queued},
+                  {"running", job->running},
+                  {"succeeded", job->succeeded},
+                  {"skipped", job->skipped},
+                  {"canceled", job->canceled},
+                  {"failed", job->failed},
+                  {"over the tolerance", job->missed}};
     const char *separator = ": ";
 
     printf("%-10s %" PRId64, "frames", job->frames);

@@ -56,6 +56,7 @@ bool job_report_read(struct job_report *report, const struct json_node *node, st
     report->failed = read_count(node, "failed");
     report->canceled = read_count(node, "canceled");
     report->skipped = read_count(node, "skipped");
+    report->missed = read_count(node, "missed");
     report->submitted = read_number(node, "submitted");
     report->started = read_number(node, "started");
     report->finished = read_number(node, "finished");
@@ -84,7 +85,7 @@ bool job_report_has_ended(const struct job_report *report)
 
 enum exit_status job_report_status(const struct job_report *report)
 {
-    return strcmp(report->state, "succeeded") == 0 ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;
+    return strcmp(report->state, "succeeded") == 0 && report->missed == 0 ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;
 }
 
 void job_report_fill_progress(const struct job_report *report, struct progress *progress)

@@ -15,6 +15,7 @@ struct progress;
 struct job_report {
     int64_t id, priority;
     int64_t frames, queued, running, succeeded, failed, canceled, skipped;
+    int64_t missed; // of those that succeeded or were skipped: published over the tolerance
     char *name, *state, *owner, *range, *output, *reason;
     char *label;                         // "#7 cloud"
     double submitted, started, finished; // unix s

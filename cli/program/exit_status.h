@@ -4,7 +4,7 @@
 
 enum exit_status {
     EXIT_STATUS_DONE = 0,
-    EXIT_STATUS_FAILED = 1, // a frame failed, a job was canceled, the daemon could not do it
+    EXIT_STATUS_FAILED = 1, // a frame failed or missed its tolerance, a job was canceled, the daemon could not do it
     EXIT_STATUS_USAGE = 2,  // wrong arguments or a wrong job file
     EXIT_STATUS_NO_DAEMON = 3,
     EXIT_STATUS_NOT_ALLOWED = 4,

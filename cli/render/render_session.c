@@ -31,7 +31,7 @@ struct session {
     struct worker_child child;
     int folder_fd; // where the files go
     int64_t epoch;
-    int64_t failed;
+    int64_t failed, missed;
     bool is_ready;
     double progress;    // from the worker's heartbeats
     int64_t moved_ms;   // when `progress` last grew
@@ -49,6 +49,7 @@ static void report(struct session *session, struct render_result *result)
     path = *folder ? xasprintf("%s/%s", folder, name) : xstrdup(name);
     result->name = path;
     if (result->outcome == RENDER_FAILED) session->failed++;
+    if (result->accuracy.is_missed) session->missed++;
     session->params->on_result(session->params->user, result);
     free(path);
 }
@@ -341,7 +342,7 @@ static enum exit_status run_frames(struct session *session, struct error *error)
         if (step == STEP_WORKER_LOST && !replace_worker(session, error)) return EXIT_STATUS_FAILED;
         session->params->on_tick(session->params->user);
     }
-    return session->failed > 0 ? EXIT_STATUS_FAILED : EXIT_STATUS_DONE;
+    return session->failed + session->missed > 0 ? EXIT_STATUS_FAILED : EXIT_STATUS_DONE;
 }
 
 enum exit_status render_session_run(const struct render_session_params *params, struct error *error)

@@ -44,6 +44,7 @@ struct render_session_params {
     void *user;
 };
 
-// Returns EXIT_STATUS_DONE when every frame succeeded or was there, EXIT_STATUS_FAILED when one failed. `error` is set
+// Returns EXIT_STATUS_DONE when every frame succeeded or was there, EXIT_STATUS_FAILED when one failed or is there but
+// missed its tolerance. `error` is set
 // when the remaining frames were not tried: no GL context, a fault of the job itself, an unwritable output folder.
 enum exit_status render_session_run(const struct render_session_params *params, struct error *error);

@@ -56,6 +56,7 @@ static void print_summary(const struct verify_list *list, const struct verify_se
         if (worst->tolerance > 0) printf(" of %.2g %%", 100 * worst->tolerance);
         printf(" in %s", worst->name);
     }
+    if (sequence->missed_count > 0) printf("; %zu published over the tolerance", sequence->missed_count);
     if (is_good(sequence))
         printf("; all well\n");
     else
@@ -82,6 +83,7 @@ static void write_sequence(const struct verify_list *list, const struct verify_s
     json_write_integer_member(writer, "files", (int64_t)sequence->file_count);
     json_write_string_member(writer, "frames", sequence->frames);
     json_write_integer_member(writer, "wrong", (int64_t)sequence->wrong_count);
+    json_write_integer_member(writer, "missed", (int64_t)sequence->missed_count);
     json_write_integer_member(writer, "missing", sequence->missing_count);
     json_write_string_member(writer, "missing_frames", sequence->missing);
     if (worst) {

@@ -243,6 +243,7 @@ void verify_sequence_judge(struct verify_sequence *sequence, struct verify_list 
         const struct verify_file *file = &list->files[i];
 
         sequence->wrong_count += file->wrong != NULL;
+        sequence->missed_count += file->accuracy.is_missed;
         if (file->accuracy.audit[0] &&
             (sequence->worst == SIZE_MAX || file->accuracy.error > list->files[sequence->worst].accuracy.error))
             sequence->worst = i;

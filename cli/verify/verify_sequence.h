@@ -13,8 +13,9 @@ struct verify_sequence {
     char *pattern;            // owned; "cloud.####.exr"
     size_t first, file_count; // its files in the list
     size_t wrong_count;
-    char *frames;  // owned; the frames found, as "0-9,12-20x2"; empty: the files have no numbers
-    char *missing; // owned; the frames missing; empty: none
+    size_t missed_count; // files that say that they are over their tolerance
+    char *frames;        // owned; the frames found, as "0-9,12-20x2"; empty: the files have no numbers
+    char *missing;       // owned; the frames missing; empty: none
     int64_t missing_count;
     size_t worst; // the file with the largest error, by index in the list; SIZE_MAX: none has an error
 };

@@ -26,6 +26,7 @@ struct job_record {
     char *reason;                                  // owned; why it is paused or failed; NULL: none
     char *code;                                    // owned; the name of GLSL by the user that it runs; NULL: none
     int64_t frame_pixels;                          // pixels of one frame
+    double tolerance;                              // of a frame's measured error; 0: none
     int64_t disk_bytes;                            // size of its published files
     struct quota_user *user;                       // borrowed from the quota; the owner
     struct quota_amounts share;                    // its share of what the owner has

@@ -167,6 +167,12 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
     publisher_put(farm->publisher, &request);
 }
 
+static void note_accuracy(const struct publish_request *request)
+{
+    if (frame_accuracy_is_over(&request->accuracy, request->record->tolerance))
+        queue_note_missed(request->record->queued, request->ticket.index);
+}
+
 static void note_skipped(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
                          struct job_record *record, struct in_flight_frame *frame)
 {
@@ -179,6 +185,7 @@ static void note_skipped(struct farm *farm, struct worker_process *worker, const
     worker->done++;
     estimate_add(&record->estimate, frame_seconds(worker));
     if (queue_skip(farm->queue, &frame->ticket)) {
+        note_accuracy(&request);
         farm_store(farm, publish_request_format_op(&request, FRAME_SKIPPED));
         events_send_frame(farm->events, &frame->ticket, FRAME_SKIPPED, NULL);
     }
@@ -310,6 +317,7 @@ void frame_life_on_published(void *user, const struct publish_request *request)
     if (request->outcome != PUBLISH_OUTCOME_DONE) {
         note_unpublished(farm, request);
     } else if (queue_succeed(farm->queue, &request->ticket)) {
+        note_accuracy(request);
         log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
         farm_store(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
         request->record->disk_bytes += (int64_t)request->file.size_bytes;

@@ -48,7 +48,7 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
     return xstrdup("waits for a free worker");
 }
 
-// Why the job waits, is paused or failed; NULL: no reason. Owned by the caller.
+// Why the job waits, is paused or failed, or what is wrong with its files; NULL: no reason. Owned by the caller.
 static char *format_reason(const struct farm *farm, const struct job_record *record)
 {
     const struct queue_job *queued = record->queued;
@@ -60,6 +60,9 @@ static char *format_reason(const struct farm *farm, const struct job_record *rec
     case JOB_FAILED:
         if (record->reason) return xstrdup(record->reason);
         return xasprintf("%lld of its frames failed", (long long)queued->counts[FRAME_FAILED]);
+    case JOB_SUCCEEDED:
+        if (queued->missed_count == 0) return NULL;
+        return xasprintf("%lld of its frames missed the tolerance", (long long)queued->missed_count);
     case JOB_PAUSED:
     case JOB_CANCELED:
         return record->reason ? xstrdup(record->reason) : NULL;
@@ -73,6 +76,7 @@ static void write_counts(const struct queue_job *queued, struct json_writer *wri
     json_write_integer_member(writer, "frames", frame_range_count(&queued->frames));
     for (int state = 0; state < FRAME_STATE_COUNT; state++)
         json_write_integer_member(writer, frame_state_name((enum frame_state)state), queued->counts[state]);
+    json_write_integer_member(writer, "missed", queued->missed_count);
 }
 
 static void write_pace(const struct farm *farm, struct job_record *record, struct json_writer *writer)

@@ -36,6 +36,7 @@ struct job_submit {
     struct job_inputs inputs;  // owned
     char *code;                // owned; as in struct job_record
     int64_t frame_pixels;
+    double tolerance;
     struct quota_user *user;    // borrowed; the owner
     struct quota_amounts share; // its share of what the owner has, until the record has one
     int failure;                // enum message_code of `error`; 0: none
@@ -174,6 +175,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
                                      .submitted_ms = farm_clock_ms(),
                                      .root = xstrdup(root)};
     submit->frame_pixels = (int64_t)job->width_px * job->height_px;
+    submit->tolerance = job->quality.tolerance;
     submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
     quota_set(submit->user, &submit->share, job_amounts(job));
     submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
@@ -304,6 +306,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->submitted_ms = row->submitted_ms;
     record->code = submit->code;
     record->frame_pixels = submit->frame_pixels;
+    record->tolerance = submit->tolerance;
     record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
     record->sent_state = JOB_STATE_COUNT;
     if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);

@@ -172,6 +172,14 @@ static void write_path(const struct details_task *task, const struct listed_fram
     free(full);
 }
 
+static void write_accuracy(struct details_task *task, const struct frame_accuracy *stored)
+{
+    struct frame_accuracy accuracy = *stored;
+
+    accuracy.is_missed = frame_accuracy_is_over(&accuracy, task->record->tolerance);
+    frame_accuracy_write(&accuracy, &task->value);
+}
+
 // `row` may be NULL. The row of a frame that was queued again is outdated and not used.
 static void write_frame(struct details_task *task, const struct listed_frame *frame, const struct store_frame *row)
 {
@@ -194,7 +202,7 @@ static void write_frame(struct details_task *task, const struct listed_frame *fr
     else
         json_write_string_member(writer, "path", NULL);
     json_write_string_member(writer, "error", row && frame->state == FRAME_FAILED ? row->error : NULL);
-    if (has_file) frame_accuracy_write(&row->accuracy, writer);
+    if (has_file) write_accuracy(task, &row->accuracy);
     json_write_end_object(writer);
 }
 

@@ -193,10 +193,21 @@ static void set_state(struct queue_job *job, int64_t index, enum frame_state sta
     frame->state = (uint8_t)state;
     job->counts[state]++;
     job->queue->counts[state]++;
+    job->missed_count -= frame->is_missed;
+    frame->is_missed = false;
     if (state != FRAME_RUNNING) {
         frame->worker = 0;
         frame->is_publishing = false;
     }
+}
+
+void queue_note_missed(struct queue_job *job, int64_t index)
+{
+    struct queue_frame *frame = &job->states[index];
+
+    assert(frame->state == FRAME_SUCCEEDED || frame->state == FRAME_SKIPPED);
+    job->missed_count += !frame->is_missed;
+    frame->is_missed = true;
 }
 
 void queue_restore_frame(struct queue_job *job, int64_t index, enum frame_state state, int attempts)

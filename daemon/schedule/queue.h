@@ -46,6 +46,7 @@ struct queue_frame {
     uint16_t worker;    // the worker that runs it; 0: none
     uint8_t state;      // enum frame_state
     bool is_publishing; // its file is being published: the end of the worker no longer matters
+    bool is_missed;     // its file is published although it is over the job's tolerance
 };
 
 struct queue_job {
@@ -53,6 +54,7 @@ struct queue_job {
     struct frame_range frames;  // owned
     struct queue_frame *states; // owned; by index in the range
     int64_t counts[FRAME_STATE_COUNT];
+    int64_t missed_count; // of frames that succeeded or were skipped
     int priority;
     bool is_paused;
     bool is_canceled;
@@ -102,6 +104,8 @@ bool queue_owns(const struct queue *queue, const struct queue_ticket *ticket);
 bool queue_begin_publish(struct queue *queue, const struct queue_ticket *ticket); // false also while it is published
 bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket);       // also while it is being published
 bool queue_skip(struct queue *queue, const struct queue_ticket *ticket);
+// Notes that the published file of that frame is over the job's tolerance, until the frame is queued again.
+void queue_note_missed(struct queue_job *job, int64_t index);
 // The attempt failed. The frame is queued again, or failed when it has no attempts left or `final` is true; `*is_final`
 // (may be NULL) says which. A frame that was being published when its job was canceled or failed becomes canceled or
 // failed; also in queue_return.

@@ -56,12 +56,18 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->finished_ms = row->finished_ms;
     record->is_ending = record->is_swept = row->finished_ms != 0;
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
+    record->tolerance = job.quality.tolerance;
     record->queued = queue_add_job(farm->queue, row->id, &job.frames, row->priority, row->is_paused);
     record->queued->has_started = row->started_ms != 0;
     record->restored_canceled = row->is_canceled;
     record->restored_failed = row->is_failed;
     job_finish(&job);
     return true;
+}
+
+static bool has_file(const struct store_frame *row)
+{
+    return row->state == FRAME_SUCCEEDED || row->state == FRAME_SKIPPED;
 }
 
 static bool on_frame(void *user, const struct store_frame *row, struct error *error)
@@ -74,6 +80,8 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
     if (row->state != FRAME_RUNNING) {
         queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);
         if (row->state == FRAME_SUCCEEDED) state->record->disk_bytes += (int64_t)row->size_bytes;
+        if (has_file(row) && frame_accuracy_is_over(&row->accuracy, state->record->tolerance))
+            queue_note_missed(state->record->queued, row->index);
         return true;
     }
     state->intents = xgrow(state->intents, &state->intent_capacity, state->intent_count + 1, sizeof *row);
@@ -113,6 +121,7 @@ static void finish_publish(struct restore_state *state, const struct store_frame
     queue_restore_frame(record->queued, row->index, is_published ? FRAME_SUCCEEDED : FRAME_QUEUED, row->attempts);
     if (is_published) {
         record->disk_bytes += (int64_t)row->size_bytes;
+        if (frame_accuracy_is_over(&row->accuracy, record->tolerance)) queue_note_missed(record->queued, row->index);
         op.frame.state = FRAME_SUCCEEDED;
     } else {
         op = store_op_reset_frame(row->job, row->index);

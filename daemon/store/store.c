@@ -62,7 +62,8 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [LOAD_JOBS] =
         "SELECT id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms, finished_ms, reason,"
         " name, owner, owner_uid, root, text FROM job JOIN document ON document.job = id ORDER BY id",
-    [LOAD_FRAMES] = "SELECT job, frame_index, state, attempts, size_bytes FROM frame ORDER BY job, frame_index",
+    [LOAD_FRAMES] = "SELECT job, frame_index, state, attempts, size_bytes, audit, measured_error FROM frame ORDER BY "
+                    "job, frame_index",
     [LOAD_FRAME] = "SELECT " STORE_SCHEMA_FRAME_COLUMNS " FROM frame WHERE job = ? AND frame_index = ?",
 };
 
@@ -379,6 +380,7 @@ static bool load_frames(struct store *store, store_on_frame *on_frame, void *use
 
         ok = store_schema_read_state(rows, &frame, error);
         frame.size_bytes = (uint64_t)sqlite3_column_int64(rows, 4);
+        store_schema_read_error(rows, 5, &frame.accuracy);
         if (ok && frame.state == FRAME_RUNNING)
             ok = load_intent(store, frame.job, frame.index, on_frame, user, error);
         else if (ok)

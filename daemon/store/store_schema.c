@@ -107,10 +107,15 @@ static void read_name(sqlite3_stmt *row, int column, char name[static FRAME_ACCU
     if (text) snprintf(name, FRAME_ACCURACY_TEXT_SIZE, "%s", text);
 }
 
+void store_schema_read_error(sqlite3_stmt *row, int column, struct frame_accuracy *accuracy)
+{
+    read_name(row, column, accuracy->audit);
+    accuracy->error = sqlite3_column_double(row, column + 1);
+}
+
 static void read_accuracy(sqlite3_stmt *row, struct frame_accuracy *accuracy)
 {
-    read_name(row, 11, accuracy->audit);
-    accuracy->error = sqlite3_column_double(row, 12);
+    store_schema_read_error(row, 11, accuracy);
     accuracy->error95 = sqlite3_column_double(row, 13);
     accuracy->audit_rays = sqlite3_column_int(row, 14);
     read_name(row, 15, accuracy->method);
