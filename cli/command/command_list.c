@@ -33,7 +33,8 @@ static void add_row(struct table *table, const struct job_report *job)
     table_add(table, pace);
     table_add(table, eta);
     table_add(table, job->owner);
-    table_add(table, job->reason ? job->reason : "");
+    table_add_format(table, "%s%s%s", job->is_draft ? "draft" : "", job->is_draft && job->reason ? "; " : "",
+                     job->reason ? job->reason : "");
     free(pace);
     free(eta);
 }

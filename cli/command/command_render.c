@@ -187,6 +187,7 @@ enum exit_status command_render(const struct options *options, struct error *err
 
     if (!document) goto out;
     if (options->range && !json_set_text(&document, "frames", options->range, error)) goto out;
+    if (options->draft && !json_set_text(&document, "quality", "draft", error)) goto out;
     root = output_root_choose(options->out, true, &document, error);
     if (root && job_document_check(path, document, root, &job, error))
         status = render(options, &job, document, root, error);

@@ -53,6 +53,7 @@ static void print_job(const struct job_report *job)
     print_text("name", job->name);
     print_text("state", job->state);
     print_text("reason", job->reason);
+    if (job->is_draft) print_text("quality", "draft, of no promised accuracy");
     print_text("range", job->range);
     print_counts(job);
     print_text("output", job->output);

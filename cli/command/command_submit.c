@@ -26,6 +26,10 @@ static char *load_document(const struct options *options, struct error *error)
     char *document = job_document_load(options->operands[0], options->sets, options->set_count, error);
     char *assignment, *edited;
 
+    if (document && options->draft && !json_set_text(&document, "quality", "draft", error)) {
+        free(document);
+        return NULL;
+    }
     if (!document || options->priority < 0) return document;
     assignment = xasprintf("priority=%" PRId64, options->priority);
     edited = json_set(document, assignment, error);

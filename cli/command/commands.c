@@ -19,7 +19,8 @@ enum { ANY = 1 << 20 };
 
 // The verbs that need a daemon come first.
 static const struct command commands[] = {
-    {"submit", "JOB", 1, 1, DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(DRY_RUN) | BIT(SET) | BIT(PAUSED) | BIT(PRIORITY),
+    {"submit", "JOB", 1, 1,
+     DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(DRY_RUN) | BIT(SET) | BIT(DRAFT) | BIT(PAUSED) | BIT(PRIORITY),
      "Hands a job file (- for standard input) to the daemon and prints the job's id.",
      "march submit --watch --set frames=0-99 jobs/cloud.json", command_submit},
     {"list", "", 0, 0, DAEMON | BIT(STATE), "Lists the jobs.", "march list --state running,queued", command_list},
@@ -48,7 +49,8 @@ static const struct command commands[] = {
     {"workers", "", 0, 0, DAEMON, "Lists the workers and what they run on.", "march workers", command_workers},
     {"validate", "FILE...", 1, ANY, EVERY | BIT(SET), "Checks job files.",
      "march validate jobs/cloud.json jobs/fog.json", command_validate},
-    {"render", "JOB", 1, 1, RENDERER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS) | BIT(PROGRESS_LIMIT),
+    {"render", "JOB", 1, 1,
+     RENDERER | BIT(FRAMES) | BIT(DRAFT) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS) | BIT(PROGRESS_LIMIT),
      "Renders a job here, without a daemon, into the current folder or to --out.",
      "march render jobs/cloud.json --frames 0-239x60 --out /tmp/cloud.####.exr", command_render},
     {"explain", "JOB", 1, 1, WORKER | BIT(SHADER_DIR) | BIT(SET) | BIT(SHADER),

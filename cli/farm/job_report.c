@@ -36,6 +36,7 @@ static int64_t read_count(const struct json_node *job, const char *key)
 bool job_report_read(struct job_report *report, const struct json_node *node, struct error *error)
 {
     struct json_node id = json_node_child(node, "id"), state = json_node_child(node, "state");
+    struct json_node draft = json_node_child(node, "draft");
     const char *text;
 
     memset(report, 0, sizeof *report);
@@ -61,6 +62,7 @@ bool job_report_read(struct job_report *report, const struct json_node *node, st
     report->started = read_number(node, "started");
     report->finished = read_number(node, "finished");
     report->seconds_per_frame = read_number(node, "seconds_per_frame");
+    json_read_bool(&draft, &report->is_draft, NULL);
     report->eta_s = read_number(node, "eta_s");
     return true;
 }

@@ -17,7 +17,8 @@ struct job_report {
     int64_t frames, queued, running, succeeded, failed, canceled, skipped;
     int64_t missed; // of those that succeeded or were skipped: published over the tolerance
     char *name, *state, *owner, *range, *output, *reason;
-    char *label;                         // "#7 cloud"
+    char *label; // "#7 cloud"
+    bool is_draft;
     double submitted, started, finished; // unix s
     double seconds_per_frame, eta_s;
 };

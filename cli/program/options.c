@@ -64,6 +64,10 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_SIZE] = {"size", KIND_TEXT, FIELD(size), "WIDTHxHEIGHT", 0, 0, "pixels (default 320x180)"},
     [OPTION_FILES] = {"files", KIND_FLAG, FIELD(files), NULL, 0, 0, "also remove the files that the jobs published"},
     [OPTION_QUICK] = {"quick", KIND_FLAG, FIELD(quick), NULL, 0, 0, "end within 5 minutes"},
+    [OPTION_PLAN] = {"plan", KIND_FLAG, FIELD(plan), NULL, 0, 0,
+                     "also plan for the job's tolerance, which renders and takes a while"},
+    [OPTION_DRAFT] = {"draft", KIND_FLAG, FIELD(draft), NULL, 0, 0,
+                      "a quick look in place of the job's quality: no plan, no measured error"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
                             "longest time of a picture (default 60; with --quick 8)"},
 };

@@ -41,6 +41,8 @@ enum option {
     OPTION_QUICK,
     OPTION_POINT_LIMIT,
     OPTION_FILES,
+    OPTION_PLAN,
+    OPTION_DRAFT,
     OPTION_COUNT
 };
 
@@ -48,7 +50,7 @@ enum option {
 
 // Strings are borrowed from argv. Integers are -1 and numbers NAN when not given.
 struct options {
-    bool help, json, wait, watch, dry_run, paused, shader, quick, files;
+    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s;
     double exposure, fps, tolerance;

@@ -69,6 +69,7 @@ static void read_hash(const struct json_node *object, const char *key, char hash
 static void note_answer(struct verify_file *file, const struct json_node *answer)
 {
     struct json_node wrong = json_node_child(answer, "wrong"), tolerance = json_node_child(answer, "tolerance");
+    struct json_node draft = json_node_child(answer, "draft");
     const char *text;
 
     if (json_read_string(&wrong, &text, NULL)) verify_file_blame(file, "%s", text);
@@ -80,6 +81,7 @@ static void note_answer(struct verify_file *file, const struct json_node *answer
     read_hash(answer, "picture_hash", file->picture_hash);
     read_hash(answer, "sequence_hash", file->sequence_hash);
     json_read_number(&tolerance, 0, HUGE_VAL, &file->tolerance, NULL);
+    json_read_bool(&draft, &file->is_draft, NULL);
     frame_accuracy_read(&file->accuracy, answer, NULL);
 }
 

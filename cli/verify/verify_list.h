@@ -25,6 +25,7 @@ struct verify_file {
     char picture_hash[HASH_TEXT_SIZE];  // empty: none
     char sequence_hash[HASH_TEXT_SIZE]; // likewise
     double tolerance;                   // 0: none
+    bool is_draft;                      // it promises no accuracy
     struct frame_accuracy accuracy;
 };
 

@@ -44,9 +44,19 @@ static void print_wrong(const struct verify_list *list, const struct verify_sequ
     table_finish(&table);
 }
 
+static size_t count_drafts(const struct verify_list *list, const struct verify_sequence *sequence)
+{
+    size_t count = 0;
+
+    for (size_t i = sequence->first; i < sequence->first + sequence->file_count; i++)
+        count += list->files[i].is_draft;
+    return count;
+}
+
 static void print_summary(const struct verify_list *list, const struct verify_sequence *sequence)
 {
     const struct verify_file *worst = sequence->worst == SIZE_MAX ? NULL : &list->files[sequence->worst];
+    size_t drafts = count_drafts(list, sequence);
 
     printf("%s: %zu file%s", sequence->pattern, sequence->file_count, sequence->file_count == 1 ? "" : "s");
     if (*sequence->frames) printf(", frames %s", sequence->frames);
@@ -57,6 +67,7 @@ static void print_summary(const struct verify_list *list, const struct verify_se
         printf(" in %s", worst->name);
     }
     if (sequence->missed_count > 0) printf("; %zu published over the tolerance", sequence->missed_count);
+    if (drafts > 0) printf("; %zu draft%s, of no promised accuracy", drafts, drafts == 1 ? "" : "s");
     if (is_good(sequence))
         printf("; all well\n");
     else
@@ -86,6 +97,7 @@ static void write_sequence(const struct verify_list *list, const struct verify_s
     json_write_integer_member(writer, "missed", (int64_t)sequence->missed_count);
     json_write_integer_member(writer, "missing", sequence->missing_count);
     json_write_string_member(writer, "missing_frames", sequence->missing);
+    json_write_integer_member(writer, "drafts", (int64_t)count_drafts(list, sequence));
     if (worst) {
         json_write_number_member(writer, "worst_error", worst->accuracy.error);
         json_write_number_member(writer, "worst_error95", worst->accuracy.error95);
@@ -101,6 +113,7 @@ static void write_file(const struct verify_file *file, struct json_writer *write
     if (file->frame >= 0) json_write_integer_member(writer, "frame", file->frame);
     json_write_string_member(writer, "wrong", file->wrong);
     if (file->tolerance > 0) json_write_number_member(writer, "tolerance", file->tolerance);
+    if (file->is_draft) json_write_bool_member(writer, "draft", true);
     frame_accuracy_write(&file->accuracy, writer);
     json_write_end_object(writer);
 }

@@ -49,12 +49,18 @@ static const struct method {
     [JOB_METHOD_PREINTEGRATED] = {"preintegrated", true},
     [JOB_METHOD_TRACKING] = {"tracking", true},
     [JOB_METHOD_AUTO] = {"auto", false},
+    [JOB_METHOD_DRAFT] = {"draft", false},
 };
-_Static_assert(sizeof methods / sizeof *methods == JOB_METHOD_COUNT, "each method has a row");
+_Static_assert(sizeof methods / sizeof *methods == JOB_METHOD_DRAFT + 1, "each method has a row");
 
 bool job_method_takes_steps(enum job_method method)
 {
     return methods[method].takes_steps;
+}
+
+bool job_quality_states_method(const struct job_quality *quality)
+{
+    return quality->method != JOB_METHOD_AUTO && quality->method != JOB_METHOD_DRAFT;
 }
 
 bool job_quality_has_majorants(const struct job_quality *quality)

@@ -41,9 +41,10 @@ enum job_method {
     JOB_METHOD_CACHED, // midpoint; transmittances to each light come from a grid that is filled once a frame
     JOB_METHOD_PREINTEGRATED, // midpoint; the transfer function's integral between two end values comes from a table
     JOB_METHOD_TRACKING, // random estimates without bias: delta or ratio tracking and others, see enum job_estimator
-    JOB_METHOD_AUTO      // the planner replaces it by the cheapest method that keeps `tolerance`
+    JOB_METHOD_AUTO,     // the planner replaces it by the cheapest method that keeps `tolerance`
+    JOB_METHOD_DRAFT     // the worker replaces it by the one that a count of its work favours
 };
-enum { JOB_METHOD_COUNT = JOB_METHOD_AUTO + 1 };
+enum { JOB_METHOD_COUNT = JOB_METHOD_AUTO + 1 }; // methods that a job names; draft has no keys of its own
 
 // True of methods that end their steps at the bounds of media and skip empty space: all that march but riemann.
 bool job_method_takes_steps(enum job_method method);
@@ -65,6 +66,7 @@ enum job_on_miss {
 
 struct job_quality {
     enum job_method method;
+    bool is_draft;                         // a quick look, with whatever method: no tolerance, no limit of cut light
     double tolerance;                      // auto: the largest allowed relative RMSE of a frame; else 0
     enum job_on_miss on_miss;              // (auto)
     double step;                           // m, along camera rays; 0: see step_voxels
@@ -136,10 +138,12 @@ double job_frame_time(const struct job *job, int32_t frame); // s
 // From the time of the earliest frame to the end of the shutter of the latest. The range must not be empty.
 struct timeline_span job_time_span(const struct job *job);
 int job_find_step_limit(const struct job *job); // the largest number of steps along a camera ray
+// True when the job itself says how it is rendered: neither auto nor draft.
+bool job_quality_states_method(const struct job_quality *quality);
 // True when each medium needs a majorant: an upper bound of its density.
 bool job_quality_has_majorants(const struct job_quality *quality);
 const char *job_method_name(enum job_method method);
-// The names of all methods in the order of enum job_method, then NULL.
+// The names of all methods that a job may name, in the order of enum job_method, then NULL.
 void job_method_list(const char *names[static JOB_METHOD_COUNT + 1]);
 const char *job_estimator_name(enum job_estimator estimator);
 const char *job_compression_name(enum job_compression compression);

@@ -232,6 +232,7 @@ static bool read_method(const struct json_node *object, struct job_quality *qual
     case JOB_METHOD_TRACKING:
         return read_tracking(object, quality, error);
     case JOB_METHOD_AUTO:
+    case JOB_METHOD_DRAFT: // no name of a method
         return read_auto(object, quality, error);
     }
     return false;
@@ -251,6 +252,19 @@ static bool read_paths(const struct json_node *object, struct job_quality *quali
     return read_optional_number(object, "max_cut", 1.0, &quality->max_cut, error);
 }
 
+// A quick look takes one sample a pixel, and is never refused for cut light.
+static bool read_draft(const struct json_node *text, struct job_quality *quality, struct error *error)
+{
+    static const char *const names[] = {"draft", NULL};
+    int choice;
+
+    if (!json_read_enum(text, names, &choice, error)) return false;
+    quality->method = JOB_METHOD_DRAFT;
+    quality->is_draft = true;
+    quality->max_cut = 1.0;
+    return true;
+}
+
 bool quality_from_json(struct job_quality *quality, const struct json_node *document, struct error *error)
 {
     struct json_node object = json_node_child(document, "quality"), samples = json_node_child(&object, "samples");
@@ -263,6 +277,7 @@ bool quality_from_json(struct job_quality *quality, const struct json_node *docu
                                     .max_cut = MAX_CUT_AUDITED};
     if (json_node_is_absent(&object)) return true;
     quality->tolerance = 0.0;
+    if (json_node_type(&object) == JSON_STRING) return read_draft(&object, quality, error);
     return json_check_object(&object, error) && read_method(&object, quality, error) &&
            (json_node_is_absent(&samples) ||
             read_count(&object, "samples", JOB_SAMPLE_LIMIT, &quality->samples, error)) &&

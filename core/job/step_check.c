@@ -316,7 +316,7 @@ static bool check_cached(const struct check *check)
     return true;
 }
 
-// Checks methods that take steps. Auto has no steps yet.
+// Checks methods that take steps. Auto and draft have no steps yet.
 static bool check_midpoint(const struct check *check)
 {
     const struct scene *scene = &check->job->scene;
@@ -325,7 +325,7 @@ static bool check_midpoint(const struct check *check)
     bool is_even = media_are_even(scene);
 
     if (!check_voxels(check)) return false;
-    if (!is_even && quality->method != JOB_METHOD_AUTO && !job_quality_has_majorants(quality) &&
+    if (!is_even && job_quality_states_method(quality) && !job_quality_has_majorants(quality) &&
         scene->light_count > 0 && quality->light_step == 0.0 && quality->light_step_voxels == 0.0)
         return json_fail_expected(&light_step, check->error, "a number of metres, as light marches through media");
     for (size_t i = 0; i < scene->medium_count; i++) {
@@ -436,7 +436,8 @@ bool step_check(const struct job *job, const struct json_node *document, struct 
         return check_cached(&check);
     case JOB_METHOD_EQUIANGULAR:
         return check_equiangular(&check);
-    case JOB_METHOD_AUTO: // homogeneous media alone need no steps
+    case JOB_METHOD_AUTO:
+    case JOB_METHOD_DRAFT: // homogeneous media alone need no steps
         return media_are_even(&job->scene) || check_midpoint(&check);
     }
     return false;

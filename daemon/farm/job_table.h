@@ -25,6 +25,7 @@ struct job_record {
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; why it is paused or failed; NULL: none
     char *code;                                    // owned; the name of GLSL by the user that it runs; NULL: none
+    bool is_draft;                                 // its quality is draft
     int64_t frame_pixels;                          // pixels of one frame
     double tolerance;                              // of a frame's measured error; 0: none
     int64_t disk_bytes;                            // size of its published files

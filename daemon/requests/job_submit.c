@@ -35,6 +35,7 @@ struct job_submit {
     struct output_path path;   // owned
     struct job_inputs inputs;  // owned
     char *code;                // owned; as in struct job_record
+    bool is_draft;
     int64_t frame_pixels;
     double tolerance;
     struct quota_user *user;    // borrowed; the owner
@@ -174,6 +175,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
                                      .priority = job->priority,
                                      .submitted_ms = farm_clock_ms(),
                                      .root = xstrdup(root)};
+    submit->is_draft = job->quality.is_draft;
     submit->frame_pixels = (int64_t)job->width_px * job->height_px;
     submit->tolerance = job->quality.tolerance;
     submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
@@ -305,6 +307,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->owner_uid = row->owner_uid;
     record->submitted_ms = row->submitted_ms;
     record->code = submit->code;
+    record->is_draft = submit->is_draft;
     record->frame_pixels = submit->frame_pixels;
     record->tolerance = submit->tolerance;
     record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);

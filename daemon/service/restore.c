@@ -55,6 +55,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->started_ms = row->started_ms;
     record->finished_ms = row->finished_ms;
     record->is_ending = record->is_swept = row->finished_ms != 0;
+    record->is_draft = job.quality.is_draft;
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
     record->tolerance = job.quality.tolerance;
     record->queued = queue_add_job(farm->queue, row->id, &job.frames, row->priority, row->is_paused);

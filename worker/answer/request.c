@@ -7,6 +7,7 @@
 #include "core/job/job_check.h"
 #include "core/job/job_json.h"
 #include "core/json/json_read.h"
+#include "worker/plan/draft.h"
 
 #include <stdlib.h>
 
@@ -44,7 +45,7 @@ bool request_read_job(const struct json_node *params, struct job *job, struct er
 
     if (!json_node_is_absent(&output_root) && !json_read_string(&output_root, &output_root_path, error)) return false;
     if (!job_from_json(job, &document_root, output_root_path, error)) return false;
-    if (job_check_inputs(job, &document_root, error)) return true;
+    if (job_check_inputs(job, &document_root, error) && draft_settle(job, NULL, error)) return true;
     job_finish(job);
     return false;
 }

@@ -36,7 +36,7 @@ struct request_tools {
 typedef bool request_function(const struct json_node *params, const struct request_tools *tools,
                               struct json_writer *writer, enum message_code *code, struct error *error);
 
-// Reads a request's job from its members `document` and `root` (absent: any).
+// Reads a request's job from its members `document` and `root` (absent: any). A draft has its settings chosen.
 bool request_read_job(const struct json_node *params, struct job *job, struct error *error);
 // False, with `error`, when there is no renderer.
 bool request_check_renderer(const struct request_tools *tools, struct error *error);

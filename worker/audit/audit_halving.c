@@ -27,6 +27,7 @@ static double left_over_change(enum job_method method)
     case JOB_METHOD_CACHED:
     case JOB_METHOD_PREINTEGRATED:
     case JOB_METHOD_AUTO:
+    case JOB_METHOD_DRAFT:
         break;
     }
     // Second order or more; kinks of a density leave no more than that.

@@ -43,6 +43,7 @@ struct image_exr_header {
     struct audit_result audit; // AUDIT_NONE: not written
     double sampling_error;     // relative RMSE due to the number of samples; 0: not measured
     const char *plan;          // how the method was chosen; NULL or empty: the job states it
+    bool is_draft;             // a quick look, which promises no accuracy
     int64_t captured;          // Unix time, s
 };
 
@@ -74,6 +75,7 @@ struct image_exr_facts {
     char method[32];
     double step;
     char plan[IMAGE_EXR_PLAN_SIZE];
+    bool is_draft;
 };
 
 // Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image`

@@ -33,9 +33,11 @@ static void read_accuracy(exr_context_t context, struct image_exr_facts *facts)
 {
     struct audit_result *audit = &facts->audit;
     char kind[16] = "", scope[16] = "";
-    const exr_attribute_t *rays, *missed;
+    const exr_attribute_t *draft, *rays, *missed;
 
     read_text(context, "marchd:plan", facts->plan, sizeof facts->plan);
+    facts->is_draft =
+        !exr_get_attribute_by_name(context, 0, "marchd:draft", &draft) && draft->type == EXR_ATTR_INT && draft->i != 0;
     read_double(context, "marchd:samplingError", &facts->sampling_error);
     *audit = (struct audit_result){.error = NAN, .error95 = NAN, .tolerance = NAN};
     read_double(context, "marchd:error95", &audit->error95);

@@ -15,6 +15,7 @@ struct held_job {
     char *root;     // owned
     char *owner;    // owned
     struct job job;
+    char *draft;           // owned; how a draft's settings were chosen; NULL: the job is no draft
     char *fault;           // owned; why none of its frames can be rendered; NULL if they can
     size_t frame_count;    // of its frames in the assignment
     bool is_forgotten;     // freed with its last frame

@@ -45,6 +45,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .audit = picture->audit,
         .sampling_error = picture->sampling_error,
         .plan = picture->plan,
+        .is_draft = job->quality.is_draft,
         .captured = (int64_t)time(NULL),
     };
 

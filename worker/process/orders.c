@@ -12,6 +12,7 @@
 #include "core/wire/message.h"
 #include "worker/answer/request.h"
 #include "worker/answer/requests.h"
+#include "worker/plan/draft.h"
 #include "worker/process/report.h"
 #include "worker/process/worker.h"
 
@@ -35,6 +36,17 @@ static bool read_text(const struct json_node *params, const char *key, char **te
     return true;
 }
 
+// Chooses a draft's settings.
+static bool settle(struct held_job *job, struct error *error)
+{
+    char reason[IMAGE_EXR_PLAN_SIZE];
+    bool is_draft = job->job.quality.is_draft;
+
+    if (!draft_settle(&job->job, reason, error)) return false;
+    if (is_draft) job->draft = xstrdup(reason);
+    return true;
+}
+
 // A document that cannot be read is a fault of the job, not a broken message: each of its frames then fails with it.
 static bool take_job(struct worker *worker, const struct json_node *params, struct error *error)
 {
@@ -49,7 +61,8 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
         held_job_destroy(job);
         return false;
     }
-    if (!job_from_json(&job->job, &root, job->root, &reason) || !job_check_inputs(&job->job, &root, &reason))
+    if (!job_from_json(&job->job, &root, job->root, &reason) || !job_check_inputs(&job->job, &root, &reason) ||
+        !settle(job, &reason))
         job->fault = xstrdup(reason.message);
     pthread_mutex_lock(&worker->lock);
     assignment_add_job(&worker->assignment, job);

@@ -60,8 +60,16 @@ enum part_file_existing part_file_find_existing(const struct assignment_frame *f
                      .fd = fd, .job = job, .picture_hash = picture_hash, .frame = frame->frame, .accepts_missed = true},
                  found, &reason))
         existing = PART_FILE_SKIP;
+    else if (job->quality.is_draft && found->facts.job_hash[0] && !found->facts.is_draft)
+        existing = PART_FILE_REFUSE;
     else
         log_info("%s is rendered again: %s", name, reason.message);
+    if (existing == PART_FILE_REFUSE)
+        error_set(
+            error,
+            "%s is a frame of ours and no draft, which a draft does not replace; expected another output.path, or "
+            "output.existing \"overwrite\"",
+            name);
     if (fd >= 0) close(fd);
     return existing;
 }

@@ -14,7 +14,7 @@ int part_file_open_folder(const struct assignment_frame *frame, struct error *er
 enum part_file_existing {
     PART_FILE_RENDER, // no file exists, or none that passes the gate
     PART_FILE_SKIP,   // this frame exists and passes the gate, as `found` says
-    PART_FILE_REFUSE  // a file exists, and the job refuses existing files
+    PART_FILE_REFUSE  // a file exists, and the job refuses existing files, or the job is a draft and the file is none
 };
 // `picture_hash` is the hash that the file's header must have.
 enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, const char *picture_hash,

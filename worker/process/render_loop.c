@@ -142,7 +142,7 @@ static void hand_over(struct render_loop *loop, struct picture *picture)
     pthread_mutex_unlock(&worker->lock);
 }
 
-static void fill_picture(struct picture *picture, const struct tolerance_result *result)
+static void fill_picture(struct picture *picture, const struct held_job *job, const struct tolerance_result *result)
 {
     const struct renderer_result *render = &result->render;
 
@@ -156,7 +156,7 @@ static void fill_picture(struct picture *picture, const struct tolerance_result 
     picture->ray_counts = render->ray_counts;
     picture->audit = result->audit;
     picture->sampling_error = result->audit.sampling_error;
-    memcpy(picture->plan, result->reason, sizeof picture->plan);
+    snprintf(picture->plan, sizeof picture->plan, "%s", job->draft ? job->draft : result->reason);
 }
 
 // Takes over `folder_fd`.
@@ -175,7 +175,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
 
     picture->folder_fd = folder_fd;
     if (tolerance_render(loop->tolerance, &params, &result, &error)) {
-        fill_picture(picture, &result);
+        fill_picture(picture, loop->frame->job, &result);
         hand_over(loop, picture);
         return;
     }

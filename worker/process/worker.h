@@ -25,12 +25,12 @@ struct picture {
     int folder_fd; // owned; the folder of its file
     double world_to_camera[16], world_to_ndc[16];
     double render_s;
-    enum job_method method; // the job's, or the plan's in place of auto
+    enum job_method method; // the job's, or the one chosen in its place
     double step;            // in metres; likewise
     struct ray_counts ray_counts;
     struct audit_result audit;   // AUDIT_NONE: the job states no tolerance
     double sampling_error;       // relative RMSE by the number of samples per pixel; 0: not measured
-    char plan[PLAN_REASON_SIZE]; // the plan's reason; empty: the job names its method
+    char plan[PLAN_REASON_SIZE]; // the plan's reason, or the draft's; empty: the job names its method
     char shader_hash[64];
     char hash[HASH_TEXT_SIZE]; // of the job and of the contents of the frame's input files
 };

@@ -131,11 +131,31 @@ static void without_a_method_there_is_a_tolerance(void **state)
     assert_tolerance("{\"method\":\"auto\",\"tolerance\":0.0002,\"samples\":4}", 2e-4, 4);
 }
 
+static void a_draft_is_one_word(void **state)
+{
+    char *text = json_edit_set(job_text_noise, "quality", "\"draft\"");
+    struct job job = job_expect(text), exact = job_expect(job_text_noise);
+
+    assert_int_equal(job.quality.method, JOB_METHOD_DRAFT);
+    assert_true(job.quality.is_draft && !exact.quality.is_draft);
+    assert_false(job_quality_states_method(&job.quality));
+    assert_int_equal(job.quality.samples, 1);
+    assert_true(job.quality.tolerance == 0.0 && job.quality.max_cut == 1.0);
+    assert_string_not_equal(job.hash, exact.hash);
+    job_finish(&exact);
+    job_finish(&job);
+    free(text);
+}
+
 static void wrong_qualities_are_refused_by_place(void **state)
 {
     static const struct {
         const char *path, *value, *expected;
     } edits[] = {
+        {"quality", "\"daft\"", "quality: expected one of \"draft\", got \"daft\", did you mean \"draft\"?"},
+        {"quality", "{\"method\":\"draft\"}",
+         "quality.method: expected one of \"riemann\",\"midpoint\",\"equiangular\",\"jittered\",\"adaptive\",\"gauss\","
+         "\"cached\",\"preintegrated\",\"tracking\",\"auto\", got \"draft\""},
         {"quality.roulette.below", "0", "quality.roulette.below: expected a number in (0, 1], got 0"},
         {"quality.roulette.survive", "1", "quality.roulette.survive: expected a number in (0, 1), got 1"},
         {"quality.roulette.survive", NULL, "quality.roulette.survive: expected a number from 0 to 1, got nothing"},
@@ -191,6 +211,7 @@ int main(void)
         cmocka_unit_test(without_a_method_there_is_a_tolerance),
         cmocka_unit_test(tracking_is_read),
         cmocka_unit_test(cached_is_read),
+        cmocka_unit_test(a_draft_is_one_word),
         cmocka_unit_test(wrong_qualities_are_refused_by_place),
     };
 
