@@ -11,6 +11,7 @@
 #include "core/wire/message.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,12 +52,49 @@ static void print_modules(const struct json_node *result)
     printf("\n");
 }
 
-static void print_explanation(const struct json_node *result)
+static double number_of(const struct json_node *object, const char *key)
+{
+    struct json_node node = json_node_child(object, key);
+    double number = 0.0;
+
+    return json_read_number(&node, -HUGE_VAL, HUGE_VAL, &number, NULL) ? number : 0.0;
+}
+
+// What is known of the cost without rendering anything.
+static void print_count(const struct json_node *result, const struct job *job)
+{
+    struct json_node counted = json_node_child(result, "counted"), quality = json_node_child(&counted, "quality");
+    struct json_node methods = json_node_child(&counted, "methods"), method = {0};
+    double each = number_of(&counted, "evaluations"), pixels = number_of(&counted, "pixels");
+
+    printf("Counted, not measured\n");
+    if (job->quality.method == JOB_METHOD_AUTO)
+        printf("  a tolerance of %g: its method is planned when frames are rendered, or here with --plan;\n"
+               "  below stands what a draft takes\n",
+               job->quality.tolerance);
+    if (!json_node_is_absent(&quality)) {
+        printf("  ");
+        plan_report_print_quality(&quality);
+    }
+    if (each > 0.0)
+        printf("  %.2g evaluations of densities a pixel, %.2g a frame, %.2g for all %.0f frames, at most\n", each,
+               each * pixels, each * pixels * number_of(&counted, "frames"), number_of(&counted, "frames"));
+    if (json_node_count(&methods) > 0)
+        printf("  evaluations for one sample, by method, in 64 steps through the media:");
+    for (const char *gap = " "; json_node_next(&methods, &method); gap = ", ")
+        printf("%s%s %.2g", gap, text_of(&method, "method"), number_of(&method, "evaluations"));
+    printf("\n\n");
+}
+
+static void print_explanation(const struct json_node *result, const struct job *job)
 {
     struct json_node bytes = json_node_child(result, "uniform_bytes"), plan = json_node_child(result, "plan");
     int64_t uniform_bytes = 0;
 
-    if (!json_node_is_absent(&plan)) plan_report_print(&plan);
+    if (json_node_is_absent(&plan))
+        print_count(result, job);
+    else
+        plan_report_print(&plan);
     print_features(result, "modelled", "Modelled");
     print_features(result, "not_modelled", "Not modelled");
     print_modules(result);
@@ -65,33 +103,51 @@ static void print_explanation(const struct json_node *result)
            text_of(result, "shader_hash"), strlen(text_of(result, "shader")), uniform_bytes);
 }
 
-// A job with a tolerance is planned first, which needs GL.
-static enum exit_status explain(const struct options *options, const struct job *job, const char *document,
-                                struct error *error)
+static enum exit_status ask(const struct options *options, const char *document, bool is_planned, struct message *reply,
+                            struct error *error)
 {
     struct json_writer params = {0};
     enum exit_status status;
-    struct message reply;
 
     json_write_begin_object(&params);
     json_write_key(&params, "document");
     json_write_raw(&params, document, strlen(document));
     json_write_string_member(&params, "root", "/");
+    json_write_bool_member(&params, "plan", is_planned);
     json_write_end_object(&params);
     status = worker_child_ask(options,
                               &(struct worker_question){.method = "worker.explain",
                                                         .params = params.text,
-                                                        .needs_gl = job->quality.method == JOB_METHOD_AUTO,
-                                                        .label = "planning"},
-                              &reply, error);
+                                                        .needs_gl = is_planned,
+                                                        .label = is_planned ? "planning" : NULL},
+                              reply, error);
     json_writer_finish(&params);
+    return status;
+}
+
+// Before a plan, which takes a while, what is known at once is printed.
+static enum exit_status explain(const struct options *options, const struct job *job, const char *document,
+                                struct error *error)
+{
+    bool is_planned = options->plan && job->quality.method == JOB_METHOD_AUTO;
+    enum exit_status status = EXIT_STATUS_DONE;
+    struct message reply;
+
+    if (is_planned && !options->json && !options->shader) {
+        status = ask(options, document, false, &reply, error);
+        if (status != EXIT_STATUS_DONE) return status;
+        print_count(&reply.body, job);
+        fflush(stdout);
+        message_finish(&reply);
+    }
+    status = ask(options, document, is_planned, &reply, error);
     if (status != EXIT_STATUS_DONE) return status;
     if (options->json)
         print_json(&reply.body);
     else if (options->shader)
         fputs(text_of(&reply.body, "shader"), stdout);
     else
-        print_explanation(&reply.body);
+        print_explanation(&reply.body, job);
     message_finish(&reply);
     return status;
 }

@@ -26,7 +26,7 @@ struct connection {
     size_t kept_count, kept_capacity, kept_start;
     int64_t last_id;
     enum exit_status failure;
-    void (*on_wait)(void *user); // NULL: none
+    void (*on_wait)(void *user, const struct message *message); // NULL: none
     void *wait_user;
 };
 
@@ -51,7 +51,8 @@ void connection_close(struct connection *connection)
     free(connection);
 }
 
-void connection_set_wait(struct connection *connection, void (*on_wait)(void *user), void *user)
+void connection_set_wait(struct connection *connection, void (*on_wait)(void *user, const struct message *message),
+                         void *user)
 {
     connection->on_wait = on_wait;
     connection->wait_user = user;
@@ -186,8 +187,8 @@ static bool await_answer(struct connection *connection, const char *id, struct m
         }
         if (event != CONNECTION_MESSAGE) return false;
         if (!is_answer(reply, id)) {
+            if (connection->on_wait) connection->on_wait(connection->wait_user, reply);
             keep(connection, reply);
-            if (connection->on_wait) connection->on_wait(connection->wait_user);
             continue;
         }
         if (reply->kind == MESSAGE_RESULT) return true;

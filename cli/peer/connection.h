@@ -18,8 +18,9 @@ struct connection *connection_adopt(int fd, const char *peer);
 void connection_close(struct connection *connection); // accepts NULL
 // Waiting ends when `interrupt` (borrowed; outlives us) is requested.
 void connection_set_interrupt(struct connection *connection, struct interrupt *interrupt);
-// `on_wait` (NULL: none) is called for each message that arrives while a call waits; a busy worker sends one a second.
-void connection_set_wait(struct connection *connection, void (*on_wait)(void *user), void *user);
+// `on_wait` (NULL: none) is called with each message that arrives while a call waits; a busy worker sends one a second.
+void connection_set_wait(struct connection *connection, void (*on_wait)(void *user, const struct message *message),
+                         void *user);
 
 // The exit status that suits the last failure.
 enum exit_status connection_failure(const struct connection *connection);

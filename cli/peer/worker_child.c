@@ -214,19 +214,37 @@ enum { SHOWN_AFTER_MS = 2000 };
 struct waiting {
     const char *label;
     int64_t start_ms;
-    bool is_shown;
+    int64_t done, count; // parts of the work; 0: unknown
+    struct progress_display display;
 };
 
-static void on_wait(void *user)
+static void note_parts(struct waiting *waiting, const struct message *message)
+{
+    struct json_node done = json_node_child(&message->body, "done"), count = json_node_child(&message->body, "count");
+
+    if (!message->method || strcmp(message->method, "request.progress") != 0) return;
+    json_read_integer(&done, 0, INT32_MAX, &waiting->done, NULL);
+    json_read_integer(&count, 0, INT32_MAX, &waiting->count, NULL);
+}
+
+// Draws at each message that arrives; a busy worker sends one a second.
+static void on_wait(void *user, const struct message *message)
 {
     struct waiting *waiting = user;
-    int64_t gone_ms = progress_now_ms() - waiting->start_ms, gone_s = gone_ms / 1000;
-    char *duration;
+    int64_t now_ms = progress_now_ms(), gone_s = (now_ms - waiting->start_ms) / 1000;
+    char *duration = progress_format_duration((double)gone_s), *state = xasprintf("%s so far", duration);
 
-    if (gone_ms < SHOWN_AFTER_MS) return;
-    duration = progress_format_duration((double)gone_s);
-    fprintf(stderr, "\r%s, %s so far\033[K", waiting->label, duration);
-    waiting->is_shown = true;
+    note_parts(waiting, message);
+    if (now_ms - waiting->start_ms >= SHOWN_AFTER_MS)
+        progress_display_draw(&waiting->display,
+                              &(struct progress){.label = waiting->label,
+                                                 .state = state,
+                                                 .total = waiting->count,
+                                                 .done = waiting->done,
+                                                 .seconds_per_frame = -1,
+                                                 .eta_s = -1},
+                              1, now_ms, false);
+    free(state);
     free(duration);
 }
 
@@ -241,12 +259,11 @@ enum exit_status worker_child_ask(const struct options *options, const struct wo
     interrupt_init(&interrupt);
     if (start(&child, options, backend, &interrupt, error)) {
         struct waiting waiting = {.label = question->label, .start_ms = progress_now_ms()};
-        struct progress_display terminal;
 
-        progress_display_init(&terminal, stderr);
-        if (question->label && terminal.is_live) connection_set_wait(child.connection, on_wait, &waiting);
+        progress_display_init(&waiting.display, stderr);
+        if (question->label) connection_set_wait(child.connection, on_wait, &waiting);
         status = worker_child_call(&child, question->method, question->params, reply, error);
-        if (waiting.is_shown) fputs("\r\033[K", stderr);
+        progress_display_clear(&waiting.display);
         worker_child_stop(&child, status != EXIT_STATUS_DONE);
     }
     interrupt_finish(&interrupt);

@@ -38,7 +38,7 @@ enum exit_status worker_child_call(struct worker_child *child, const char *metho
 struct worker_question {
     const char *method, *params; // as for connection_call
     bool needs_gl;               // else the worker makes no context
-    const char *label;           // shown on a terminal, with the time, while a call takes long; may be NULL
+    const char *label;           // shown on stderr, with parts done and time, while a call takes long; NULL: nothing is
 };
 
 // Starts a worker for one request and stops it; `reply` as for connection_call.

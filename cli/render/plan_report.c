@@ -46,8 +46,7 @@ enum exit_status plan_report_ask(const struct options *options, const char *docu
     return status;
 }
 
-// Prints the method and its numbers by their keys in a job.
-static void print_quality(const struct json_node *quality)
+void plan_report_print_quality(const struct json_node *quality)
 {
     struct json_node member = {0};
 
@@ -69,7 +68,7 @@ static void print_segment(const struct json_node *plan)
            number_of(plan, "first_frame"), number_of(plan, "last_frame"), number_of(plan, "frame_s"),
            number_of(plan, "render_s"), number_of(plan, "audit_s"), number_of(plan, "encode_s"),
            number_of(plan, "plan_s"), number_of(plan, "error"));
-    print_quality(&quality);
+    plan_report_print_quality(&quality);
     printf("    %s\n", text_of(plan, "why"));
 }
 

@@ -12,5 +12,7 @@ struct options;
 // Starts a worker to plan the job of `document` (worker.plan); `reply` as for connection_call.
 enum exit_status plan_report_ask(const struct options *options, const char *document, struct message *reply,
                                  struct error *error);
+// Prints a quality, its method and numbers by their keys in a job, and ends the line.
+void plan_report_print_quality(const struct json_node *quality);
 // Prints a result of worker.plan.
 void plan_report_print(const struct json_node *plan);

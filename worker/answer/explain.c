@@ -4,9 +4,11 @@
 #include "core/job/job.h"
 #include "core/json/json_write.h"
 #include "core/scene/light_rules.h"
+#include "worker/answer/quality_answer.h"
 #include "worker/density/density_bake.h"
 #include "worker/density/density_kind.h"
 #include "worker/model/light_grid.h"
+#include "worker/plan/draft.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/shader/scene_program.h"
@@ -367,6 +369,34 @@ static void list_method(const struct listing *listing)
     list_samples(listing);
 }
 
+// What can be said of the cost without rendering anything.
+static void write_count(const struct job *job, struct json_writer *writer)
+{
+    double evaluations = draft_count(job);
+    struct draft draft;
+
+    json_write_key(writer, "counted");
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "frames", frame_range_count(&job->frames));
+    json_write_integer_member(writer, "pixels", (int64_t)job->width_px * job->height_px);
+    if (evaluations > 0.0) json_write_number_member(writer, "evaluations", evaluations);
+    if (job->quality.is_draft) {
+        json_write_key(writer, "quality");
+        quality_answer_write(writer, job, &job->quality);
+    }
+    json_write_key(writer, "methods");
+    json_write_begin_array(writer);
+    if (!draft_choose(&draft, job, NULL)) draft.option_count = 0;
+    for (size_t i = 0; i < draft.option_count; i++) {
+        json_write_begin_object(writer);
+        json_write_string_member(writer, "method", draft.options[i].name);
+        json_write_number_member(writer, "evaluations", draft.options[i].evaluations);
+        json_write_end_object(writer);
+    }
+    json_write_end_array(writer);
+    json_write_end_object(writer);
+}
+
 static void write_list(struct listing listing, const char *key, bool of_modelled)
 {
     listing.of_modelled = of_modelled;
@@ -398,6 +428,7 @@ bool explain_write(const struct job *job, const char *shader_dir, const struct j
         json_write_key(writer, "plan");
         json_write_raw(writer, plan->text, plan->length);
     }
+    write_count(job, writer);
     write_list(listing, "modelled", true);
     write_list(listing, "not_modelled", false);
     json_write_key(writer, "modules");

@@ -9,6 +9,6 @@ struct job;
 struct json_writer;
 
 // Writes the result of `worker.explain` (docs/protocol.md) as one JSON object. `plan` is its member of that name, as
-// JSON text; NULL: none. A job that states a tolerance is passed as planned.
+// JSON text; NULL: none. A job that does not state its method is passed as planned, or as its draft.
 bool explain_write(const struct job *job, const char *shader_dir, const struct json_writer *plan,
                    struct json_writer *writer, struct error *error);

@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/json/json_write.h"
+#include "worker/answer/quality_answer.h"
 #include "worker/answer/request.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_make.h"
@@ -21,40 +22,6 @@ static bool is_wanted(void *user, double done)
     return !tools->is_wanted || tools->is_wanted(tools->user);
 }
 
-static void write_number(struct json_writer *writer, const char *key, double number)
-{
-    if (number > 0.0) json_write_number_member(writer, key, number);
-}
-
-static void write_count(struct json_writer *writer, const char *key, int count)
-{
-    if (count > 0) json_write_integer_member(writer, key, count);
-}
-
-// Writes the quality as a job would state it.
-static void write_quality(struct json_writer *writer, const struct job *job, const struct job_quality *quality)
-{
-    json_write_key(writer, "quality");
-    json_write_begin_object(writer);
-    json_write_string_member(writer, "method", job_method_name(quality->method));
-    write_number(writer, "step", quality->step);
-    write_number(writer, "step_voxels", quality->step_voxels);
-    write_number(writer, "light_step", quality->light_step);
-    write_number(writer, "light_step_voxels", quality->light_step_voxels);
-    write_number(writer, "depth_step", quality->depth_step);
-    write_count(writer, "order", quality->order);
-    write_count(writer, "points", quality->points);
-    write_count(writer, "light_grid", quality->light_grid);
-    write_count(writer, "density_grid", quality->density_grid);
-    write_number(writer, "min_transmittance", quality->min_transmittance);
-    json_write_integer_member(writer, "samples", quality->samples);
-    if (job->scene.object_count > 0) {
-        json_write_integer_member(writer, "max_depth", quality->max_depth);
-        json_write_number_member(writer, "min_throughput", quality->min_throughput);
-    }
-    json_write_end_object(writer);
-}
-
 static void write_plan(struct json_writer *writer, const struct job *job, const struct plan_segment *segment,
                        const struct plan *plan)
 {
@@ -62,7 +29,8 @@ static void write_plan(struct json_writer *writer, const struct job *job, const 
     json_write_integer_member(writer, "segment", segment->index);
     json_write_integer_member(writer, "first_frame", frame_range_at(&job->frames, segment->first));
     json_write_integer_member(writer, "last_frame", frame_range_at(&job->frames, segment->first + segment->count - 1));
-    write_quality(writer, job, &plan->quality);
+    json_write_key(writer, "quality");
+    quality_answer_write(writer, job, &plan->quality);
     json_write_string_member(writer, "why", plan->reason);
     json_write_number_member(writer, "frame_s", plan->predicted_frame_s);
     json_write_number_member(writer, "render_s", plan->predicted_s);
@@ -105,6 +73,7 @@ bool plan_answer_write(const struct job *job, const struct request_tools *tools,
         struct plan plan;
         enum renderer_fault fault;
 
+        if (tools->on_part) tools->on_part(tools->user, i, planned);
         if (!plan_make(&plan,
                        &(struct plan_params){.renderer = tools->renderer,
                                              .job = job,

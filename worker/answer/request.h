@@ -5,6 +5,7 @@
 #include "core/wire/message.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 struct error;
 struct gl_context;
@@ -29,6 +30,7 @@ struct request_tools {
     const struct gl_context *context; // NULL with --backend none
     struct renderer *renderer;        // likewise
     bool (*is_wanted)(void *user); // may be NULL; false once nobody waits for the answer; long answers ask now and then
+    void (*on_part)(void *user, int64_t done, int64_t count); // may be NULL; long answers tell which parts are done
     void *user;
 };
 

@@ -10,6 +10,7 @@
 #include "worker/answer/plan_answer.h"
 #include "worker/answer/request.h"
 #include "worker/answer/request_verify.h"
+#include "worker/plan/draft.h"
 #include "worker/plan/plan.h"
 #include "worker/sheet/preview.h"
 
@@ -20,25 +21,40 @@
 
 enum { FILE_LIMIT = 100 * 1000, TILE_WIDTH_LIMIT = 4096, COLUMN_LIMIT = 1000, EXPOSURE_LIMIT_STOPS = 60 };
 
+// A job with a tolerance is explained as planned, or as its draft, which takes no time.
+static bool write_explanation(const struct job *job, bool is_planned, const struct request_tools *tools,
+                              struct json_writer *writer, struct error *error)
+{
+    struct json_writer predicted = {0};
+    struct draft draft;
+    struct plan plan;
+    struct job explained = *job;
+    bool is_auto = job->quality.method == JOB_METHOD_AUTO, ok = true;
+
+    if (is_auto && is_planned) {
+        ok = plan_answer_write(job, tools, &predicted, &plan, error);
+        if (ok) explained = plan_apply(&plan, job);
+    } else if (is_auto) {
+        ok = draft_choose(&draft, job, error);
+        if (ok) explained.quality = draft.quality;
+    }
+    ok = ok && explain_write(&explained, tools->shader_dir, predicted.text ? &predicted : NULL, writer, error);
+    json_writer_finish(&predicted);
+    return ok;
+}
+
 static bool answer_explain(const struct json_node *params, const struct request_tools *tools,
                            struct json_writer *writer, enum message_code *code, struct error *error)
 {
-    struct json_writer predicted = {0};
-    struct job job = {0}, planned;
-    struct plan plan;
-    bool ok;
+    struct json_node plan = json_node_child(params, "plan");
+    struct job job = {0};
+    bool is_planned = false, ok;
 
     *code = MESSAGE_CODE_PARAMS;
+    if (!json_node_is_absent(&plan) && !json_read_bool(&plan, &is_planned, error)) return false;
     if (!request_read_job(params, &job, error)) return false;
     *code = MESSAGE_CODE_INTERNAL;
-    if (job.quality.method == JOB_METHOD_AUTO) {
-        ok = plan_answer_write(&job, tools, &predicted, &plan, error);
-        if (ok) planned = plan_apply(&plan, &job);
-        ok = ok && explain_write(&planned, tools->shader_dir, &predicted, writer, error);
-    } else {
-        ok = explain_write(&job, tools->shader_dir, NULL, writer, error);
-    }
-    json_writer_finish(&predicted);
+    ok = write_explanation(&job, is_planned, tools, writer, error);
     job_finish(&job);
     return ok;
 }

@@ -283,6 +283,13 @@ static bool is_answer_wanted(void *user)
     return is_wanted;
 }
 
+static void on_part(void *user, int64_t done, int64_t count)
+{
+    struct worker *worker = user;
+
+    report_part(&worker->connection, done, count);
+}
+
 static void work(struct render_loop *loop)
 {
     struct worker *worker = loop->worker;
@@ -290,6 +297,7 @@ static void work(struct render_loop *loop)
                                         .context = loop->context,
                                         .renderer = loop->renderer,
                                         .is_wanted = is_answer_wanted,
+                                        .on_part = on_part,
                                         .user = worker};
     struct json_writer reply = {0};
     struct request *request;

@@ -71,6 +71,16 @@ void report_beat(struct connection *connection, uint64_t progress)
     send_and_finish(connection, &writer);
 }
 
+void report_part(struct connection *connection, int64_t done, int64_t count)
+{
+    struct json_writer writer = {0};
+
+    begin(&writer, "request.progress");
+    json_write_integer_member(&writer, "done", done);
+    json_write_integer_member(&writer, "count", count);
+    send_and_finish(connection, &writer);
+}
+
 static void report_plain(struct connection *connection, const char *method, const struct assignment_frame *frame)
 {
     struct json_writer writer = {0};

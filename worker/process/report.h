@@ -16,6 +16,8 @@ void report_ready(struct connection *connection, const struct gl_context_facts *
 // `fault` is "worker", or why the worker could not be fenced in for its job: "job" (its inputs) or "output".
 void report_unable(struct connection *connection, const char *fault, const char *reason);
 void report_beat(struct connection *connection, uint64_t progress);
+// How many parts of the answer to a request are done, of how many.
+void report_part(struct connection *connection, int64_t done, int64_t count);
 void report_started(struct connection *connection, const struct assignment_frame *frame);
 // The plan of the frame's segment is being made, which may take longer than the frame; and has been made.
 void report_planning(struct connection *connection, const struct assignment_frame *frame);
