@@ -6,7 +6,8 @@
 //   sleep:MS     the same after MS milliseconds
 //   write:MS     writes a small file after MS milliseconds and reports it finished
 //   audited:MS   the same, and reports its accuracy
-//   plan:MS      like write, and reports that it plans first
+//   plan:MS      like write, and reports that it plans first, for 48 frames, and that a quarter is rendered
+//   phase:MS     like write, and plans for as long
 //   lie:MS       like write, but reports a wrong file, and frames that it was not given as finished
 //   fail:FAULT   answers frame.failed with that fault
 //   crash        dies when it begins a frame
@@ -80,7 +81,8 @@ static bool has_mode(const struct stub *stub, const char *mode)
 
 static bool writes_files(const struct stub *stub)
 {
-    return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "plan") || has_mode(stub, "lie");
+    return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "plan") || has_mode(stub, "phase") ||
+           has_mode(stub, "lie");
 }
 
 static void begin_report(struct stub *stub, const char *method, const struct stub_frame *frame)
@@ -254,10 +256,17 @@ static void begin_frame(struct stub *stub)
     if (has_mode(stub, "skip")) return;
     begin_report(stub, "frame.started", frame);
     end_report(stub);
-    if (has_mode(stub, "plan")) {
+    if (has_mode(stub, "plan") || has_mode(stub, "phase")) {
         begin_report(stub, "frame.planning", frame);
         end_report(stub);
+    }
+    if (has_mode(stub, "plan")) {
         begin_report(stub, "frame.planned", frame);
+        json_write_integer_member(&stub->out, "frames", 48);
+        end_report(stub);
+        begin_report(stub, "frame.phase", frame);
+        json_write_string_member(&stub->out, "phase", "render");
+        json_write_number_member(&stub->out, "progress", 0.25);
         end_report(stub);
     }
     if (has_mode(stub, "garbage")) json_write_raw(&stub->out, "what?\n", 6);

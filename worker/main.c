@@ -80,6 +80,7 @@ static void take_lines(struct worker *worker)
 
 struct state {
     bool has_ended, is_abandoned, is_ready;
+    struct report_doing doing;
 };
 
 static struct state read_state(struct worker *worker)
@@ -87,7 +88,7 @@ static struct state read_state(struct worker *worker)
     struct state state;
 
     pthread_mutex_lock(&worker->lock);
-    state = (struct state){worker->running_threads == 0, worker->is_abandoned, worker->is_ready};
+    state = (struct state){worker->running_threads == 0, worker->is_abandoned, worker->is_ready, worker->doing};
     pthread_mutex_unlock(&worker->lock);
     return state;
 }
@@ -124,7 +125,10 @@ static bool serve(struct worker *worker, int signal_fd)
         if (now >= deadline_ms) return false;
         if (now >= next_beat_ms) {
             next_beat_ms = now + BEAT_MS;
-            if (state.is_ready && !state.is_abandoned) report_beat(&worker->connection, atomic_load(&worker->progress));
+            if (state.is_ready && !state.is_abandoned) {
+                report_beat(&worker->connection, atomic_load(&worker->progress));
+                report_phase(&worker->connection, &state.doing);
+            }
         }
         if (!wait_for_orders(worker, signal_fd, state.is_abandoned,
                              (int)((next_beat_ms < deadline_ms ? next_beat_ms : deadline_ms) - now)))

@@ -35,6 +35,28 @@ static void print_seconds(double seconds)
         printf("  %8s", "-");
 }
 
+// The estimate of a frame's error and the bound that it is below with a confidence of 95 %.
+static void print_audit(const struct json_node *frame)
+{
+    double error = number_of(frame, "measured_error"), error95 = number_of(frame, "error95");
+    char text[40] = "-";
+
+    if (error >= 0) snprintf(text, sizeof text, "%.2g / %.2g", 100 * error, 100 * error95);
+    printf("  %15s", text);
+}
+
+// The file, why there is none, or what is done to it.
+static void print_end(const struct json_node *frame)
+{
+    double progress = number_of(frame, "phase_progress");
+    const char *phase = text_of(frame, "phase", NULL), *why = text_of(frame, "error", NULL);
+
+    if (phase && progress > 0)
+        printf("  %s %.0f %%\n", phase, 100 * progress);
+    else
+        printf("  %s\n", phase ? phase : why ? why : text_of(frame, "path", "-"));
+}
+
 static void print_share(const struct json_node *frame, const char *key)
 {
     double share = number_of(frame, key);
@@ -49,7 +71,6 @@ static void print_share(const struct json_node *frame, const char *key)
 static void print_frame(const struct json_node *frame)
 {
     double size = number_of(frame, "size_bytes");
-    const char *why = text_of(frame, "error", NULL);
 
     printf("%8.0f  %-9s  %3.0f", number_of(frame, "frame"), text_of(frame, "state", "?"), number_of(frame, "attempts"));
     print_seconds(number_of(frame, "render_s"));
@@ -59,10 +80,9 @@ static void print_frame(const struct json_node *frame)
     else
         printf("  %11s", "-");
     printf("  %-13s", text_of(frame, "method", "-"));
-    print_share(frame, "measured_error");
-    print_share(frame, "error95");
+    print_audit(frame);
     print_share(frame, "cut_share");
-    printf("  %s\n", why ? why : text_of(frame, "path", "-"));
+    print_end(frame);
 }
 
 static void print_page(const struct options *options, const struct json_node *frames, bool is_first)
@@ -112,8 +132,8 @@ static enum exit_status print_frames(const struct options *options, struct conne
         if (!ok) return connection_failure(connection);
         if (offset == 0 && options->json) printf("{\"frames\":[");
         if (offset == 0 && !options->json)
-            printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %7s  %7s  %7s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
-                   "ENCODE S", "BYTES", "METHOD", "ERROR %", "ERR95 %", "CUT %", "FILE OR FAILURE");
+            printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %15s  %7s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
+                   "ENCODE S", "BYTES", "METHOD", "AUDIT % / 95 %", "CUT %", "FILE, FAILURE OR PHASE");
         frames = json_node_child(&reply.body, "frames");
         total_node = json_node_child(&reply.body, "total");
         ok = json_read_integer(&total_node, 0, INT64_C(1) << 52, &total, error);

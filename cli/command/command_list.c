@@ -12,9 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct table_column columns[] = {{"ID", true},      {"NAME", false},  {"STATE", false}, {"PRIO", true},
-                                              {"DONE", true},    {"FRAMES", true}, {"FAILED", true}, {"MISSED", true},
-                                              {"S/FRAME", true}, {"ETA", true},    {"OWNER", false}, {"REASON", false}};
+static const struct table_column columns[] = {{"ID", true},     {"NAME", false},   {"STATE", false}, {"PHASE", false},
+                                              {"PRIO", true},   {"DONE", true},    {"FRAMES", true}, {"FAILED", true},
+                                              {"MISSED", true}, {"S/FRAME", true}, {"ETA", true},    {"OWNER", false},
+                                              {"REASON", false}};
 
 static void add_row(struct table *table, const struct job_report *job)
 {
@@ -24,6 +25,10 @@ static void add_row(struct table *table, const struct job_report *job)
     table_add_format(table, "%" PRId64, job->id);
     table_add(table, job->name);
     table_add(table, job->state);
+    if (job->phase && job->phase_progress > 0)
+        table_add_format(table, "%s %.0f %%", job->phase, 100 * job->phase_progress);
+    else
+        table_add(table, job->phase);
     table_add_format(table, "%" PRId64, job->priority);
     table_add_format(table, "%" PRId64, job->succeeded + job->skipped);
     table_add_format(table, "%" PRId64, job->frames);

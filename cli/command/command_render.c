@@ -28,9 +28,25 @@ struct telling {
     int64_t missed_count; // published although over the tolerance
     int64_t began_ms;
     bool knows_worker; // the renderer has been printed
+    char phase[16];    // of the frame that is worked on; empty: unknown
+    double phase_progress;
+    int64_t plan_began_ms, plans_ms, plan_count; // plans that are made, and the time that they took
+    int64_t planned_frames;                      // that one of them serves; 0: unknown
 };
 
 static const char *const outcome_names[] = {"succeeded", "skipped", "failed"};
+
+// Frames as they went so far, and the plans of the segments behind the present one; negative: unknown.
+static double find_eta_s(const struct telling *telling, int64_t left)
+{
+    int64_t rendered = telling->counts[RENDER_SUCCEEDED], plans = 0;
+    double frames_s = (double)(progress_now_ms() - telling->began_ms - telling->plans_ms) / 1000, plan_s = 0;
+
+    if (rendered == 0 || left <= 0) return -1;
+    if (telling->plan_count > 0) plan_s = (double)telling->plans_ms / 1000 / (double)telling->plan_count;
+    if (telling->planned_frames > 0) plans = left / telling->planned_frames;
+    return frames_s / (double)rendered * (double)left + plan_s * (double)plans;
+}
 
 static void draw(struct telling *telling, bool is_final)
 {
@@ -43,7 +59,9 @@ static void draw(struct telling *telling, bool is_final)
                                       .done = rendered + telling->counts[RENDER_SKIPPED],
                                       .failed = telling->counts[RENDER_FAILED],
                                       .seconds_per_frame = seconds,
-                                      .eta_s = seconds >= 0 && left > 0 ? seconds * (double)left : -1};
+                                      .eta_s = find_eta_s(telling, left),
+                                      .phase = left > 0 && telling->phase[0] ? telling->phase : NULL,
+                                      .phase_progress = telling->phase_progress};
 
     progress_display_draw(&telling->display, &progress, 1, progress_now_ms(), is_final);
 }
@@ -51,6 +69,25 @@ static void draw(struct telling *telling, bool is_final)
 static void on_tick(void *user)
 {
     draw(user, false);
+}
+
+static void on_phase(void *user, const char *phase, double progress)
+{
+    struct telling *telling = user;
+
+    if (strcmp(phase, "plan") == 0 && strcmp(telling->phase, "plan") != 0) telling->plan_began_ms = progress_now_ms();
+    snprintf(telling->phase, sizeof telling->phase, "%s", phase);
+    telling->phase_progress = progress;
+}
+
+static void on_planned(void *user, int64_t frame_count)
+{
+    struct telling *telling = user;
+
+    telling->plans_ms += progress_now_ms() - telling->plan_began_ms;
+    telling->plan_count++;
+    telling->planned_frames = frame_count;
+    on_phase(telling, "render", 0.0);
 }
 
 static void on_worker(void *user, const char *backend, const char *renderer)
@@ -162,6 +199,8 @@ static enum exit_status render(const struct options *options, const struct job *
                                                  .interrupt = &interrupt,
                                                  .on_result = on_result,
                                                  .on_tick = on_tick,
+                                                 .on_phase = on_phase,
+                                                 .on_planned = on_planned,
                                                  .on_worker = on_worker,
                                                  .on_worker_lost = on_worker_lost,
                                                  .user = &telling};

@@ -52,6 +52,10 @@ static void print_job(const struct job_report *job)
     printf("%-10s %" PRId64 "\n", "id", job->id);
     print_text("name", job->name);
     print_text("state", job->state);
+    if (job->phase && job->phase_progress > 0)
+        printf("%-10s %s, %.0f %% of it\n", "phase", job->phase, 100 * job->phase_progress);
+    else
+        print_text("phase", job->phase);
     print_text("reason", job->reason);
     if (job->is_draft) print_text("quality", "draft, of no promised accuracy");
     print_text("range", job->range);

@@ -48,6 +48,7 @@ bool job_report_read(struct job_report *report, const struct json_node *node, st
     report->range = read_text(node, "range");
     report->output = read_text(node, "output");
     report->reason = read_text(node, "reason");
+    report->phase = read_text(node, "phase");
     report->label = xasprintf("#%lld %s", (long long)report->id, report->name ? report->name : "");
     report->priority = read_count(node, "priority");
     report->frames = read_count(node, "frames");
@@ -64,6 +65,7 @@ bool job_report_read(struct job_report *report, const struct json_node *node, st
     report->seconds_per_frame = read_number(node, "seconds_per_frame");
     json_read_bool(&draft, &report->is_draft, NULL);
     report->eta_s = read_number(node, "eta_s");
+    report->phase_progress = read_number(node, "phase_progress");
     return true;
 }
 
@@ -75,6 +77,7 @@ void job_report_finish(struct job_report *report)
     free(report->range);
     free(report->output);
     free(report->reason);
+    free(report->phase);
     free(report->label);
     memset(report, 0, sizeof *report);
 }
@@ -99,5 +102,7 @@ void job_report_fill_progress(const struct job_report *report, struct progress *
                                   .failed = report->failed + report->canceled,
                                   .seconds_per_frame = report->seconds_per_frame,
                                   .eta_s = report->eta_s,
-                                  .reason = report->reason};
+                                  .reason = report->reason,
+                                  .phase = report->phase,
+                                  .phase_progress = report->phase_progress};
 }

@@ -16,11 +16,11 @@ struct job_report {
     int64_t id, priority;
     int64_t frames, queued, running, succeeded, failed, canceled, skipped;
     int64_t missed; // of those that succeeded or were skipped: published over the tolerance
-    char *name, *state, *owner, *range, *output, *reason;
+    char *name, *state, *owner, *range, *output, *reason, *phase;
     char *label; // "#7 cloud"
     bool is_draft;
     double submitted, started, finished; // unix s
-    double seconds_per_frame, eta_s;
+    double seconds_per_frame, eta_s, phase_progress;
 };
 
 // `node` is a *job* of docs/protocol.md. The report must be empty; after a failure it is empty again.

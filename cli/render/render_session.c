@@ -218,6 +218,28 @@ static const char *text_of(const struct json_node *body, const char *key)
     return text;
 }
 
+// What a running frame is at. False: the event is another one.
+static bool note_phase(const struct session *session, const char *event, const struct json_node *body)
+{
+    const struct render_session_params *params = session->params;
+    struct json_node node = json_node_child(body, "frames"), progress_node = json_node_child(body, "progress");
+    int64_t frame_count = 0;
+    double progress = -1.0;
+
+    if (strcmp(event, "planning") == 0) {
+        params->on_phase(params->user, "plan", progress);
+    } else if (strcmp(event, "planned") == 0) {
+        json_read_integer(&node, 0, FRAME_COUNT_LIMIT, &frame_count, NULL);
+        params->on_planned(params->user, frame_count);
+    } else if (strcmp(event, "phase") == 0) {
+        json_read_number(&progress_node, 0.0, 1.0, &progress, NULL);
+        params->on_phase(params->user, text_of(body, "phase"), progress);
+    } else {
+        return false;
+    }
+    return true;
+}
+
 static enum step on_frame(struct session *session, const struct message *message, struct error *error)
 {
     const char *event = message->method + strlen("frame.");
@@ -229,7 +251,7 @@ static enum step on_frame(struct session *session, const struct message *message
         render_plan_start(&session->plan, ticket.frame);
         return STEP_ON;
     }
-    if (strcmp(event, "planning") == 0 || strcmp(event, "planned") == 0) return STEP_ON;
+    if (note_phase(session, event, &message->body)) return STEP_ON;
     if (strcmp(event, "rendered") == 0) {
         render_plan_render(&session->plan, ticket.frame);
         return STEP_ON;
@@ -252,12 +274,13 @@ static enum step on_frame(struct session *session, const struct message *message
     return step;
 }
 
-// Heartbeats continue even if a frame makes no progress.
+// Heartbeats and phases are told even if a frame makes no progress.
 static void note_progress(struct session *session, const struct message *message)
 {
     struct json_node node = json_node_child(&message->body, "progress");
     double progress = session->progress;
 
+    if (strcmp(message->method, "frame.phase") == 0) return;
     if (strcmp(message->method, "worker.beat") == 0 && json_read_number(&node, 0, HUGE_VAL, &progress, NULL) &&
         progress == session->progress)
         return;

@@ -80,6 +80,10 @@ static char *format_facts(const struct progress *progress)
         fprintf(out, "  ETA %s", eta);
         free(eta);
     }
+    if (progress->phase && is_running(progress)) {
+        fprintf(out, "  %s", progress->phase);
+        if (progress->phase_progress > 0) fprintf(out, " %.0f %%", 100 * progress->phase_progress);
+    }
     if (!is_running(progress)) fprintf(out, "  %s", progress->state);
     if (progress->reason) fprintf(out, ": %s", progress->reason);
     fclose(out);

@@ -17,6 +17,8 @@ struct progress {
     double seconds_per_frame; // negative: unknown
     double eta_s;             // negative: unknown
     const char *reason;       // why the job waits or failed
+    const char *phase;        // what is done to its frames, as in "plan"
+    double phase_progress;    // 0: nothing is shown of it
 };
 
 // A line of at most `width` columns without newline; a bar fills the space that remains. Owned by the caller.

@@ -181,6 +181,19 @@ void events_send_frame(struct events *events, const struct queue_ticket *ticket,
     end_event(events, ticket->job, true);
 }
 
+void events_send_phase(struct events *events, const struct in_flight_frame *frame)
+{
+    struct json_writer *writer;
+
+    if (events->count == 0) return;
+    writer = begin_event(events, "phase");
+    json_write_integer_member(writer, "id", frame->ticket.job);
+    json_write_integer_member(writer, "frame", frame->ticket.frame);
+    json_write_integer_member(writer, "attempt", frame->ticket.attempt);
+    job_view_write_phase(frame->phase, frame->phase_progress, writer);
+    end_event(events, frame->ticket.job, true);
+}
+
 void events_send_worker(struct events *events, int slot_index)
 {
     struct json_writer *writer;

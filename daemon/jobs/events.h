@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "daemon/schedule/in_flight.h"
 #include "daemon/schedule/queue.h"
 
 #include <stdbool.h>
@@ -24,5 +25,6 @@ void events_forget(struct events *events, const struct client *client); // remov
 void events_note_job(struct events *events, struct job_record *record);
 void events_send_deleted(struct events *events, struct job_record *record); // its last event
 void events_send_frame(struct events *events, const struct queue_ticket *ticket, enum frame_state state,
-                       const char *error); // NULL: none
+                       const char *error);                                          // NULL: none
+void events_send_phase(struct events *events, const struct in_flight_frame *frame); // of a running frame
 void events_send_worker(struct events *events, int slot_index);

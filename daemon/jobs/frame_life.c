@@ -133,14 +133,26 @@ static void release_frame(struct job_record *record, struct worker_process *work
     record->frames_in_flight--;
 }
 
-// Seconds since the worker's previous answer, or since it got this frame when it had none.
+// Seconds since the worker's previous answer, or since it got this frame when it had none, without those of plans.
 static double frame_seconds(struct worker_process *worker)
 {
     uint64_t now_ns = uv_hrtime();
-    double seconds = (double)(now_ns - worker->answered_ns) * 1e-9;
+    double seconds = (double)(now_ns - worker->answered_ns) * 1e-9 - worker->planned_s;
 
     worker->answered_ns = now_ns;
+    worker->planning_ns = 0;
+    worker->planned_s = 0;
     return seconds > 1e-6 ? seconds : 1e-6;
+}
+
+static void note_planned(struct worker_process *worker, struct job_record *record, int64_t frame_count)
+{
+    double seconds = (double)(uv_hrtime() - worker->planning_ns) * 1e-9;
+
+    if (worker->planning_ns == 0) return;
+    worker->planning_ns = 0;
+    worker->planned_s += seconds;
+    estimate_add_plan(&record->estimate, seconds, frame_count);
 }
 
 static void note_finished(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
@@ -156,7 +168,7 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
                                       .accuracy = report->accuracy};
 
     worker->done++;
-    frame_seconds(worker);
+    estimate_add_pace(&record->estimate, frame_seconds(worker));
     if (!queue_begin_publish(farm->queue, &frame->ticket)) {
         sweeper_remove_part(farm->sweeper, record, frame->ticket.frame, farm->epoch, frame->ticket.attempt);
         release_frame(record, worker, frame);
@@ -219,6 +231,18 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
     free(log);
 }
 
+// Tells subscribers; the phase of a frame that is rendered, or no longer the ticket's, is old.
+static void note_phase(struct farm *farm, struct job_record *record, struct in_flight_frame *frame,
+                       enum frame_phase phase, double progress)
+{
+    if (frame->is_rendered) return;
+    frame->phase = phase;
+    frame->phase_progress = progress;
+    if (!queue_owns(farm->queue, &frame->ticket)) return;
+    events_send_phase(farm->events, frame);
+    events_note_job(farm->events, record);
+}
+
 void frame_life_note_report(struct farm *farm, struct worker_process *worker, const struct worker_report *report)
 {
     struct in_flight_frame *frame = in_flight_find(&worker->in_flight, report->job, report->frame, report->attempt);
@@ -228,11 +252,20 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
     switch (report->kind) {
     case WORKER_REPORT_STARTED:
         frame->is_started = true;
+        frame->phase = FRAME_PHASE_RENDER;
         if (queue_owns(farm->queue, &frame->ticket))
             events_send_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
         return;
     case WORKER_REPORT_PLANNING:
+        worker->planning_ns = uv_hrtime();
+        note_phase(farm, record, frame, FRAME_PHASE_PLAN, -1.0);
+        return;
     case WORKER_REPORT_PLANNED:
+        note_planned(worker, record, report->planned_frames);
+        note_phase(farm, record, frame, FRAME_PHASE_RENDER, 0.0);
+        return;
+    case WORKER_REPORT_PHASE:
+        note_phase(farm, record, frame, report->phase, report->phase_progress);
         return;
     case WORKER_REPORT_RENDERED:
         in_flight_mark_rendered(&worker->in_flight, frame);

@@ -91,9 +91,16 @@ static void write_pace(const struct farm *farm, struct job_record *record, struc
     json_write_number_member(writer, "eta_s", queue_job_is_live(queued) && eta_s >= 0 ? eta_s : NAN);
 }
 
+void job_view_write_phase(enum frame_phase phase, double progress, struct json_writer *writer)
+{
+    json_write_string_member(writer, "phase", phase != FRAME_PHASE_NONE ? frame_phase_names[phase] : NULL);
+    json_write_number_member(writer, "phase_progress", progress >= 0.0 ? progress : NAN);
+}
+
 void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer)
 {
     const struct queue_job *queued = record->queued;
+    const struct in_flight_frame *frame = worker_pool_furthest_frame(farm->pool, record->id);
     char *range = frame_range_format(&queued->frames);
     char *reason = format_reason(farm, record);
 
@@ -111,6 +118,7 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     json_write_string_member(writer, "range", range);
     write_pattern(record, writer);
     write_pace(farm, record, writer);
+    job_view_write_phase(frame ? frame->phase : FRAME_PHASE_NONE, frame ? frame->phase_progress : -1.0, writer);
     json_write_string_member(writer, "reason", reason);
     free(range);
     free(reason);

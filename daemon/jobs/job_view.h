@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/wire/frame_phase.h"
+
 struct farm;
 struct job_record;
 struct json_writer;
 
 void job_view_write(const struct farm *farm, struct job_record *record, struct json_writer *writer);
+// The members `phase` and `phase_progress`; null for FRAME_PHASE_NONE, and for a negative progress.
+void job_view_write_phase(enum frame_phase phase, double progress, struct json_writer *writer);
 // The members of the object without its braces.
 void job_view_write_members(const struct farm *farm, struct job_record *record, struct json_writer *writer);

@@ -6,9 +6,11 @@
 #include "core/json/json_write.h"
 #include "daemon/clients/answer.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/job_view.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
+#include "daemon/workers/worker_pool.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,7 +24,8 @@ struct listed_frame {
     int32_t index, frame;
     int32_t attempt;
     uint16_t worker;
-    uint8_t state;
+    uint8_t state, phase; // phase: enum frame_phase
+    float phase_progress; // negative: unknown
 };
 
 struct details_task {
@@ -112,7 +115,17 @@ static bool read_filter(struct request *request, struct frames_filter *filter)
            request_read_range(request, &filter->range);
 }
 
-static void list_frames(struct details_task *task, const struct frames_filter *filter)
+static void note_phase(const struct worker_pool *pool, const struct details_task *task, struct listed_frame *listed)
+{
+    const struct in_flight_frame *frame =
+        listed->state == FRAME_RUNNING ? worker_pool_find_frame(pool, task->record->id, listed->frame, listed->attempt)
+                                       : NULL;
+
+    listed->phase = frame ? (uint8_t)frame->phase : FRAME_PHASE_NONE;
+    listed->phase_progress = frame ? (float)frame->phase_progress : -1.0F;
+}
+
+static void list_frames(const struct worker_pool *pool, struct details_task *task, const struct frames_filter *filter)
 {
     const struct queue_job *queued = task->record->queued;
     int64_t count = frame_range_count(&queued->frames);
@@ -133,6 +146,7 @@ static void list_frames(struct details_task *task, const struct frames_filter *f
                                                                   .attempt = state->attempt,
                                                                   .worker = state->worker,
                                                                   .state = state->state};
+        note_phase(pool, task, &task->frames[task->frame_count - 1]);
     }
 }
 
@@ -146,7 +160,7 @@ enum request_outcome requests_job_frames(struct request *request)
     request->code = MESSAGE_CODE_PARAMS;
     if (!read_filter(request, &filter)) return REQUEST_FAILED;
     task = create_task(request, record);
-    list_frames(task, &filter);
+    list_frames(request->farm->pool, task, &filter);
     frame_range_finish(&filter.range);
     return start_task(request, task, on_frames_run);
 }
@@ -202,6 +216,7 @@ static void write_frame(struct details_task *task, const struct listed_frame *fr
     else
         json_write_string_member(writer, "path", NULL);
     json_write_string_member(writer, "error", row && frame->state == FRAME_FAILED ? row->error : NULL);
+    job_view_write_phase((enum frame_phase)frame->phase, (double)frame->phase_progress, writer);
     if (has_file) write_accuracy(task, &row->accuracy);
     json_write_end_object(writer);
 }

@@ -17,6 +17,28 @@ void estimate_add(struct estimate *estimate, double seconds)
     estimate->is_current = false;
 }
 
+// The mean of the first values, then one that moves by a sixteenth.
+static float move_mean(float mean, double value, uint8_t *count)
+{
+    enum { MEMORY = 16 };
+
+    if (*count < MEMORY) ++*count;
+    return mean + ((float)value - mean) / (float)*count;
+}
+
+void estimate_add_pace(struct estimate *estimate, double seconds)
+{
+    if (seconds >= 0 && seconds < LONGEST_S)
+        estimate->pace_s = move_mean(estimate->pace_s, seconds, &estimate->pace_count);
+}
+
+void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_count)
+{
+    if (!(seconds >= 0 && seconds < LONGEST_S) || frame_count <= 0) return;
+    estimate->plan_s = move_mean(estimate->plan_s, seconds, &estimate->plan_count);
+    estimate->planned_count = frame_count;
+}
+
 size_t estimate_count(const struct estimate *estimate)
 {
     return estimate->count;
@@ -49,9 +71,13 @@ double estimate_median_s(struct estimate *estimate)
 double estimate_eta_s(struct estimate *estimate, int64_t left, int workers)
 {
     int64_t rounds; // the last round counts as a full one
+    int64_t plans = 0;
+    double each_s;
 
     if (left <= 0) return 0;
     if (workers < 1 || estimate->count == 0) return -1;
     rounds = (left + workers - 1) / workers;
-    return estimate_median_s(estimate) * (double)rounds;
+    each_s = estimate->pace_count > 0 ? (double)estimate->pace_s : estimate_median_s(estimate);
+    if (estimate->planned_count > 0) plans = left / estimate->planned_count;
+    return each_s * (double)rounds + (double)estimate->plan_s * (double)plans;
 }

@@ -14,10 +14,20 @@ struct estimate {
     uint8_t count, next;
     bool is_current; // median_s is the median of these durations
     float median_s;
+    // What a worker's time goes into; moving means, 0: unknown.
+    float pace_s;          // between two answers of one worker, without plans
+    float plan_s;          // a plan
+    int64_t planned_count; // frames that a plan serves
+    uint8_t pace_count, plan_count;
 };
 
 void estimate_add(struct estimate *estimate, double seconds); // of one frame; ignored unless in [0, 1e9)
-size_t estimate_count(const struct estimate *estimate);       // number of durations, at most ESTIMATE_RECENT
-double estimate_median_s(struct estimate *estimate);          // 0: no durations
-// Seconds until `workers` have done `left` frames (queued and running); negative when unknown.
+// Seconds that a worker took for a frame: rendering, audit and whatever else it did, but no plan. Ignored likewise.
+void estimate_add_pace(struct estimate *estimate, double seconds);
+// Seconds that a worker planned for so many frames. Ignored likewise, and with 0 frames.
+void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_count);
+size_t estimate_count(const struct estimate *estimate); // number of durations, at most ESTIMATE_RECENT
+double estimate_median_s(struct estimate *estimate);    // 0: no durations
+// Seconds until `workers` have done `left` frames (queued and running) with the plans for them; negative when unknown.
+// Workers plan a segment at the same time, each for itself.
 double estimate_eta_s(struct estimate *estimate, int64_t left, int workers);

@@ -32,6 +32,8 @@ struct in_flight_frame *in_flight_find(const struct in_flight *in_flight, int64_
 
 void in_flight_mark_rendered(struct in_flight *in_flight, struct in_flight_frame *frame)
 {
+    frame->phase = FRAME_PHASE_ENCODE;
+    frame->phase_progress = -1.0;
     if (frame->is_rendered) return;
     frame->is_rendered = true;
     in_flight->rendered_count++;
@@ -59,6 +61,19 @@ int64_t in_flight_current_job(const struct in_flight *in_flight)
     const struct in_flight_frame *frame = in_flight_current(in_flight);
 
     return frame ? frame->ticket.job : 0;
+}
+
+const struct in_flight_frame *in_flight_furthest(const struct in_flight *in_flight, int64_t job)
+{
+    const struct in_flight_frame *furthest = NULL;
+
+    for (size_t i = 0; i < in_flight->count; i++) {
+        const struct in_flight_frame *frame = &in_flight->frames[i];
+
+        if (frame->ticket.job != job || frame->phase == FRAME_PHASE_NONE) continue;
+        if (!furthest || frame->phase > furthest->phase) furthest = frame;
+    }
+    return furthest;
 }
 
 bool in_flight_has_job(const struct in_flight *in_flight, int64_t job)

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/wire/frame_phase.h"
 #include "daemon/schedule/queue.h"
 
 #include <stdbool.h>
@@ -12,6 +13,8 @@ struct in_flight_frame {
     struct queue_ticket ticket;
     bool is_started;
     bool is_rendered; // it is rendered and being encoded
+    enum frame_phase phase;
+    double phase_progress; // 0 to 1; negative: unknown
 };
 
 // Frames in the order of their assignment. The zero value is empty.
@@ -31,4 +34,6 @@ void in_flight_remove(struct in_flight *in_flight, struct in_flight_frame *frame
 const struct in_flight_frame *in_flight_current(const struct in_flight *in_flight);
 // The job of that frame; 0: none.
 int64_t in_flight_current_job(const struct in_flight *in_flight);
+// The frame of the job whose phase is the furthest; NULL: none is worked on. Valid as above.
+const struct in_flight_frame *in_flight_furthest(const struct in_flight *in_flight, int64_t job);
 bool in_flight_has_job(const struct in_flight *in_flight, int64_t job);

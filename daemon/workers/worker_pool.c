@@ -402,6 +402,29 @@ char *worker_pool_format_trouble(const struct worker_pool *pool)
     return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("no worker is ready: all are starting");
 }
 
+const struct in_flight_frame *worker_pool_find_frame(const struct worker_pool *pool, int64_t job, int32_t frame,
+                                                     int32_t attempt)
+{
+    const struct in_flight_frame *found = NULL;
+
+    for (int i = 0; i < pool->slot_count && !found; i++)
+        if (pool->slots[i].worker) found = in_flight_find(&pool->slots[i].worker->in_flight, job, frame, attempt);
+    return found;
+}
+
+const struct in_flight_frame *worker_pool_furthest_frame(const struct worker_pool *pool, int64_t job)
+{
+    const struct in_flight_frame *furthest = NULL;
+
+    for (int i = 0; i < pool->slot_count; i++) {
+        const struct worker_process *worker = pool->slots[i].worker;
+        const struct in_flight_frame *frame = worker ? in_flight_furthest(&worker->in_flight, job) : NULL;
+
+        if (frame && (!furthest || frame->phase > furthest->phase)) furthest = frame;
+    }
+    return furthest;
+}
+
 static void send_about_job(struct worker_process *worker, const char *method, int64_t job, bool has_running,
                            bool running)
 {

@@ -45,6 +45,12 @@ bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker
 // Why no worker can be assigned frames; NULL when one can. Owned by the caller.
 char *worker_pool_format_trouble(const struct worker_pool *pool);
 
+// The frame in flight of that attempt, and the job's frame whose phase is the furthest; NULL: none. Valid until a frame
+// is assigned or ends.
+const struct in_flight_frame *worker_pool_find_frame(const struct worker_pool *pool, int64_t job, int32_t frame,
+                                                     int32_t attempt);
+const struct in_flight_frame *worker_pool_furthest_frame(const struct worker_pool *pool, int64_t job);
+
 // Sends worker.drop to workers with frames of the job in flight, worker.forget to workers that know the job.
 void worker_pool_drop_job(struct worker_pool *pool, int64_t job, bool running);
 void worker_pool_forget_job(struct worker_pool *pool, int64_t job);

@@ -60,6 +60,8 @@ struct worker_process {
     size_t known_count, known_capacity;
     struct liveness liveness;
     uint64_t answered_ns;           // its latest report on a frame, or the assignment of a frame when it had none
+    uint64_t planning_ns;           // when it began the plan that it makes; 0: it makes none
+    double planned_s;               // seconds of plans since its latest report on a frame
     int64_t done;                   // count of frames that it finished or skipped
     int64_t stop_by_ms;             // monotonic; it is killed then; 0: never
     const char *suspect_code;       // borrowed; the GLSL of the user whose frame it was killed over; NULL: none

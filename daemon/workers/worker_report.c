@@ -107,6 +107,26 @@ static bool read_audit_seconds(const struct json_node *body, double *seconds, st
     return json_node_is_absent(&node) || json_read_number(&node, 0, 1e9, seconds, error);
 }
 
+static bool read_planned(struct worker_report *report, const struct json_node *body, struct error *error)
+{
+    struct json_node frames = json_node_child(body, "frames");
+
+    return read_frame(report, body, error) &&
+           (json_node_is_absent(&frames) ||
+            json_read_integer(&frames, 1, FRAME_COUNT_LIMIT, &report->planned_frames, error));
+}
+
+static bool read_phase(struct worker_report *report, const struct json_node *body, struct error *error)
+{
+    struct json_node phase = json_node_child(body, "phase"), progress = json_node_child(body, "progress");
+    int choice;
+
+    if (!read_frame(report, body, error) || !json_read_enum(&phase, frame_phase_names, &choice, error)) return false;
+    report->phase = (enum frame_phase)choice;
+    report->phase_progress = -1.0;
+    return json_node_is_absent(&progress) || json_read_number(&progress, 0.0, 1.0, &report->phase_progress, error);
+}
+
 static bool read_finished(struct worker_report *report, const struct json_node *body, struct error *error)
 {
     return read_frame(report, body, error) && read_file(&report->file, body, error) &&
@@ -151,7 +171,7 @@ static const struct report_method {
     {"frame.failed", WORKER_REPORT_FAILED, read_failed},    {"frame.dropped", WORKER_REPORT_DROPPED, read_frame},
     {"worker.beat", WORKER_REPORT_BEAT, read_beat},         {"worker.ready", WORKER_REPORT_READY, read_ready},
     {"worker.failed", WORKER_REPORT_UNABLE, read_unable},   {"frame.planning", WORKER_REPORT_PLANNING, read_frame},
-    {"frame.planned", WORKER_REPORT_PLANNED, read_frame},
+    {"frame.planned", WORKER_REPORT_PLANNED, read_planned}, {"frame.phase", WORKER_REPORT_PHASE, read_phase},
 };
 
 bool worker_report_read(struct worker_report *report, const struct message *message, struct error *error)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/wire/frame_accuracy.h"
+#include "core/wire/frame_phase.h"
 #include "core/wire/publish.h"
 #include "daemon/schedule/retry.h"
 
@@ -19,6 +20,7 @@ enum worker_report_kind {
     WORKER_REPORT_STARTED, // from here on: about a frame
     WORKER_REPORT_PLANNING,
     WORKER_REPORT_PLANNED,
+    WORKER_REPORT_PHASE,
     WORKER_REPORT_RENDERED,
     WORKER_REPORT_FINISHED,
     WORKER_REPORT_SKIPPED,
@@ -35,6 +37,9 @@ struct worker_report {
     double progress;                                                 // beat
     int64_t job;                                                     // kinds about a frame
     int32_t frame, attempt;
+    enum frame_phase phase;     // phase
+    double phase_progress;      // phase: 0 to 1; negative: unknown
+    int64_t planned_frames;     // planned: the frames that the plan serves; 0: unknown
     struct published_file file; // finished; skipped, without inode
     double render_s, encode_s;
     double audit_s;                 // in addition to both

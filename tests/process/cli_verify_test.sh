@@ -25,7 +25,7 @@ sequence good 5
 expect 0 march verify good
 [ "$(cat out)" = "a.####.exr: 6 files, frames 0-5; worst error 0.5 % (95 %: below 0.75 %) of 1 % in a.0005.exr; all well" ] || fail "the summary"
 expect 0 march verify good --json
-grep -q '^{"folder":".*/good","good":true,"being_written":0,"sequences":\[{"pattern":"a.####.exr","good":true,"files":6,"frames":"0-5","wrong":0,"missed":0,"missing":0,"missing_frames":"","worst_error":0.005,"worst_error95":0.0075,"worst_file":"a.0005.exr"}\],"files":\[{"file":"a.0000.exr","frame":0,"wrong":null,"tolerance":0.01,"audit":"reference","measured_error":0,' out || fail "--json"
+grep -q '^{"folder":".*/good","good":true,"being_written":0,"sequences":\[{"pattern":"a.####.exr","good":true,"files":6,"frames":"0-5","wrong":0,"missed":0,"missing":0,"missing_frames":"","drafts":0,"worst_error":0.005,"worst_error95":0.0075,"worst_file":"a.0005.exr"}\],"files":\[{"file":"a.0000.exr","frame":0,"wrong":null,"tolerance":0.01,"audit":"reference","measured_error":0,' out || fail "--json"
 expect 0 march verify good --tolerance 0.005
 expect 1 march verify good --tolerance 0.0049
 says "a.0005.exr  marchd:error: expected at most 0.0049 (tolerance), got 0.005" "1 wrong, 0 missing"

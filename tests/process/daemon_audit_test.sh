@@ -20,8 +20,8 @@ wait_state "$id" succeeded
 whole='["reference",0.00625,0.0075,64,"cached",0.125]'
 expect "accuracy" "$(accuracy_of "$id")" "[$whole,$whole]"
 row=$("$bin/march" frames "$id" --socket "$socket" | tr -s ' ' | sed -n 2p)
-[[ $row == *" cached 0.62 0.75 12 $scratch/out/a/a.0000.exr"* ]] || fail "the row of march frames: $row"
-"$bin/march" frames "$id" --socket "$socket" | head -n 1 | grep -q 'METHOD  *ERROR %  ERR95 %    CUT %  FILE' || fail "the titles"
+[[ $row == *" cached 0.62 / 0.75 12 $scratch/out/a/a.0000.exr"* ]] || fail "the row of march frames: $row"
+"$bin/march" frames "$id" --socket "$socket" | head -n 1 | grep -q 'METHOD  *AUDIT % / 95 %    CUT %  FILE' || fail "the titles"
 stop_daemon
 
 # The next daemon reads them from the store; frames of a worker that audits nothing have none.
@@ -32,7 +32,7 @@ wait_state "$plain" succeeded
 expect "no audit" "$(ask job.frames "{\"id\":$plain}" | jq -c '.result.frames[0] | [has("audit"), has("measured_error"), has("cut_share")]')" \
     "[false,false,false]"
 row=$("$bin/march" frames "$plain" --socket "$socket" | tr -s ' ' | sed -n 2p)
-[[ $row == *" - - - - $scratch/out/b/b.0000.exr"* ]] || fail "the row of a frame without audit: $row"
+[[ $row == *" - - - $scratch/out/b/b.0000.exr"* ]] || fail "the row of a frame without audit: $row"
 stop_daemon
 
 start_daemon --worker-program "$(stub fail:missed)" --max-attempts 3
@@ -55,6 +55,30 @@ expect "attempts of planned frames" "$(ask job.frames "{\"id\":$id}" | jq -c '[.
 wait_until "the end is told" told_end "$scratch/events" "$id"
 expect "beginnings" "$(grep -c '"frame":[01],"state":"running"' "$scratch/events")" 2
 stop_daemon
+
+# A frame that plans is running, and everybody can see what it is at.
+start_daemon --worker-program "$(stub plan:60000)"
+listen "$scratch/phases"
+id=$(submit "$(job 0 '.output.path = "p/p.####.exr"')")
+told_phase() { grep -q '"type":"phase".*"phase":"'"$1"'","phase_progress":'"$2" "$scratch/phases"; }
+wait_until "the phase is told" told_phase render 0.25
+expect "phases" "$(jq -c 'select(.params.type == "phase") | .params | [.id, .frame, .attempt, .phase, .phase_progress]' \
+    "$scratch/phases" | head -n 3 | xargs)" "[$id,0,1,plan,null] [$id,0,1,render,0] [$id,0,1,render,0.25]"
+expect "the job's phase" "$(ask job.show "{\"id\":$id}" | jq -c '.result | [.state, .phase, .phase_progress]')" '["running","render",0.25]'
+expect "the frame's phase" "$(ask job.frames "{\"id\":$id}" | jq -c '.result.frames[0] | [.state, .phase, .phase_progress]')" \
+    '["running","render",0.25]'
+"$bin/march" frames "$id" --socket "$socket" | grep -q '  render 25 %$' || fail "march frames tells the phase"
+"$bin/march" list --socket "$socket" | grep -q '  running  *render 25 %  ' || fail "march list tells the phase"
+"$bin/march" show "$id" --socket "$socket" | grep -q '^phase      render, 25 % of it$' || fail "march show tells the phase"
+ask job.cancel "{\"id\":$id}" >/dev/null
+kill_daemon
+start_daemon --worker-program "$(stub phase:60000)"
+id=$(submit "$(job 0 '.output.path = "q/q.####.exr"')")
+plans() { [ "$(ask job.show "{\"id\":$id}" | jq -c '.result | [.state, .phase, .phase_progress]')" = '["running","plan",null]' ]; }
+wait_until "the job plans" plans
+"$bin/march" list --socket "$socket" | grep -q '  running  *plan  ' || fail "march list tells that the job plans"
+ask job.cancel "{\"id\":$id}" >/dev/null
+kill_daemon
 
 # The real worker: its report on each frame matches the file, and every frame is within the tolerance.
 start_daemon --backend osmesa --workers 1

@@ -96,8 +96,8 @@ bool test_worker_hear(struct test_worker *child, struct message *message)
 
 struct message test_worker_expect(struct test_worker *child, const char *method)
 {
-    static const char *const passed_over[] = {"worker.beat", "frame.started", "frame.planning", "frame.planned",
-                                              "frame.rendered"};
+    static const char *const passed_over[] = {"worker.beat",    "frame.phase",   "frame.started",
+                                              "frame.planning", "frame.planned", "frame.rendered"};
     struct message message;
 
     for (;;) {

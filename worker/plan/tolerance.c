@@ -70,6 +70,11 @@ void tolerance_destroy(struct tolerance *tolerance)
     free(tolerance);
 }
 
+static void note_phase(const struct tolerance_params *params, enum frame_phase phase)
+{
+    if (params->on_phase) params->on_phase(params->user, phase);
+}
+
 static struct kept_plan *find_or_make_plan(struct tolerance *tolerance, const struct tolerance_params *params,
                                            enum renderer_fault *fault, struct error *error)
 {
@@ -87,7 +92,7 @@ static struct kept_plan *find_or_make_plan(struct tolerance *tolerance, const st
     }
     drop_plan(oldest);
     tolerance->shown_serial = 0;
-    if (params->on_plan) params->on_plan(params->user, false);
+    note_phase(params, FRAME_PHASE_PLAN);
     if (!plan_make(&oldest->plan,
                    &(struct plan_params){.renderer = tolerance->renderer,
                                          .job = params->job,
@@ -100,7 +105,6 @@ static struct kept_plan *find_or_make_plan(struct tolerance *tolerance, const st
         drop_plan(oldest);
         return NULL;
     }
-    if (params->on_plan) params->on_plan(params->user, true);
     oldest->serial = params->serial;
     oldest->segment = segment.index;
     oldest->used = ++tolerance->use_count;
@@ -257,6 +261,7 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
     struct job planned = plan_apply(plan, params->job);
 
     result->quality = plan->quality;
+    note_phase(params, FRAME_PHASE_RENDER);
     if (!renderer_render(rendering->tolerance->renderer,
                          &(struct renderer_frame){.job = &planned,
                                                   .frame = params->frame,
@@ -267,6 +272,7 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
         return false;
     rendering->seconds += result->render.seconds;
     result->render.seconds = rendering->seconds;
+    note_phase(params, FRAME_PHASE_AUDIT);
     if (!audit(rendering, plan, &planned)) return false;
     log_debug("tolerance: frame %d: %s error %.2e, at most %.2e, of %g, by %d pixels in %.3f s", (int)params->frame,
               job_method_name(plan->quality.method), result->audit.error, result->audit.error95,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/wire/frame_phase.h"
 #include "worker/picture/audit_result.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_params.h"
@@ -23,8 +24,8 @@ struct tolerance_params {
     int32_t frame;
     struct image *image; // as renderer_render takes it
     enum plan_choice choice;
-    renderer_progress *on_progress;            // may be NULL; called at least every second, except while GL compiles
-    void (*on_plan)(void *user, bool is_made); // may be NULL; called before a plan is made, and after
+    renderer_progress *on_progress; // may be NULL; called at least every second, except while GL compiles
+    void (*on_phase)(void *user, enum frame_phase phase); // may be NULL; called before each plan, rendering and audit
     void *user;
 };
 

@@ -8,6 +8,7 @@
 #include "worker/audit/gate.h"
 #include "worker/gl/gl_context.h"
 #include "worker/picture/audit_result.h"
+#include "worker/plan/plan_segment.h"
 #include "worker/plan/tolerance.h"
 #include "worker/process/options.h"
 #include "worker/process/part_file.h"
@@ -27,6 +28,7 @@ struct render_loop {
     struct renderer *renderer;      // likewise
     struct tolerance *tolerance;    // likewise
     struct assignment_frame *frame; // being rendered
+    enum frame_phase phase;         // of that frame
     // The frame whose files are being read ahead; its job -1: none.
     int64_t expected_job;
     int32_t expected_frame;
@@ -50,20 +52,35 @@ static void expect_next(struct render_loop *loop)
     pthread_mutex_unlock(&worker->lock);
 }
 
+static void note_phase(struct render_loop *loop, enum frame_phase phase, double progress)
+{
+    const struct assignment_frame *frame = loop->frame;
+
+    loop->phase = phase;
+    worker_set_doing(loop->worker,
+                     &(struct report_doing){frame->job->id, frame->frame, frame->attempt, phase, progress});
+}
+
+// How much of a plan or an audit is done is unknown: both end when they have found enough.
 static bool on_progress(void *user, double done)
 {
     struct render_loop *loop = user;
 
     worker_advance(loop->worker);
+    if (loop->phase == FRAME_PHASE_RENDER) note_phase(loop, FRAME_PHASE_RENDER, done);
     expect_next(loop);
     return !worker_is_unwanted(loop->worker, loop->frame);
 }
 
-static void on_plan(void *user, bool is_made)
+static void on_phase(void *user, enum frame_phase phase)
 {
     struct render_loop *loop = user;
+    const struct assignment_frame *frame = loop->frame;
 
-    (is_made ? report_planned : report_planning)(&loop->worker->connection, loop->frame);
+    if (phase == FRAME_PHASE_PLAN) report_planning(&loop->worker->connection, frame);
+    if (loop->phase == FRAME_PHASE_PLAN)
+        report_planned(&loop->worker->connection, frame, plan_segment_of(&frame->job->job, frame->frame).count);
+    note_phase(loop, phase, phase == FRAME_PHASE_RENDER ? 0.0 : -1.0);
 }
 
 // Enters the sandbox, unless the worker is fenced: a fence was entered before threads started.
@@ -167,7 +184,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
                                             .frame = loop->frame->frame,
                                             .image = &picture->image,
                                             .on_progress = on_progress,
-                                            .on_plan = on_plan,
+                                            .on_phase = on_phase,
                                             .user = loop};
     struct tolerance_result result;
     struct error error = {0};
@@ -212,6 +229,7 @@ static void render_frame(struct render_loop *loop)
     int folder_fd;
 
     report_started(connection, loop->frame);
+    note_phase(loop, FRAME_PHASE_RENDER, 0.0);
     if (job->fault) {
         fail_frame(loop, REPORT_FAULT_JOB, job->fault);
         return;
@@ -256,6 +274,7 @@ static bool wait_for_work(struct render_loop *loop, struct request **request)
     *request = NULL;
     loop->frame = NULL;
     pthread_mutex_lock(&worker->lock);
+    worker->doing = (struct report_doing){0};
     while (!worker->is_abandoned) {
         if (worker->requests) {
             *request = worker->requests;

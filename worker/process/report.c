@@ -71,6 +71,17 @@ void report_beat(struct connection *connection, uint64_t progress)
     send_and_finish(connection, &writer);
 }
 
+void report_phase(struct connection *connection, const struct report_doing *doing)
+{
+    struct json_writer writer = {0};
+
+    if (doing->phase == FRAME_PHASE_NONE) return;
+    begin_frame(&writer, "frame.phase", doing->job, doing->frame, doing->attempt);
+    json_write_string_member(&writer, "phase", frame_phase_names[doing->phase]);
+    if (doing->progress >= 0.0) json_write_number_member(&writer, "progress", doing->progress);
+    send_and_finish(connection, &writer);
+}
+
 void report_part(struct connection *connection, int64_t done, int64_t count)
 {
     struct json_writer writer = {0};
@@ -99,9 +110,13 @@ void report_planning(struct connection *connection, const struct assignment_fram
     report_plain(connection, "frame.planning", frame);
 }
 
-void report_planned(struct connection *connection, const struct assignment_frame *frame)
+void report_planned(struct connection *connection, const struct assignment_frame *frame, int64_t frame_count)
 {
-    report_plain(connection, "frame.planned", frame);
+    struct json_writer writer = {0};
+
+    begin_frame(&writer, "frame.planned", frame->job->id, frame->frame, frame->attempt);
+    json_write_integer_member(&writer, "frames", frame_count);
+    send_and_finish(connection, &writer);
 }
 
 void report_rendered(struct connection *connection, const struct assignment_frame *frame)

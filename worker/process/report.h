@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/wire/frame_phase.h"
+
 #include <stdint.h>
 
 struct assignment_frame;
@@ -16,12 +18,24 @@ void report_ready(struct connection *connection, const struct gl_context_facts *
 // `fault` is "worker", or why the worker could not be fenced in for its job: "job" (its inputs) or "output".
 void report_unable(struct connection *connection, const char *fault, const char *reason);
 void report_beat(struct connection *connection, uint64_t progress);
+// What the rendering thread does to which frame. The zero value: nothing.
+struct report_doing {
+    int64_t job;
+    int32_t frame;
+    int attempt;
+    enum frame_phase phase;
+    double progress; // of the phase, 0 to 1; negative: unknown
+};
+
+// Does nothing in FRAME_PHASE_NONE.
+void report_phase(struct connection *connection, const struct report_doing *doing);
 // How many parts of the answer to a request are done, of how many.
 void report_part(struct connection *connection, int64_t done, int64_t count);
 void report_started(struct connection *connection, const struct assignment_frame *frame);
 // The plan of the frame's segment is being made, which may take longer than the frame; and has been made.
 void report_planning(struct connection *connection, const struct assignment_frame *frame);
-void report_planned(struct connection *connection, const struct assignment_frame *frame);
+// It serves so many frames.
+void report_planned(struct connection *connection, const struct assignment_frame *frame, int64_t frame_count);
 void report_rendered(struct connection *connection, const struct assignment_frame *frame);
 
 struct report_result {

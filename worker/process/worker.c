@@ -85,6 +85,13 @@ void worker_advance(struct worker *worker)
     atomic_fetch_add_explicit(&worker->progress, 1, memory_order_relaxed);
 }
 
+void worker_set_doing(struct worker *worker, const struct report_doing *doing)
+{
+    pthread_mutex_lock(&worker->lock);
+    worker->doing = *doing;
+    pthread_mutex_unlock(&worker->lock);
+}
+
 void worker_set_ready(struct worker *worker)
 {
     pthread_mutex_lock(&worker->lock);

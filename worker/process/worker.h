@@ -8,6 +8,7 @@
 #include "worker/plan/plan.h"
 #include "worker/process/assignment.h"
 #include "worker/process/connection.h"
+#include "worker/process/report.h"
 #include "worker/sandbox/sandbox.h"
 
 #include <pthread.h>
@@ -50,6 +51,7 @@ struct worker {
     pthread_cond_t changed;
     struct assignment assignment;
     struct request *requests; // owned; oldest first
+    struct report_doing doing;
     struct picture *rendered; // owned; waits for the encoder; meanwhile no other frame is started
     struct image spare;       // owned; the image of the next picture; empty while no frame is assigned
     bool is_ready;            // worker.ready is sent
@@ -69,6 +71,7 @@ struct picture *worker_make_picture(struct worker *worker, struct assignment_fra
 // Destroys the picture, but keeps its image for the next one while frames are assigned: the system would clear new
 // memory first.
 void worker_return_picture(struct worker *worker, struct picture *picture);
+void worker_set_doing(struct worker *worker, const struct report_doing *doing);
 void worker_set_ready(struct worker *worker);
 void worker_exit(struct worker *worker, int exit_code); // drops waiting frames, finishes started ones
 void worker_abandon(struct worker *worker, int exit_code);

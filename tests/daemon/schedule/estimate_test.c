@@ -76,6 +76,47 @@ static void eta_counts_rounds_of_all_workers(void **state)
     assert_float_equal(estimate_eta_s(&estimate, 0, 8), 0, FLOAT_TOLERANCE);
 }
 
+// Audits, files and linking take a worker's time, which a median of rendering does not show.
+static void eta_counts_all_that_a_worker_does(void **state)
+{
+    struct estimate estimate = {0};
+
+    for (int i = 0; i < 24; i++) {
+        estimate_add(&estimate, 1);
+        estimate_add_pace(&estimate, 3);
+    }
+    assert_float_equal(estimate_median_s(&estimate), 1, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 2), 15, FLOAT_TOLERANCE);
+}
+
+static void eta_forgets_a_slow_first_frame(void **state)
+{
+    struct estimate estimate = {0};
+    double eta_s;
+
+    for (int i = 0; i < 24; i++) {
+        estimate_add(&estimate, 1);
+        estimate_add_pace(&estimate, i == 0 ? 10 : 1);
+    }
+    eta_s = estimate_eta_s(&estimate, 100, 1);
+    assert_true(eta_s > 99.9 && eta_s < 140.0);
+}
+
+// The segment that frames are rendered of has its plan; those behind it need one each.
+static void eta_counts_the_plans_that_are_left(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add(&estimate, 1);
+    estimate_add_pace(&estimate, 1);
+    estimate_add_plan(&estimate, 10, 48);
+    estimate_add_plan(&estimate, 14, 48);
+    assert_float_equal(estimate_eta_s(&estimate, 100, 2), 50 + 2 * 12, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 47, 1), 47, FLOAT_TOLERANCE);
+    estimate_add_plan(&estimate, 99, 0);
+    assert_float_equal(estimate_eta_s(&estimate, 47, 1), 47, FLOAT_TOLERANCE);
+}
+
 static void eta_is_unknown_without_workers(void **state)
 {
     struct estimate estimate = {0};
@@ -87,10 +128,11 @@ static void eta_is_unknown_without_workers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_known_at_first),        cmocka_unit_test(median_ignores_one_slow_frame),
-        cmocka_unit_test(median_follows_the_recent_frames), cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
-        cmocka_unit_test(impossible_durations_are_ignored), cmocka_unit_test(eta_counts_rounds_of_all_workers),
-        cmocka_unit_test(eta_is_unknown_without_workers),
+        cmocka_unit_test(nothing_is_known_at_first),          cmocka_unit_test(median_ignores_one_slow_frame),
+        cmocka_unit_test(median_follows_the_recent_frames),   cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
+        cmocka_unit_test(impossible_durations_are_ignored),   cmocka_unit_test(eta_counts_rounds_of_all_workers),
+        cmocka_unit_test(eta_counts_all_that_a_worker_does),  cmocka_unit_test(eta_forgets_a_slow_first_frame),
+        cmocka_unit_test(eta_counts_the_plans_that_are_left), cmocka_unit_test(eta_is_unknown_without_workers),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

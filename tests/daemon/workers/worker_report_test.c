@@ -81,7 +81,16 @@ static void planning_is_reported_for_a_frame(void **state)
     assert_int_equal(report.kind, WORKER_REPORT_PLANNING);
     assert_int_equal(report.frame, 2);
     message_finish(&message);
+    assert_true(
+        read_line(&report, &message, "frame.planned", "{\"job\":1,\"frame\":2,\"attempt\":3,\"frames\":48}", NULL));
+    assert_int_equal(report.planned_frames, 48);
+    message_finish(&message);
+    assert_true(
+        read_line(&report, &message, "frame.phase", "{\"job\":1,\"frame\":2,\"attempt\":3,\"phase\":\"audit\"}", NULL));
+    assert_true(report.kind == WORKER_REPORT_PHASE && report.phase == FRAME_PHASE_AUDIT && report.phase_progress < 0.0);
+    message_finish(&message);
     assert_true(read_line(&report, &message, "frame.planned", "{\"job\":1,\"frame\":2,\"attempt\":3}", NULL));
+    assert_int_equal(report.planned_frames, 0);
     assert_int_equal(report.kind, WORKER_REPORT_PLANNED);
     message_finish(&message);
 }

@@ -182,6 +182,16 @@ static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
     tolerance_stage_close(stage);
 }
 
+enum { PHASES_SIZE = 160 };
+
+static void on_phase(void *user, enum frame_phase phase)
+{
+    char *text = user;
+    size_t length = strlen(text);
+
+    snprintf(text + length, PHASES_SIZE - length, "%s ", frame_phase_names[phase]);
+}
+
 // The audit of the first rendering is true, and far over the tolerance; another, finer in what is to blame, keeps it.
 static void the_coarsest_setting_fails_the_audit(void **state)
 {
@@ -193,8 +203,15 @@ static void the_coarsest_setting_fails_the_audit(void **state)
     coarsest.quality = plan.quality;
     for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
         struct image image = tolerance_stage_make_image(&job);
-        struct tolerance_params params = {
-            .job = &job, .serial = 1, .frame = frames[i], .image = &image, .choice = PLAN_CHOICE_COARSEST};
+        const char *expected = i == 0 ? "plan render audit render audit " : "render audit render audit ";
+        char phases[PHASES_SIZE] = "";
+        struct tolerance_params params = {.job = &job,
+                                          .serial = 1,
+                                          .frame = frames[i],
+                                          .image = &image,
+                                          .choice = PLAN_CHOICE_COARSEST,
+                                          .on_phase = on_phase,
+                                          .user = phases};
         struct tolerance_result result;
         struct renderer_result rendered;
         struct error error = {{0}};
@@ -202,6 +219,7 @@ static void the_coarsest_setting_fails_the_audit(void **state)
 
         if (!tolerance_render(stage.tolerance, &params, &result, &error)) fail_msg("%s", error.message);
         assert_true(result.retry_count > 0 && result.audit.error <= 0.02);
+        assert_memory_equal(phases, expected, strlen(expected));
         assert_true(true_error_measure(&job, frames[i], &image) <= 0.02);
         assert_true(renderer_render(stage.gl.renderer,
                                     &(struct renderer_frame){.job = &coarsest, .frame = frames[i], .image = &image},
