@@ -159,7 +159,7 @@ static double draw(const struct gl_functions *gl, const struct gl_target *target
         gl->Finish();
         seconds[i] = clock_now_s() - start;
     }
-    gl_target_read(target, image, NULL);
+    gl_target_read(target, NULL, image, NULL);
     qsort(seconds, RUNS, sizeof *seconds, compare);
     return seconds[RUNS / 2];
 }

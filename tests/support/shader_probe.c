@@ -70,7 +70,7 @@ static void draw(const struct gl_functions *gl, unsigned program, const struct s
     gl->BindVertexArray(vertex_array);
     gl->UseProgram(program);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
-    gl_target_read(&target, image, NULL);
+    gl_target_read(&target, NULL, image, NULL);
     assert_int_equal(gl->GetError(), GL_NO_ERROR);
     gl_target_finish(&target);
     gl->DeleteBuffers(1, &buffer);

@@ -50,6 +50,7 @@ struct gl_context;
     X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)                                                               \
     X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                                                                     \
     X(PFNGLGETSHADERIVPROC, GetShaderiv)                                                                               \
+    X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
     X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                                                                           \
     X(PFNGLNAMEDBUFFERDATAPROC, NamedBufferData)                                                                       \
@@ -57,6 +58,7 @@ struct gl_context;
     X(PFNGLNAMEDFRAMEBUFFERREADBUFFERPROC, NamedFramebufferReadBuffer)                                                 \
     X(PFNGLNAMEDFRAMEBUFFERTEXTUREPROC, NamedFramebufferTexture)                                                       \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
+    X(PFNGLPROGRAMUNIFORM1IPROC, ProgramUniform1i)                                                                     \
     X(PFNGLPROGRAMUNIFORM3IPROC, ProgramUniform3i)                                                                     \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
     X(PFNGLSCISSORPROC, Scissor)                                                                                       \

@@ -13,6 +13,7 @@ enum { GL_PROGRAMS_LIMIT = 32 };
 struct kept_program {
     unsigned name; // GL's
     int rows;      // rows or layers of its work that one call does; set by whoever runs it, 0 at first
+    int squares;   // the same of a list of pixels
 };
 
 struct gl_programs {

@@ -10,18 +10,20 @@ static void keep_most(struct ray_counts_peak *most, double value, int x_px, int 
     if (value > most->value) *most = (struct ray_counts_peak){value, x_px, y_px};
 }
 
+void ray_counts_add_pixel(struct ray_counts *counts, const float paths[static 4], int x_px, int y_px)
+{
+    counts->cut_throughput += paths[0];
+    counts->cut_rays += paths[1];
+    counts->rays += paths[2];
+    counts->cut_by_depth += paths[3];
+    keep_most(&counts->most_cut, paths[0], x_px, y_px);
+    keep_most(&counts->most_rays, paths[2], x_px, y_px);
+}
+
 void ray_counts_add_row(struct ray_counts *counts, const float *paths, int width_px, int y_px)
 {
-    for (int x = 0; x < width_px; ++x) {
-        const float *pixel = paths + 4 * (size_t)x;
-
-        counts->cut_throughput += pixel[0];
-        counts->cut_rays += pixel[1];
-        counts->rays += pixel[2];
-        counts->cut_by_depth += pixel[3];
-        keep_most(&counts->most_cut, pixel[0], x, y_px);
-        keep_most(&counts->most_rays, pixel[2], x, y_px);
-    }
+    for (int x = 0; x < width_px; ++x)
+        ray_counts_add_pixel(counts, paths + 4 * (size_t)x, x, y_px);
 }
 
 void ray_counts_find_means(struct ray_counts *counts, int64_t pixel_count, int sample_count)

@@ -27,8 +27,10 @@ struct ray_counts {
     struct ray_counts_peak most_rays, most_cut; // most_cut: summed throughput
 };
 
-// Adds a row of pixels, 4 floats each, summed over the samples: throughput cut, rays cut, rays followed, throughput cut
-// by max_depth. The fields are sums until ray_counts_find_means.
+// Adds a pixel's 4 numbers, summed over its samples: throughput cut, rays cut, rays followed, throughput cut by
+// max_depth. The fields are sums until ray_counts_find_means.
+void ray_counts_add_pixel(struct ray_counts *counts, const float paths[static 4], int x_px, int y_px);
+// Adds a row of pixels.
 void ray_counts_add_row(struct ray_counts *counts, const float *paths, int width_px, int y_px);
 // Divides the sums by the numbers of pixels and samples. Called once.
 void ray_counts_find_means(struct ray_counts *counts, int64_t pixel_count, int sample_count);

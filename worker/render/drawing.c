@@ -7,6 +7,7 @@
 #include "worker/gl/gl_program.h"
 #include "worker/glsl/pixel_mark.h"
 #include "worker/render/passes.h"
+#include "worker/render/pixel_layout.h"
 #include "worker/render/tile_rows.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/shader/scene_program.h"
@@ -35,6 +36,8 @@ bool drawing_tools_init(struct drawing_tools *tools, const struct gl_context *co
 void drawing_tools_finish(struct drawing_tools *tools)
 {
     gl_target_finish(&tools->target);
+    gl_target_finish(&tools->list_target);
+    gl_pixel_list_finish(&tools->list);
     gl_slices_finish(&tools->slices);
     gl_caches_destroy(tools->caches);
     gl_programs_finish(&tools->programs);
@@ -68,14 +71,34 @@ bool drawing_check_gl(struct drawing *drawing, struct error *error)
     return false;
 }
 
-bool drawing_check_marks(struct drawing *drawing, const float *rgba, int first_row, int row_count)
+struct gl_target *drawing_target(const struct drawing *drawing)
 {
-    size_t width = (size_t)drawing->tools->target.width_px, at;
-    enum pixel_mark mark = pixel_mark_find(rgba, width * (size_t)row_count, &at, &drawing->marked_medium);
+    return drawing->layout ? &drawing->tools->list_target : &drawing->tools->target;
+}
+
+// Checks pixels that follow one another in the target. Sets the place of a marked one, counted from the first.
+static bool check_marks(struct drawing *drawing, const float *rgba, size_t count, size_t *at)
+{
+    enum pixel_mark mark = pixel_mark_find(rgba, count, at, &drawing->marked_medium);
 
     if (mark == PIXEL_MARK_IS_NONE) return true;
-    drawing->marked_pixel = (size_t)first_row * width + at;
     drawing->fault = mark == PIXEL_MARK_IS_CUT ? RENDERER_FAULT_ENDLESS : RENDERER_FAULT_MAJORANT;
+    return false;
+}
+
+static struct pixel pixel_of_frame(const struct drawing *drawing, size_t at)
+{
+    size_t width = (size_t)drawing->tools->target.width_px;
+
+    return (struct pixel){(int)(at % width), (int)(at / width)};
+}
+
+bool drawing_check_marks(struct drawing *drawing, const float *rgba, size_t count)
+{
+    size_t at;
+
+    if (check_marks(drawing, rgba, count, &at)) return true;
+    drawing->marked_pixel = drawing->layout ? drawing->layout->pixels[at] : pixel_of_frame(drawing, at);
     return false;
 }
 
@@ -110,43 +133,104 @@ bool drawing_find_program(struct drawing *drawing, struct error *error)
 
 bool drawing_fit_target(struct drawing *drawing, const struct gl_target_params *params, struct error *error)
 {
-    struct gl_target *target = &drawing->tools->target;
+    struct gl_target *target = drawing_target(drawing);
 
     if (gl_target_fits(target, params)) return true;
     gl_target_finish(target);
     return gl_target_init(target, &drawing->tools->gl, params, error) || fail(drawing, RENDERER_FAULT_JOB);
 }
 
-struct tile { // rows of the picture
-    int row, row_count;
+struct tile { // rows of the frame, or squares of the list
+    int first, count;
     double seconds; // the time of its longest draw
 };
+
+static void draw(const struct drawing *drawing, const struct tile *tile)
+{
+    const struct gl_functions *gl = &drawing->tools->gl;
+    const struct pixel_layout *layout = drawing->layout;
+
+    if (!layout) {
+        gl->Scissor(0, tile->first, drawing_target(drawing)->width_px, tile->count);
+        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+    for (int i = tile->first; layout && i < tile->first + tile->count; ++i) {
+        struct pixel corner = pixel_layout_square(layout, i);
+
+        gl->Scissor(corner.x, corner.y, layout->side, layout->side);
+        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+}
+
+static bool check_rows(struct drawing *drawing, const struct tile *tile)
+{
+    const struct gl_target *target = drawing_target(drawing);
+    size_t count = (size_t)target->width_px * (size_t)tile->count, at;
+    float *rgba = xmalloc(4 * count * sizeof *rgba);
+    bool ok;
+
+    gl_target_read_rows(target, tile->first, tile->count, rgba);
+    ok = check_marks(drawing, rgba, count, &at);
+    free(rgba);
+    if (!ok) drawing->marked_pixel = pixel_of_frame(drawing, (size_t)tile->first * (size_t)target->width_px + at);
+    return ok;
+}
+
+static bool check_square(struct drawing *drawing, int square)
+{
+    const struct pixel_layout *layout = drawing->layout;
+    struct pixel corner = pixel_layout_square(layout, square);
+    size_t row_floats = 4 * (size_t)layout->width_px, at;
+    float *rgba = xmalloc((size_t)layout->side * row_floats * sizeof *rgba);
+    bool ok = true;
+
+    gl_target_read_rows(drawing_target(drawing), corner.y, layout->side, rgba);
+    for (int y = 0; ok && y < layout->side; ++y) {
+        ok = check_marks(drawing, rgba + (size_t)y * row_floats + 4 * (size_t)corner.x, (size_t)layout->side, &at);
+        if (!ok) drawing->marked_pixel = layout->pixels[pixel_layout_index(layout, square, (int)at, y)];
+    }
+    free(rgba);
+    return ok;
+}
 
 // Reads the tile only where it took long: the rest of a frame that GL cuts may take hours.
 static bool check_tile(struct drawing *drawing, const struct tile *tile)
 {
-    const struct gl_target *target = &drawing->tools->target;
-    float *rgba;
-    bool ok;
+    bool ok = true;
 
     if (tile->seconds <= TILE_ROWS_SECONDS) return true;
-    rgba = xmalloc(4 * (size_t)target->width_px * (size_t)tile->row_count * sizeof *rgba);
-    gl_target_read_rows(target, tile->row, tile->row_count, rgba);
-    ok = drawing_check_marks(drawing, rgba, tile->row, tile->row_count);
-    free(rgba);
+    if (!drawing->layout) return check_rows(drawing, tile);
+    for (int i = tile->first; ok && i < tile->first + tile->count; ++i)
+        ok = check_square(drawing, i);
     return ok;
+}
+
+static int64_t count_pixels(const struct drawing *drawing, const struct tile *tile)
+{
+    const struct pixel_layout *layout = drawing->layout;
+
+    return (int64_t)tile->count * (layout ? layout->side * layout->side : drawing_target(drawing)->width_px);
+}
+
+static struct pixel first_pixel(const struct drawing *drawing, const struct tile *tile)
+{
+    if (!drawing->layout) return (struct pixel){0, tile->first};
+    return drawing->layout->pixels[pixel_layout_index(drawing->layout, tile->first, 0, 0)];
 }
 
 // Draws slices of the tile's marches until all pixels are done. Pixels that never finish fail the frame.
 static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error *error)
 {
-    int width_px = drawing->tools->target.width_px;
-    int64_t left = (int64_t)width_px * tile->row_count;
+    const struct gl_slices *slices = &drawing->tools->slices;
+    int64_t left = count_pixels(drawing, tile);
 
     for (int idle = 0; left > 0; ++idle) {
         double start = clock_now_s(), seconds;
-        int64_t done = (int64_t)gl_slices_draw(&drawing->tools->slices);
+        int64_t done;
 
+        gl_slices_open(slices);
+        draw(drawing, tile);
+        done = (int64_t)gl_slices_close(slices);
         left -= done;
         if (done > 0) idle = 0;
         if (!drawing_check_gl(drawing, error)) return false;
@@ -154,7 +238,7 @@ static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error
         if (seconds > tile->seconds) tile->seconds = seconds;
         if (!check_tile(drawing, tile)) return false;
         if (idle == IDLE_SLICE_LIMIT) {
-            drawing->marked_pixel = (size_t)tile->row * (size_t)width_px;
+            drawing->marked_pixel = first_pixel(drawing, tile);
             drawing->fault = RENDERER_FAULT_ENDLESS;
             return false;
         }
@@ -165,11 +249,10 @@ static bool draw_slices(struct drawing *drawing, struct tile *tile, struct error
 
 static bool draw_whole(struct drawing *drawing, struct tile *tile, struct error *error)
 {
-    const struct gl_functions *gl = &drawing->tools->gl;
     double start = clock_now_s();
 
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
-    gl->Finish();
+    draw(drawing, tile);
+    drawing->tools->gl.Finish();
     if (!drawing_check_gl(drawing, error)) return false;
     tile->seconds = clock_now_s() - start;
     return check_tile(drawing, tile);
@@ -177,18 +260,18 @@ static bool draw_whole(struct drawing *drawing, struct tile *tile, struct error 
 
 static bool draw_tiles(struct drawing *drawing, int pass, struct error *error)
 {
-    const struct gl_target *target = &drawing->tools->target;
-    int height_px = target->height_px, *rows = &drawing->program->rows;
+    const struct pixel_layout *layout = drawing->layout;
+    int end = layout ? layout->square_count : drawing_target(drawing)->height_px, *next;
 
-    if (*rows == 0) *rows = TILE_ROWS_FIRST;
-    for (int row = 0; row < height_px;) {
-        struct tile tile = {.row = row, .row_count = *rows < height_px - row ? *rows : height_px - row};
+    next = layout ? &drawing->program->squares : &drawing->program->rows;
+    if (*next == 0) *next = layout ? TILE_SQUARES_FIRST : TILE_ROWS_FIRST;
+    for (int first = 0; first < end;) {
+        struct tile tile = {.first = first, .count = *next < end - first ? *next : end - first};
 
-        drawing->tools->gl.Scissor(0, row, target->width_px, tile.row_count);
         if (!(drawing->scene->model.features.is_sliced ? draw_slices : draw_whole)(drawing, &tile, error)) return false;
-        row += tile.row_count;
-        *rows = tile_rows_next(tile.row_count, tile.seconds);
-        drawing->done = (pass + (double)row / height_px) / target->pass_count;
+        first += tile.count;
+        *next = (layout ? tile_squares_next : tile_rows_next)(tile.count, tile.seconds);
+        drawing->done = (pass + (double)first / end) / drawing->passes->count;
         if (!report(drawing, error)) return false;
     }
     return true;
@@ -224,11 +307,13 @@ static bool bind_caches(struct drawing *drawing, int pass, struct error *error)
 static bool begin_pass(struct drawing *drawing, int pass, struct error *error)
 {
     struct drawing_tools *tools = drawing->tools;
+    const struct gl_target *target = drawing_target(drawing);
     size_t uniform_bytes = drawing->scene->uniforms.size_bytes;
 
-    drawing->done = (double)pass / tools->target.pass_count;
+    drawing->done = (double)pass / drawing->passes->count;
     if (!bind_caches(drawing, pass, error)) return false;
     tools->gl.UseProgram(drawing->program->name);
+    gl_pixel_list_choose(&tools->gl, drawing->program->name, drawing->layout != NULL);
     if (uniform_bytes > 0) {
         tools->gl.NamedBufferData(tools->uniform_buffer, (GLsizeiptr)uniform_bytes, passes_block(drawing->passes, pass),
                                   GL_STREAM_DRAW);
@@ -236,17 +321,18 @@ static bool begin_pass(struct drawing *drawing, int pass, struct error *error)
     }
     if (!drawing_check_gl(drawing, error)) return false;
     if (drawing->scene->model.features.is_sliced)
-        gl_slices_begin(&tools->slices, &tools->gl, tools->target.width_px, tools->target.height_px);
+        gl_slices_begin(&tools->slices, &tools->gl, target->width_px, target->height_px);
     return true;
 }
 
 bool drawing_run(struct drawing *drawing, struct error *error)
 {
     struct drawing_tools *tools = drawing->tools;
+    const struct gl_target *target = drawing_target(drawing);
 
-    gl_target_begin(&tools->target);
-    if (drawing->scene->model.features.is_sliced)
-        gl_target_clear(&tools->target); // removes the marks of pixels that were cut
+    if (drawing->layout) gl_pixel_list_bind(&tools->list, &tools->gl, drawing->layout);
+    gl_target_begin(target);
+    if (drawing->scene->model.features.is_sliced) gl_target_clear(target); // removes the marks of pixels that were cut
     tools->gl.Enable(GL_SCISSOR_TEST);
     tools->gl.BindVertexArray(tools->vertex_array);
     for (int pass = 0; pass < drawing->passes->count; ++pass)

@@ -5,6 +5,8 @@
 #include "worker/gl/gl_debug.h"
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_programs.h"
+#include "worker/picture/pixel.h"
+#include "worker/render/gl_pixel_list.h"
 #include "worker/render/gl_slices.h"
 #include "worker/render/gl_target.h"
 #include "worker/render/renderer_fault.h"
@@ -16,6 +18,7 @@ struct error;
 struct gl_caches;
 struct gl_context;
 struct passes;
+struct pixel_layout;
 struct scene_program;
 
 // The GL objects that drawings use, kept from frame to frame. GL keeps the struct's address.
@@ -23,8 +26,9 @@ struct drawing_tools {
     struct gl_functions gl;
     struct gl_debug debug;
     struct gl_programs programs;
-    struct gl_caches *caches; // owned
-    struct gl_target target;
+    struct gl_caches *caches;             // owned
+    struct gl_target target, list_target; // of frames, and of lists of pixels
+    struct gl_pixel_list list;
     struct gl_slices slices;
     unsigned vertex_array, uniform_buffer;
 };
@@ -36,21 +40,24 @@ void drawing_tools_finish(struct drawing_tools *tools); // accepts empty ones
 // Called with the share done in [0, 1]; false stops the frame.
 typedef bool drawing_progress(void *user, double done);
 
-// One frame that is drawn. All that it points to is borrowed and outlives it.
+// One frame, or a list of its pixels, that is drawn. All that it points to is borrowed and outlives it.
 struct drawing {
     struct drawing_tools *tools;
     const struct scene_program *scene;
     const struct passes *passes;
-    drawing_progress *on_progress; // may be NULL
+    const struct pixel_layout *layout; // NULL: the whole frame
+    drawing_progress *on_progress;     // may be NULL
     void *user;
     double done;                  // share of the frame, in [0, 1]
     struct kept_program *program; // set by drawing_find_program
     // The fault is set whenever a function here returns false.
     enum renderer_fault fault;
-    size_t marked_pixel; // the pixel that the shader marked as cut
-    int marked_medium;   // the medium whose majorant the shader found too small
+    struct pixel marked_pixel; // the pixel that the shader marked as cut
+    int marked_medium;         // the medium whose majorant the shader found too small
 };
 
+// The target of frames, or that of lists.
+struct gl_target *drawing_target(const struct drawing *drawing);
 bool drawing_find_program(struct drawing *drawing, struct error *error);
 // Makes a target for `params`, unless the one there is fits.
 bool drawing_fit_target(struct drawing *drawing, const struct gl_target_params *params, struct error *error);
@@ -61,5 +68,5 @@ bool drawing_run(struct drawing *drawing, struct error *error);
 bool drawing_report(void *user);
 // Returns false when GL reported an error since the last check.
 bool drawing_check_gl(struct drawing *drawing, struct error *error);
-// Returns false when a shader marked one of these pixels: rows of the picture from `first_row` on, 4 floats a pixel.
-bool drawing_check_marks(struct drawing *drawing, const float *rgba, int first_row, int row_count);
+// Returns false when a shader marked one of the pixels of the frame or of the list, 4 floats each in its order.
+bool drawing_check_marks(struct drawing *drawing, const float *rgba, size_t count);

@@ -33,14 +33,17 @@ void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, in
     }
 }
 
-uint64_t gl_slices_draw(const struct gl_slices *slices)
+void gl_slices_open(const struct gl_slices *slices)
+{
+    slices->gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    slices->gl->BeginQuery(GL_SAMPLES_PASSED, slices->query);
+}
+
+uint64_t gl_slices_close(const struct gl_slices *slices)
 {
     const struct gl_functions *gl = slices->gl;
     GLuint64 done = 0;
 
-    gl->MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-    gl->BeginQuery(GL_SAMPLES_PASSED, slices->query);
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
     gl->EndQuery(GL_SAMPLES_PASSED);
     gl->Finish();
     gl->GetQueryObjectui64v(slices->query, GL_QUERY_RESULT, &done);

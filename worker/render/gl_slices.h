@@ -19,5 +19,6 @@ struct gl_slices {
 void gl_slices_finish(struct gl_slices *slices); // accepts an empty one
 // Binds and clears the images for a picture of that size. GL reports it when there is no memory.
 void gl_slices_begin(struct gl_slices *slices, const struct gl_functions *gl, int width_px, int height_px);
-// Draws one slice inside the scissor box and waits for it. Returns how many pixels it finished.
-uint64_t gl_slices_draw(const struct gl_slices *slices);
+// What is drawn between these two is one slice. The second waits for it and returns how many pixels it finished.
+void gl_slices_open(const struct gl_slices *slices);
+uint64_t gl_slices_close(const struct gl_slices *slices);

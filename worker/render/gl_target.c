@@ -6,6 +6,7 @@
 #include "worker/gl/gl_functions.h"
 #include "worker/picture/image.h"
 #include "worker/picture/ray_counts.h"
+#include "worker/render/pixel_layout.h"
 
 #include <stdlib.h>
 
@@ -48,22 +49,29 @@ static void make_framebuffer(struct gl_target *target)
     target->gl->NamedFramebufferDrawBuffers(target->framebuffer, TEXTURE_COUNT, buffers);
 }
 
+static struct pixel find_size(const struct gl_target_params *params)
+{
+    if (params->layout) return (struct pixel){params->layout->width_px, params->layout->height_px};
+    return (struct pixel){params->image->width_px, params->image->height_px};
+}
+
 bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct gl_target_params *params,
                     struct error *error)
 {
     const struct image *image = params->image;
+    const struct pixel size = find_size(params);
     GLint side_limit_px = 0;
     GLenum status;
 
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &side_limit_px);
-    if (image->width_px > side_limit_px || image->height_px > side_limit_px) {
-        error_set(error, "resolution: expected at most %d x %d here, got %d x %d", side_limit_px, side_limit_px,
-                  image->width_px, image->height_px);
+    if (size.x > side_limit_px || size.y > side_limit_px) {
+        error_set(error, "resolution: expected at most %d x %d here, got %d x %d", side_limit_px, side_limit_px, size.x,
+                  size.y);
         return false;
     }
     *target = (struct gl_target){.gl = gl,
-                                 .width_px = image->width_px,
-                                 .height_px = image->height_px,
+                                 .width_px = size.x,
+                                 .height_px = size.y,
                                  .pass_count = params->pass_count,
                                  .has_transmittance = image->transmittance != NULL,
                                  .has_depth = image->depth != NULL,
@@ -91,9 +99,10 @@ void gl_target_finish(struct gl_target *target)
 bool gl_target_fits(const struct gl_target *target, const struct gl_target_params *params)
 {
     const struct image *image = params->image;
+    const struct pixel size = find_size(params);
 
     return target->gl && target->pass_count == params->pass_count && target->has_paths == params->has_paths &&
-           target->width_px == image->width_px && target->height_px == image->height_px &&
+           target->width_px == size.x && target->height_px == size.y &&
            target->has_transmittance == (image->transmittance != NULL) && target->has_depth == (image->depth != NULL);
 }
 
@@ -121,29 +130,63 @@ void gl_target_begin(const struct gl_target *target)
     gl_target_clear(target);
 }
 
-static void read_texture(const struct gl_target *target, int index, GLenum format, float *pixels)
+static void read_rows(const struct gl_target *target, int index, GLenum format, int first_row, int row_count,
+                      float *values)
 {
     target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT0 + (GLenum)index);
-    target->gl->ReadPixels(0, 0, target->width_px, target->height_px, format, GL_FLOAT, pixels);
+    target->gl->ReadPixels(0, first_row, target->width_px, row_count, format, GL_FLOAT, values);
+}
+
+// `size` floats a pixel, in the order of the frame or of the list.
+static void read_texture(const struct gl_target *target, const struct pixel_layout *layout, int index, size_t size,
+                         float *values)
+{
+    static const GLenum formats[] = {[1] = GL_RED, [2] = GL_RG, [4] = GL_RGBA};
+    float *drawn = values;
+
+    if (layout) drawn = xmalloc(size * (size_t)target->width_px * (size_t)target->height_px * sizeof *drawn);
+    read_rows(target, index, formats[size], 0, target->height_px, drawn);
+    if (!layout) return;
+    pixel_layout_gather(layout, drawn, size, values);
+    free(drawn);
 }
 
 // Reads a few rows at a time: nothing keeps them, and all together take as much memory as the picture.
-static void count_rays(const struct gl_target *target, struct ray_counts *counts)
+static void count_frame(const struct gl_target *target, struct ray_counts *counts)
 {
     size_t row_floats = 4 * (size_t)target->width_px;
     float *strip = xmalloc(STRIP_ROWS * row_floats * sizeof *strip);
 
-    *counts = (struct ray_counts){.is_known = true};
-    target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT3);
     for (int y = 0; y < target->height_px; y += STRIP_ROWS) {
         int rows = target->height_px - y < STRIP_ROWS ? target->height_px - y : STRIP_ROWS;
 
-        target->gl->ReadPixels(0, y, target->width_px, rows, GL_RGBA, GL_FLOAT, strip);
+        read_rows(target, 3, GL_RGBA, y, rows, strip);
         for (int i = 0; i < rows; ++i)
             ray_counts_add_row(counts, strip + (size_t)i * row_floats, target->width_px, y + i);
     }
-    ray_counts_find_means(counts, (int64_t)target->width_px * target->height_px, target->pass_count);
     free(strip);
+}
+
+static void count_list(const struct gl_target *target, const struct pixel_layout *layout, struct ray_counts *counts)
+{
+    float *paths = xmalloc(4 * layout->count * sizeof *paths);
+
+    read_texture(target, layout, 3, 4, paths);
+    for (size_t i = 0; i < layout->count; ++i)
+        ray_counts_add_pixel(counts, paths + 4 * i, layout->pixels[i].x, layout->pixels[i].y);
+    free(paths);
+}
+
+static void count_rays(const struct gl_target *target, const struct pixel_layout *layout, struct ray_counts *counts)
+{
+    int64_t pixels = layout ? (int64_t)layout->count : (int64_t)target->width_px * target->height_px;
+
+    *counts = (struct ray_counts){.is_known = true};
+    if (layout)
+        count_list(target, layout, counts);
+    else
+        count_frame(target, counts);
+    ray_counts_find_means(counts, pixels, target->pass_count);
 }
 
 static void divide(float *values, size_t count, int divisor)
@@ -167,20 +210,20 @@ void gl_target_read_rows(const struct gl_target *target, int first_row, int row_
 {
     target->gl->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);
     target->gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
-    target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT0);
-    target->gl->ReadPixels(0, first_row, target->width_px, row_count, GL_RGBA, GL_FLOAT, rgba);
+    read_rows(target, 0, GL_RGBA, first_row, row_count, rgba);
 }
 
-void gl_target_read(const struct gl_target *target, struct image *image, struct ray_counts *counts)
+void gl_target_read(const struct gl_target *target, const struct pixel_layout *layout, struct image *image,
+                    struct ray_counts *counts)
 {
     target->gl->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);
     target->gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
-    read_texture(target, 0, GL_RGBA, image->rgba);
-    if (image->transmittance) read_texture(target, 1, GL_RGBA, image->transmittance);
+    read_texture(target, layout, 0, 4, image->rgba);
+    if (image->transmittance) read_texture(target, layout, 1, 4, image->transmittance);
     if (target->depth_sums)
-        read_texture(target, 2, GL_RG, target->depth_sums);
+        read_texture(target, layout, 2, 2, target->depth_sums);
     else if (image->depth)
-        read_texture(target, 2, GL_RED, image->depth);
+        read_texture(target, layout, 2, 1, image->depth);
     if (target->pass_count > 1) find_means(target, image);
-    if (target->has_paths) count_rays(target, counts);
+    if (target->has_paths) count_rays(target, layout, counts);
 }

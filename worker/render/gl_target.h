@@ -7,10 +7,13 @@
 struct error;
 struct gl_functions;
 struct image;
+struct pixel_layout;
 struct ray_counts;
 
 struct gl_target_params {
     const struct image *image; // borrowed for the call: the size, and which pictures there are
+    const struct pixel_layout
+        *layout; // borrowed for the call; NULL: a frame; else a list, and the size is its layout's
     int pass_count;
     bool has_paths; // rays are reflected or refracted, and are counted
 };
@@ -40,5 +43,7 @@ void gl_target_clear(const struct gl_target *target); // after gl_target_begin
 // Copies the RGBA of some rows, 4 floats a pixel: the sum of the passes so far.
 void gl_target_read_rows(const struct gl_target *target, int first_row, int row_count, float *rgba);
 // Waits for the passes and copies their mean into `image`, which fits. A pixel's depth is the mean of those passes that
-// found one. `counts` stays as it is where there are no paths; its share is not set.
-void gl_target_read(const struct gl_target *target, struct image *image, struct ray_counts *counts);
+// found one. `counts` stays as it is where there are no paths; its share is not set. A list's image has as many pixels as
+// the list, in its order, whatever its sides.
+void gl_target_read(const struct gl_target *target, const struct pixel_layout *layout, struct image *image,
+                    struct ray_counts *counts);

@@ -9,6 +9,7 @@
 #include "worker/picture/image.h"
 #include "worker/render/drawing.h"
 #include "worker/render/passes.h"
+#include "worker/render/pixel_layout.h"
 #include "worker/scene/camera_view.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
@@ -20,6 +21,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // The frame that the target shows: its program, files and uniforms.
 struct shown_frame {
@@ -31,6 +33,7 @@ struct shown_frame {
 struct renderer {
     const struct gl_context *context; // borrowed; outlives us
     char *shader_dir;                 // owned; NULL for the embedded modules
+    int thread_count;                 // processors, among which software GL divides its work
     struct error unusable;            // why no frame can be rendered at all; empty: all is well
     struct drawing_tools tools;
     struct gl_grids *grids;       // owned
@@ -44,6 +47,7 @@ struct rendering {
     const struct renderer_frame *frame; // borrowed, as is `result`
     struct scene_inputs inputs;
     struct renderer_result *result;
+    struct pixel_layout layout; // of a list; else empty
     struct drawing drawing;
 };
 
@@ -52,6 +56,7 @@ struct renderer *renderer_create(struct gl_context *context, const char *shader_
     struct renderer *renderer = xcalloc(1, sizeof *renderer);
 
     renderer->context = context;
+    renderer->thread_count = (int)sysconf(_SC_NPROCESSORS_ONLN);
     renderer->shader_dir = shader_dir ? xstrdup(shader_dir) : NULL;
     scene_files_init(&renderer->files);
     if (!drawing_tools_init(&renderer->tools, context, &renderer->unusable)) return renderer;
@@ -100,12 +105,13 @@ static void set_cut_error(const struct renderer *renderer, const struct renderin
     const char *longer_steps = job->scene.medium_count == 0               ? ""
                                : job_quality_has_majorants(&job->quality) ? "thinner media, "
                                                                           : "longer steps, ";
-    const char *fewer_paths = renderer->tools.target.has_paths ? "a smaller max_depth, a larger min_throughput, " : "";
-    size_t pixel = rendering->drawing.marked_pixel, width = (size_t)renderer->tools.target.width_px;
+    const char *fewer_paths =
+        drawing_target(&rendering->drawing)->has_paths ? "a smaller max_depth, a larger min_throughput, " : "";
+    struct pixel pixel = rendering->drawing.marked_pixel;
 
     error_set(error,
-              "quality: pixel (%zu, %zu) needs more iterations of its loops than %s runs; expected %s%s%s%s%sor a GPU",
-              pixel % width, pixel / width, gl_context_facts(renderer->context)->renderer, longer_steps, fewer_paths,
+              "quality: pixel (%d, %d) needs more iterations of its loops than %s runs; expected %s%s%s%s%sor a GPU",
+              pixel.x, pixel.y, gl_context_facts(renderer->context)->renderer, longer_steps, fewer_paths,
               code ? "short loops in " : "", code ? code : "", code ? ", " : "");
 }
 
@@ -131,7 +137,7 @@ static bool draw(struct renderer *renderer, struct drawing *drawing, const struc
                  struct error *error)
 {
     if (!drawing_find_program(drawing, error)) return false;
-    renderer->shown.is_whole = false;
+    if (!drawing->layout) renderer->shown.is_whole = false;
     return drawing_fit_target(drawing, target, error) && bind_files(renderer, drawing, error) &&
            drawing_run(drawing, error);
 }
@@ -141,7 +147,8 @@ static bool read_target(struct renderer *renderer, struct rendering *rendering, 
 {
     struct renderer_result *result = rendering->result;
 
-    gl_target_read(&renderer->tools.target, rendering->frame->image, &result->ray_counts);
+    gl_target_read(drawing_target(&rendering->drawing), rendering->drawing.layout, rendering->frame->image,
+                   &result->ray_counts);
     ray_counts_find_share(&result->ray_counts, rendering->frame->image);
     if (drawing_check_gl(&rendering->drawing, error)) return true;
     renderer->shown.is_whole = false;
@@ -151,22 +158,25 @@ static bool read_target(struct renderer *renderer, struct rendering *rendering, 
 static bool render_scene(struct renderer *renderer, struct rendering *rendering, const struct scene_program *scene,
                          struct passes *passes, struct error *error)
 {
-    const struct gl_target_params target = {
-        .image = rendering->frame->image, .pass_count = passes->count, .has_paths = scene->model.features.has_paths};
+    const struct image *image = rendering->frame->image;
     struct renderer_result *result = rendering->result;
     struct drawing *drawing = &rendering->drawing;
+    const struct gl_target_params target = {.image = image,
+                                            .layout = drawing->layout,
+                                            .pass_count = passes->count,
+                                            .has_paths = scene->model.features.has_paths};
 
     drawing->scene = scene;
     drawing->passes = passes;
-    result->is_copy = is_shown(renderer, scene, passes, &target);
+    result->is_copy = !drawing->layout && is_shown(renderer, scene, passes, &target);
     if (!result->is_copy) {
         if (!draw(renderer, drawing, &target, error)) return false;
-        note_shown(&renderer->shown, scene, passes);
+        if (!drawing->layout) note_shown(&renderer->shown, scene, passes);
     } else if (drawing->on_progress) {
         (void)drawing->on_progress(drawing->user, 1);
     }
     return read_target(renderer, rendering, error) &&
-           drawing_check_marks(drawing, rendering->frame->image->rgba, 0, rendering->frame->image->height_px);
+           drawing_check_marks(drawing, image->rgba, (size_t)image->width_px * (size_t)image->height_px);
 }
 
 // Writes the frame's program and draws it. With `is_sliced` each march continues over several draws.
@@ -238,6 +248,10 @@ bool renderer_render(struct renderer *renderer, const struct renderer_frame *fra
         goto out;
     camera_view_matrices(&view, result->world_to_camera, result->world_to_ndc);
     if (!open_inputs(renderer, job, frame->frame, &rendering.inputs, fault, error)) goto out;
+    if (frame->pixels) {
+        pixel_layout_init(&rendering.layout, frame->pixels, frame->pixel_count, renderer->thread_count);
+        rendering.drawing.layout = &rendering.layout;
+    }
     memcpy(result->picture_hash, rendering.inputs.picture_hash, sizeof result->picture_hash);
     result->step = rendering.inputs.quality.step;
     scene_visibility_find(job, &rendering.inputs, frame->frame, rendering.inputs.is_unneeded);
@@ -249,6 +263,7 @@ bool renderer_render(struct renderer *renderer, const struct renderer_frame *fra
         pixel_mark_tell_majorant(&job->scene, rendering.drawing.marked_medium, error);
 out:
     result->fault = *fault;
+    pixel_layout_finish(&rendering.layout);
     scene_inputs_finish(&rendering.inputs);
     return ok;
 }

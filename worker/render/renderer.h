@@ -7,11 +7,13 @@
 #include "worker/render/renderer_fault.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 struct error;
 struct gl_context;
 struct image;
+struct pixel;
 struct renderer;
 
 // Called between tiles with the share done in [0, 1]; false stops the frame.
@@ -45,16 +47,21 @@ struct renderer_result {
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them
 };
 
-// A frame to render. All that it points to is borrowed for the call.
+// A frame to render, or some of its pixels. All that it points to is borrowed for the call.
 struct renderer_frame {
     const struct job *job;
     int32_t frame;
-    struct image *image;            // initialised with the job's size and channels
+    // The pixels of a list, in any order, each as it is in the whole frame; NULL: all.
+    const struct pixel *pixels;
+    size_t pixel_count;
+    // Initialised with the channels of the job. It has the job's size, or as many pixels as the list, which it gets in
+    // the list's order: width_px * height_px is pixel_count.
+    struct image *image;
     renderer_progress *on_progress; // may be NULL
     void *user;
 };
 
 // Renders the frame into its image. Programs and targets are kept from call to call; a frame whose inputs equal the one
-// before is copied, not rendered.
+// before is copied, not rendered. Lists of pixels are always rendered, and share the frame's program.
 bool renderer_render(struct renderer *renderer, const struct renderer_frame *frame, struct renderer_result *result,
                      struct error *error);

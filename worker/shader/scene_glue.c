@@ -80,14 +80,15 @@ static void write_point(FILE *out, const struct scene_model *model)
 {
     int columns, rows;
 
+    fputs("    uvec2 pixel = pixel_drawn();\n", out);
     pixel_samples_strata(pixel_samples_count(model->job), &columns, &rows);
     if (model->features.has_samples)
         fprintf(out,
-                "    vec2 point_px = pixel_samples_point(PixelSamples(%du, %du), uvec2(gl_FragCoord.xy), "
-                "uint(sample_index), uint(frame_seed));\n",
+                "    vec2 point_px = pixel_samples_point(PixelSamples(%du, %du), pixel, uint(sample_index), "
+                "uint(frame_seed));\n",
                 columns, rows);
     else if (model->features.is_random)
-        fputs("    random_start(uvec2(gl_FragCoord.xy), uint(sample_index), uint(frame_seed));\n", out);
+        fputs("    random_start(pixel, uint(sample_index), uint(frame_seed));\n", out);
 }
 
 static void write_view(FILE *out, const struct scene_model *model)
@@ -97,7 +98,7 @@ static void write_view(FILE *out, const struct scene_model *model)
           "    vec3 toward = camera_pinhole_toward(camera, ",
           out);
     fprintf(out, "%s);\n    vec3 direction = normalize(toward);\n",
-            model->features.has_samples ? "point_px" : "gl_FragCoord.xy");
+            model->features.has_samples ? "point_px" : "vec2(pixel) + 0.5");
 }
 
 // Samples of a Riemann sum do not depend on the media's spans.

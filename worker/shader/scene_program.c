@@ -50,6 +50,7 @@ static void add_camera(struct assembly *assembly)
 
     if (features->marches || features->marches_to_lights || features->has_objects)
         add_module(assembly, "math/march.glsl");
+    add_module(assembly, "camera/pixel.glsl");
     add_module(assembly, "camera/pinhole.glsl");
     if (features->is_random) add_module(assembly, "math/random.glsl");
     if (features->has_samples) add_module(assembly, "camera/pixel_samples.glsl");

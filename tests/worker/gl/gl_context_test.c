@@ -38,7 +38,7 @@ static void assert_renders_floats(struct gl_context *context)
     assert_true(image_init(&image, 7, 5, true, false, NULL));
     assert_true(gl_target_init(&target, &gl, &(struct gl_target_params){.image = &image, .pass_count = 1}, NULL));
     gl.ClearNamedFramebufferfv(target.framebuffer, GL_COLOR, 0, colour);
-    gl_target_read(&target, &image, NULL);
+    gl_target_read(&target, NULL, &image, NULL);
     assert_int_equal(gl.GetError(), GL_NO_ERROR);
     for (int i = 0; i < 7 * 5; ++i)
         assert_memory_equal(&image.rgba[4 * i], colour, sizeof colour);

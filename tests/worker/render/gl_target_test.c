@@ -80,7 +80,7 @@ static struct ray_counts draw(struct stage *stage, struct image *image, int pass
     gl_target_begin(&target);
     for (int i = 0; i < pass_count; ++i)
         stage->gl.DrawArrays(GL_TRIANGLES, 0, 3);
-    gl_target_read(&target, image, &counts);
+    gl_target_read(&target, NULL, image, &counts);
     assert_int_equal(stage->gl.GetError(), GL_NO_ERROR);
     gl_target_finish(&target);
     return counts;

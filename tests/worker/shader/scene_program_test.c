@@ -204,7 +204,7 @@ static void jittered_marches_draw_and_stretches_do_not(void **state)
     assemble(&program, &job, BALL_JOB_SIGMA_S_1, rest);
     shader_text_assert_has(&program, "integrator_jittered(IntegratorJittered(quality_step)");
     shader_text_assert_has(&program, "transmittance_jittered(TransmittanceJittered(quality_light_step)");
-    shader_text_assert_has(&program, "random_start(uvec2(gl_FragCoord.xy)");
+    shader_text_assert_has(&program, "random_start(pixel");
     shader_text_assert_lacks(&program, "_midpoint(");
     release(&program, &job);
     assemble_density(&program, &job, EVEN_BALL "}", BALL_JOB_SIGMA_A_1, jittered);

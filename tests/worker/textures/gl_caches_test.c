@@ -124,7 +124,7 @@ static void read_texels(struct stage *stage, struct image *image)
     gl_target_begin(&target);
     gl->UseProgram(program);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
-    gl_target_read(&target, image, NULL);
+    gl_target_read(&target, NULL, image, NULL);
     gl_target_finish(&target);
     gl->DeleteVertexArrays(1, &vertex_array);
     gl->DeleteProgram(program);

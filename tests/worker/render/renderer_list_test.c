@@ -1,0 +1,197 @@
+// A list of pixels has the values that the whole frame has there, to the bit, whatever its order and length.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "tests/support/ball_job.h"
+#include "tests/support/example_job.h"
+#include "tests/support/gl_stage.h"
+#include "tests/support/shader_dir.h"
+#include "worker/picture/image.h"
+#include "worker/picture/pixel.h"
+#include "worker/render/renderer.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { WIDTH_PX = 48, HEIGHT_PX = 27, PIXELS = WIDTH_PX * HEIGHT_PX };
+
+static uint32_t draw(uint32_t *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return *state >> 8;
+}
+
+// Random pixels of the frame, some of them several times.
+static void draw_list(struct pixel *pixels, size_t count, uint32_t seed)
+{
+    for (size_t i = 0; i < count; i++) {
+        pixels[i].x = (int)(draw(&seed) % WIDTH_PX);
+        pixels[i].y = (int)(draw(&seed) % HEIGHT_PX);
+    }
+}
+
+static void list_all(struct pixel *pixels)
+{
+    for (int i = 0; i < PIXELS; i++)
+        pixels[i] = (struct pixel){(PIXELS - 1 - i) % WIDTH_PX, (PIXELS - 1 - i) / WIDTH_PX};
+}
+
+static struct renderer_result render(struct renderer *renderer, const struct job *job, const struct pixel *pixels,
+                                     size_t count, struct image *image)
+{
+    struct error error = {{0}};
+    struct renderer_result result = {0};
+    bool ok = pixels ? image_init(image, (int)count, 1, job->output.has_depth, job->output.has_transmittance, &error)
+                     : image_init_for_job(image, job, &error);
+
+    ok = ok && renderer_render(renderer,
+                               &(struct renderer_frame){
+                                   .job = job, .frame = 0, .pixels = pixels, .pixel_count = count, .image = image},
+                               &result, &error);
+    if (!ok) fail_msg("%s", error.message);
+    return result;
+}
+
+static void assert_same(const struct image *frame, const struct image *list, const struct pixel *pixels, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        size_t at = (size_t)pixels[i].y * WIDTH_PX + (size_t)pixels[i].x;
+
+        assert_memory_equal(&list->rgba[4 * i], &frame->rgba[4 * at], 4 * sizeof(float));
+        assert_memory_equal(&list->transmittance[4 * i], &frame->transmittance[4 * at], 4 * sizeof(float));
+        assert_memory_equal(&list->depth[i], &frame->depth[at], sizeof(float));
+    }
+}
+
+static void assert_lists_are_like_frames(struct renderer *renderer, const struct job *job)
+{
+    static const size_t counts[] = {1, 7, 333, 5000};
+    struct pixel *pixels = xcalloc(5000, sizeof *pixels);
+    struct image frame, list;
+    struct renderer_result whole = render(renderer, job, NULL, 0, &frame), all;
+
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        draw_list(pixels, counts[i], (uint32_t)i);
+        (void)render(renderer, job, pixels, counts[i], &list);
+        assert_same(&frame, &list, pixels, counts[i]);
+        image_finish(&list);
+    }
+    list_all(pixels);
+    all = render(renderer, job, pixels, PIXELS, &list);
+    assert_same(&frame, &list, pixels, PIXELS);
+    assert_int_equal(all.ray_counts.is_known, whole.ray_counts.is_known);
+    assert_true(abs((int)(1e6 * (all.ray_counts.rays - whole.ray_counts.rays))) <= 1);
+    assert_int_equal(all.ray_counts.most_cut.x_px, whole.ray_counts.most_cut.x_px);
+    assert_int_equal(all.ray_counts.most_cut.y_px, whole.ray_counts.most_cut.y_px);
+    image_finish(&list);
+    image_finish(&frame);
+    free(pixels);
+}
+
+static void a_list_has_the_values_of_the_frame(void **state)
+{
+    static const struct {
+        const char *job;
+        struct job_quality quality;
+    } variants[] = {
+        {"cloud", {.method = JOB_METHOD_MIDPOINT, .step = 0.02, .light_step = 0.05, .samples = 1}},
+        {"cloud", {.method = JOB_METHOD_JITTERED, .step = 0.02, .light_step = 0.05, .samples = 3}},
+        {"cloud", {.method = JOB_METHOD_CACHED, .step = 0.02, .light_grid = 16, .samples = 1}},
+        {"cloud", {.method = JOB_METHOD_TRACKING, .samples = 2}},
+        {"noise", {.method = JOB_METHOD_GAUSS, .order = 2, .step = 0.1, .light_step = 0.2, .samples = 1}},
+        {"glass",
+         {.method = JOB_METHOD_EQUIANGULAR,
+          .points = 4,
+          .samples = 2,
+          .max_depth = 8,
+          .min_throughput = 0.01,
+          .max_cut = 1.0}},
+        {"scan", {.method = JOB_METHOD_MIDPOINT, .step_voxels = 2, .samples = 1}},
+    };
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+
+    (void)state;
+    for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
+        struct job job;
+
+        example_job_load(&job, variants[i].job);
+        example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, 2.0);
+        job.output.has_depth = job.output.has_transmittance = true;
+        job.quality = variants[i].quality;
+        assert_lists_are_like_frames(stage.renderer, &job);
+        job_finish(&job);
+    }
+    gl_stage_close(stage);
+}
+
+// The frame after a list is still a copy of the frame before it.
+static void a_list_leaves_the_frame_alone(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct pixel pixels[50];
+    struct image first, list, second;
+    struct job job;
+
+    (void)state;
+    example_job_load(&job, "cloud");
+    example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, 2.0);
+    job.quality = (struct job_quality){.method = JOB_METHOD_MIDPOINT, .step = 0.05, .light_step = 0.1, .samples = 1};
+    draw_list(pixels, 50, 9);
+    assert_false(render(stage.renderer, &job, NULL, 0, &first).is_copy);
+    assert_false(render(stage.renderer, &job, pixels, 50, &list).is_copy);
+    assert_true(render(stage.renderer, &job, NULL, 0, &second).is_copy);
+    assert_memory_equal(first.rgba, second.rgba, 4 * PIXELS * sizeof(float));
+    image_finish(&first);
+    image_finish(&list);
+    image_finish(&second);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
+// Shadow rays of a million iterations are cut, in the pixels that show the ball.
+static void a_cut_march_is_found_in_a_list(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
+    const struct pixel middle = {8, 8}, corner = {0, 0};
+    const struct pixel both[] = {corner, middle};
+    struct error error = {{0}};
+    struct renderer_result result;
+    struct image image;
+    struct job job;
+
+    (void)state;
+    ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
+    job.width_px = job.height_px = 17;
+    job.quality.light_step = 1e-6;
+    (void)render(stage.renderer, &job, &corner, 1, &image);
+    image_finish(&image);
+    assert_true(image_init(&image, 2, 1, false, false, NULL));
+    assert_false(renderer_render(
+        stage.renderer,
+        &(struct renderer_frame){.job = &job, .frame = 0, .pixels = both, .pixel_count = 2, .image = &image}, &result,
+        &error));
+    assert_int_equal(result.fault, RENDERER_FAULT_ENDLESS);
+    assert_non_null(strstr(error.message, "pixel (8, 8) needs more iterations"));
+    image_finish(&image);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
+int main(int argument_count, char **arguments)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_list_has_the_values_of_the_frame),
+        cmocka_unit_test(a_list_leaves_the_frame_alone),
+        cmocka_unit_test(a_cut_march_is_found_in_a_list),
+    };
+
+    if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,22 @@
+// The texture that tells shaders which pixel of a list they draw: shaders/camera/pixel.glsl.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stdbool.h>
+
+struct gl_functions;
+struct pixel_layout;
+
+// The zero value is empty.
+struct gl_pixel_list {
+    const struct gl_functions *gl; // borrowed; outlives us
+    unsigned texture;              // RG16UI
+    int width_px, height_px;
+};
+
+// Fills the texture with the list's pixels, at the places where the layout draws them, and binds it to
+// TEXTURE_UNIT_PIXELS. GL reports it when there is no memory.
+void gl_pixel_list_bind(struct gl_pixel_list *list, const struct gl_functions *gl, const struct pixel_layout *layout);
+void gl_pixel_list_finish(struct gl_pixel_list *list); // accepts an empty one
+// Makes a program draw the bound list's pixels, or the frame's.
+void gl_pixel_list_choose(const struct gl_functions *gl, unsigned program, bool is_listed);
