@@ -2,6 +2,7 @@
 #include "worker/audit/audit_map.h"
 
 #include "core/base/alloc.h"
+#include "worker/audit/audit_weight.h"
 #include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr.h"
@@ -17,48 +18,10 @@ static const double NOISE_LIMIT = 16.0;
 // docs/rendering.md compares them with uniform draws.
 static const double SHARES[AUDIT_STRATEGY_COUNT] = {0.25, 0.15, 0.1, 0.3, 0.2};
 
-static double square_of(const struct audit_map *map, size_t i)
-{
-    double sum = 0.0;
-
-    for (size_t c = 0; c < 3; c++) {
-        double value = image_exr_stored(map->image->rgba[4 * i + c], map->pixel);
-
-        sum += value * value / 3.0;
-    }
-    return sum;
-}
-
-// The squared distance of a pixel's values from the range of the four pixels two away. An edge lies within that range,
-// in either direction: a pixel outside it is a thin line or a mistake.
-static double spike_of(const struct audit_map *map, size_t i)
-{
-    const struct image *image = map->image;
-    size_t width = (size_t)image->width_px, x = i % width, y = i / width, near[4];
-    double sum = 0.0;
-    int count = 0;
-
-    if (x >= 2) near[count++] = i - 2;
-    if (x + 2 < width) near[count++] = i + 2;
-    if (y >= 2) near[count++] = i - 2 * width;
-    if (y + 2 < (size_t)image->height_px) near[count++] = i + 2 * width;
-    for (size_t c = 0; count > 0 && c < 3; c++) {
-        float own = image->rgba[4 * i + c], low = INFINITY, high = -INFINITY;
-        double off;
-
-        for (int k = 0; k < count; k++) {
-            low = fminf(low, image->rgba[4 * near[k] + c]);
-            high = fmaxf(high, image->rgba[4 * near[k] + c]);
-        }
-        off = fmaxf(fmaxf(low - own, own - high), 0.0f);
-        sum += off * off / 3.0;
-    }
-    return sum;
-}
-
 static double weight_of(const struct audit_map *map, enum audit_strategy strategy, size_t pixel)
 {
-    return strategy == AUDIT_STRATEGY_SPIKE ? spike_of(map, pixel) : square_of(map, pixel);
+    return strategy == AUDIT_STRATEGY_SPIKE ? audit_weight_spike(map->image, pixel)
+                                            : audit_weight_square(map->image, pixel);
 }
 
 static void sum_rows(struct audit_map *map)
@@ -69,16 +32,16 @@ static void sum_rows(struct audit_map *map)
     map->sums[AUDIT_STRATEGY_BRIGHT] = xcalloc(height, sizeof(double));
     map->sums[AUDIT_STRATEGY_SPIKE] = xcalloc(height, sizeof(double));
     for (size_t y = 0; y < height; y++) {
-        for (size_t i = y * width; i < (y + 1) * width; i++) {
-            squares += square_of(map, i);
-            spikes += spike_of(map, i);
-            for (size_t c = 0; c < 3; c++)
-                map->brightest = fmaxf(map->brightest, map->image->rgba[4 * i + c]);
-        }
+        struct audit_weight_row row = audit_weight_row(map->image, (int)y);
+
+        squares += row.squares;
+        spikes += row.spikes;
+        map->brightest = fmaxf(map->brightest, row.brightest);
         map->sums[AUDIT_STRATEGY_BRIGHT][y] = squares;
         map->sums[AUDIT_STRATEGY_SPIKE][y] = spikes;
     }
     map->mean_square = squares / ((double)width * (double)height);
+    if (!isfinite(image_exr_stored(map->brightest, map->pixel))) map->mean_square = INFINITY;
 }
 
 // The first pixel whose centre is in block i of `count` blocks.

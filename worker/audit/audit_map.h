@@ -36,7 +36,7 @@ struct audit_map {
     const struct image *image; // borrowed
     enum job_pixel pixel;
     float brightest;    // the largest of the frame's values
-    double mean_square; // of the frame's values as encoded
+    double mean_square; // of the frame's values; INFINITY where some value cannot be encoded
     double change;      // RMS of the two renders' difference, relative to the RMS of the finer one; negative: not known
     double share[AUDIT_STRATEGY_COUNT];
     // Owned; running sums: of rows for BRIGHT and SPIKE, of blocks for HALVING and ODD. NULL for strategies it lacks.

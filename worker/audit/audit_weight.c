@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/audit/audit_weight.h"
+
+#include "worker/picture/image.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+enum { REACH = 2, CHUNK = 64 }; // px; pixels whose sums are kept in float
+
+// Without the calls that NaN and signed zeros would need, compilers make SIMD code of these.
+static float least(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static float most(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+double audit_weight_square(const struct image *image, size_t pixel)
+{
+    const float *own = &image->rgba[4 * pixel];
+
+    return ((double)own[0] * own[0] + (double)own[1] * own[1] + (double)own[2] * own[2]) / 3.0;
+}
+
+double audit_weight_spike(const struct image *image, size_t pixel)
+{
+    size_t width = (size_t)image->width_px, x = pixel % width, y = pixel / width, near[4];
+    double sum = 0.0;
+    int count = 0;
+
+    if (x >= REACH) near[count++] = pixel - REACH;
+    if (x + REACH < width) near[count++] = pixel + REACH;
+    if (y >= REACH) near[count++] = pixel - REACH * width;
+    if (y + REACH < (size_t)image->height_px) near[count++] = pixel + REACH * width;
+    for (size_t c = 0; count > 0 && c < 3; c++) {
+        float own = image->rgba[4 * pixel + c], low = INFINITY, high = -INFINITY;
+        double off;
+
+        for (int k = 0; k < count; k++) {
+            low = least(low, image->rgba[4 * near[k] + c]);
+            high = most(high, image->rgba[4 * near[k] + c]);
+        }
+        off = most(most(low - own, own - high), 0.0f);
+        sum += off * off / 3.0;
+    }
+    return sum;
+}
+
+// The four values of a pixel, for which compilers use SIMD units; they make none of loops with least() and most().
+typedef float values __attribute__((vector_size(16)));
+typedef int mask __attribute__((vector_size(16)));
+
+static values load(const float *from)
+{
+    values loaded;
+
+    memcpy(&loaded, from, sizeof loaded);
+    return loaded;
+}
+
+static values choose(mask first, values a, values b)
+{
+    return (values)((first & (mask)a) | (~first & (mask)b));
+}
+
+static values least_of(values a, values b)
+{
+    return choose(a < b, a, b);
+}
+
+static values most_of(values a, values b)
+{
+    return choose(a > b, a, b);
+}
+
+// Sums over up to CHUNK pixels.
+struct sums {
+    values squares, spikes, brightest;
+};
+
+// Pixels that have all four neighbours, REACH pixels and `stride` floats away.
+static values sum_spikes(const float *own, size_t stride, size_t count)
+{
+    values sum = {0.0f};
+
+    for (size_t i = 0; i < 4 * count; i += 4) {
+        const float *at = own + i;
+        values middle = load(at), left = load(at - 4 * REACH), right = load(at + 4 * REACH);
+        values up = load(at - stride), down = load(at + stride);
+        values low = least_of(least_of(left, right), least_of(up, down));
+        values high = most_of(most_of(left, right), most_of(up, down));
+        values off = most_of(most_of(low - middle, middle - high), (values){0.0f});
+
+        sum += off * off;
+    }
+    return sum;
+}
+
+static struct sums sum_pixels(const float *own, size_t count)
+{
+    struct sums sums = {.brightest = {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
+
+    for (size_t i = 0; i < 4 * count; i += 4) {
+        values middle = load(own + i);
+
+        sums.squares += middle * middle;
+        sums.brightest = most_of(middle, sums.brightest);
+    }
+    return sums;
+}
+
+struct audit_weight_row audit_weight_row(const struct image *image, int y)
+{
+    size_t width = (size_t)image->width_px, first = (size_t)y * width, stride = REACH * 4 * width, x, end;
+    bool is_inside = y >= REACH && y + REACH < image->height_px;
+    struct audit_weight_row row = {.brightest = -INFINITY};
+
+    for (x = 0; x < width; x = end) {
+        const float *own = &image->rgba[4 * (first + x)];
+        struct sums sums;
+        bool is_edge = !is_inside || x < REACH || x + REACH >= width;
+
+        end = x + CHUNK < width - REACH ? x + CHUNK : width - REACH;
+        if (is_edge) end = x + 1;
+        sums = sum_pixels(own, end - x);
+        if (is_edge)
+            row.spikes += audit_weight_spike(image, first + x);
+        else
+            sums.spikes = sum_spikes(own, stride, end - x);
+        for (size_t c = 0; c < 3; c++) {
+            row.squares += sums.squares[c] / 3.0;
+            row.spikes += sums.spikes[c] / 3.0;
+            row.brightest = most(sums.brightest[c], row.brightest);
+        }
+    }
+    return row;
+}
