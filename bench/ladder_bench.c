@@ -43,20 +43,20 @@ static bool load_job(struct job *job, const char *path, struct error *error)
     return ok;
 }
 
-static struct truth_point *list_points(const struct job *job, int stride, size_t *count)
+static struct pixel *list_points(const struct job *job, int stride, size_t *count)
 {
     size_t limit = (size_t)job->width_px * (size_t)job->height_px;
-    struct truth_point *points = xcalloc(limit, sizeof *points);
+    struct pixel *points = xcalloc(limit, sizeof *points);
 
     *count = 0;
     for (int y = stride / 2; y < job->height_px; y += stride)
         for (int x = stride / 2; x < job->width_px; x += stride)
-            points[(*count)++] = (struct truth_point){x, y};
+            points[(*count)++] = (struct pixel){x, y};
     return points;
 }
 
-static bool measure_truth(const struct ladder *ladder, const struct job *job, const struct truth_point *points,
-                          size_t count, double *light, struct error *error)
+static bool measure_truth(const struct ladder *ladder, const struct job *job, const struct pixel *points, size_t count,
+                          double *light, struct error *error)
 {
     static const struct integrate_accuracy rough = {.relative = 1e-3};
     struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = ladder->frame}, error);
@@ -75,8 +75,8 @@ static bool measure_truth(const struct ladder *ladder, const struct job *job, co
     return truth != NULL;
 }
 
-static bool load_truth(const struct ladder *ladder, const struct job *job, const struct truth_point *points,
-                       size_t count, double *light, struct error *error)
+static bool load_truth(const struct ladder *ladder, const struct job *job, const struct pixel *points, size_t count,
+                       double *light, struct error *error)
 {
     const char *path = ladder->truth;
     FILE *file = fopen(path, "re");
@@ -120,7 +120,7 @@ static bool render(const struct ladder *ladder, const struct job *job, struct im
 
 static bool print_job(const struct ladder *ladder, const char *path, struct error *error)
 {
-    struct truth_point *points = NULL;
+    struct pixel *points = NULL;
     struct reference_error found;
     struct image image = {0};
     struct job job = {0};
@@ -136,7 +136,7 @@ static bool print_job(const struct ladder *ladder, const char *path, struct erro
     ok = load_truth(ladder, &job, points, count, light, error) && render(ladder, &job, &image, best, error);
     if (!ok) goto out;
     for (size_t i = 0; i < 3 * count; i++) {
-        const struct truth_point *point = &points[i / 3];
+        const struct pixel *point = &points[i / 3];
 
         seen[i] = image.rgba[4 * ((size_t)point->y * (size_t)job.width_px + (size_t)point->x) + i % 3];
     }

@@ -122,7 +122,7 @@ static struct job in_steps(const struct job *job, double factor)
 static void open_moment(struct moment *moment, int32_t frame)
 {
     const struct integrate_accuracy accuracy = {.relative = 1e-3};
-    struct truth_point *all = xcalloc(PIXELS, sizeof *all);
+    struct pixel *all = xcalloc(PIXELS, sizeof *all);
     struct error error = {{0}};
     struct truth *truth;
 
@@ -131,7 +131,7 @@ static void open_moment(struct moment *moment, int32_t frame)
     moment->job.output.has_depth = moment->job.output.has_transmittance = false;
     moment->light = xcalloc(PIXELS, sizeof *moment->light);
     for (int i = 0; i < PIXELS; i++)
-        all[i] = (struct truth_point){i % WIDTH_PX, i / WIDTH_PX};
+        all[i] = (struct pixel){i % WIDTH_PX, i / WIDTH_PX};
     truth = truth_open(&(struct truth_params){.job = &moment->job, .frame = frame}, &error);
     if (!truth) fail_msg("%s", error.message);
     truth_measure_many(
@@ -243,7 +243,7 @@ static double find_error(const struct moment *moment, const struct image *image)
 
     audit_map_init(&map, &(struct audit_map_params){.image = image, .pixel = JOB_PIXEL_HALF});
     for (int i = 0; i < PIXELS; i++) {
-        struct truth_point at = {i % WIDTH_PX, i / WIDTH_PX};
+        struct pixel at = {i % WIDTH_PX, i / WIDTH_PX};
 
         errors += audit_map_compare(&map, at, &moment->light[i]).square * audit_map_density(&map, at) * map.mean_square;
         for (int c = 0; c < 3; c++)
@@ -287,7 +287,7 @@ static void map_picture(struct audit_map *map, const struct picture *picture)
 static void draw_samples(const struct audit_map *map, const struct moment *moment, int seed, size_t count,
                          struct audit_samples *samples)
 {
-    struct truth_point points[RAYS];
+    struct pixel points[RAYS];
 
     audit_map_draw(map, &moment->job, seed, 0, count, points);
     for (size_t i = 0; i < count; i++) {

@@ -156,7 +156,7 @@ static bool measure_truth(const struct stand *stand, const struct job *job, int3
 {
     const struct still_function functions[SCENE_MEDIUM_LIMIT] = {{.at = stability_scene_twin(stand->sweep)}};
     const struct integrate_accuracy rough = {.relative = 1e-3};
-    struct truth_point places[PIXELS];
+    struct pixel places[PIXELS];
     struct truth_pixel pixels[PIXELS];
     struct error error = {{0}};
     struct truth *truth =
@@ -167,7 +167,7 @@ static bool measure_truth(const struct stand *stand, const struct job *job, int3
         return false;
     }
     for (int i = 0; i < PIXELS; i++)
-        places[i] = (struct truth_point){i % WIDTH_PX, i / WIDTH_PX};
+        places[i] = (struct pixel){i % WIDTH_PX, i / WIDTH_PX};
     truth_measure_many(truth, &(struct truth_many){.points = places,
                                                    .pixels = pixels,
                                                    .count = PIXELS,

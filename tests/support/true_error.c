@@ -23,13 +23,13 @@ double true_error_measure(const struct job *job, int32_t frame, const struct ima
     struct error error = {{0}};
     struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = frame}, &error);
     size_t count = (size_t)job->width_px * (size_t)job->height_px;
-    struct truth_point *places = xcalloc(count, sizeof *places);
+    struct pixel *places = xcalloc(count, sizeof *places);
     struct truth_pixel *pixels = xcalloc(count, sizeof *pixels);
     double apart = 0.0, light = 0.0;
 
     if (!truth) fail_msg("%s", error.message);
     for (size_t i = 0; i < count; ++i)
-        places[i] = (struct truth_point){(int)(i % (size_t)job->width_px), (int)(i / (size_t)job->width_px)};
+        places[i] = (struct pixel){(int)(i % (size_t)job->width_px), (int)(i / (size_t)job->width_px)};
     truth_measure_many(truth,
                        &(struct truth_many){.points = places, .pixels = pixels, .count = count, .accuracy = &accuracy});
     for (size_t i = 0; i < 3 * count; ++i) {

@@ -13,7 +13,7 @@
 struct error;
 struct image;
 struct truth_pixel;
-struct truth_point;
+struct pixel;
 
 struct chart_truth_pixel {
     int x, y;

@@ -41,15 +41,14 @@ static bool is_wanted(void *user)
            (!search->params->is_wanted || search->params->is_wanted(search->params->user));
 }
 
-static struct truth_pixel read_pixel(const struct image *image, struct truth_point point)
+static struct truth_pixel read_pixel(const struct image *image, struct pixel point)
 {
     const float *value = &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
 
     return (struct truth_pixel){.rgb = {value[0], value[1], value[2]}, .is_converged = true};
 }
 
-static size_t measure(const struct search *search, const struct truth_point *points, struct truth_pixel *pixels,
-                      size_t count)
+static size_t measure(const struct search *search, const struct pixel *points, struct truth_pixel *pixels, size_t count)
 {
     if (search->truth)
         return truth_measure_many(search->truth, &(struct truth_many){.points = points,
@@ -63,7 +62,7 @@ static size_t measure(const struct search *search, const struct truth_point *poi
     return count;
 }
 
-static void add_pixel(struct search *search, struct truth_point point, const struct truth_pixel *pixel)
+static void add_pixel(struct search *search, struct pixel point, const struct truth_pixel *pixel)
 {
     struct chart_truth *found = search->found;
     double variance = pixel->variance[0] + pixel->variance[1] + pixel->variance[2];
@@ -73,7 +72,7 @@ static void add_pixel(struct search *search, struct truth_point point, const str
         point.x, point.y, 0, {pixel->rgb[0], pixel->rgb[1], pixel->rgb[2]}, NOISE_FACTOR * variance};
 }
 
-static size_t index_of(const struct search *search, struct truth_point point)
+static size_t index_of(const struct search *search, struct pixel point)
 {
     return (size_t)point.y * (size_t)search->params->finer->width_px + (size_t)point.x;
 }
@@ -81,7 +80,7 @@ static size_t index_of(const struct search *search, struct truth_point point)
 // Measures the next draws, each pixel once. Returns the number of draws whose pixels are all measured.
 static size_t measure_draws(struct search *search, size_t first, size_t count)
 {
-    struct truth_point drawn[BATCH], fresh[BATCH];
+    struct pixel drawn[BATCH], fresh[BATCH];
     struct truth_pixel pixels[BATCH];
     size_t fresh_count = 0, measured, known = 0, seen = 0;
 
@@ -108,7 +107,7 @@ static void set_weights(struct search *search, size_t draw_count)
     double pixel_count = (double)search->params->finer->width_px * search->params->finer->height_px;
 
     for (size_t i = 0; i < found->count; i++) {
-        struct truth_point point = {found->pixels[i].x, found->pixels[i].y};
+        struct pixel point = {found->pixels[i].x, found->pixels[i].y};
 
         found->pixels[i].weight = search->draws[index_of(search, point)] * pixel_count /
                                   ((double)draw_count * audit_map_density(&search->map, point));
@@ -119,14 +118,14 @@ static void set_weights(struct search *search, size_t draw_count)
 static bool measure_all(struct search *search)
 {
     int width = search->params->finer->width_px, height = search->params->finer->height_px;
-    struct truth_point *points = xcalloc((size_t)width, sizeof *points);
+    struct pixel *points = xcalloc((size_t)width, sizeof *points);
     struct truth_pixel *pixels = xcalloc((size_t)width, sizeof *pixels);
     bool ok = true;
 
     search->found->count = 0;
     for (int y = 0; y < height && ok; y++) {
         for (int x = 0; x < width; x++)
-            points[x] = (struct truth_point){x, y};
+            points[x] = (struct pixel){x, y};
         ok = measure(search, points, pixels, (size_t)width) == (size_t)width;
         for (int x = 0; x < width && ok; x++) {
             add_pixel(search, points[x], &pixels[x]);

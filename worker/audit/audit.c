@@ -38,7 +38,7 @@ void audit_pool_finish(struct audit_pool *pool)
 static bool measure(struct audit *audit, size_t count)
 {
     const struct audit_params *params = audit->params;
-    struct truth_point points[BATCH];
+    struct pixel points[BATCH];
     struct truth_pixel pixels[BATCH];
     size_t measured;
 

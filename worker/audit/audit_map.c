@@ -247,7 +247,7 @@ bool audit_map_is_black(const struct audit_map *map)
     return map->brightest < (float)AUDIT_BLACK;
 }
 
-double audit_map_density(const struct audit_map *map, struct truth_point point)
+double audit_map_density(const struct audit_map *map, struct pixel point)
 {
     const struct image *image = map->image;
     size_t pixel = (size_t)point.y * (size_t)image->width_px + (size_t)point.x, block = 0;
@@ -284,8 +284,7 @@ static double square_beyond_noise(double difference, const struct truth_pixel *p
     return square > NOISE_LIMIT * noise ? square - noise : 0.0;
 }
 
-struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_point point,
-                                      const struct truth_pixel *pixel)
+struct audit_sample audit_map_compare(const struct audit_map *map, struct pixel point, const struct truth_pixel *pixel)
 {
     const struct image *image = map->image;
     const float *seen = &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
@@ -347,7 +346,7 @@ static int draw_between(int begin, int end, uint64_t *state)
     return at < end ? at : end - 1;
 }
 
-static struct truth_point draw_bright(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
+static struct pixel draw_bright(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
     const double *rows = map->sums[strategy];
     int width = map->image->width_px, row = find_step(rows, map->image->height_px, draw(state)), x = 0;
@@ -357,10 +356,10 @@ static struct truth_point draw_bright(const struct audit_map *map, enum audit_st
         sum += weight_of(map, strategy, (size_t)row * (size_t)width + (size_t)x);
         if (sum > wanted) break;
     }
-    return (struct truth_point){x, row};
+    return (struct pixel){x, row};
 }
 
-static struct truth_point draw_in_block(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
+static struct pixel draw_in_block(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
     int width = map->image->width_px, height = map->image->height_px, columns = map->columns_count;
     int block = find_step(map->sums[strategy], columns * map->rows_count, draw(state));
@@ -368,12 +367,12 @@ static struct truth_point draw_in_block(const struct audit_map *map, enum audit_
     int left = block_begin(column, columns, width), right = block_begin(column + 1, columns, width);
     int top = block_begin(row, map->rows_count, height), bottom = block_begin(row + 1, map->rows_count, height);
 
-    return (struct truth_point){draw_between(left, right, state), draw_between(top, bottom, state)};
+    return (struct pixel){draw_between(left, right, state), draw_between(top, bottom, state)};
 }
 
-static struct truth_point draw_point(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
+static struct pixel draw_point(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
-    struct truth_point point = {0};
+    struct pixel point = {0};
 
     switch (strategy) {
     case AUDIT_STRATEGY_BRIGHT:
@@ -405,7 +404,7 @@ static enum audit_strategy strategy_of(const struct audit_map *map, uint64_t see
 }
 
 void audit_map_draw(const struct audit_map *map, const struct job *job, int32_t frame, size_t first, size_t count,
-                    struct truth_point *points)
+                    struct pixel *points)
 {
     uint64_t seed = seed_of(job, frame);
 

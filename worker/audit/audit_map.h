@@ -53,11 +53,10 @@ double audit_map_floor(double rms);
 // True when all values are below AUDIT_BLACK: errors are absolute then.
 bool audit_map_is_black(const struct audit_map *map);
 // The probability that a draw is this pixel, times the number of pixels; at least the share of AUDIT_STRATEGY_UNIFORM.
-double audit_map_density(const struct audit_map *map, struct truth_point point);
+double audit_map_density(const struct audit_map *map, struct pixel point);
 // Writes draws number `first` to `first` + `count` - 1 of that frame of the job. They depend on the map, the job and
 // the frame alone.
 void audit_map_draw(const struct audit_map *map, const struct job *job, int32_t frame, size_t first, size_t count,
-                    struct truth_point *points);
+                    struct pixel *points);
 // The sample of a drawn pixel; `pixel` is the reference's light in it.
-struct audit_sample audit_map_compare(const struct audit_map *map, struct truth_point point,
-                                      const struct truth_pixel *pixel);
+struct audit_sample audit_map_compare(const struct audit_map *map, struct pixel point, const struct truth_pixel *pixel);

@@ -4,6 +4,7 @@
 
 #include "reference/integrate.h"
 #include "reference/still.h"
+#include "worker/picture/pixel.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -44,13 +45,9 @@ struct truth_pixel {
 // `accuracy` may be NULL: reference/'s own. Any number of threads may measure at once.
 struct truth_pixel truth_measure(const struct truth *truth, int x, int y, const struct integrate_accuracy *accuracy);
 
-struct truth_point {
-    int x, y; // px, from the top left
-};
-
 struct truth_many {
-    const struct truth_point *points; // `count`
-    struct truth_pixel *pixels;       // `count`; filled in order
+    const struct pixel *points; // `count`
+    struct truth_pixel *pixels; // `count`; filled in order
     size_t count;
     const struct integrate_accuracy *accuracy; // may be NULL
     int thread_count;                          // 0: a thread for each core

@@ -195,14 +195,12 @@ static void add_sampling(struct frame_uniforms *uniforms, const struct job *job,
     frame_uniforms_add(uniforms, sample, "sample_index");
 }
 
-// A number that a plan chooses is a uniform, so that all candidates share one program.
-static void add_number(struct frame_uniforms *uniforms, const struct job *job, const double *number,
-                       const char *meaning)
+// A number of a setting is a uniform, so that all settings of a method share one program.
+static void add_number(struct frame_uniforms *uniforms, const double *number, const char *meaning)
 {
     frame_uniforms_add(uniforms,
                        (struct frame_value){.type = FRAME_VALUE_FLOAT,
                                             .origin = FRAME_VALUE_OF_PLAN,
-                                            .is_constant = job->quality.tolerance == 0.0,
                                             .evaluate = evaluate_number,
                                             .source = number,
                                             .min = value_range_not_negative.min,
@@ -214,15 +212,14 @@ static void add_number(struct frame_uniforms *uniforms, const struct job *job, c
 static void add_steps(struct frame_uniforms *uniforms, const struct scene_model *model)
 {
     const struct scene_features *features = &model->features;
-    const struct job *job = model->job;
     const struct job_quality *quality = scene_model_quality(model);
 
-    if (features->marches && !features->has_majorants) add_number(uniforms, job, &quality->step, "quality_step");
+    if (features->marches && !features->has_majorants) add_number(uniforms, &quality->step, "quality_step");
     if (features->marches_to_lights && !features->has_light_grids && !features->has_majorants)
-        add_number(uniforms, job, &quality->light_step, "quality_light_step");
-    if (features->is_adaptive) add_number(uniforms, job, &quality->depth_step, "quality_depth_step");
+        add_number(uniforms, &quality->light_step, "quality_light_step");
+    if (features->is_adaptive) add_number(uniforms, &quality->depth_step, "quality_depth_step");
     if (features->has_media && (features->has_objects || quality->min_transmittance > 0.0))
-        add_number(uniforms, job, &quality->min_transmittance, "quality_min_transmittance");
+        add_number(uniforms, &quality->min_transmittance, "quality_min_transmittance");
 }
 
 static void evaluate_anchor(const void *source, double time, double value[static 9])

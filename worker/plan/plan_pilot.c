@@ -6,9 +6,9 @@
 #include "core/base/log.h"
 #include "worker/audit/truth.h"
 #include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_pilot_frame.h"
-#include "worker/plan/plan_small.h"
 #include "worker/render/renderer.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@
 #include <string.h>
 
 enum {
-    PIXELS = 64 * 36, // of a small frame, at most
+    PIXELS = 64 * 36, // of a frame that are drawn, at most
     LEVEL_MIN = 2,    // halvings at least: two coarse renders may agree by accident
     LEVEL_LIMIT = 10  // halvings at most
 };
@@ -31,7 +31,8 @@ static const double EVALUATIONS_OF_A_LEVEL = 2e8;
 
 struct plan_pilot {
     const struct plan_params *params; // borrowed
-    struct job job;                   // a shallow copy, small
+    struct job job;                   // a shallow copy, with one sample
+    struct plan_lattice lattice;
     struct plan_scene scene;
     float *depths; // owned
     struct plan_pilot_frame frames[PLAN_PILOT_LIMIT];
@@ -46,12 +47,13 @@ struct plan_pilot {
 
 static size_t pixel_count(const struct plan_pilot *pilot)
 {
-    return (size_t)pilot->job.width_px * (size_t)pilot->job.height_px;
+    return plan_lattice_count(&pilot->lattice);
 }
 
 static void init_job(struct plan_pilot *pilot, const struct job *job)
 {
-    pilot->job = plan_small_job(job, plan_small_scale(job, PIXELS));
+    plan_lattice_init(&pilot->lattice, job, PIXELS);
+    pilot->job = *job;
     pilot->job.quality.samples = 1;
 }
 
@@ -69,10 +71,10 @@ static enum plan_measured render(struct plan_pilot *pilot, const struct job_qual
     struct job job = pilot->job;
 
     job.quality = *quality;
-    job.quality.samples = 1;
     pilot->error = (struct error){0};
     pilot->render_count++;
-    if (plan_small_render(pilot->params, &job, frame, image, &result, &pilot->error)) return PLAN_MEASURED;
+    if (plan_lattice_render(&pilot->lattice, pilot->params, &job, frame, image, &result, &pilot->error))
+        return PLAN_MEASURED;
     pilot->fault = result.fault;
     return result.fault == RENDERER_FAULT_JOB || result.fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
 }
@@ -182,7 +184,7 @@ static void note_depths(struct plan_pilot *pilot)
     pilot->scene.hit_share = (double)hit_count / ((double)pilot->frame_count * (double)count);
 }
 
-// Evaluations of density in one small frame rendered with that quality.
+// Evaluations of density in the drawn pixels of one frame, with that quality.
 static double count_evaluations(const struct plan_pilot *pilot, const struct job_quality *quality)
 {
     struct plan_scene scene = pilot->scene;
@@ -235,13 +237,13 @@ static bool prepare(struct plan_pilot *pilot)
 {
     const struct plan_segment *segment = &pilot->params->segment;
 
-    pilot->fault = RENDERER_FAULT_FRAME;
     pilot->frame_count = segment->pilot_count;
     for (int i = 0; i < segment->pilot_count; i++)
-        if (!plan_pilot_frame_init(&pilot->frames[i], &pilot->job, segment->pilot[i], &pilot->error)) return false;
+        pilot->frames[i] = (struct plan_pilot_frame){.number = segment->pilot[i]};
     if (!make_fine(pilot)) return false;
     for (int i = 0; i < pilot->frame_count && pilot->has_truth; i++)
-        if (!plan_pilot_frame_measure(&pilot->frames[i], pilot->params, &pilot->job, &pilot->fault, &pilot->error))
+        if (!plan_pilot_frame_measure(&pilot->frames[i], pilot->params, &pilot->lattice, &pilot->job, &pilot->fault,
+                                      &pilot->error))
             return false;
     return true;
 }
@@ -265,6 +267,7 @@ void plan_pilot_destroy(struct plan_pilot *pilot)
     if (!pilot) return;
     for (int i = 0; i < PLAN_PILOT_LIMIT; i++)
         plan_pilot_frame_finish(&pilot->frames[i]);
+    plan_lattice_finish(&pilot->lattice);
     free(pilot->depths);
     free(pilot);
 }

@@ -1,4 +1,4 @@
-// A pilot: a few small frames of a segment on which settings are tried, and the error of each setting.
+// A pilot: some pixels of a few frames of a segment, on which settings are tried, and the error of each setting.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -23,7 +23,7 @@ const struct plan_scene *plan_pilot_scene(const struct plan_pilot *pilot);
 // How often the coarsest steps were halved before halving them again changed less than the tolerance.
 int plan_pilot_start_level(const struct plan_pilot *pilot);
 double plan_pilot_fine_work(const struct plan_pilot *pilot);  // plan_family_work of the finest render
-int plan_pilot_count_renders(const struct plan_pilot *pilot); // number of small renders so far
+int plan_pilot_count_renders(const struct plan_pilot *pilot); // number of renders so far
 
 struct plan_errors {
     double largest, mean; // relative RMSE over the measured frames; the mean is quadratic

@@ -6,6 +6,7 @@
 #include "worker/audit/audit_map.h"
 #include "worker/picture/audit_result.h"
 #include "worker/picture/image_exr.h"
+#include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_small.h"
 
@@ -14,13 +15,6 @@
 // The accuracy asked of reference/, relative to the tolerance, and its limits. docs/rendering.md has the table of
 // accuracies and times by which they were chosen.
 static const double ACCURACY_SHARE = 0.05, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2;
-
-bool plan_pilot_frame_init(struct plan_pilot_frame *frame, const struct job *job, int32_t number, struct error *error)
-{
-    *frame = (struct plan_pilot_frame){.number = number};
-    return image_init_for_job(&frame->fine, job, error) && image_init_for_job(&frame->before, job, error) &&
-           image_init_for_job(&frame->seen, job, error);
-}
 
 void plan_pilot_frame_finish(struct plan_pilot_frame *frame)
 {
@@ -63,14 +57,16 @@ double plan_pilot_frame_change(const struct plan_pilot_frame *frame)
     return relative(squared_difference(&frame->fine, &frame->before), frame->mean_square);
 }
 
-bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_params *params, const struct job *job,
-                              enum renderer_fault *fault, struct error *error)
+bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_params *params,
+                              const struct plan_lattice *lattice, const struct job *job, enum renderer_fault *fault,
+                              struct error *error)
 {
     struct truth *truth = truth_open(&(struct truth_params){.job = job, .frame = frame->number}, error);
     double rms = sqrt(frame->mean_square);
     double wanted = ACCURACY_SHARE * params->job->quality.tolerance;
     const struct integrate_accuracy accuracy = {.relative = fmin(fmax(wanted, ACCURACY_MIN), ACCURACY_MAX),
                                                 .floor = audit_map_floor(rms)};
+    struct pixel pixels[PLAN_TRUE_PIXELS];
     struct audit_map map;
     size_t count = PLAN_TRUE_PIXELS;
 
@@ -87,7 +83,8 @@ bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_
     for (size_t k = 0; k < count; k++)
         frame->density[k] = audit_map_density(&map, frame->points[k]);
     audit_map_finish(&map);
-    frame->true_count = truth_measure_many(truth, &(struct truth_many){.points = frame->points,
+    plan_lattice_find(lattice, frame->points, count, pixels);
+    frame->true_count = truth_measure_many(truth, &(struct truth_many){.points = pixels,
                                                                        .pixels = frame->truth,
                                                                        .count = count,
                                                                        .accuracy = &accuracy,
@@ -100,7 +97,7 @@ bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_
     return false;
 }
 
-static const float *seen_at(const struct image *image, struct truth_point point)
+static const float *seen_at(const struct image *image, struct pixel point)
 {
     return &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
 }

@@ -8,15 +8,15 @@
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_family.h"
+#include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_scouting.h"
-#include "worker/plan/plan_small.h"
 #include "worker/render/renderer.h"
 
 #include <math.h>
 
 enum {
-    PIXELS = 48 * 27, // of a tiny frame, at most
+    PIXELS = 48 * 27, // of a frame that are drawn, at most
     FINER_RUNGS = 1, // one rung is cheap, and changes a frame by about its error: docs/rendering.md has the measurement
     COUNT_MIN = 5,   // fewer scouts are not worth it,
     COUNT_ALONE = 3  // unless reference/ cannot measure the pilot
@@ -32,18 +32,11 @@ static const double WORK_SHARE = 0.1, EVALUATIONS_MIN = 3e6;
 struct scout {
     struct plan *plan;
     const struct plan_params *params;
-    struct job coarser, finer; // tiny, as planned and refined; they own nothing
+    struct job coarser, finer; // as planned and refined; they own nothing
+    struct plan_lattice lattice;
     struct image coarse, fine;
     struct renderer_result result;
 };
-
-static struct job make_tiny(const struct plan *plan, const struct job *job)
-{
-    struct job planned = plan_apply(plan, job), tiny = plan_small_job(&planned, plan_small_scale(job, PIXELS));
-
-    tiny.quality.samples = 1;
-    return tiny;
-}
 
 static double find_change(const struct image *coarse, const struct image *fine)
 {
@@ -64,8 +57,9 @@ static double find_change(const struct image *coarse, const struct image *fine)
 static bool measure_change(struct scout *scout, int32_t frame, double *change, struct error *error)
 {
     const struct plan_params *params = scout->params;
-    bool ok = plan_small_render(params, &scout->coarser, frame, &scout->coarse, &scout->result, error) &&
-              plan_small_render(params, &scout->finer, frame, &scout->fine, &scout->result, error);
+    const struct plan_lattice *lattice = &scout->lattice;
+    bool ok = plan_lattice_render(lattice, params, &scout->coarser, frame, &scout->coarse, &scout->result, error) &&
+              plan_lattice_render(lattice, params, &scout->finer, frame, &scout->fine, &scout->result, error);
 
     *change = ok ? find_change(&scout->coarse, &scout->fine) : 0.0;
     if (!isfinite(*change)) *change = 0.0;
@@ -133,8 +127,9 @@ bool plan_scout_measure(struct plan *plan, const struct plan_params *params, con
     if (!is_of_use(params) || !plan_refine(&finer, params->job, FINER_RUNGS)) return true;
     scouting.count = count_scouts(plan, &finer, params, rays);
     if (scouting.count == 0) return true;
-    scout.coarser = make_tiny(plan, params->job);
-    scout.finer = make_tiny(&finer, params->job);
+    plan_lattice_init(&scout.lattice, params->job, PIXELS);
+    scout.coarser = plan_apply(plan, params->job);
+    scout.finer = plan_apply(&finer, params->job);
     for (int i = 0; ok && i < scouting.count; i++)
         ok = measure_change(&scout, frame_range_at(&params->job->frames, plan_scouting_index(&scouting, i)),
                             &scouting.error[i], error);
@@ -147,5 +142,6 @@ bool plan_scout_measure(struct plan *plan, const struct plan_params *params, con
     }
     image_finish(&scout.fine);
     image_finish(&scout.coarse);
+    plan_lattice_finish(&scout.lattice);
     return ok;
 }

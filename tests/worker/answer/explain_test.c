@@ -196,7 +196,7 @@ static void the_shader_is_shown_with_its_modules_and_hash(void **state)
     assert_true(json_read_string(&hash, &digits, NULL));
     assert_int_equal(strlen(digits), HASH_TEXT_SIZE - 1);
     assert_true(json_read_integer(&bytes, 0, 1 << 16, &size, NULL));
-    assert_int_equal(size, 64);
+    assert_int_equal(size, 80);
     assert_true(names_module(&explanation, "integrator/riemann.glsl"));
     assert_true(names_module(&explanation, "phase/henyey_greenstein.glsl"));
     assert_false(names_module(&explanation, "integrator/midpoint.glsl"));

@@ -58,12 +58,12 @@ static void measure_light(const struct job *job, density_function_at *at, struct
 {
     const struct still_function functions[SCENE_MEDIUM_LIMIT] = {{.at = at}};
     const struct integrate_accuracy accuracy = {.relative = 3e-3};
-    struct truth_point points[PIXELS];
+    struct pixel points[PIXELS];
     struct error error = {{0}};
     struct truth *truth;
 
     for (int i = 0; i < PIXELS; i++)
-        points[i] = (struct truth_point){i % WIDTH_PX, i / WIDTH_PX};
+        points[i] = (struct pixel){i % WIDTH_PX, i / WIDTH_PX};
     truth = truth_open(&(struct truth_params){.job = job, .functions = functions}, &error);
     if (!truth) fail_msg("%s", error.message);
     truth_measure_many(truth,

@@ -72,7 +72,7 @@ static void densities_are_probabilities(void **state)
 
     set_scenery(&scenery);
     for (int i = 0; i < PIXELS; i++) {
-        double density = audit_map_density(&scenery.map, (struct truth_point){i % WIDTH_PX, i / WIDTH_PX});
+        double density = audit_map_density(&scenery.map, (struct pixel){i % WIDTH_PX, i / WIDTH_PX});
 
         sum += density / PIXELS;
         least = fmin(least, density);
@@ -86,7 +86,7 @@ static void densities_are_probabilities(void **state)
 static void draws_follow_densities(void **state)
 {
     enum { DRAWS = 200000 };
-    struct truth_point *points = calloc(DRAWS, sizeof *points);
+    struct pixel *points = calloc(DRAWS, sizeof *points);
     double *counts = calloc(PIXELS, sizeof *counts), worst = 0.0;
     struct job job = {.hash = "0123"};
     struct scenery scenery;
@@ -99,7 +99,7 @@ static void draws_follow_densities(void **state)
         counts[points[i].y * WIDTH_PX + points[i].x]++;
     }
     for (int i = 0; i < PIXELS; i++) {
-        struct truth_point place = {i % WIDTH_PX, i / WIDTH_PX};
+        struct pixel place = {i % WIDTH_PX, i / WIDTH_PX};
         double wanted = DRAWS * audit_map_density(&scenery.map, place) / PIXELS;
 
         worst = fmax(worst, fabs(counts[i] - wanted) / sqrt(wanted));
@@ -115,7 +115,7 @@ static void draws_follow_densities(void **state)
 static void draws_are_the_jobs_and_the_frames(void **state)
 {
     enum { DRAWS = 50 };
-    struct truth_point points[DRAWS], again[DRAWS], later[DRAWS / 2], other[DRAWS];
+    struct pixel points[DRAWS], again[DRAWS], later[DRAWS / 2], other[DRAWS];
     struct job job = {.hash = "0123"}, other_job = {.hash = "0124"};
     struct scenery scenery;
 
@@ -138,9 +138,9 @@ static void pixels_that_stand_out_are_drawn_more(void **state)
     double plain, spike, change;
 
     set_scenery(&scenery);
-    plain = audit_map_density(&scenery.map, (struct truth_point){35, 2});
-    spike = audit_map_density(&scenery.map, (struct truth_point){7, 21});
-    change = audit_map_density(&scenery.map, (struct truth_point){27, 12});
+    plain = audit_map_density(&scenery.map, (struct pixel){35, 2});
+    spike = audit_map_density(&scenery.map, (struct pixel){7, 21});
+    change = audit_map_density(&scenery.map, (struct pixel){27, 12});
     assert_true(spike > 50.0 * plain);
     assert_true(change > 5.0 * plain);
     clear_scenery(&scenery);
@@ -151,7 +151,7 @@ static struct truth_pixel light_of(double value)
     return (struct truth_pixel){.rgb = {value, value, value}, .is_converged = true};
 }
 
-static void compare_points(const struct audit_map *map, const struct truth_point *points, size_t count, double value,
+static void compare_points(const struct audit_map *map, const struct pixel *points, size_t count, double value,
                            struct audit_samples *samples)
 {
     struct truth_pixel light = light_of(value);
@@ -174,7 +174,7 @@ static void the_mean_of_many_audits_is_the_error(void **state)
     set_scenery(&scenery);
     for (int i = 0; i < AUDITS; i++) {
         struct audit_samples samples = {0};
-        struct truth_point points[RAYS];
+        struct pixel points[RAYS];
 
         audit_map_draw(&scenery.map, &job, i, 0, RAYS, points);
         compare_points(&scenery.map, points, RAYS, 0.5, &samples);

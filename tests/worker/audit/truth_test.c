@@ -136,7 +136,7 @@ static bool stop_at_once(void *user)
 static void threads_measure_what_one_does(void **state)
 {
     enum { COUNT = 30 };
-    struct truth_point points[COUNT];
+    struct pixel points[COUNT];
     struct truth_pixel pixels[COUNT];
     struct truth_many many = {.points = points, .pixels = pixels, .count = COUNT, .thread_count = 3};
     struct truth *truth;
@@ -146,7 +146,7 @@ static void threads_measure_what_one_does(void **state)
     load(&job, "fog", 0.0);
     truth = open_frame(&job, 0);
     for (int i = 0; i < COUNT; i++)
-        points[i] = (struct truth_point){i * 7 % WIDTH_PX, i * 5 % HEIGHT_PX};
+        points[i] = (struct pixel){i * 7 % WIDTH_PX, i * 5 % HEIGHT_PX};
     assert_int_equal(truth_measure_many(truth, &many), COUNT);
     for (int i = 0; i < COUNT; i++) {
         struct truth_pixel pixel = truth_measure(truth, points[i].x, points[i].y, NULL);

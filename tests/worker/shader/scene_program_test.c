@@ -93,7 +93,7 @@ static void what_is_not_asked_for_is_not_written(void **state)
     shader_text_assert_lacks(&program, "out vec4 transmittance");
     shader_text_assert_lacks(&program, "emission");
     shader_text_assert_lacks(&program, "background");
-    shader_text_assert_lacks(&program, "FrameUniforms");
+    shader_text_assert_has(&program, "uniform FrameUniforms {\n    float quality_step;\n}");
     release(&program, &job);
 }
 
@@ -179,17 +179,18 @@ static void even_media_cast_shadows_without_a_march(void **state)
     release(&program, &job);
 }
 
-static void steps_are_constants_but_where_a_plan_chose_them(void **state)
+static void settings_of_a_method_share_a_program(void **state)
 {
-    struct scene_program program;
+    struct scene_program program, other;
     struct job job;
 
     assemble(&program, &job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    shader_text_assert_has(&program, "const float quality_step = 0.05");
-    scene_program_finish(&program);
-    job.quality.tolerance = 0.01;
-    assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
     shader_text_assert_has(&program, "quality_step = frame.quality_step");
+    job.quality.step *= 0.5;
+    job.quality.light_step *= 0.3;
+    assert_true(scene_program_init(&other, &job, NULL, NULL, NULL));
+    assert_string_equal(other.hash, program.hash);
+    scene_program_finish(&other);
     release(&program, &job);
 }
 
@@ -258,9 +259,10 @@ static void only_what_moves_is_a_uniform(void **state)
 
     example_job_load(&job, "cloud");
     assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
-    shader_text_assert_has(&program, "    mat3 medium_0_rotation;\n    vec3 light_0_position;\n} frame;");
+    shader_text_assert_has(&program, "    mat3 medium_0_rotation;\n    vec3 light_0_position;\n    float "
+                                     "quality_step;\n    float quality_light_step;\n} frame;");
     shader_text_assert_has(&program, "const float medium_0_offset = 0.0599999987;");
-    assert_int_equal(program.uniforms.size_bytes, 64);
+    assert_int_equal(program.uniforms.size_bytes, 80);
     assert_true(frame_uniforms_pack(&program.uniforms, &(struct frame_moment){.time = 2}, bytes, NULL));
     // -0.4 and -0.2 rad after two seconds; the second column of Ry Rx, then the light.
     assert_true(bytes[4] == (float)(sin(-0.2) * sin(-0.4)));
@@ -428,7 +430,7 @@ int main(void)
         cmocka_unit_test(emission_alone_has_no_extinction),
         cmocka_unit_test(even_media_without_light_are_not_marched),
         cmocka_unit_test(even_media_cast_shadows_without_a_march),
-        cmocka_unit_test(steps_are_constants_but_where_a_plan_chose_them),
+        cmocka_unit_test(settings_of_a_method_share_a_program),
         cmocka_unit_test(jittered_marches_draw_and_stretches_do_not),
         cmocka_unit_test(a_falloff_alone_is_smoothed),
         cmocka_unit_test(a_medium_without_density_costs_nothing),

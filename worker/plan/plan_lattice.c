@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_lattice.h"
+
+#include "core/base/alloc.h"
+#include "worker/picture/image.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_small.h"
+
+#include <stdlib.h>
+
+static int middle_of(int block, int count, int size_px)
+{
+    return (int)((2 * (int64_t)block + 1) * size_px / (2 * (int64_t)count));
+}
+
+void plan_lattice_init(struct plan_lattice *lattice, const struct job *job, int pixel_limit)
+{
+    struct job small = plan_small_job(job, plan_small_scale(job, pixel_limit));
+
+    *lattice = (struct plan_lattice){.columns = small.width_px, .rows = small.height_px};
+    lattice->pixels = xcalloc(plan_lattice_count(lattice), sizeof *lattice->pixels);
+    for (int row = 0; row < lattice->rows; row++)
+        for (int column = 0; column < lattice->columns; column++)
+            lattice->pixels[(size_t)row * (size_t)lattice->columns + (size_t)column] = (struct pixel){
+                middle_of(column, lattice->columns, job->width_px), middle_of(row, lattice->rows, job->height_px)};
+}
+
+void plan_lattice_finish(struct plan_lattice *lattice)
+{
+    free(lattice->pixels);
+    *lattice = (struct plan_lattice){0};
+}
+
+size_t plan_lattice_count(const struct plan_lattice *lattice)
+{
+    return (size_t)lattice->columns * (size_t)lattice->rows;
+}
+
+bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
+                         int32_t frame, struct image *image, struct renderer_result *result, struct error *error)
+{
+    bool has_depth = job->output.has_depth, has_transmittance = job->output.has_transmittance;
+    struct job single = *job;
+
+    single.quality.samples = 1;
+    if (!image_fits(image, lattice->columns, lattice->rows, has_depth, has_transmittance)) {
+        *result = (struct renderer_result){.fault = RENDERER_FAULT_FRAME};
+        image_finish(image);
+        if (!image_init(image, lattice->columns, lattice->rows, has_depth, has_transmittance, error)) return false;
+    }
+    return renderer_render(params->renderer,
+                           &(struct renderer_frame){.job = &single,
+                                                    .frame = frame,
+                                                    .pixels = lattice->pixels,
+                                                    .pixel_count = plan_lattice_count(lattice),
+                                                    .image = image,
+                                                    .on_progress = plan_small_on_tile,
+                                                    .user = (void *)params},
+                           result, error);
+}
+
+void plan_lattice_find(const struct plan_lattice *lattice, const struct pixel *points, size_t count,
+                       struct pixel *pixels)
+{
+    for (size_t i = 0; i < count; i++)
+        pixels[i] = lattice->pixels[(size_t)points[i].y * (size_t)lattice->columns + (size_t)points[i].x];
+}
