@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/audit/truth.h"
+#include "worker/plan/finite_check.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
@@ -129,6 +130,19 @@ static void drop_frame(struct plan_pilot *pilot, int i)
     pilot->frames[pilot->frame_count] = (struct plan_pilot_frame){0};
 }
 
+// True when a colour of the frame's last render is not finite; then the fault and the error say why.
+static bool is_spoilt(struct plan_pilot *pilot, const struct job_quality *quality, const struct plan_pilot_frame *frame)
+{
+    struct job job = pilot->job;
+    size_t index;
+
+    if (!finite_check_find(&frame->seen, &index)) return false;
+    job.quality = *quality;
+    finite_check_tell(pilot->params->renderer, &job, frame->number, pilot->lattice.pixels[index], &pilot->error);
+    pilot->fault = RENDERER_FAULT_JOB;
+    return true;
+}
+
 // Renders all frames anew and keeps the renders as their finest. Frames whose files cannot be read are dropped.
 static enum plan_measured render_finer(struct plan_pilot *pilot, const struct job_quality *quality)
 {
@@ -141,6 +155,7 @@ static enum plan_measured render_finer(struct plan_pilot *pilot, const struct jo
             continue;
         }
         if (measured != PLAN_MEASURED) return measured;
+        if (is_spoilt(pilot, quality, frame)) return PLAN_STOPPED;
         plan_pilot_frame_keep(frame);
     }
     return PLAN_MEASURED;

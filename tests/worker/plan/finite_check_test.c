@@ -1,0 +1,103 @@
+// Code that gives NaN or infinity is found by its line, whatever types its variables have.
+// SPDX-License-Identifier: Apache-2.0
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/job/job_json.h"
+#include "tests/support/gl_stage.h"
+#include "worker/picture/image.h"
+#include "worker/plan/finite_check.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_make.h"
+#include "worker/plan/plan_params.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static struct job make_job(const char *source)
+{
+    struct error error = {{0}};
+    struct job job;
+    char *text =
+        xasprintf("{\"version\": 1, \"name\": \"broken\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [64, 36],"
+                  " \"camera\": {\"position\": [0, 0, -2], \"target\": [0, 0, 0], \"fov\": 50},"
+                  " \"lights\": [{\"kind\": \"point\", \"intensity\": 60, \"position\": [1.5, 1, 0]}],"
+                  " \"scene\": {\"media\": [{\"sigma_s\": 8, \"density\": {\"kind\": \"glsl\", \"source\": \"%s\","
+                  " \"bounds\": {\"kind\": \"sphere\", \"radius\": 1}}}]},"
+                  " \"quality\": {\"tolerance\": 0.05}, \"output\": {\"path\": \"broken.####.exr\"}}",
+                  source);
+
+    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    free(text);
+    return job;
+}
+
+// Plans, which meets the light first.
+static void assert_told(const char *source, const char *place)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
+    struct job job = make_job(source);
+    enum renderer_fault fault = RENDERER_FAULT_NONE;
+    struct error error = {{0}};
+    struct plan plan;
+
+    assert_false(plan_make(
+        &plan, &(struct plan_params){.renderer = stage.renderer, .job = &job, .segment = plan_segment_at(&job, 0)},
+        &fault, &error));
+    assert_int_equal(fault, RENDERER_FAULT_JOB);
+    if (!strstr(error.message, place)) fail_msg("expected %s, got %s", place, error.message);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
+static void the_line_is_found(void **state)
+{
+    (void)state;
+    assert_told("float density(vec3 p, float t) { return 1.0 / (length(p) * 0.0); }",
+                "scene.media[0].density: density.source:1 ");
+    assert_told("float none(float x)\\n{\\n    return x * 0.0;\\n}\\nfloat density(vec3 p, float t)\\n{\\n"
+                "    vec3 q = p * 2.0;\\n    float far = 1.0 / none(q.x);\\n    float all = far + 1.0;\\n"
+                "    return all;\\n}",
+                "density.source:8 ");
+}
+
+// An array has no guard, so returns alone are tried.
+static void other_types_leave_the_return(void **state)
+{
+    (void)state;
+    assert_told("float density(vec3 p, float t)\\n{\\n    float[2] list = float[2](1.0, 2.0);\\n"
+                "    float far = list[0] / (length(p) * 0.0);\\n    return far;\\n}",
+                "density.source:5 ");
+}
+
+static void finite_pictures_pass(void **state)
+{
+    struct image image;
+    size_t index;
+
+    (void)state;
+    assert_true(image_init(&image, 3, 2, false, false, NULL));
+    for (size_t i = 0; i < 24; i++)
+        image.rgba[i] = 1e38f / 4;
+    assert_false(finite_check_find(&image, &index));
+    image.rgba[4 * 4 + 1] = -1.0f / 0.0f;
+    assert_true(finite_check_find(&image, &index));
+    assert_int_equal(index, 4);
+    image_finish(&image);
+}
+
+int main(int argument_count, char **arguments)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_line_is_found),
+        cmocka_unit_test(other_types_leave_the_return),
+        cmocka_unit_test(finite_pictures_pass),
+    };
+
+    if (argument_count > 1) cmocka_set_test_filter(arguments[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
