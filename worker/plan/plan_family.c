@@ -335,10 +335,11 @@ static double points_work(const struct plan_scene *scene, const struct job_quali
 // Work of the light grids that are filled for each frame, divided by its pixels.
 static double grid_work(const struct plan_scene *scene, const struct job_quality *quality, double density)
 {
+    static const double COLUMN = 16.0; // a node's sum over the nodes before it, which is bound by memory
     double lights = (double)scene->job->scene.light_count, samples = scene->pixels * quality->samples;
 
     if (quality->method != JOB_METHOD_CACHED || !scene->has_lights) return 0.0;
-    return lights * pow(quality->light_grid, 3) * (density + 0.5) / samples;
+    return lights * pow(quality->light_grid, 3) * (density + COLUMN) / samples;
 }
 
 double plan_family_work(const struct plan_scene *scene, const struct job_quality *quality)

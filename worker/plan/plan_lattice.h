@@ -29,6 +29,10 @@ size_t plan_lattice_count(const struct plan_lattice *lattice);
 // if its size or channels differ. On failure `result` has the fault.
 bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
                          int32_t frame, struct image *image, struct renderer_result *result, struct error *error);
+// The same for any list of pixels and an image of columns x rows, which are as many.
+bool plan_list_render(const struct plan_params *params, const struct job *job, int32_t frame,
+                      const struct pixel *pixels, int columns, int rows, struct image *image,
+                      struct renderer_result *result, struct error *error);
 // The frame's pixels that points of such an image show.
 void plan_lattice_find(const struct plan_lattice *lattice, const struct pixel *points, size_t count,
                        struct pixel *pixels);

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_budget.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_overhead.h"
@@ -23,10 +24,11 @@ enum { FINEST_RUNGS = 6, FAMILY_LIMIT = 16 };
 
 // These four were set by hand. tests/worker/plan/tolerance_random_test checks what they promise, and bench/predictions
 // shows what they cost.
-static const double SHARE = 0.5;         // of the tolerance: the error that a search aims at
-static const double SHARE_UNSEEN = 0.75; // of the tolerance: the error allowed in frames that the walk did not measure
-static const double EVALUATIONS_ENOUGH = 3e7; // of densities, per family, once some setting keeps the target
-static const double WORK_LIMIT = 8.0;         // of a setting, relative to the pilot's finest render
+static const double SHARE = 0.65;       // of the tolerance: the error that a search aims at
+static const double SHARE_UNSEEN = 0.8; // of the tolerance: the error allowed in frames that the walk did not measure
+static const double SEARCH_SHARE = 0.2; // of the budget: of a family, once some setting keeps the target
+static const double SEARCH_MOST = 0.4;  // of the budget: of all families
+static const double WORK_LIMIT = 8.0;   // of a setting, relative to the pilot's finest render
 // Relative RMSE of rounding to half, for evenly spread digits: 2^-11 / sqrt(3) of the value's power of two.
 static const double HALF_ROUNDING = 2.0e-4;
 
@@ -39,6 +41,7 @@ struct attempt {
     int frame; // of the pilot: the one that is measured, the worst
     double target;
     double first_evaluations; // the pilot's count before this search
+    double budget;            // of the whole plan
     bool is_found;            // some setting keeps the target, of this family or of one before
 };
 
@@ -55,6 +58,14 @@ static double with_rounding(double error, bool is_half)
     return is_half ? hypot(error, HALF_ROUNDING) : error;
 }
 
+static bool is_spent(const struct attempt *attempt)
+{
+    double all = plan_pilot_count_evaluations(attempt->pilot), own = all - attempt->first_evaluations;
+
+    if (attempt->is_found && own > SEARCH_SHARE * attempt->budget) return true;
+    return own > 0.0 && all > SEARCH_MOST * attempt->budget;
+}
+
 static enum plan_measured measure(void *user, const struct plan_point *point, double *error)
 {
     struct attempt *attempt = user;
@@ -62,9 +73,7 @@ static enum plan_measured measure(void *user, const struct plan_point *point, do
     struct plan_errors errors;
     enum plan_measured measured;
 
-    if (attempt->is_found &&
-        plan_pilot_count_evaluations(attempt->pilot) - attempt->first_evaluations > EVALUATIONS_ENOUGH)
-        return PLAN_CANNOT;
+    if (is_spent(attempt)) return PLAN_CANNOT;
     measured = plan_pilot_measure(attempt->pilot, &quality, attempt->frame, &errors);
     if (attempt->frame == PLAN_ALL_FRAMES) attempt->frame = errors.worst;
     *error = with_rounding(errors.largest, attempt->is_half);
@@ -141,6 +150,7 @@ static struct plan_finding search(struct attempt *attempt, double tolerance, dou
 
     for (int again = 1; again < PLAN_PILOT_LIMIT && finding.found == PLAN_FOUND; again++) {
         struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, &finding.point);
+        struct plan_finding before;
         struct plan_errors errors;
 
         if (plan_pilot_measure(attempt->pilot, &quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) {
@@ -149,8 +159,11 @@ static struct plan_finding search(struct attempt *attempt, double tolerance, dou
         }
         finding.error = with_rounding(errors.largest, attempt->is_half);
         if (finding.error <= SHARE_UNSEEN * tolerance) break;
+        before = finding;
         attempt->is_found = false;
         finding = walk(attempt, finding.point, work_limit);
+        // Where the budget ends the walk, the frames over the tolerance are refined by themselves: plan_scouting.h.
+        if (finding.found == PLAN_OVER_LIMIT || finding.found == PLAN_MISSED) return before;
     }
     return finding;
 }
@@ -207,8 +220,9 @@ static int sort_families(struct plan_pilot *pilot, size_t families[static FAMILY
 }
 
 // False when the search was stopped.
-static bool choose(struct plan_pilot *pilot, const struct job *job, struct choice *choice)
+static bool choose(struct plan_pilot *pilot, const struct plan_params *params, struct choice *choice)
 {
+    const struct job *job = params->job;
     size_t families[FAMILY_LIMIT];
     double works[FAMILY_LIMIT], work_limit = WORK_LIMIT * plan_pilot_fine_work(pilot);
     int count = sort_families(pilot, families, works);
@@ -221,6 +235,7 @@ static bool choose(struct plan_pilot *pilot, const struct job *job, struct choic
                                   .is_half = job->output.pixel == JOB_PIXEL_HALF,
                                   .target = SHARE * job->quality.tolerance,
                                   .first_evaluations = plan_pilot_count_evaluations(pilot),
+                                  .budget = plan_budget_find(params),
                                   .is_found = choice->is_found};
         struct plan_finding finding;
 
@@ -263,6 +278,17 @@ static void force(struct plan *plan, const struct plan_params *params, const str
     plan->work = plan_family_work(scene, &plan->quality);
 }
 
+// The pilot's frames are the first, the middle and the last, unless one could not be rendered.
+static void note_frames(struct plan *plan, const struct plan_params *params, const struct plan_errors *errors)
+{
+    const struct plan_segment *segment = &params->segment;
+
+    if (params->choice != PLAN_CHOICE_CHEAPEST || errors->count != PLAN_PILOT_LIMIT) return;
+    plan->scouting = (struct plan_scouting){
+        .count = errors->count, .first = segment->first, .last = segment->first + segment->count - 1};
+    memcpy(plan->scouting.error, errors->each, sizeof errors->each);
+}
+
 static bool finish(struct plan *plan, const struct plan_params *params, struct plan_pilot *pilot,
                    const struct choice *choice)
 {
@@ -275,6 +301,7 @@ static bool finish(struct plan *plan, const struct plan_params *params, struct p
     force(plan, params, scene);
     if (plan_pilot_measure(pilot, &plan->quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) return false;
     plan->predicted_error = errors.mean;
+    note_frames(plan, params, &errors);
     if (params->evidence) plan_pilot_give(pilot, params->evidence);
     return true;
 }
@@ -303,8 +330,7 @@ static bool choose_plan(struct plan *plan, const struct plan_params *params, enu
     bool ok;
 
     if (!pilot) return false;
-    ok = choose(pilot, params->job, &choice) && choice.family < plan_family_count &&
-         finish(plan, params, pilot, &choice);
+    ok = choose(pilot, params, &choice) && choice.family < plan_family_count && finish(plan, params, pilot, &choice);
     if (!ok) *fault = plan_pilot_fault(pilot, error);
     if (!ok && *fault == RENDERER_FAULT_NONE) {
         *fault = RENDERER_FAULT_MISSED;

@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "worker/audit/truth.h"
 #include "worker/plan/finite_check.h"
+#include "worker/plan/plan_budget.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
@@ -17,18 +18,23 @@
 #include <string.h>
 
 enum {
-    PIXELS = 64 * 36, // of a frame that are drawn, at most
+    PIXELS_MIN = 16 * 12, // of a frame that are drawn
+    PIXELS_MAX = 64 * 36,
+    LEVEL_USUAL = 4,  // halvings that scenes need: the number of pixels follows from their work
     LEVEL_MIN = 2,    // halvings at least: two coarse renders may agree by accident
-    LEVEL_LIMIT = 10  // halvings at most
+    LEVEL_LIMIT = 10, // halvings at most
+    FILLED_LIMIT = 64
 };
 
 // The change by one more halving, relative to the tolerance, at which a render is fine enough: where reference/
 // corrects the error estimate, and where it cannot. Set by hand; tests/worker/plan/tolerance_random_test and
 // tolerance_promise_test check them.
 static const double AGREEMENT = 0.5, AGREEMENT_ALONE = 0.15;
-// Evaluations of density that one halving may take where reference/ corrects the error estimate. Set by hand;
-// bench/predictions shows what plans take.
-static const double EVALUATIONS_OF_A_LEVEL = 2e8;
+// The share of the plan's budget that a halving may take: where reference/ corrects the error estimate, and where it
+// cannot.
+static const double LEVEL_SHARE = 0.3, LEVEL_SHARE_ALONE = 1.0;
+// The same for the points that are rendered without grids, and the change, relative to the tolerance, that is enough.
+static const double POINTS_SHARE = 0.3, POINTS_AGREEMENT = 0.2;
 
 struct plan_pilot {
     const struct plan_params *params; // borrowed
@@ -42,6 +48,11 @@ struct plan_pilot {
     struct job_quality fine_quality; // of the finest renders
     int start_level, render_count;
     double evaluations;
+    // The light grids that measurements have filled: another one with the same grid does not fill it again.
+    struct {
+        int frame, cells;
+    } filled[FILLED_LIMIT];
+    int filled_count;
     enum renderer_fault fault;
     struct error error;
 };
@@ -53,7 +64,6 @@ static size_t pixel_count(const struct plan_pilot *pilot)
 
 static void init_job(struct plan_pilot *pilot, const struct job *job)
 {
-    plan_lattice_init(&pilot->lattice, job, PIXELS);
     pilot->job = *job;
     pilot->job.quality.samples = 1;
 }
@@ -81,14 +91,15 @@ static enum plan_measured render(struct plan_pilot *pilot, const struct job_qual
 }
 
 // The first family that serves the scene and has an error of second order in all its steps and cells. `cached` stands
-// before `midpoint`: n³ evaluations per frame for a light grid are few even where n is large.
-static const struct plan_family *find_finest(const struct plan_pilot *pilot)
+// before `midpoint`: n³ evaluations per frame for a light grid are few beside those of marches for each pixel. Without
+// grids, whose errors are large near lamps, is what measures single pixels.
+static const struct plan_family *find_finest(const struct plan_pilot *pilot, bool has_grids)
 {
     for (size_t i = 0; i < plan_family_count; i++) {
         const struct plan_family *family = &plan_families[i];
         bool is_of_second_order =
             family->method == JOB_METHOD_EQUIANGULAR || family->method == JOB_METHOD_MIDPOINT ||
-            (family->method == JOB_METHOD_CACHED &&
+            (has_grids && family->method == JOB_METHOD_CACHED &&
              plan_family_quality(family, &pilot->scene, &(struct plan_point){{0}}).density_grid == 0);
 
         if (is_of_second_order && plan_family_serves(family, &pilot->scene)) return family;
@@ -208,13 +219,47 @@ static double count_evaluations(const struct plan_pilot *pilot, const struct job
     return plan_family_work(&scene, quality) * scene.pixels;
 }
 
+// As many pixels as a usual halving of rays that nothing ends may draw for that work.
+static void choose_pixels(struct plan_pilot *pilot, const struct plan_family *family, double most)
+{
+    static const float CLEAR = 0.0f;
+    struct plan_scene scene = pilot->scene;
+    struct job_quality quality = quality_at(pilot, family, LEVEL_USUAL);
+    double affordable;
+
+    scene.depths = &CLEAR;
+    scene.depth_count = 1;
+    scene.hit_share = 1.0;
+    affordable = most / (pilot->frame_count * plan_family_work(&scene, &quality));
+    plan_lattice_init(&pilot->lattice, pilot->params->job, (int)fmin(fmax(affordable, PIXELS_MIN), PIXELS_MAX));
+}
+
+static bool is_filled(struct plan_pilot *pilot, int frame, int cells)
+{
+    for (int i = 0; i < pilot->filled_count; i++)
+        if (pilot->filled[i].frame == frame && pilot->filled[i].cells == cells) return true;
+    if (pilot->filled_count == FILLED_LIMIT) return false;
+    pilot->filled[pilot->filled_count].frame = frame;
+    pilot->filled[pilot->filled_count++].cells = cells;
+    return false;
+}
+
+static void note_evaluations(struct plan_pilot *pilot, const struct job_quality *quality, int frame)
+{
+    struct job_quality counted = *quality;
+
+    if (is_filled(pilot, frame, quality->light_grid)) counted.light_grid = 0;
+    pilot->evaluations += count_evaluations(pilot, &counted);
+}
+
 // Halves the steps until the picture hardly changes. The remaining error is a third of the last change, by second
 // order.
 static bool make_fine(struct plan_pilot *pilot)
 {
-    const struct plan_family *family = find_finest(pilot);
+    const struct plan_family *family = find_finest(pilot, true);
     double tolerance = pilot->params->job->quality.tolerance;
     double enough = (pilot->has_truth ? AGREEMENT : AGREEMENT_ALONE) * tolerance;
+    double most = (pilot->has_truth ? LEVEL_SHARE : LEVEL_SHARE_ALONE) * plan_budget_find(pilot->params);
     int level = 0;
 
     if (!family) {
@@ -222,15 +267,14 @@ static bool make_fine(struct plan_pilot *pilot)
         error_set(&pilot->error, "quality.tolerance: no method renders this scene");
         return false;
     }
+    choose_pixels(pilot, family, most);
     pilot->start_level = -1;
     for (; level < LEVEL_LIMIT; level++) {
         struct job_quality quality = quality_at(pilot, family, level);
         enum plan_measured measured;
         double change;
 
-        if (level > LEVEL_MIN && pilot->has_truth &&
-            pilot->frame_count * count_evaluations(pilot, &quality) > EVALUATIONS_OF_A_LEVEL)
-            break;
+        if (level > LEVEL_MIN && pilot->frame_count * count_evaluations(pilot, &quality) > most) break;
         measured = render_finer(pilot, &quality);
         if (measured == PLAN_STOPPED || (measured == PLAN_CANNOT && level == 0)) return false;
         if (measured == PLAN_CANNOT) break;
@@ -248,6 +292,52 @@ static bool make_fine(struct plan_pilot *pilot)
     return true;
 }
 
+// Renders the drawn points of a frame.
+static enum plan_measured render_points(struct plan_pilot *pilot, const struct job_quality *quality,
+                                        struct plan_pilot_frame *frame, struct image *image)
+{
+    struct pixel pixels[PLAN_POINTS];
+    struct renderer_result result;
+    struct job job = pilot->job;
+
+    job.quality = *quality;
+    plan_lattice_find(&pilot->lattice, frame->points, PLAN_POINTS, pixels);
+    pilot->error = (struct error){0};
+    if (plan_list_render(pilot->params, &job, frame->number, pixels, PLAN_POINTS, 1, image, &result, &pilot->error))
+        return PLAN_MEASURED;
+    pilot->fault = result.fault;
+    return result.fault == RENDERER_FAULT_JOB || result.fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
+}
+
+// Renders the frames' points in ever finer steps, without grids, until they hardly change. False: it was stopped.
+static bool trace_points(struct plan_pilot *pilot)
+{
+    const struct plan_family *family = find_finest(pilot, false);
+    double most = POINTS_SHARE * plan_budget_find(pilot->params);
+    double enough = POINTS_AGREEMENT * pilot->params->job->quality.tolerance;
+    struct image image = {0};
+    enum plan_measured measured = PLAN_MEASURED;
+
+    for (int level = LEVEL_MIN; family && measured == PLAN_MEASURED && level < LEVEL_LIMIT; level++) {
+        struct job_quality quality = quality_at(pilot, family, level);
+        double change = 0.0;
+
+        if (level > LEVEL_MIN + 1 &&
+            plan_family_work(&pilot->scene, &quality) * PLAN_POINTS * pilot->frame_count > most)
+            break;
+        for (int i = 0; i < pilot->frame_count && measured == PLAN_MEASURED; i++) {
+            measured = render_points(pilot, &quality, &pilot->frames[i], &image);
+            if (measured == PLAN_MEASURED)
+                change = fmax(change, plan_pilot_frame_trace(&pilot->frames[i], &image, level == LEVEL_MIN));
+        }
+        log_debug("plan: points by %s, halved %d times: changed by %.2e", family->name, level, change);
+        if (level > LEVEL_MIN && change <= enough) break;
+    }
+    image_finish(&image);
+    if (measured != PLAN_STOPPED) pilot->fault = RENDERER_FAULT_NONE;
+    return measured != PLAN_STOPPED;
+}
+
 static bool prepare(struct plan_pilot *pilot)
 {
     const struct plan_segment *segment = &pilot->params->segment;
@@ -256,11 +346,13 @@ static bool prepare(struct plan_pilot *pilot)
     for (int i = 0; i < segment->pilot_count; i++)
         pilot->frames[i] = (struct plan_pilot_frame){.number = segment->pilot[i]};
     if (!make_fine(pilot)) return false;
-    for (int i = 0; i < pilot->frame_count && pilot->has_truth; i++)
+    for (int i = 0; i < pilot->frame_count && pilot->has_truth; i++) {
+        plan_pilot_frame_draw(&pilot->frames[i], &pilot->job);
         if (!plan_pilot_frame_measure(&pilot->frames[i], pilot->params, &pilot->lattice, &pilot->job, &pilot->fault,
                                       &pilot->error))
             return false;
-    return true;
+    }
+    return !pilot->has_truth || trace_points(pilot);
 }
 
 struct plan_pilot *plan_pilot_create(const struct plan_params *params, enum renderer_fault *fault, struct error *error)
@@ -316,7 +408,6 @@ enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job
                                       struct plan_errors *errors)
 {
     double sum = 0.0;
-    int count = 0;
 
     *errors = (struct plan_errors){0};
     for (int i = 0; i < pilot->frame_count; i++) {
@@ -328,15 +419,15 @@ enum plan_measured plan_pilot_measure(struct plan_pilot *pilot, const struct job
         measured = render(pilot, quality, frame->number, &frame->seen);
 
         if (measured != PLAN_MEASURED) return measured;
-        pilot->evaluations += count_evaluations(pilot, quality);
+        note_evaluations(pilot, quality, i);
         error = plan_pilot_frame_error(frame);
         if (isnan(error)) error = INFINITY;
         if (error > errors->largest) errors->worst = i;
         errors->largest = fmax(errors->largest, error);
+        errors->each[errors->count++] = error;
         sum += error * error;
-        count++;
     }
-    errors->mean = sqrt(sum / count);
+    errors->mean = sqrt(sum / errors->count);
     return PLAN_MEASURED;
 }
 

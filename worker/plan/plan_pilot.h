@@ -4,6 +4,7 @@
 
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_search.h"
+#include "worker/plan/plan_segment.h"
 #include "worker/render/renderer_fault.h"
 
 #include <stdbool.h>
@@ -28,6 +29,8 @@ int plan_pilot_count_renders(const struct plan_pilot *pilot); // number of rende
 struct plan_errors {
     double largest, mean; // relative RMSE over the measured frames; the mean is quadratic
     int worst;            // index of the frame with the largest
+    int count;            // of measured frames
+    double each[PLAN_PILOT_LIMIT];
 };
 
 enum { PLAN_ALL_FRAMES = -1 };

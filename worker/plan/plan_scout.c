@@ -7,6 +7,7 @@
 #include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
+#include "worker/plan/plan_budget.h"
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
@@ -25,9 +26,7 @@ enum {
 // Limits of the ratio of error to change, which is taken from the pilot's frames. Measured were 0.7 to 1.6:
 // docs/rendering.md.
 static const double SCALE_LEAST = 0.75, SCALE_MOST = 1.25;
-// The scouts' work, as a share of the segment's, and the evaluations that they may take in any case. Set by hand;
-// bench/predictions shows what plans take.
-static const double WORK_SHARE = 0.1, EVALUATIONS_MIN = 3e6;
+static const double BUDGET_SHARE = 0.1; // of the plan's budget: what the scouts may take
 
 struct scout {
     struct plan *plan;
@@ -104,13 +103,11 @@ static int count_scouts(const struct plan *plan, const struct plan *finer, const
 {
     struct plan_scene scene = *rays;
     int64_t count = params->segment.count < PLAN_SCOUT_LIMIT ? params->segment.count : PLAN_SCOUT_LIMIT;
-    double affordable, each;
+    double affordable = BUDGET_SHARE * plan_budget_find(params), each;
 
-    scene.pixels = (double)params->job->width_px * params->job->height_px;
-    affordable = WORK_SHARE * (double)params->segment.count * scene.pixels * plan_family_work(&scene, &plan->quality);
-    scene.pixels = fmin(scene.pixels, PIXELS);
+    scene.pixels = fmin((double)params->job->width_px * params->job->height_px, PIXELS);
     each = scene.pixels * (plan_family_work(&scene, &plan->quality) + plan_family_work(&scene, &finer->quality));
-    count = (int64_t)fmin((double)count, fmax(affordable, EVALUATIONS_MIN) / each);
+    count = (int64_t)fmin((double)count, affordable / each);
     if (count < COUNT_MIN) count = truth_has_twin(params->job) ? 0 : COUNT_ALONE;
     return count > 0 ? (int)((count - 1) / 2 * 2 + 1) : 0;
 }
@@ -124,9 +121,13 @@ bool plan_scout_measure(struct plan *plan, const struct plan_params *params, con
     struct plan finer = *plan;
     bool ok = true;
 
-    if (!is_of_use(params) || !plan_refine(&finer, params->job, FINER_RUNGS)) return true;
-    scouting.count = count_scouts(plan, &finer, params, rays);
-    if (scouting.count == 0) return true;
+    if (is_of_use(params) && plan_refine(&finer, params->job, FINER_RUNGS))
+        scouting.count = count_scouts(plan, &finer, params, rays);
+    if (scouting.count == 0) {
+        if (plan->scouting.count > 0)
+            plan->predicted_error = plan_scouting_predict_error(&plan->scouting, params->job->quality.tolerance);
+        return true;
+    }
     plan_lattice_init(&scout.lattice, params->job, PIXELS);
     scout.coarser = plan_apply(plan, params->job);
     scout.finer = plan_apply(&finer, params->job);

@@ -9,6 +9,7 @@ enum { STRIDE = 2 }; // rungs per refinement
 // The least gain of a refinement: the fall of log(error) divided by the rise of log(work). Set by hand;
 // tests/worker/plan/tolerance_random_test and bench/predictions show its effect.
 static const double GAIN_MIN = 0.02;
+static const double WORK_MULTIPLE = 2.0;
 
 struct walk {
     const struct plan_search *search;
@@ -70,6 +71,17 @@ static bool move(const struct walk *walk, struct plan_point *point, int axis, in
     return true;
 }
 
+// Refines an axis by STRIDE, or by one rung where STRIDE multiplies the work: grids fill with the cube of their cells.
+static bool refine_axis(const struct walk *walk, struct plan_point *point, int axis)
+{
+    struct plan_point far = *point;
+
+    if (!move(walk, &far, axis, STRIDE)) return false;
+    if (work_of(walk, &far) > WORK_MULTIPLE * work_of(walk, point)) return move(walk, point, axis, 1);
+    *point = far;
+    return true;
+}
+
 // Refines the axis with the largest gain; all axes, if none gains enough. False when nothing can be refined or
 // measured.
 static bool refine(struct walk *walk, struct plan_point *point, double *error)
@@ -83,7 +95,7 @@ static bool refine(struct walk *walk, struct plan_point *point, double *error)
         double next_error, gain;
 
         moved |= move(walk, &all, axis, STRIDE);
-        if (!move(walk, &next, axis, STRIDE)) continue;
+        if (!refine_axis(walk, &next, axis)) continue;
         next_error = error_at(walk, &next);
         if (walk->is_stopped) return false;
         if (isinf(next_error) || next_error >= *error) continue;
