@@ -10,8 +10,8 @@
 #include <stdlib.h>
 
 enum {
-    BATCH = 64,         // pixels that are measured at once, at most
-    RAY_MAX_FACTOR = 16 // the most pixels, relative to the least
+    BATCH = 64,        // pixels that are measured at once, at most
+    RAY_MAX_FACTOR = 4 // the most pixels, relative to the least
 };
 
 // docs/rendering.md has the table of accuracies and times by which these were chosen.
@@ -73,7 +73,11 @@ static struct audit_verdict judge(const struct audit *audit)
 // True when it is clear on which side of the tolerance the frame is: then more pixels are not worth their time.
 static bool is_clear(const struct audit *audit, const struct audit_verdict *verdict)
 {
-    return verdict->error95 <= audit->params->tolerance || verdict->error > 2.0 * audit->params->tolerance;
+    static const double WELL_WITHIN = 0.8, FAR_OVER = 2.0;
+    double tolerance = audit->params->tolerance;
+
+    return verdict->error95 <= tolerance || verdict->error <= WELL_WITHIN * tolerance ||
+           verdict->error > FAR_OVER * tolerance;
 }
 
 // The number of pixels to measure next; 0: there are enough. Their number doubles each time: every verdict may be
@@ -85,16 +89,12 @@ static size_t find_next_count(const struct audit *audit)
     size_t most = params->ray_max > 0 ? (size_t)params->ray_max : RAY_MAX_FACTOR * least;
     size_t pooled = least < AUDIT_RAYS_POOLED ? least : AUDIT_RAYS_POOLED;
     struct audit_verdict verdict;
-    double spent_s, affordable;
 
     if (params->pool && done < pooled) return pooled - done;
     if (done == 0) return least;
     verdict = judge(audit);
     if (!verdict.is_pooled && done < least) return least - done;
-    spent_s = clock_now_s() - audit->start_s;
-    affordable = (params->budget_s - spent_s) / (spent_s / (double)done);
-    if (is_clear(audit, &verdict) || done >= most || affordable < 1.0) return 0;
-    if (affordable < (double)done) return (size_t)affordable;
+    if (is_clear(audit, &verdict) || done >= most) return 0;
     return done < most - done ? done : most - done;
 }
 

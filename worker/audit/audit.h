@@ -18,9 +18,6 @@ enum {
     AUDIT_RAYS_POOLED = 8 // pixels at least of a frame that has a pool
 };
 
-// The time of an audit, relative to the time that its frame took to render. Set by hand; march explain predicts both.
-static const double AUDIT_TIME_SHARE = 0.05;
-
 // The samples that the frames of a segment share. The zero value is empty.
 struct audit_pool {
     struct audit_samples samples;
@@ -41,16 +38,15 @@ struct audit_params {
     const struct audit_pool *pool; // NULL: the frame is audited alone
     struct audit_pool *gathered;   // NULL, or the pool to which this frame's samples are added
     double tolerance;
-    double budget_s;                 // seconds after which it stops, but never before the least number of pixels
-    int ray_min, ray_max;            // pixels at least and at most; 0: AUDIT_RAYS_MIN, and 16 times ray_min
+    int ray_min, ray_max;            // pixels at least and at most; 0: AUDIT_RAYS_MIN, and 4 times ray_min
     int thread_count;                // 0: a thread for each core
     bool (*on_progress)(void *user); // NULL: none; false stops it
     void *user;
 };
 
-// Measures pixels against the reference until the budget is spent or it is clear on which side of the tolerance the
-// frame is. A frame with a pool begins with AUDIT_RAYS_POOLED pixels. If these differ from the pool, it goes on alone.
-// False when on_progress stopped it.
+// Measures pixels against the reference until it is clear on which side of the tolerance the frame is, or there are
+// enough. Their number follows from their values, never from a clock. A frame with a pool begins with
+// AUDIT_RAYS_POOLED pixels. If these differ from the pool, it goes on alone. False when on_progress stopped it.
 bool audit_frame(const struct audit_params *params, struct audit_result *result);
 
 // Measures a frame by step halving: `coarser` is rendered in its own steps, `finer` in halved ones. Both have one size,

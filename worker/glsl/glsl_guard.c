@@ -9,13 +9,14 @@
 
 // All in one line, so that the code keeps the numbers of its lines. Bits are compared, for drivers take isnan and isinf
 // for false where they reorder arithmetic.
-static const char functions[] = "float guarded_value(float v) { return (floatBitsToUint(v) & 0x7f800000u) == 0x7f800000u ? 0.0 : v; } "
-                                "vec2 guarded_value(vec2 v) { return vec2(guarded_value(v.x), guarded_value(v.y)); } "
-                                "vec3 guarded_value(vec3 v) { return vec3(guarded_value(v.xy), guarded_value(v.z)); } "
-                                "vec4 guarded_value(vec4 v) { return vec4(guarded_value(v.xy), guarded_value(v.zw)); } "
-                                "int guarded_value(int v) { return v; } uint guarded_value(uint v) { return v; } "
-                                "bool guarded_value(bool v) { return v; } mat2 guarded_value(mat2 v) { return v; } "
-                                "mat3 guarded_value(mat3 v) { return v; } mat4 guarded_value(mat4 v) { return v; } ";
+static const char functions[] =
+    "float guarded_value(float v) { return (floatBitsToUint(v) & 0x7f800000u) == 0x7f800000u ? 0.0 : v; } "
+    "vec2 guarded_value(vec2 v) { return vec2(guarded_value(v.x), guarded_value(v.y)); } "
+    "vec3 guarded_value(vec3 v) { return vec3(guarded_value(v.xy), guarded_value(v.z)); } "
+    "vec4 guarded_value(vec4 v) { return vec4(guarded_value(v.xy), guarded_value(v.zw)); } "
+    "int guarded_value(int v) { return v; } uint guarded_value(uint v) { return v; } "
+    "bool guarded_value(bool v) { return v; } mat2 guarded_value(mat2 v) { return v; } "
+    "mat3 guarded_value(mat3 v) { return v; } mat4 guarded_value(mat4 v) { return v; } ";
 
 struct guarding {
     FILE *out;

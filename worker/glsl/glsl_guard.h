@@ -1,11 +1,11 @@
-// Rewrites code so that its first statements give 0 for values that are not finite. The fewest statements with which a
-// picture becomes finite tell the line where the first such value arises.
+// Rewrites code so that its first statements give 0 for values that are not finite.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <stdbool.h>
 
-// Statements are returns and assignments within functions, in the order of the text. Each stays in its line.
+// The fewest statements with which a picture becomes finite tell the line where the first such value arises. Statements
+// are returns and assignments within functions, in the order of the text. Each stays in its line.
 struct glsl_guarded {
     char *text; // owned; NULL: there is no memory
     int count;  // statements that can be guarded

@@ -70,7 +70,6 @@ static bool time_audit(struct overhead *overhead, double *seconds)
                                   .truth = truth,
                                   .pool = overhead->evidence->pool.samples.count > 0 ? &overhead->evidence->pool : NULL,
                                   .tolerance = overhead->params->job->quality.tolerance,
-                                  .budget_s = AUDIT_TIME_SHARE * overhead->plan->predicted_s,
                                   .on_progress = plan_small_on_pixel,
                                   .user = (void *)overhead->params};
     struct audit_map_params map_params = {.image = &overhead->image, .pixel = overhead->job.output.pixel};

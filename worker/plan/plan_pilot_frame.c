@@ -137,10 +137,10 @@ static double squared_distance_of_floats(const float *seen, const float *other)
     return squared_distance(seen, (const double[]){other[0], other[1], other[2]});
 }
 
-// The mean of |I - R|^2 for a render I and the light R: the mean of |I - F|^2 over all pixels, F being the finest
-// render, corrected by |I - G|^2 - |I - F|^2 at the points, G being rendered without grids, and by |I - R|^2 - |I - G|^2
-// at those points where R is known. Each correction is without bias, however good the level before it is. (Multilevel
-// Monte Carlo: Giles, Operations Research 56(3), 2008.)
+// The mean of |I - R|^2 for a render I and the light R. It is the mean of |I - F|^2 over all pixels, F being the finest
+// render. It is corrected by |I - G|^2 - |I - F|^2 at the points, G being rendered without grids, and by
+// |I - R|^2 - |I - G|^2 at those points where R is known. Each correction is without bias, however good the level
+// before it is. (Multilevel Monte Carlo: Giles, Operations Research 56(3), 2008.)
 static double square_error(const struct plan_pilot_frame *frame)
 {
     double near = squared_difference(&frame->seen, &frame->fine), traced = 0.0, rest = 0.0;

@@ -13,8 +13,8 @@ struct plan_scene;
 
 // Fills the plan's scouting and replaces its predicted_error. Before the call that is the pilot frames' error, by which
 // the measured changes are scaled; afterwards it is the error of all frames of the segment, refined as
-// plan_scouting_find_rungs says. `rays` is the pilot's scene. The pilot's frames stay the only scouts of constant scenes,
-// of jobs of which each frame reads files of its own, and where more would cost too much. On failure `fault` is one of
-// the renderer's.
+// plan_scouting_find_rungs says. `rays` is the pilot's scene. The pilot's frames stay the only scouts of constant
+// scenes, of jobs of which each frame reads files of its own, and where more would cost too much. On failure `fault` is
+// one of the renderer's.
 bool plan_scout_measure(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
                         enum renderer_fault *fault, struct error *error);

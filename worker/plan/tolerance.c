@@ -167,7 +167,6 @@ static bool audit_against_reference(const struct rendering *rendering, const str
                                  .image = params->image,
                                  .pool = is_pooled ? &kept->evidence.pool : NULL,
                                  .tolerance = params->job->quality.tolerance,
-                                 .budget_s = AUDIT_TIME_SHARE * rendering->seconds,
                                  .on_progress = on_pixel,
                                  .user = (void *)params};
 

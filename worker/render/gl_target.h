@@ -43,7 +43,7 @@ void gl_target_clear(const struct gl_target *target); // after gl_target_begin
 // Copies the RGBA of some rows, 4 floats a pixel: the sum of the passes so far.
 void gl_target_read_rows(const struct gl_target *target, int first_row, int row_count, float *rgba);
 // Waits for the passes and copies their mean into `image`, which fits. A pixel's depth is the mean of those passes that
-// found one. `counts` stays as it is where there are no paths; its share is not set. A list's image has as many pixels as
-// the list, in its order, whatever its sides.
+// found one. `counts` stays as it is where there are no paths; its share is not set. A list's image has as many pixels
+// as the list, in its order, whatever its sides.
 void gl_target_read(const struct gl_target *target, const struct pixel_layout *layout, struct image *image,
                     struct ray_counts *counts);

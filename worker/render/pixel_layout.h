@@ -1,5 +1,4 @@
-// Where the pixels of a list lie in the target: in squares, along a Morton curve, so that neighbours in the frame share
-// SIMD units and each processor of software GL has squares of its own.
+// Where the pixels of a list lie in the target: in squares, along a Morton curve.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -8,7 +7,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// The zero value is empty.
+// Neighbours in the frame share SIMD units, and each processor of software GL has squares of its own. The zero value is
+// empty.
 struct pixel_layout {
     const struct pixel *pixels; // borrowed; outlive us
     size_t count;

@@ -1,4 +1,4 @@
-// How many rows of a picture, or squares of a list of pixels, are drawn at once: few enough that frames can be stopped and drivers do not time out.
+// How much of a picture is drawn at once: so little that frames can be stopped and drivers do not time out.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

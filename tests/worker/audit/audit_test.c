@@ -285,8 +285,7 @@ static void finish_shot(struct shot *shot)
 
 static struct audit_params params_of(const struct shot *shot)
 {
-    return (struct audit_params){
-        .job = &shot->job, .image = &shot->image, .truth = shot->truth, .tolerance = 0.01, .budget_s = 600.0};
+    return (struct audit_params){.job = &shot->job, .image = &shot->image, .truth = shot->truth, .tolerance = 0.01};
 }
 
 static void a_good_frame_is_within_and_a_coarse_one_is_not(void **state)
@@ -301,7 +300,7 @@ static void a_good_frame_is_within_and_a_coarse_one_is_not(void **state)
     assert_int_equal(result.kind, AUDIT_REFERENCE);
     assert_false(result.is_pooled);
     assert_true(result.error95 <= 0.01 && result.error <= result.error95);
-    assert_in_range(result.ray_count, AUDIT_RAYS_MIN, 16 * AUDIT_RAYS_MIN);
+    assert_in_range(result.ray_count, AUDIT_RAYS_MIN, 4 * AUDIT_RAYS_MIN);
     assert_true(result.tolerance == 0.01);
     assert_true(result.sampling_error == 0.0);
     finish_shot(&good);
@@ -313,7 +312,7 @@ static void a_good_frame_is_within_and_a_coarse_one_is_not(void **state)
     finish_shot(&coarse);
 }
 
-static void a_budget_ends_an_audit(void **state)
+static void the_most_pixels_end_an_audit(void **state)
 {
     struct audit_result result;
     struct audit_params params;
@@ -321,11 +320,12 @@ static void a_budget_ends_an_audit(void **state)
 
     take_shot(&shot, 32);
     params = params_of(&shot);
-    params.tolerance = 3e-4; // near its error, so that it long stays open on which side it is
+    assert_true(audit_frame(&params, &result));
+    params.tolerance = result.error; // so that it stays open on which side it is
     assert_true(audit_frame(&params, &result));
     print_message("error %.2e, at most %.2e by %d rays\n", result.error, result.error95, result.ray_count);
     assert_true(result.ray_count > AUDIT_RAYS_MIN);
-    params.budget_s = 0.0;
+    params.ray_max = AUDIT_RAYS_MIN;
     assert_true(audit_frame(&params, &result));
     assert_int_equal(result.ray_count, AUDIT_RAYS_MIN);
     finish_shot(&shot);
@@ -456,7 +456,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(a_frame_unlike_its_pool_is_judged_by_itself),
         cmocka_unit_test(values_that_are_not_finite_are_infinite_errors),
         cmocka_unit_test(a_good_frame_is_within_and_a_coarse_one_is_not),
-        cmocka_unit_test(a_budget_ends_an_audit),
+        cmocka_unit_test(the_most_pixels_end_an_audit),
         cmocka_unit_test(an_audit_can_be_stopped),
         cmocka_unit_test(few_pixels_are_enough_with_a_pool),
         cmocka_unit_test(a_spoilt_frame_has_no_finite_error),

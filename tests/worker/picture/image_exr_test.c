@@ -228,9 +228,8 @@ static void audit_and_plan_are_read_back(void **state)
 
     assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
     assert_int_equal(facts.audit.kind, AUDIT_STEP_HALVING);
-    assert_true(facts.audit.is_pooled);
+    assert_true(facts.audit.is_pooled && facts.audit.ray_count == 64);
     assert_true(facts.audit.error == 0.0078125 && facts.audit.error95 == 0.015625 && facts.audit.tolerance == 0.01);
-    assert_int_equal(facts.audit.ray_count, 64);
     assert_string_equal(facts.plan, "a grid of light pays");
     assert_string_equal(facts.method, "midpoint");
     assert_true(facts.step == 0.01 && facts.sampling_error == 0.125 && !facts.is_draft);
@@ -240,8 +239,8 @@ static void audit_and_plan_are_read_back(void **state)
     header.is_draft = true;
     fd = write_image(&image, &header, 1);
     assert_true(image_exr_read(fd, NULL, &facts, 1, NULL));
-    assert_true(facts.audit.kind == AUDIT_REFERENCE && !facts.audit.is_pooled && facts.audit.is_missed);
-    assert_true(facts.is_draft);
+    assert_true(facts.audit.kind == AUDIT_REFERENCE && !facts.audit.is_pooled);
+    assert_true(facts.audit.is_missed && facts.is_draft);
     image_finish(&image);
     close(fd);
 }
