@@ -27,8 +27,9 @@ expect "the first daemon's pid" "$(ask daemon.status | jq .result.pid)" "$daemon
 kill_daemon
 [ -S "$socket" ] || fail "the socket of a killed daemon should be there"
 # A worker that the killed daemon was starting has its lock until it is a program of its own.
-flock -n "$scratch/state/lock" sleep 1 &
-wait_until "the lock is taken" eval '! flock -n "$scratch/state/lock" true'
+flock "$scratch/state/lock" sh -c 'touch "$1/held" && until [ -e "$1/released" ]; do sleep 0.1; done' sh "$scratch" &
+wait_until "the lock is taken" [ -e "$scratch/held" ]
+{ sleep 1; touch "$scratch/released"; } &
 start_daemon --worker-program "$(stub nocontext)"
 id=$(submit "$(job 1-3)")
 wait_until "the reason is known" eval '[[ $(field "$id" .reason) == "no worker is ready: there is no GL context"* ]]'
