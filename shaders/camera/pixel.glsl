@@ -1,10 +1,11 @@
 // The pixel that an invocation draws: its own place in the target, or one of a list.
-layout(binding = 72) uniform usampler2D pixel_list; // x and y, at the place where each is drawn
+// x and y, at the place where each pixel is drawn. An image takes none of the texture units, which scenes may need.
+layout(rg16ui, binding = 3) readonly uniform uimage2D pixel_list;
 uniform bool pixel_is_listed;
 
 uvec2 pixel_drawn()
 {
     ivec2 place = ivec2(gl_FragCoord.xy);
 
-    return pixel_is_listed ? texelFetch(pixel_list, place, 0).xy : uvec2(place);
+    return pixel_is_listed ? imageLoad(pixel_list, place).xy : uvec2(place);
 }

@@ -3,7 +3,6 @@
 
 #include "core/base/alloc.h"
 #include "worker/gl/gl_functions.h"
-#include "worker/glsl/texture_units.h"
 #include "worker/render/pixel_layout.h"
 
 #include <stdint.h>
@@ -21,8 +20,6 @@ static void make(struct gl_pixel_list *list, const struct gl_functions *gl, cons
     *list = (struct gl_pixel_list){.gl = gl, .width_px = layout->width_px, .height_px = layout->height_px};
     gl->CreateTextures(GL_TEXTURE_2D, 1, &list->texture);
     gl->TextureStorage2D(list->texture, 1, GL_RG16UI, list->width_px, list->height_px);
-    gl->TextureParameteri(list->texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->TextureParameteri(list->texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
 }
 
 // Places outside the squares keep pixel (0, 0): nothing is drawn there.
@@ -53,7 +50,7 @@ void gl_pixel_list_bind(struct gl_pixel_list *list, const struct gl_functions *g
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
     gl->TextureSubImage2D(list->texture, 0, 0, 0, list->width_px, list->height_px, GL_RG_INTEGER, GL_UNSIGNED_SHORT,
                           texels);
-    gl->BindTextureUnit(TEXTURE_UNIT_PIXELS, list->texture);
+    gl->BindImageTexture(GL_PIXEL_LIST_IMAGE_UNIT, list->texture, 0, GL_FALSE, 0, GL_READ_ONLY, GL_RG16UI);
     free(texels);
 }
 

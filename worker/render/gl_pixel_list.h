@@ -14,8 +14,10 @@ struct gl_pixel_list {
     int width_px, height_px;
 };
 
-// Fills the texture with the list's pixels, at the places where the layout draws them, and binds it to
-// TEXTURE_UNIT_PIXELS. GL reports it when there is no memory.
+enum { GL_PIXEL_LIST_IMAGE_UNIT = 3 }; // after those of gl_slices
+
+// Fills the texture with the list's pixels, at the places where the layout draws them, and binds it as an image. GL
+// reports it when there is no memory.
 void gl_pixel_list_bind(struct gl_pixel_list *list, const struct gl_functions *gl, const struct pixel_layout *layout);
 void gl_pixel_list_finish(struct gl_pixel_list *list); // accepts an empty one
 // Makes a program draw the bound list's pixels, or the frame's.
