@@ -17,7 +17,7 @@ struct plan_lattice;
 struct plan_params;
 
 // Points of each frame that are rendered without grids, and the first of them, which reference/ measures too.
-enum { PLAN_POINTS = 64, PLAN_TRUE_PIXELS = 8 };
+enum { PLAN_POINTS = 64, PLAN_TRUE_PIXELS = 16 };
 
 struct plan_pilot_frame {
     int32_t number;

@@ -187,8 +187,8 @@ static char *fragment_of(const char *noise)
 
 static void neutral_numbers_add_no_code(void **state)
 {
-    static const char *const WORDS[] = {"_rotation", "shift",      "lacunarity", "gain",    "exponent",      "_bias",
-                                        "_clip(",    "_absolute(", "mat3",       "falloff", "FrameUniforms", "clamp(q"};
+    static const char *const WORDS[] = {"_rotation", "shift",      "lacunarity", "gain",    "exponent", "_bias",
+                                        "_clip(",    "_absolute(", "mat3",       "falloff", "clamp(q"};
     char *text = fragment_of("\"frequency\": 2, \"octaves\": 1, \"bias\": 0, \"offset\": [0, 0, 0],"
                              " \"rotate\": { \"axis\": [1, 0, 0], \"angle\": 0 }");
 
