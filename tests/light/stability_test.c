@@ -171,9 +171,7 @@ static void methods_keep_their_promises(void **state)
 // Sweeps whose error no plan can bring below the tolerance, which is known.
 static bool may_refuse(const struct stability_sweep *sweep, double value)
 {
-    bool is_thin = strcmp(sweep->slug, "shell") == 0 || strcmp(sweep->slug, "transfer") == 0;
-
-    return (strcmp(sweep->slug, "lipschitz") == 0 && value > 1) || (is_thin && value < 0.01);
+    return strcmp(sweep->slug, "lipschitz") == 0 && value > 1;
 }
 
 static int check_planned(const struct stability_sweep *sweep, const struct stability_method *method, int *refused)
@@ -204,9 +202,8 @@ static void auto_keeps_its_tolerance_or_says_why(void **state)
             broken += check_planned(&last, &stability_methods[k], &refused);
         }
     assert_int_equal(broken, 0);
-    // A promise that cannot be kept is refused. Thin shells are kept or refused: which of them a plan's pixels meet is
-    // chance, for their draw follows from the names of the scene's files.
-    assert_in_range(refused, 1, 3);
+    // A promise that cannot be kept is refused.
+    assert_int_equal(refused, 1);
 }
 
 // A value that the picture's numbers cannot hold is reported, not written.

@@ -74,7 +74,13 @@ static void init_scene(struct plan_pilot *pilot, const struct job *job)
     pilot->has_truth = truth_has_twin(job) && !pilot->scene.has_roughness;
 }
 
-// PLAN_CANNOT for faults of this setting, which another may not have.
+// What follows from a render's fault: PLAN_CANNOT where another setting may not have it.
+static enum plan_measured note_fault(struct plan_pilot *pilot, enum renderer_fault fault)
+{
+    pilot->fault = fault;
+    return fault == RENDERER_FAULT_JOB || fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
+}
+
 static enum plan_measured render(struct plan_pilot *pilot, const struct job_quality *quality, int32_t frame,
                                  struct image *image)
 {
@@ -86,15 +92,18 @@ static enum plan_measured render(struct plan_pilot *pilot, const struct job_qual
     pilot->render_count++;
     if (plan_lattice_render(&pilot->lattice, pilot->params, &job, frame, image, &result, &pilot->error))
         return PLAN_MEASURED;
-    pilot->fault = result.fault;
-    return result.fault == RENDERER_FAULT_JOB || result.fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
+    return note_fault(pilot, result.fault);
 }
 
-// The first family that serves the scene and has an error of second order in all its steps and cells. `cached` stands
-// before `midpoint`: n³ evaluations per frame for a light grid are few beside those of marches for each pixel. Without
-// grids, whose errors are large near lamps, is what measures single pixels.
+// Where there is a transfer function, `preintegrated`: other methods step over its thin shells, and two halvings agree
+// without them. Else the first family that serves the scene and has an error of second order in all its steps and
+// cells. `cached` stands before `midpoint`: n³ evaluations per frame for a light grid are few beside those of marches
+// for each pixel. Without grids, whose errors are large near lamps, is what measures single pixels.
 static const struct plan_family *find_finest(const struct plan_pilot *pilot, bool has_grids)
 {
+    for (size_t i = 0; i < plan_family_count; i++)
+        if (plan_families[i].method == JOB_METHOD_PREINTEGRATED && plan_family_serves(&plan_families[i], &pilot->scene))
+            return &plan_families[i];
     for (size_t i = 0; i < plan_family_count; i++) {
         const struct plan_family *family = &plan_families[i];
         bool is_of_second_order =
@@ -305,8 +314,7 @@ static enum plan_measured render_points(struct plan_pilot *pilot, const struct j
     pilot->error = (struct error){0};
     if (plan_list_render(pilot->params, &job, frame->number, pixels, PLAN_POINTS, 1, image, &result, &pilot->error))
         return PLAN_MEASURED;
-    pilot->fault = result.fault;
-    return result.fault == RENDERER_FAULT_JOB || result.fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
+    return note_fault(pilot, result.fault);
 }
 
 // Renders the frames' points in ever finer steps, without grids, until they hardly change. False: it was stopped.
