@@ -1,5 +1,6 @@
 // The pixel that an invocation draws: its own place in the target, or one of a list.
-// x and y, at the place where each pixel is drawn. An image takes none of the texture units, which scenes may need.
+// Holds x and y of the listed pixel that is drawn at each place. An image takes none of the texture units, which scenes
+// may need.
 layout(rg16ui, binding = 3) readonly uniform uimage2D pixel_list;
 uniform bool pixel_is_listed;
 

@@ -41,12 +41,15 @@ expect 2 march render "$cloud" --set quality=quick --frames 48
 grep -q 'quality: expected one of "draft", got "quick"' err || fail "the one word is draft"
 
 mkdir pictures
-marchd --state "$scratch/state" --output-root "$scratch/pictures" --input-root / --workers 1 2>marchd.log &
-daemon=$!
-until march workers >/dev/null 2>&1; do
-    kill -0 "$daemon" || { echo "FAILED: no daemon"; cat marchd.log; exit 1; }
-    sleep 0.05
-done
+start() {
+    marchd --state "$scratch/state" --output-root "$scratch/pictures" --input-root / --workers 1 2>marchd.log &
+    daemon=$!
+    until march workers >/dev/null 2>&1; do
+        kill -0 "$daemon" || { echo "FAILED: no daemon"; cat marchd.log; exit 1; }
+        sleep 0.05
+    done
+}
+start
 expect 0 march submit "$cloud" --draft --set 'resolution=[64,36]' --set frames=48 --set output.path=d/d.####.exr --wait
 grep -aq "marchd:draft" pictures/d/d.0048.exr || fail "submit --draft"
 expect 0 march list
@@ -59,12 +62,7 @@ expect 0 march submit "$cloud" --set 'resolution=[64,36]' --set frames=48 --set 
 expect 0 march show 2 --json
 grep -q '"draft":false' out || fail "other jobs are no drafts"
 kill "$daemon" && wait "$daemon"
-marchd --state "$scratch/state" --output-root "$scratch/pictures" --input-root / --workers 1 2>marchd.log &
-daemon=$!
-until march workers >/dev/null 2>&1; do
-    kill -0 "$daemon" || { echo "FAILED: no daemon"; cat marchd.log; exit 1; }
-    sleep 0.05
-done
+start
 expect 0 march show 1 --json
 grep -q '"draft":true' out || fail "a draft stays one over a restart"
 [ "$failures" -eq 0 ]

@@ -5,10 +5,15 @@
 #include "core/job/job.h"
 #include "worker/glsl/glsl_guard.h"
 #include "worker/picture/image.h"
+#include "worker/plan/plan_lattice.h"
+#include "worker/plan/plan_params.h"
 #include "worker/render/renderer.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+// Of a frame that is looked at: few beside all that are rendered.
+enum { PIXELS_MIN = 16, PIXELS_MAX = 256, PIXELS_PART = 100 };
 
 bool finite_check_find(const struct image *image, size_t *index)
 {
@@ -111,4 +116,28 @@ void finite_check_tell(struct renderer *renderer, const struct job *job, int32_t
               "frame %d, pixel (%d, %d): its light is not finite; expected densities, numbers and files without NaN "
               "and infinity",
               frame, pixel.x, pixel.y);
+}
+
+bool finite_check_frame(const struct plan_params *params, int32_t frame, enum renderer_fault *fault,
+                        struct error *error)
+{
+    const struct job *job = params->job;
+    int64_t part = (int64_t)job->width_px * job->height_px / PIXELS_PART;
+    struct renderer_result result;
+    struct plan_lattice lattice;
+    struct image image = {0};
+    size_t index;
+    bool ok;
+
+    plan_lattice_init(&lattice, job, part < PIXELS_MIN ? PIXELS_MIN : part > PIXELS_MAX ? PIXELS_MAX : (int)part);
+    ok = plan_lattice_render(&lattice, params, job, frame, &image, &result, error);
+    *fault = result.fault;
+    if (ok && finite_check_find(&image, &index)) {
+        finite_check_tell(params->renderer, job, frame, lattice.pixels[index], error);
+        *fault = RENDERER_FAULT_FRAME;
+        ok = false;
+    }
+    image_finish(&image);
+    plan_lattice_finish(&lattice);
+    return ok;
 }

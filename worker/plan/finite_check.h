@@ -3,6 +3,7 @@
 #pragma once
 
 #include "worker/picture/pixel.h"
+#include "worker/render/renderer.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -11,10 +12,15 @@
 struct error;
 struct image;
 struct job;
-struct renderer;
+struct plan_params;
 
 // The index of an image's first pixel that has a colour which is not finite; false: all are finite.
 bool finite_check_find(const struct image *image, size_t *index);
+
+// Renders a few pixels of a frame of the job, which is of no method auto. False: one is not finite, or the render
+// failed; then the fault and the error say why.
+bool finite_check_frame(const struct plan_params *params, int32_t frame, enum renderer_fault *fault,
+                        struct error *error);
 
 // Says that a pixel's light is not finite, and why. The code of each density in GLSL is tried with its first statements
 // guarded: the fewest that make the pixel finite name the line. Renders the pixel some ten times, with the job's

@@ -7,6 +7,7 @@
 #include "worker/audit/audit.h"
 #include "worker/audit/truth.h"
 #include "worker/picture/image.h"
+#include "worker/plan/finite_check.h"
 #include "worker/plan/miss.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_make.h"
@@ -41,6 +42,7 @@ struct tolerance {
     struct renderer *renderer; // borrowed
     struct kept_plan kept[KEPT_LIMIT];
     uint64_t use_count;
+    int64_t finite_serial; // the last job that states its method and whose light was found finite; 0: none
     // The last frame, of which the renderer may make copies, if it was within its tolerance; else shown_serial is 0.
     int64_t shown_serial;
     struct tolerance_result shown;
@@ -449,22 +451,34 @@ static bool render_planned(struct rendering *rendering)
     return ok;
 }
 
+// Once a job, a frame's first pixels tell whether its light is finite.
+static bool render_stated(struct tolerance *tolerance, const struct tolerance_params *params,
+                          struct tolerance_result *result, struct error *error)
+{
+    const struct plan_params looking = {
+        .renderer = tolerance->renderer, .job = params->job, .on_progress = params->on_progress, .user = params->user};
+
+    tolerance->shown_serial = 0;
+    if (tolerance->finite_serial != params->serial) {
+        if (!finite_check_frame(&looking, params->frame, &result->render.fault, error)) return false;
+        tolerance->finite_serial = params->serial;
+    }
+    return renderer_render(tolerance->renderer,
+                           &(struct renderer_frame){.job = params->job,
+                                                    .frame = params->frame,
+                                                    .image = params->image,
+                                                    .on_progress = params->on_progress,
+                                                    .user = params->user},
+                           &result->render, error);
+}
+
 bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params *params,
                       struct tolerance_result *result, struct error *error)
 {
     struct rendering rendering = {.tolerance = tolerance, .params = params, .result = result, .error = error};
 
     *result = (struct tolerance_result){.quality = params->job->quality};
-    if (params->job->quality.method != JOB_METHOD_AUTO) {
-        tolerance->shown_serial = 0;
-        return renderer_render(tolerance->renderer,
-                               &(struct renderer_frame){.job = params->job,
-                                                        .frame = params->frame,
-                                                        .image = params->image,
-                                                        .on_progress = params->on_progress,
-                                                        .user = params->user},
-                               &result->render, error);
-    }
+    if (params->job->quality.method != JOB_METHOD_AUTO) return render_stated(tolerance, params, result, error);
     rendering.kept = find_or_make_plan(tolerance, params, &result->render.fault, error);
     return rendering.kept && render_planned(&rendering);
 }

@@ -4,6 +4,8 @@
 #include "core/base/error.h"
 #include "core/job/job_json.h"
 #include "tests/support/gl_stage.h"
+#include "tests/support/shader_dir.h"
+#include "tests/support/tolerance_stage.h"
 #include "worker/picture/image.h"
 #include "worker/plan/finite_check.h"
 #include "worker/plan/plan.h"
@@ -74,6 +76,29 @@ static void other_types_leave_the_return(void **state)
                 "density.source:5 ");
 }
 
+// Of a method that the job states, too, the first frame is not rendered whole: its march might never end.
+static void stated_methods_look_first(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(test_shader_dir());
+    struct job job = make_job("float density(vec3 p, float t) { return sqrt(p.x); }");
+
+    (void)state;
+    job.quality = (struct job_quality){
+        .method = JOB_METHOD_ADAPTIVE, .step = 0.1, .light_step = 0.1, .depth_step = 0.1, .samples = 1, .max_cut = 1.0};
+    for (int32_t frame = 0; frame < 2; frame++) {
+        struct tolerance_result result;
+        struct error error = {{0}};
+        struct image image;
+
+        assert_false(tolerance_stage_render(stage, &job, frame, &image, &result, &error));
+        assert_int_equal(result.render.fault, RENDERER_FAULT_FRAME);
+        if (!strstr(error.message, "density.source:1 gives a value that is not finite")) fail_msg("%s", error.message);
+        image_finish(&image);
+    }
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
 static void finite_pictures_pass(void **state)
 {
     struct image image;
@@ -95,6 +120,7 @@ int main(int argument_count, char **arguments)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_line_is_found),
         cmocka_unit_test(other_types_leave_the_return),
+        cmocka_unit_test(stated_methods_look_first),
         cmocka_unit_test(finite_pictures_pass),
     };
 

@@ -6,7 +6,6 @@
 #include "core/job/job_json.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
-#include "tests/support/shader_dir.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/tolerance_stage.h"
 #include "tests/support/true_error.h"
@@ -248,13 +247,17 @@ static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
 {
     enum { FRAMES = 6 };
     struct tolerance_stage stage = tolerance_stage_open(NULL);
-    struct job job = cloud_job(0.1);
-    struct image image = tolerance_stage_make_image(&job);
+    struct job job = cloud_job(0.03);
+    struct image image;
     struct renderer_result result;
     enum renderer_fault fault;
     double seconds = 0.0;
     struct plan plan;
 
+    // Large enough that light grids repay.
+    job.width_px = 160;
+    job.height_px = 90;
+    image = tolerance_stage_make_image(&job);
     assert_true(plan_make(
         &plan,
         &(struct plan_params){
@@ -271,8 +274,8 @@ static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
         seconds += (processor_s() - start_s) / FRAMES;
     }
     print_message("%s: predicted %.3g s, took %.3g s\n", plan.reason, plan.predicted_processor_s, seconds);
-    // Timings scatter; without the grids' they would be a fifth.
-    assert_true(plan.predicted_processor_s > 0.45 * seconds && plan.predicted_processor_s < 3.0 * seconds);
+    // Timings scatter; without the grids' they would be a third.
+    assert_true(plan.predicted_processor_s > 0.6 * seconds && plan.predicted_processor_s < 3.0 * seconds);
     assert_true(plan.predicted_audit_s > 0.0 && plan.predicted_encode_s > 0.0 && plan.plan_s > 0.0);
     assert_true(plan.predicted_frame_s >= plan.predicted_s + plan.predicted_audit_s);
     image_finish(&image);
@@ -410,30 +413,6 @@ static bool stop_later(void *user, double done)
     return --*(int *)user > 0;
 }
 
-// The fault of no method and no step: sqrt(p.x) is NaN on one side.
-static void light_that_is_not_finite_is_reported(void **state)
-{
-    static const char text[] =
-        "{\"version\":1,\"name\":\"nan\",\"frames\":\"0\",\"fps\":24,\"resolution\":[32,18],\"camera\":{\"position\":"
-        "[0,0.3,-3],\"target\":[0,0,0],\"fov\":45},\"lights\":[{\"kind\":\"point\",\"intensity\":60,\"position\":"
-        "[1,2,-1]}],\"scene\":{\"media\":[{\"sigma_s\":8,\"density\":{\"kind\":\"glsl\",\"source\":"
-        "\"float density(vec3 p, float t) { return sqrt(p.x); }\",\"bounds\":{\"kind\":\"sphere\",\"center\":"
-        "[0,0,0],\"radius\":1}}}]},\"output\":{\"path\":\"nan.####.exr\"},\"quality\":{\"tolerance\":0.02}}";
-    struct tolerance_stage stage = tolerance_stage_open(test_shader_dir());
-    struct tolerance_result result;
-    struct error error = {{0}};
-    struct image image;
-    struct job job;
-
-    (void)state;
-    if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
-    assert_false(tolerance_stage_render(stage, &job, 0, &image, &result, &error));
-    assert_non_null(strstr(error.message, "finite"));
-    image_finish(&image);
-    job_finish(&job);
-    tolerance_stage_close(stage);
-}
-
 static void a_pilot_can_be_stopped(void **state)
 {
     struct tolerance_stage stage = tolerance_stage_open(NULL);
@@ -487,7 +466,6 @@ int main(int argc, char *argv[])
                                         temp_folder_destroy),
         cmocka_unit_test(light_from_deep_inside_is_kept),
         cmocka_unit_test(equal_frames_are_copied_with_their_audit),
-        cmocka_unit_test(light_that_is_not_finite_is_reported),
         cmocka_unit_test(a_pilot_can_be_stopped),
         cmocka_unit_test(a_job_that_names_its_method_is_not_audited),
     };
