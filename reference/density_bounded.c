@@ -11,6 +11,18 @@ static double at(const void *field, struct vec3 position)
     return weight > 0.0 ? weight * bounded->inner.at(bounded->inner.field, position) : 0.0;
 }
 
+static void at_many(const void *field, size_t count, const struct vec3 *positions, double *densities)
+{
+    const struct density_bounded *bounded = field;
+
+    density_at_many(&bounded->inner, count, positions, densities);
+    for (size_t i = 0; i < count; i++) {
+        double weight = bounds_weight(&bounded->bounds, positions[i]);
+
+        densities[i] = weight > 0.0 ? weight * densities[i] : 0.0;
+    }
+}
+
 static double at_image(const void *field, struct vec3 image)
 {
     const struct density_bounded *bounded = field;
@@ -24,6 +36,16 @@ static void find_spans(const void *field, const struct ray *ray, double near, do
 
     if (!bounds_clip(&bounded->bounds, ray, &near, &far)) return;
     bounded->inner.spans(bounded->inner.field, ray, near, far, spans);
+    bounds_split(&bounded->bounds, ray, spans);
+}
+
+static void find_rough_spans(const void *field, const struct ray *ray, double near, double far, double tolerance,
+                             struct span_list *spans)
+{
+    const struct density_bounded *bounded = field;
+
+    if (!bounds_clip(&bounded->bounds, ray, &near, &far)) return;
+    density_rough_spans(&bounded->inner, ray, near, far, tolerance, spans);
     bounds_split(&bounded->bounds, ray, spans);
 }
 
@@ -51,8 +73,10 @@ struct density density_bounded(const struct density_bounded *field)
 
     return (struct density){.field = field,
                             .at = at,
+                            .at_many = inner->at_many ? at_many : NULL,
                             .at_image = inner->at_image && is_even ? at_image : NULL,
                             .spans = find_spans,
+                            .rough_spans = inner->rough_spans ? find_rough_spans : NULL,
                             .column = inner->column && is_even ? find_column : NULL,
                             .reach = inner->reach ? find_reach : NULL};
 }

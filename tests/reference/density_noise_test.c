@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reference/density_noise.h"
+
+#include "reference/density_bounded.h"
 #include "tests/support/assert_near.h"
 #include "tests/support/random.h"
 
@@ -259,6 +261,97 @@ static void rotation_turns_the_point_about_the_center(void **state)
     }
 }
 
+static const enum scene_noise_mode MODES[] = {SCENE_NOISE_REMAP, SCENE_NOISE_CLIP, SCENE_NOISE_ABSOLUTE};
+
+// In a ball, of several octaves, turned and with a bias.
+static struct density bounded_noise(struct density_noise *noise, struct density_bounded *bounded,
+                                    enum scene_noise_mode mode)
+{
+    struct density_noise_params params = ONE_OCTAVE;
+
+    params.mode = mode;
+    params.octaves = 4;
+    params.frequency = 3.0;
+    params.hurst = 0.6;
+    params.bias = -0.2;
+    params.angle_deg = 33.0;
+    params.scale = 4.0;
+    density_noise_init(noise, &params);
+    *bounded = (struct density_bounded){density_noise_field(noise),
+                                        {.kind = SCENE_BOUNDS_SPHERE, .radius = 1.0, .falloff = 0.3}};
+    return density_bounded(bounded);
+}
+
+static void many_densities_have_the_bits_that_each_has_alone(void **state)
+{
+    enum { MOST = 40 };
+    struct random random = {9};
+
+    for (int i = 0; i < 3 * MOST; i++) {
+        struct density_bounded bounded;
+        struct density_noise noise;
+        struct density density = bounded_noise(&noise, &bounded, MODES[i % 3]);
+        double together[MOST], alone[MOST];
+        struct vec3 positions[MOST];
+        size_t count = 1 + (size_t)i / 3;
+
+        for (size_t k = 0; k < count; k++) {
+            positions[k] = random_point(&random, 0.8);
+            alone[k] = density.at(density.field, positions[k]);
+        }
+        density_at_many(&density, count, positions, together);
+        assert_memory_equal(together, alone, count * sizeof alone[0]);
+        density_at_many(&bounded.inner, count, positions, together);
+        for (size_t k = 0; k < count; k++)
+            assert_true(together[k] == density_noise(&noise, positions[k]));
+    }
+}
+
+// The part of the ray's column, by the midpoint rule, that lies in none of the spans.
+static double missed_column(const struct density *density, const struct ray *ray, double far,
+                            const struct span_list *spans)
+{
+    const int count = 20000;
+    double missed = 0.0;
+    size_t next = 0;
+
+    for (int i = 0; i < count; i++) {
+        double distance = (i + 0.5) * far / count;
+
+        while (next < spans->count && spans->spans[next].end <= distance)
+            next++;
+        if (next < spans->count && spans->spans[next].begin <= distance) continue;
+        missed += density->at(density->field, ray_at(ray, distance)) * far / count;
+    }
+    return missed;
+}
+
+static void rough_spans_miss_little_and_look_seldom(void **state)
+{
+    static const double TOLERANCES[] = {1e-2, 1e-3, 1e-4, 1e-5};
+    struct random random = {10};
+    struct density_bounded bounded;
+    struct density_noise noise;
+    struct density density = bounded_noise(&noise, &bounded, SCENE_NOISE_CLIP);
+    size_t rough_count = 0, count = 0;
+
+    for (int i = 0; i < 200; i++) {
+        struct ray ray = {random_point(&random, 0.8), vec3_normalize(random_point(&random, 1.0))};
+        double tolerance = TOLERANCES[i % 4];
+        struct span_list spans = {0}, rough = {0};
+
+        density.spans(density.field, &ray, 0.0, 3.0, &spans);
+        density_rough_spans(&density, &ray, 0.0, 3.0, tolerance, &rough);
+        assert_true(missed_column(&density, &ray, 3.0, &rough) <= tolerance);
+        if (tolerance == 1e-2) rough_count += rough.count;
+        if (tolerance == 1e-2) count += spans.count;
+        span_list_finish(&spans);
+        span_list_finish(&rough);
+    }
+    // Small bumps and gaps have no span of their own.
+    assert_true(rough_count < count);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -271,6 +364,8 @@ int main(void)
         cmocka_unit_test(octaves_add_by_lacunarity_and_h),
         cmocka_unit_test(bias_is_a_power_that_keeps_zero_and_one),
         cmocka_unit_test(rotation_turns_the_point_about_the_center),
+        cmocka_unit_test(many_densities_have_the_bits_that_each_has_alone),
+        cmocka_unit_test(rough_spans_miss_little_and_look_seldom),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
