@@ -10,10 +10,16 @@
 double transmittance_density_column(const struct density *density, const struct ray *ray, double near, double far,
                                     double tolerance);
 
-// The tolerance of optical depths from which on one agreement of halvings is enough, as INTEGRATE_LOOSE.
-#define TRANSMITTANCE_LOOSE 1.5e-5
+// How exact a transmittance must be: one of the two is enough.
+struct transmittance_accuracy {
+    double optical_depth; // error of the optical depth, above 0: relative error of a transmittance
+    double light;         // error of the transmittance itself; 0: none is allowed
+};
 
-// `optical_depth_tolerance` bounds the relative error of a transmittance that is not nearly 0.
+// `share` is the transmittance of each channel.
+void transmittance_within(const struct medium *media, size_t medium_count, const struct ray *ray, double near,
+                          double far, const struct transmittance_accuracy *accuracy, double share[static 3]);
+// The same within an error of the optical depth.
 void transmittance(const struct medium *media, size_t medium_count, const struct ray *ray, double near, double far,
                    double optical_depth_tolerance, double share[static 3]);
 
