@@ -6,9 +6,8 @@
 
 #include <stdbool.h>
 
-// The relative accuracy from which on one agreement of two halvings is enough, and light is left out of which even
-// without shadow a thousandth of the floor's error would arrive.
-#define INTEGRATE_LOOSE 2e-4
+// Radiance below which errors are absolute, unless `floor` says otherwise.
+#define INTEGRATE_FLOOR 1e-6
 
 // Zero means the default.
 struct integrate_accuracy {
@@ -30,8 +29,8 @@ struct integrate_stretch {
     size_t region;
 };
 
-// Halves each smooth stretch until two halvings in a row agree to its share of the accuracy. From INTEGRATE_LOOSE on
-// one is enough: audits ask for that, because their error is a mean over many pixels. `accuracy` may be NULL.
+// Refines the densities along the ray, then the light that reaches it, each where its estimated error is largest, until
+// the estimates are within the accuracy. Light that is too weak to count is left out. `accuracy` may be NULL.
 struct integrate_result integrate_stretch(const struct still *still, const struct integrate_stretch *stretch,
                                           const struct integrate_accuracy *accuracy);
 // The same for the media of the air alone.

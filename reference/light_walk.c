@@ -20,8 +20,8 @@ static double passed_share(const struct still *still, const struct ray *ray, con
                                fmax(before, behind));
 }
 
-void light_walk(const struct still *still, const struct ray *ray, double distance, double optical_depth_tolerance,
-                double share[static 3])
+void light_walk(const struct still *still, const struct ray *ray, double distance,
+                const struct transmittance_accuracy *accuracy, double share[static 3])
 {
     struct object_walk walk;
 
@@ -38,10 +38,11 @@ void light_walk(const struct still *still, const struct ray *ray, double distanc
         const struct object_piece *piece = &walk.pieces[i];
         struct still_media media = still_media(still, piece->region);
         double passed = i + 1 < walk.count ? passed_share(still, ray, piece, walk.pieces[i + 1].region) : 1.0;
+        struct transmittance_accuracy own_accuracy = {accuracy->optical_depth / (double)walk.count,
+                                                      accuracy->light / (double)walk.count};
         double own[3];
 
-        transmittance(media.list, media.count, ray, piece->begin, piece->end,
-                      optical_depth_tolerance / (double)walk.count, own);
+        transmittance_within(media.list, media.count, ray, piece->begin, piece->end, &own_accuracy, own);
         for (int c = 0; c < 3; c++)
             share[c] *= own[c] * passed;
     }

@@ -4,7 +4,8 @@
 #pragma once
 
 #include "reference/still.h"
+#include "reference/transmittance.h"
 
-// From the ray's origin to `distance`, which may be INFINITY; the tolerance is that of transmittance().
-void light_walk(const struct still *still, const struct ray *ray, double distance, double optical_depth_tolerance,
-                double share[static 3]);
+// From the ray's origin to `distance`, which may be INFINITY; `share` is as exact as the accuracy asks.
+void light_walk(const struct still *still, const struct ray *ray, double distance,
+                const struct transmittance_accuracy *accuracy, double share[static 3]);

@@ -120,7 +120,8 @@ static void add_lights(struct tracer *tracer, const struct light_ray *ray, const
         double cosine = -vec3_dot(arrival.travel, hit->normal), share[3];
 
         if (!(cosine > 0.0)) continue;
-        light_walk(still, &shadow_ray, arrival.distance, tolerance, share);
+        light_walk(still, &shadow_ray, arrival.distance, &(struct transmittance_accuracy){.optical_depth = tolerance},
+                   share);
         for (int c = 0; c < 3; c++)
             tracer->result->radiance[c] +=
                 ray->throughput[c] * rest * albedo[c] / M_PI * arrival.irradiance[c] * cosine * share[c];

@@ -347,6 +347,73 @@ static void empty_ray_is_black_and_clear(void **state)
     assert_true(result.radiance[0] == 0.0 && result.transmittance[0] == 1.0 && result.is_converged);
 }
 
+// The light passes an optical depth of 12 before the camera. It is all that there is.
+static void light_deep_inside_counts_at_every_accuracy(void **state)
+{
+    static const double ASKED[] = {0.05, 0.01, 1e-3};
+    struct still still = slab_still(2.0, 22.0);
+    const struct ray beside = {{0.02, 0.0, -3.0}, {0.0, 0.0, 1.0}};
+    double wanted;
+
+    add_point(&still, (struct vec3){0.0, 0.0, 0.0}, 60.0);
+    wanted = integrate_ray(&still, &beside, 0.0, INFINITY, &(struct integrate_accuracy){1e-5, 1e-12, 0}).radiance[0];
+    assert_true(wanted > 1e-6 && wanted < 1e-2);
+    for (int i = 0; i < 3; i++) {
+        const struct integrate_accuracy accuracy = {.relative = ASKED[i], .floor = 0.1 * wanted};
+
+        assert_near(integrate_ray(&still, &beside, 0.0, INFINITY, &accuracy).radiance[0], wanted, ASKED[i] * wanted);
+    }
+}
+
+static void closed_forms_hold_at_every_accuracy(void **state)
+{
+    static const double ASKED[] = {0.05, 0.01, 1e-3, 1e-5, 1e-7};
+
+    for (double sigma_s = 0.1; sigma_s < 100.0; sigma_s *= 3.0) {
+        struct still still = slab_still(sigma_s, 0.5);
+        double wanted;
+
+        add_sun(&still, (struct vec3){0.0, 0.0, 1.0}, 7.0);
+        wanted = closed_form_front_lit_slab(sigma_s, sigma_s + 0.5, 1.0, 0.25 / M_PI, 7.0);
+        for (int i = 0; i < 5; i++) {
+            const struct integrate_accuracy accuracy = {.relative = ASKED[i]};
+            struct integrate_result result = integrate_ray(&still, &ALONG_Z, 0.0, INFINITY, &accuracy);
+
+            assert_true(result.is_converged);
+            assert_near(result.radiance[0], wanted, ASKED[i] * wanted);
+            assert_near(result.transmittance[0], exp(-sigma_s - 0.5), ASKED[i]);
+        }
+    }
+}
+
+// Grains that absorb nothing: how finely they are searched for has to follow from their light alone.
+static void glowing_grains_are_all_found(void **state)
+{
+    const int count = 20000;
+    const struct density_noise_params params = {.octaves = 2,
+                                                .frequency = 4.0,
+                                                .mode = SCENE_NOISE_CLIP,
+                                                .lacunarity = 2.0,
+                                                .hurst = 1.0,
+                                                .axis = {0.0, 1.0, 0.0},
+                                                .scale = 1.0};
+    struct density_noise noise;
+    struct still still = {.medium_count = 1};
+
+    density_noise_init(&noise, &params);
+    still.media[0].density = density_noise_field(&noise);
+    fill(still.media[0].emission, 2.0);
+    for (int i = 0; i < 50; i++) {
+        struct ray ray = {{0.1 * i, 0.3, -1.0}, {0.6, 0.0, 0.8}};
+        double sum = 0.0;
+
+        for (int k = 0; k < count; k++)
+            sum += density_noise(&noise, ray_at(&ray, 3.0 * (k + 0.5) / count)) * 3.0 / count;
+        // 2e-6: the error of the sum.
+        assert_near(integrate_ray(&still, &ray, 0.0, 3.0, NULL).radiance[0], 2.0 * sum, 1e-4 * sum + 2e-6);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -367,6 +434,9 @@ int main(void)
         cmocka_unit_test(wrong_guess_of_the_radiance_costs_no_accuracy),
         cmocka_unit_test(black_medium_transmits_by_its_optical_depth),
         cmocka_unit_test(empty_ray_is_black_and_clear),
+        cmocka_unit_test(light_deep_inside_counts_at_every_accuracy),
+        cmocka_unit_test(glowing_grains_are_all_found),
+        cmocka_unit_test(closed_forms_hold_at_every_accuracy),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

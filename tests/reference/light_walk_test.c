@@ -17,7 +17,7 @@ static double walk(const struct still *still, const struct ray *ray, double dist
 {
     double share[3];
 
-    light_walk(still, ray, distance, 1e-9, share);
+    light_walk(still, ray, distance, &(struct transmittance_accuracy){.optical_depth = 1e-9}, share);
     return share[1];
 }
 

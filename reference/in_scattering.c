@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reference/in_scattering.h"
+
+#include "core/base/alloc.h"
+#include "reference/light_walk.h"
+#include "reference/refinement.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CELL_LIMIT = 1 << 16 };
+
+// Parts of the allowed error: of the interpolation; of optical depths towards lights; of light from them that counts
+// little; of light that is left out.
+static const double INTERPOLATION_PART = 0.2, DEPTH_PART = 0.33, LIGHT_PART = 0.67, DARK_PART = 0.02;
+
+// A value for each medium and channel.
+struct spectra {
+    double of[SCENE_MEDIUM_LIMIT][3];
+};
+
+// A stretch of the ray with nodes between which the arriving light is interpolated.
+struct cell {
+    double begin, end;                   // m along the ray
+    size_t first, count;                 // of the profile's cells
+    int halvings, node_count;            // GAUSS_NODES or KRONROD_NODES
+    struct spectra light[KRONROD_NODES]; // scattered at a node, per unit of density and sigma_s
+    double radiance[3], radiance_error[3];
+    double error; // relative to the ray's radiance
+};
+
+struct gatherer {
+    const struct in_scattering_params *params;
+    struct still_media media;
+    struct cell *cells; // owned; in any order
+    size_t count, capacity;
+    double length;        // m, of all spans
+    double brightness[3]; // the radiance as far as it is known, at least the floor
+    bool hit_limit;
+};
+
+// At `at`, the polynomial that is 1 at the node `own` and 0 at the others.
+static double lagrange(const int *nodes, int count, int own, double at)
+{
+    double product = 1.0;
+
+    for (int i = 0; i < count; i++) {
+        if (nodes[i] == own) continue;
+        product *= (at - kronrod_nodes[nodes[i]]) / (kronrod_nodes[own] - kronrod_nodes[nodes[i]]);
+    }
+    return product;
+}
+
+// Nodes of a cell and what the light at each of them is worth, for the polynomial through all of them.
+struct interpolation {
+    int nodes[KRONROD_NODES], count;
+    struct spectra worth[KRONROD_NODES];
+};
+
+// Adds what a density at `at` (0 to 1 in the cell) is worth, which scatters so much of the light there.
+static void spread(struct interpolation *interpolation, double at, const struct spectra *scattered, size_t medium_count)
+{
+    for (int n = 0; n < interpolation->count; n++) {
+        int node = interpolation->nodes[n];
+        double share = lagrange(interpolation->nodes, interpolation->count, node, at);
+
+        for (size_t m = 0; m < medium_count; m++)
+            for (int c = 0; c < 3; c++)
+                interpolation->worth[node].of[m][c] += share * scattered->of[m][c];
+    }
+}
+
+static void weigh(const struct gatherer *gatherer, const struct cell *cell, struct interpolation *coarse,
+                  struct interpolation *fine)
+{
+    const struct still_media *media = &gatherer->media;
+
+    for (size_t k = cell->first; k < cell->first + cell->count; k++) {
+        const struct profile_cell *crossed = &gatherer->params->profile->cells[k];
+        const double *weights = kronrod_weights(crossed->node_count);
+
+        for (int i = 0; i < crossed->node_count; i++) {
+            double at = (profile_distance(crossed, i) - cell->begin) / (cell->end - cell->begin);
+            struct spectra scattered;
+
+            for (int c = 0; c < 3; c++) {
+                double weight = exp(-profile_depth(crossed, i, c)) * weights[i] * (crossed->end - crossed->begin);
+
+                for (size_t m = 0; m < media->count; m++)
+                    scattered.of[m][c] = weight * media->list[m].sigma_s[c] * crossed->density[i][m];
+            }
+            spread(coarse, at, &scattered, media->count);
+            spread(fine, at, &scattered, media->count);
+        }
+    }
+}
+
+// The radiance that the light would bring to the node without shadows, relative to the ray's.
+static double find_importance(const struct gatherer *gatherer, const struct spectra *worth,
+                              const struct light_arrival *arrival, const double phase[static SCENE_MEDIUM_LIMIT])
+{
+    double importance = 0.0;
+
+    for (int c = 0; c < 3; c++) {
+        double radiance = 0.0;
+
+        for (size_t m = 0; m < gatherer->media.count; m++)
+            radiance += fabs(worth->of[m][c]) * phase[m] * arrival->irradiance[c];
+        importance = fmax(importance, radiance / gatherer->brightness[c]);
+    }
+    return importance;
+}
+
+static void add_light(const struct gatherer *gatherer, struct cell *cell, int node, const struct spectra *worth,
+                      const struct light *light)
+{
+    const struct in_scattering_params *params = gatherer->params;
+    const struct ray *ray = params->profile->ray;
+    struct vec3 position = ray_at(ray, cell->begin + kronrod_nodes[node] * (cell->end - cell->begin));
+    struct light_arrival arrival = light_arrive(light, position);
+    struct ray shadow = {position, vec3_scale(arrival.travel, -1.0)};
+    double values = (double)cell->node_count * (double)params->still->light_count;
+    // What this value may have of the ray's allowed error.
+    double allowed = params->relative * (cell->end - cell->begin) / gatherer->length / values;
+    double phase[SCENE_MEDIUM_LIMIT], share[3], importance;
+
+    // The scattered light travels against the camera's ray.
+    for (size_t m = 0; m < gatherer->media.count; m++)
+        phase[m] = medium_phase(&gatherer->media.list[m], -vec3_dot(arrival.travel, ray->direction));
+    importance = find_importance(gatherer, worth, &arrival, phase);
+    if (importance <= DARK_PART * allowed) return;
+    light_walk(params->still, &shadow, arrival.distance,
+               &(struct transmittance_accuracy){.optical_depth = DEPTH_PART * params->relative,
+                                                .light = LIGHT_PART * allowed / importance},
+               share);
+    for (size_t m = 0; m < gatherer->media.count; m++)
+        for (int c = 0; c < 3; c++)
+            cell->light[node].of[m][c] += phase[m] * share[c] * arrival.irradiance[c];
+}
+
+static double sum(const struct gatherer *gatherer, const struct cell *cell, const struct interpolation *interpolation,
+                  int channel)
+{
+    double radiance = 0.0;
+
+    for (int n = 0; n < interpolation->count; n++) {
+        int node = interpolation->nodes[n];
+
+        for (size_t m = 0; m < gatherer->media.count; m++)
+            radiance += interpolation->worth[node].of[m][channel] * cell->light[node].of[m][channel];
+    }
+    return radiance;
+}
+
+// Looks at the nodes from `first` to before `end`. The error is the difference to an interpolation through fewer nodes:
+// through Gauss' alone, through the outer two of these.
+static void look(const struct gatherer *gatherer, struct cell *cell, int first, int end)
+{
+    struct interpolation coarse = {.nodes = {0, 2}, .count = 2};
+    struct interpolation fine = {.nodes = {0, 1, 2, 3, 4, 5, 6}, .count = end};
+
+    if (end == KRONROD_NODES) coarse = (struct interpolation){.nodes = {0, 1, 2}, .count = GAUSS_NODES};
+    cell->node_count = end;
+    weigh(gatherer, cell, &coarse, &fine);
+    for (int i = first; i < end; i++) {
+        memset(&cell->light[i], 0, sizeof cell->light[i]);
+        for (size_t k = 0; k < gatherer->params->still->light_count; k++)
+            add_light(gatherer, cell, i, &fine.worth[i], &gatherer->params->still->lights[k]);
+    }
+    for (int c = 0; c < 3; c++) {
+        cell->radiance[c] = sum(gatherer, cell, &fine, c);
+        cell->radiance_error[c] = fabs(cell->radiance[c] - sum(gatherer, cell, &coarse, c));
+        if (end == GAUSS_NODES)
+            cell->radiance_error[c] = fmax(cell->radiance_error[c], GAUSS_LEAST_ERROR * fabs(cell->radiance[c]));
+    }
+}
+
+static struct cell *append(struct gatherer *gatherer)
+{
+    gatherer->cells = xgrow(gatherer->cells, &gatherer->capacity, gatherer->count + 1, sizeof gatherer->cells[0]);
+    return &gatherer->cells[gatherer->count++];
+}
+
+// Halves a cell without looking at it; the second half is appended. The profile's cells are halves of the same spans,
+// so none of several reaches over the middle.
+static struct cell *divide(struct gatherer *gatherer, size_t index)
+{
+    struct profile *profile = gatherer->params->profile;
+    struct cell *second = append(gatherer), *first = &gatherer->cells[index];
+
+    first->halvings++;
+    *second = *first;
+    first->end = second->begin = 0.5 * (first->begin + first->end);
+    if (first->count == 1) {
+        profile_halve(profile, first->first);
+        second->first = profile->count - 1;
+    } else {
+        while (profile->cells[second->first].begin < second->begin)
+            second->first++;
+        first->count = second->first - first->first;
+        second->count -= first->count;
+    }
+    return second;
+}
+
+static void halve(struct gatherer *gatherer, size_t index)
+{
+    struct cell *second = divide(gatherer, index), *first = &gatherer->cells[index];
+    double before[3];
+
+    memcpy(before, first->radiance, sizeof before);
+    look(gatherer, first, 0, GAUSS_NODES);
+    look(gatherer, second, 0, GAUSS_NODES);
+    for (int c = 0; c < 3; c++)
+        refinement_doubt(&first->radiance_error[c], &second->radiance_error[c],
+                         first->radiance[c] + second->radiance[c] - before[c]);
+}
+
+static void refine(struct gatherer *gatherer, size_t index)
+{
+    struct cell *cell = &gatherer->cells[index];
+
+    if (cell->node_count == KRONROD_NODES) {
+        halve(gatherer, index);
+        return;
+    }
+    if (cell->count == 1) profile_extend(gatherer->params->profile, cell->first);
+    look(gatherer, cell, GAUSS_NODES, KRONROD_NODES);
+}
+
+static double error_of(const struct gatherer *gatherer, const struct cell *cell)
+{
+    double error = 0.0;
+
+    for (int c = 0; c < 3; c++)
+        error = fmax(error, cell->radiance_error[c] / gatherer->brightness[c]);
+    return error;
+}
+
+static void find_errors(struct gatherer *gatherer)
+{
+    gatherer->hit_limit = false;
+    for (size_t i = 0; i < gatherer->count; i++) {
+        struct cell *cell = &gatherer->cells[i];
+
+        cell->error = error_of(gatherer, cell);
+        if (cell->error == 0.0 || cell->halvings < gatherer->params->halving_limit || cell->node_count < KRONROD_NODES)
+            continue;
+        cell->error = 0.0;
+        gatherer->hit_limit = true;
+    }
+}
+
+// Sets the brightness to that of the emitted light and the cells.
+static void add_up(struct gatherer *gatherer, const double emitted[static 3], double radiance[static 3])
+{
+    for (int c = 0; c < 3; c++) {
+        radiance[c] = emitted[c];
+        for (size_t i = 0; i < gatherer->count; i++)
+            radiance[c] += gatherer->cells[i].radiance[c];
+        gatherer->brightness[c] = fmax(radiance[c], gatherer->params->floor);
+    }
+}
+
+static void refine_enough(struct gatherer *gatherer, double radiance[static 3])
+{
+    double allowed = INTERPOLATION_PART * gatherer->params->relative, limit;
+    const double emitted[3] = {radiance[0], radiance[1], radiance[2]};
+
+    for (;;) {
+        struct refinement refinement = {&gatherer->cells[0].error, sizeof gatherer->cells[0], gatherer->count};
+
+        add_up(gatherer, emitted, radiance);
+        find_errors(gatherer);
+        if (!(refinement_error(&refinement) > allowed)) return;
+        if (gatherer->count > CELL_LIMIT) {
+            gatherer->hit_limit = true;
+            return;
+        }
+        limit = refinement_limit(&refinement, allowed);
+        for (size_t i = 0; i < refinement.count; i++)
+            if (gatherer->cells[i].error > limit) refine(gatherer, i);
+    }
+}
+
+static bool is_thick(const struct gatherer *gatherer, const struct cell *cell)
+{
+    const struct profile_cell *first = &gatherer->params->profile->cells[cell->first];
+    const struct profile_cell *last = first + cell->count - 1;
+
+    for (int c = 0; c < 3; c++) {
+        double depth = last->depth_before[c] + last->optical_depth[c] - first->depth_before[c];
+
+        if (depth > PROFILE_THICKEST) return true;
+    }
+    return false;
+}
+
+// Begins with a cell for each span, halved where it is thick. Dark ones are left out.
+static void append_cells(struct gatherer *gatherer)
+{
+    const struct in_scattering_params *params = gatherer->params;
+    const struct profile *profile = params->profile;
+
+    for (size_t i = 0, first = 0, next; i < params->spans->count; i++, first = next) {
+        const struct span *span = &params->spans->spans[i];
+
+        next = first;
+        while (next < profile->count && profile->cells[next].begin < span->end)
+            next++;
+        gatherer->length += span->end - span->begin;
+        if (profile_is_dark(profile->cells[first].depth_before)) continue;
+        *append(gatherer) =
+            (struct cell){.begin = span->begin, .end = span->end, .first = first, .count = next - first};
+    }
+    for (size_t i = 0; i < gatherer->count; i++) {
+        while (gatherer->cells[i].count > 1 && is_thick(gatherer, &gatherer->cells[i]))
+            divide(gatherer, i);
+    }
+}
+
+bool in_scattering_add(const struct in_scattering_params *params, double radiance[static 3])
+{
+    struct gatherer gatherer = {.params = params, .media = params->profile->media};
+    double known[3];
+
+    for (int c = 0; c < 3; c++) {
+        known[c] = radiance[c];
+        gatherer.brightness[c] = fmax(known[c], params->floor);
+    }
+    append_cells(&gatherer);
+    for (size_t i = 0; i < gatherer.count; i++) {
+        look(&gatherer, &gatherer.cells[i], 0, GAUSS_NODES);
+        for (int c = 0; c < 3; c++) {
+            known[c] += gatherer.cells[i].radiance[c];
+            gatherer.brightness[c] = fmax(gatherer.brightness[c], known[c]);
+        }
+    }
+    if (gatherer.count > 0) refine_enough(&gatherer, radiance);
+    free(gatherer.cells);
+    return !gatherer.hit_limit;
+}
