@@ -6,8 +6,9 @@
 
 #include <math.h>
 
-// The tolerance of optical depths, relative to the accuracy.
-static const double SHADOW_SHARE = 0.01, DEFAULT_RELATIVE = 1e-4;
+static const double DEFAULT_RELATIVE = 1e-4;
+// The error of light on a surface, relative to the accuracy.
+static const double SHADOW_SHARE = 0.1;
 
 struct tracer {
     const struct still *still;
@@ -34,6 +35,28 @@ struct hit {
 };
 
 static void trace(struct tracer *tracer, const struct light_ray *ray);
+
+static double relative_of(const struct tracer *tracer)
+{
+    const struct integrate_accuracy *accuracy = tracer->accuracy;
+
+    return accuracy && accuracy->relative > 0.0 ? accuracy->relative : DEFAULT_RELATIVE;
+}
+
+// The radiance to which errors are relative: what the rays before have brought, at least the floor.
+static double brightness_of(const struct tracer *tracer)
+{
+    const struct integrate_accuracy *accuracy = tracer->accuracy;
+    const double *radiance = tracer->result->radiance;
+
+    return fmax(accuracy && accuracy->floor > 0.0 ? accuracy->floor : INTEGRATE_FLOOR,
+                fmin(fmin(radiance[0], radiance[1]), radiance[2]));
+}
+
+static double greatest(const double value[static 3])
+{
+    return fmax(fmax(value[0], value[1]), value[2]);
+}
 
 static double clamp_cosine(double cosine)
 {
@@ -109,22 +132,23 @@ static void find_albedo(const struct objects *objects, const struct hit *hit, do
 static void add_lights(struct tracer *tracer, const struct light_ray *ray, const struct hit *hit, double rest)
 {
     const struct still *still = tracer->still;
-    const struct integrate_accuracy *accuracy = tracer->accuracy;
-    double tolerance = SHADOW_SHARE * (accuracy && accuracy->relative > 0.0 ? accuracy->relative : DEFAULT_RELATIVE);
-    double albedo[3];
+    double tolerance = SHADOW_SHARE * relative_of(tracer), albedo[3];
 
     find_albedo(&still->objects, hit, albedo);
     for (size_t i = 0; i < still->light_count; i++) {
         struct light_arrival arrival = light_arrive(&still->lights[i], hit->position);
         struct ray shadow_ray = {hit->position, vec3_scale(arrival.travel, -1.0)};
-        double cosine = -vec3_dot(arrival.travel, hit->normal), share[3];
+        struct transmittance_accuracy accuracy = {.optical_depth = tolerance};
+        double cosine = -vec3_dot(arrival.travel, hit->normal), unshadowed[3], share[3];
 
         if (!(cosine > 0.0)) continue;
-        light_walk(still, &shadow_ray, arrival.distance, &(struct transmittance_accuracy){.optical_depth = tolerance},
-                   share);
         for (int c = 0; c < 3; c++)
-            tracer->result->radiance[c] +=
-                ray->throughput[c] * rest * albedo[c] / M_PI * arrival.irradiance[c] * cosine * share[c];
+            unshadowed[c] = ray->throughput[c] * rest * albedo[c] / M_PI * arrival.irradiance[c] * cosine;
+        if (greatest(unshadowed) == 0.0) continue;
+        accuracy.light = tolerance * brightness_of(tracer) / greatest(unshadowed);
+        light_walk(still, &shadow_ray, arrival.distance, &accuracy, share);
+        for (int c = 0; c < 3; c++)
+            tracer->result->radiance[c] += unshadowed[c] * share[c];
     }
 }
 
@@ -174,10 +198,13 @@ static void gather(struct tracer *tracer, struct light_ray *ray, const struct ob
                                         .near = fmax(camera->clip_near - ray->length, 0.0),
                                         .far = fmin(camera->clip_far - ray->length, piece->end),
                                         .region = piece->region};
+    struct integrate_accuracy accuracy = {.relative = relative_of(tracer),
+                                          .floor = brightness_of(tracer) / greatest(ray->throughput),
+                                          .halving_limit = tracer->accuracy ? tracer->accuracy->halving_limit : 0};
     struct integrate_result gathered;
 
     if (!(stretch.near < stretch.far)) return;
-    gathered = integrate_stretch(tracer->still, &stretch, tracer->accuracy);
+    gathered = integrate_stretch(tracer->still, &stretch, &accuracy);
     for (int c = 0; c < 3; c++) {
         tracer->result->radiance[c] += ray->throughput[c] * gathered.radiance[c];
         ray->throughput[c] *= gathered.transmittance[c];
