@@ -132,53 +132,83 @@ static int count_rays(const struct truth *truth, int samples)
     return rays < ROUGH_RAYS_MIN ? ROUGH_RAYS_MIN : rays;
 }
 
-struct truth_pixel truth_measure(const struct truth *truth, int x, int y, const struct integrate_accuracy *accuracy)
+// The light of one sample of a pixel.
+struct sample {
+    double rgb[3], variance[3]; // of single rays
+    bool is_converged;
+};
+
+static struct sample measure_sample(const struct truth *truth, struct pixel pixel, int index,
+                                    const struct integrate_accuracy *accuracy)
 {
-    int samples = pixel_samples_count(&truth->job), rays = count_rays(truth, samples);
-    struct truth_pixel pixel = {.is_converged = truth->is_ready, .share = 1.0 / rays};
+    const struct still *still = &truth->stills[truth->still_count > 1 ? index : 0];
+    struct pixel_point point = pixel_samples_point(&truth->job, truth->frame, pixel.x, pixel.y, index);
+    struct ray ray = camera_pinhole_ray(&still->camera, point.x_px, point.y_px);
+    int rays = count_rays(truth, pixel_samples_count(&truth->job));
+    struct sample sample = {.is_converged = true};
+    double squares[3] = {0.0}; // about the mean; Welford, Technometrics 4, 1962
 
-    for (int i = 0; truth->is_ready && i < samples; i++) {
-        const struct still *still = &truth->stills[truth->still_count > 1 ? i : 0];
-        struct pixel_point point = pixel_samples_point(&truth->job, truth->frame, x, y, i);
-        struct ray ray = camera_pinhole_ray(&still->camera, point.x_px, point.y_px);
-        double mean[3] = {0.0}, squares[3] = {0.0}; // about the mean; Welford, Technometrics 4, 1962
+    for (int k = 0; k < rays; k++) {
+        struct trace_result traced = trace_ray(still, &ray, seed_of(truth, pixel.x, pixel.y, index, k), accuracy);
 
-        for (int k = 0; k < rays; k++) {
-            struct trace_result traced = trace_ray(still, &ray, seed_of(truth, x, y, i, k), accuracy);
-
-            pixel.is_converged = pixel.is_converged && traced.is_converged;
-            for (int c = 0; c < 3; c++) {
-                double off = traced.radiance[c] - mean[c];
-
-                mean[c] += off / (k + 1);
-                squares[c] += off * (traced.radiance[c] - mean[c]);
-            }
-        }
+        sample.is_converged = sample.is_converged && traced.is_converged;
         for (int c = 0; c < 3; c++) {
-            pixel.rgb[c] += mean[c] / samples;
-            if (rays > 1) pixel.variance[c] += squares[c] / (rays - 1) / ((double)samples * samples);
+            double off = traced.radiance[c] - sample.rgb[c];
+
+            sample.rgb[c] += off / (k + 1);
+            squares[c] += off * (traced.radiance[c] - sample.rgb[c]);
+        }
+    }
+    for (int c = 0; c < 3 && rays > 1; c++)
+        sample.variance[c] = squares[c] / (rays - 1);
+    return sample;
+}
+
+static struct truth_pixel mean_of(const struct truth *truth, const struct sample *samples)
+{
+    int count = pixel_samples_count(&truth->job);
+    struct truth_pixel pixel = {.is_converged = true, .share = 1.0 / count_rays(truth, count)};
+
+    for (int i = 0; i < count; i++) {
+        pixel.is_converged = pixel.is_converged && samples[i].is_converged;
+        for (int c = 0; c < 3; c++) {
+            pixel.rgb[c] += samples[i].rgb[c] / count;
+            pixel.variance[c] += samples[i].variance[c] / ((double)count * count);
         }
     }
     return pixel;
 }
 
-// Shared by the measuring threads.
+struct truth_pixel truth_measure(const struct truth *truth, int x, int y, const struct integrate_accuracy *accuracy)
+{
+    struct pixel point = {x, y};
+    struct truth_pixel pixel;
+
+    truth_measure_many(
+        truth,
+        &(struct truth_many){.points = &point, .pixels = &pixel, .count = 1, .accuracy = accuracy, .thread_count = 1});
+    return pixel;
+}
+
+// Shared by the measuring threads. Each takes samples, not pixels: a few pixels keep all of them busy.
 struct measuring {
     const struct truth *truth;
     const struct truth_many *many;
-    atomic_size_t next; // the first point that no thread has taken
+    struct sample *samples; // of all pixels, one after the other
+    size_t count;           // of samples
+    atomic_size_t next;     // the first sample that no thread has taken
     atomic_bool is_stopped;
 };
 
 static bool measure_next(struct measuring *measuring)
 {
     const struct truth_many *many = measuring->many;
-    size_t i;
+    size_t each = (size_t)pixel_samples_count(&measuring->truth->job), i;
 
     if (atomic_load(&measuring->is_stopped)) return false;
     i = atomic_fetch_add(&measuring->next, 1);
-    if (i >= many->count) return false;
-    many->pixels[i] = truth_measure(measuring->truth, many->points[i].x, many->points[i].y, many->accuracy);
+    if (i >= measuring->count) return false;
+    measuring->samples[i] = measure_sample(measuring->truth, many->points[i / each], (int)(i % each), many->accuracy);
     return true;
 }
 
@@ -189,29 +219,46 @@ static void *measure_all(void *user)
     return NULL;
 }
 
-static int count_threads(const struct truth_many *many)
+static int count_threads(const struct measuring *measuring)
 {
-    long count = many->thread_count > 0 ? many->thread_count : sysconf(_SC_NPROCESSORS_ONLN);
+    int wanted = measuring->many->thread_count;
+    long count = wanted > 0 ? wanted : sysconf(_SC_NPROCESSORS_ONLN);
 
-    if (count > (long)many->count) count = (long)many->count;
+    if (count > (long)measuring->count) count = (long)measuring->count;
     return count > THREAD_LIMIT ? THREAD_LIMIT : (int)count;
+}
+
+static void measure_samples(struct measuring *measuring)
+{
+    const struct truth_many *many = measuring->many;
+    pthread_t threads[THREAD_LIMIT];
+    int wanted = count_threads(measuring) - 1, started = 0;
+
+    // A thread that does not start leaves its share to the others.
+    while (started < wanted && pthread_create(&threads[started], NULL, measure_all, measuring) == 0)
+        started++;
+    while (measure_next(measuring)) {
+        if (many->on_progress && !many->on_progress(many->user)) atomic_store(&measuring->is_stopped, true);
+    }
+    for (int i = 0; i < started; i++)
+        (void)pthread_join(threads[i], NULL);
 }
 
 size_t truth_measure_many(const struct truth *truth, const struct truth_many *many)
 {
-    struct measuring measuring = {.truth = truth, .many = many};
-    pthread_t threads[THREAD_LIMIT];
-    int wanted = count_threads(many) - 1, started = 0;
-    size_t taken;
+    size_t each = (size_t)pixel_samples_count(&truth->job), taken, measured;
+    struct measuring measuring = {.truth = truth, .many = many, .count = many->count * each};
 
-    // A thread that does not start leaves its share to the others.
-    while (started < wanted && pthread_create(&threads[started], NULL, measure_all, &measuring) == 0)
-        started++;
-    while (measure_next(&measuring)) {
-        if (many->on_progress && !many->on_progress(many->user)) atomic_store(&measuring.is_stopped, true);
+    if (!truth->is_ready) {
+        memset(many->pixels, 0, many->count * sizeof many->pixels[0]);
+        return many->count;
     }
-    for (int i = 0; i < started; i++)
-        (void)pthread_join(threads[i], NULL);
+    measuring.samples = xcalloc(measuring.count, sizeof measuring.samples[0]);
+    measure_samples(&measuring);
     taken = atomic_load(&measuring.next);
-    return taken < many->count ? taken : many->count;
+    measured = taken < measuring.count ? taken / each : many->count;
+    for (size_t i = 0; i < measured; i++)
+        many->pixels[i] = mean_of(truth, &measuring.samples[i * each]);
+    free(measuring.samples);
+    return measured;
 }

@@ -51,9 +51,10 @@ struct truth_many {
     size_t count;
     const struct integrate_accuracy *accuracy; // may be NULL
     int thread_count;                          // 0: a thread for each core
-    bool (*on_progress)(void *user); // may be NULL; called in the caller's thread after each of its pixels; false: stop
+    bool (*on_progress)(
+        void *user); // may be NULL; called in the caller's thread after each of its samples; false: stop
     void *user;
 };
 
-// Returns the number of measured pixels: all, unless it was stopped.
+// Threads share the samples of all pixels. Returns the number of measured pixels: all, unless it was stopped.
 size_t truth_measure_many(const struct truth *truth, const struct truth_many *many);

@@ -165,6 +165,28 @@ static void threads_measure_what_one_does(void **state)
     job_finish(&job);
 }
 
+static void threads_share_the_samples_of_one_pixel(void **state)
+{
+    const struct pixel point = {11, 7};
+    struct truth_pixel pixel, alone;
+    struct truth_many many = {.points = &point, .pixels = &pixel, .count = 1, .thread_count = 3};
+    struct truth *truth;
+    struct job job;
+
+    load(&job, "fog", 0.0);
+    job.quality.samples = 16;
+    truth = open_frame(&job, 0);
+    assert_int_equal(truth_measure_many(truth, &many), 1);
+    alone = truth_measure(truth, point.x, point.y, NULL);
+    assert_memory_equal(pixel.rgb, alone.rgb, sizeof pixel.rgb);
+    // A pixel without all of its samples is not measured.
+    many.on_progress = stop_at_once;
+    many.thread_count = 1;
+    assert_int_equal(truth_measure_many(truth, &many), 0);
+    truth_close(truth);
+    job_finish(&job);
+}
+
 static void rough_surfaces_have_a_variance(void **state)
 {
     double rough = 0.0, smooth = 0.0;
@@ -249,6 +271,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(samples_are_the_renderers_points_and_moments),
         cmocka_unit_test(light_that_the_job_cuts_is_not_missing),
         cmocka_unit_test(threads_measure_what_one_does),
+        cmocka_unit_test(threads_share_the_samples_of_one_pixel),
         cmocka_unit_test(rough_surfaces_have_a_variance),
         cmocka_unit_test(a_sequence_is_read_frame_by_frame),
         cmocka_unit_test(the_users_code_needs_a_twin),
