@@ -164,7 +164,7 @@ int main(int argc, char *argv[])
 
     if (ok) {
         context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
-        job.quality.samples = 1;
+        job.quality = (struct job_quality){.method = JOB_METHOD_EQUIANGULAR, .points = 1, .samples = 1, .max_cut = 1.0};
         job.quality.max_depth = TRUE_DEPTH;
         job.quality.min_throughput = TRUE_THROUGHPUT;
         job.output.has_depth = job.output.has_transmittance = false;

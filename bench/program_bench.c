@@ -1,7 +1,7 @@
 // The CPU time of jobs' programs: program_bench JOB...
 // SPDX-License-Identifier: Apache-2.0
 // Measures compiling and linking, then tiny frames of each on a new renderer. In the first the driver also makes
-// machine code; in the others it should not.
+// machine code; in the others it should not. A job with a tolerance has its draft's program.
 #include "cli/job/job_document.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -9,6 +9,7 @@
 #include "worker/gl/gl_functions.h"
 #include "worker/gl/gl_program.h"
 #include "worker/picture/image.h"
+#include "worker/plan/draft.h"
 #include "worker/render/renderer.h"
 #include "worker/scene/scene_inputs.h"
 #include "worker/shader/scene_program.h"
@@ -83,8 +84,11 @@ static bool measure(struct gl_context *context, const char *path)
     struct renderer *renderer = NULL;
     double link_ms = 0.0, first_ms = 0.0, slowest_ms = 0.0;
     size_t text_bytes = 0;
+    char reason[IMAGE_EXR_PLAN_SIZE];
     bool ok = document && job_document_check(path, document, "/", &job, &error);
 
+    if (job.quality.method == JOB_METHOD_AUTO) job.quality.method = JOB_METHOD_DRAFT;
+    ok = ok && draft_settle(&job, reason, &error);
     job.width_px = WIDTH;
     job.height_px = HEIGHT;
     if (ok) renderer = renderer_create(context, NULL);

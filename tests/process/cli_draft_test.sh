@@ -31,7 +31,7 @@ grep -q '"drafts":1' out && grep -q '"draft":true' out || fail "verify --json te
 expect 1 march verify q --tolerance 0.5
 grep -q "expected the frame's measured error" out || fail "a draft keeps no tolerance"
 expect 0 march verify "$cloud" --set 'resolution=[64,36]' --set quality=draft --frames 48 --out "q/quick.####.exr"
-expect 0 render --set quality.step=0.05 --set quality.light_step=0.05 --out q/quick.####.exr
+expect 0 render --set 'quality={"method":"midpoint","step":0.05,"light_step":0.05}' --out q/quick.####.exr
 ! grep -q "was there already" out || fail "a frame replaces a draft"
 ! grep -aq "marchd:draft" q/quick.0048.exr || fail "a frame is no draft"
 expect 1 render --draft --out q/quick.####.exr
@@ -58,7 +58,8 @@ expect 0 march list --json
 grep -q '"draft":true' out || fail "list --json tells of drafts"
 expect 0 march show 1
 grep -q "^quality    draft, of no promised accuracy$" out || fail "show tells of drafts"
-expect 0 march submit "$cloud" --set 'resolution=[64,36]' --set frames=48 --set output.path=e/e.####.exr --wait
+expect 0 march submit "$cloud" --set 'resolution=[64,36]' --set frames=48 --set output.path=e/e.####.exr --wait \
+    --set 'quality={"method":"midpoint","step":0.05,"light_step":0.05}'
 expect 0 march show 2 --json
 grep -q '"draft":false' out || fail "other jobs are no drafts"
 kill "$daemon" && wait "$daemon"

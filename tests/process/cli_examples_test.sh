@@ -9,7 +9,7 @@ ln -s "$PROJECT_ROOT/jobs" jobs
 # The first job of marchd-job(5), whose frames are in `first`: verify wants a job with a tolerance.
 sed -n '/^\.EX/,/^\.EE/{//!p}' "$PROJECT_ROOT/deploy/man/marchd-job.5" | sed 's/\\-/-/g' >first.json
 start_daemon
-small='--set resolution=[32,18] --set quality.step=0.05 --set quality.light_step=0.05'
+small="--set resolution=[32,18] --set 'quality={\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.05}'"
 
 # The examples name jobs 7 and 8.
 for id in 1 2 3 4 5; do

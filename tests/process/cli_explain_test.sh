@@ -7,6 +7,7 @@ trap 'rm -rf "$scratch"' EXIT
 cd "$scratch" || exit 1
 unset MARCH_WORKER
 cloud=$PROJECT_ROOT/jobs/cloud.json
+stated='quality={"method":"midpoint","step":0.01,"light_step":0.02}'
 . "$PROJECT_ROOT/tests/process/march.sh"
 
 # Nothing is planned, and no GL is needed, until --plan is given.
@@ -24,14 +25,14 @@ grep -q "^Modelled$" out || fail "explain lists features"
 expect 0 march explain "$cloud" --set 'quality={"tolerance":0.02}' --json
 grep -q '^{"counted":{"frames":240,"pixels":2073600,"evaluations":[0-9.]*,"quality":{"method":"cached",' out || fail "counted"
 ! grep -q '"plan":' out || fail "a plan without --plan"
-expect 0 march explain "$cloud" --json
+expect 0 march explain "$cloud" --set "$stated" --json
 ! grep -q '"counted":{[^}]*"quality"' out || fail "a stated method is not replaced"
 expect 0 march explain "$cloud" --set 'quality={"tolerance":0.1}' --set frames=48-60 --set 'resolution=[64,36]' --plan
 sed -n 1p out | grep -q "^Counted, not measured$" || fail "--plan begins with what is counted"
 grep -q "^Plan for a tolerance of 0.1$" out || fail "--plan plans"
 expect 0 march explain "$cloud" --set 'quality={"tolerance":0.1}' --set frames=48-60 --set 'resolution=[64,36]' --plan --json
 grep -q '"plan":{"tolerance":0.1,' out || fail "--plan --json"
-expect 0 march explain "$cloud" --plan
+expect 0 march explain "$cloud" --set "$stated" --plan
 ! grep -q "^Plan for" out || fail "a stated method needs no plan"
 
 [ "$failures" -eq 0 ]

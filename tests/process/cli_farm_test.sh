@@ -17,7 +17,7 @@ cloud=$PROJECT_ROOT/jobs/cloud.json
 . "$PROJECT_ROOT/tests/process/march.sh"
 
 expect_stdout() { [ "$(cat out)" = "$1" ] || fail "expected stdout \"$1\""; }
-submit() { march submit "$cloud" --set 'resolution=[32,18]' --set quality.step=0.05 --set quality.light_step=0.05 "$@"; }
+submit() { march submit "$cloud" --set 'resolution=[32,18]' --set 'quality={"method":"midpoint","step":0.05,"light_step":0.05}' "$@"; }
 
 mkdir pictures
 marchd --state "$scratch/state" --output-root "$scratch/pictures" --input-root / --workers 1 2>marchd.log &

@@ -33,7 +33,7 @@ expect 0 "ok, 240 frames of 1920 x 1080" march validate "$cloud"
 expect 0 "cloud_seed.json: ok" march validate "$cloud" "$PROJECT_ROOT/jobs/cloud_seed.json"
 expect 2 "scene.media[0].phase[0].g: expected a number in [-0.99999, 0.99999], got 1.2" \
     march validate "$cloud" --set 'scene.media[0].phase[0].g=1.2'
-expect 2 'did you mean "light_step"' march validate "$cloud" --set quality.ligth_step=1
+expect 2 'did you mean "light_step"' march validate "$cloud" --set 'quality={"method":"midpoint","step":1,"ligth_step":1}'
 expect 2 "--set scene.media[4]: the array has 1 element" march validate "$cloud" --set 'scene.media[4].sigma_s=1'
 expect 2 "none.json: cannot open: No such file" march validate none.json
 expect 2 '"valid":false' march validate --json "$cloud" none.json

@@ -9,7 +9,9 @@ unset MARCH_WORKER
 cloud=$PROJECT_ROOT/jobs/cloud.json
 . "$PROJECT_ROOT/tests/process/march.sh"
 
-render() { march render "$cloud" --set 'resolution=[32,18]' --set quality.step=0.05 --set quality.light_step=0.05 "$@"; }
+# One word for the shell.
+stated='--set quality={"method":"midpoint","step":0.01,"light_step":0.02}'
+render() { march render "$cloud" --set 'resolution=[32,18]' --set 'quality={"method":"midpoint","step":0.05,"light_step":0.05}' "$@"; }
 
 expect 0 render --frames 48-50
 [ "$(ls cloud)" = "cloud.0048.exr
@@ -39,7 +41,7 @@ expect 1 render --frames 1 --out link/cloud.####.exr
 grep -q link err || fail "a link on the way is named"
 
 # A killed worker is replaced, and its frames are tried again.
-march render "$cloud" --frames 48-50 --set 'resolution=[480,270]' --out killed/k.####.exr >out 2>err &
+march render "$cloud" $stated --frames 48-50 --set 'resolution=[480,270]' --out killed/k.####.exr >out 2>err &
 pid=$!
 until ls killed/*.part >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done
 worker=$(cat "/proc/$pid/task/$pid/children")
@@ -52,7 +54,7 @@ k.0049.exr
 k.0050.exr" ] || fail "after a killed worker: $(ls killed)"
 
 # After an interrupt no worker and no part file is left.
-march render "$cloud" --frames 40-239 --set 'resolution=[480,270]' --out stopped/s.####.exr >out 2>err &
+march render "$cloud" $stated --frames 40-239 --set 'resolution=[480,270]' --out stopped/s.####.exr >out 2>err &
 pid=$!
 until ls stopped/*.part >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done
 worker=$(cat "/proc/$pid/task/$pid/children")

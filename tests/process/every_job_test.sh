@@ -5,6 +5,8 @@
 
 # Three small frames of each job: a march through llvmpipe under sanitizers is slow.
 small=(--set 'resolution=[32,18]' --set output.pixel=float)
+# A method is stated for each, as backends may plan otherwise.
+stated=$PROJECT_ROOT/tests/support/stated_quality.json
 backend_limit=1e-4
 
 names() { basename -s .json -a "$PROJECT_ROOT"/jobs/*.json | grep -vx schema; }
@@ -22,11 +24,12 @@ reversed() { tr , '\n' <<<"$1" | tac | paste -sd,; }
 # farm FOLDER [ORDER]: submits every job with its frames in the order that the command ORDER gives, and waits.
 farm()
 {
-    local ids=() id
+    local ids=() id quality
 
     for name in $(names); do
+        quality=$(jq -c --arg name "$name" '.[$name] // $own[0].quality' --slurpfile own "$PROJECT_ROOT/jobs/$name.json" "$stated")
         id=$("$bin/march" submit "$PROJECT_ROOT/jobs/$name.json" --socket "$socket" "${small[@]}" \
-            --set "frames=$("${2:-echo}" "$(frames_of "$name")")" --set "output.path=$1/$name.####.exr") ||
+            --set "quality=$quality" --set "frames=$("${2:-echo}" "$(frames_of "$name")")" --set "output.path=$1/$name.####.exr") ||
             fail "$name was not accepted"
         ids+=("$id")
     done
@@ -49,6 +52,11 @@ same()
     done
     [ "$count" = $((3 * $(names | wc -l))) ] || fail "$count pictures in $1"
 }
+
+for name in $(names); do
+    [ "$name" = cloud_seed ] || jq -e '.quality | .tolerance and (has("method") | not)' "$PROJECT_ROOT/jobs/$name.json" >/dev/null ||
+        fail "$name leaves its method to a plan: it states a tolerance and no method"
+done
 
 start_daemon --backend osmesa
 mkdir -p "$scratch/out"

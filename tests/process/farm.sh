@@ -122,10 +122,11 @@ listen()
     wait_until "the subscription is answered" test -s "$1"
 }
 
-# job RANGE [JQ-FILTER]: prints a small job document.
+# job RANGE [JQ-FILTER]: prints a small job document, with a stated method.
 job()
 {
-    jq -c --arg range "$1" '.frames = $range | .resolution = [32, 18] | '"${2:-.}" "$PROJECT_ROOT/jobs/cloud.json"
+    jq -c --arg range "$1" --slurpfile stated "$PROJECT_ROOT/tests/support/stated_quality.json" \
+        '.frames = $range | .resolution = [32, 18] | .quality = $stated[0].cloud | '"${2:-.}" "$PROJECT_ROOT/jobs/cloud.json"
 }
 
 # submit DOCUMENT [PAUSED]: prints the new job's id.

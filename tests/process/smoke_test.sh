@@ -19,7 +19,7 @@ render() {
     frames=$3
     shift 3
     expect "$code" march render smoke.json --set 'resolution=[32,18]' --set output.pixel=float \
-        --set 'quality.step_voxels=1' --set 'quality.light_step_voxels=2' --frames "$frames" \
+        --set 'quality={"method":"midpoint","step_voxels":1,"light_step_voxels":2}' --frames "$frames" \
         --out "$folder/####.exr" "$@"
 }
 

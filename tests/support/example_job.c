@@ -6,6 +6,8 @@
 #include "core/base/file.h"
 #include "core/job/job_hash.h"
 #include "core/job/job_json.h"
+#include "core/json/json_read.h"
+#include "tests/support/json_edit.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,15 +17,6 @@
 #include <string.h>
 
 #include <cmocka.h>
-
-void example_job_load(struct job *job, const char *name)
-{
-    const char *folder = getenv("MARCHD_TEST_JOBS");
-    char *path = xasprintf("%s/%s.json", folder ? folder : PROJECT_ROOT "/jobs", name);
-
-    example_job_load_file(job, path);
-    free(path);
-}
 
 static char *find_file(char *owned_path, const char *job_path)
 {
@@ -49,16 +42,20 @@ static void find_inputs(struct scene_density *density, const char *job_path)
         fail_msg("%s", error.message);
 }
 
-void example_job_load_file(struct job *job, const char *path)
+static char *read_text(const char *path)
 {
     struct error error = {{0}};
     char *text = NULL;
-    size_t length = 0;
-    bool ok;
 
-    ok = file_read_text(path, JOB_DOCUMENT_LIMIT, &text, &length, &error) && job_parse(job, text, length, NULL, &error);
-    free(text);
-    if (!ok) fail_msg("%s: %s", path, error.message);
+    if (!file_read_text(path, JOB_DOCUMENT_LIMIT, &text, NULL, &error)) fail_msg("%s: %s", path, error.message);
+    return text;
+}
+
+static void parse(struct job *job, const char *text, const char *path)
+{
+    struct error error = {{0}};
+
+    if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s: %s", path, error.message);
     for (size_t i = 0; i < job->scene.medium_count; i++)
         find_inputs(&job->scene.media[i].density, path);
     for (size_t i = 0; i < job->scene.object_count; i++) {
@@ -67,6 +64,48 @@ void example_job_load_file(struct job *job, const char *path)
         texture->file = find_file(texture->file, path);
     }
     job_hash_picture(job, job->hash);
+}
+
+// NULL: the document states its method itself. The caller frees it.
+static char *find_stated_quality(const char *name)
+{
+    char *text = read_text(PROJECT_ROOT "/tests/support/stated_quality.json"), *quality = NULL;
+    struct json_node root, node;
+    struct cJSON *tree = NULL;
+
+    assert_true(json_parse(&tree, text, strlen(text), NULL));
+    root = json_node_root(tree);
+    node = json_node_child(&root, name);
+    if (!json_node_is_absent(&node)) quality = json_node_format(&node);
+    json_delete(tree);
+    free(text);
+    return quality;
+}
+
+void example_job_load(struct job *job, const char *name)
+{
+    const char *folder = getenv("MARCHD_TEST_JOBS");
+    char *path = xasprintf("%s/%s.json", folder ? folder : PROJECT_ROOT "/jobs", name);
+    char *text = read_text(path), *quality = find_stated_quality(name);
+
+    if (quality) {
+        char *document = text;
+
+        text = json_edit_set(document, "quality", quality);
+        free(document);
+    }
+    parse(job, text, path);
+    free(quality);
+    free(text);
+    free(path);
+}
+
+void example_job_load_file(struct job *job, const char *path)
+{
+    char *text = read_text(path);
+
+    parse(job, text, path);
+    free(text);
 }
 
 void example_job_shrink(struct job *job, int width_px, int height_px, double time)

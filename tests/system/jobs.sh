@@ -1,10 +1,12 @@
 # Jobs in the machine: submitting them, their states and their pictures. Sourced by tests/service.
 
-# cloud_job FRAMES WIDTH HEIGHT FOLDER: prints a job document. 480x270 takes about half a second a frame on two cores.
+# cloud_job FRAMES WIDTH HEIGHT FOLDER: prints a job document with a stated method.
+# 480x270 takes about half a second a frame on two cores.
 cloud_job()
 {
     jq -c --arg frames "$1" --argjson width "$2" --argjson height "$3" --arg path "$4/c.####.exr" \
-        '.frames = $frames | .resolution = [$width, $height] | .output.path = $path' "$here/../jobs/cloud.json"
+        --slurpfile stated "$here/support/stated_quality.json" '.frames = $frames | .resolution = [$width, $height] |
+        .output.path = $path | .quality = $stated[0].cloud' "$here/../jobs/cloud.json"
 }
 
 # submit USER DOCUMENT: prints the id.
