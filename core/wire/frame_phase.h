@@ -6,6 +6,7 @@ enum frame_phase {
     FRAME_PHASE_NONE,   // it is not being worked on
     FRAME_PHASE_ENCODE, // its picture exists; the file is written and checked
     // A worker does one of these at a time, while another frame may be encoded.
+    FRAME_PHASE_LINK, // GL makes a program, as a part of one of the following phases
     FRAME_PHASE_PLAN, // the method of its segment of the animation is chosen
     FRAME_PHASE_RENDER,
     FRAME_PHASE_AUDIT // its error is measured

@@ -258,7 +258,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         return;
     case WORKER_REPORT_PLANNING:
         worker->planning_ns = uv_hrtime();
-        note_phase(farm, record, frame, FRAME_PHASE_PLAN, -1.0);
+        note_phase(farm, record, frame, FRAME_PHASE_PLAN, 0.0);
         return;
     case WORKER_REPORT_PLANNED:
         note_planned(worker, record, report->planned_frames);

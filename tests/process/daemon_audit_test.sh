@@ -63,7 +63,7 @@ id=$(submit "$(job 0 '.output.path = "p/p.####.exr"')")
 told_phase() { grep -q '"type":"phase".*"phase":"'"$1"'","phase_progress":'"$2" "$scratch/phases"; }
 wait_until "the phase is told" told_phase render 0.25
 expect "phases" "$(jq -c 'select(.params.type == "phase") | .params | [.id, .frame, .attempt, .phase, .phase_progress]' \
-    "$scratch/phases" | head -n 3 | xargs)" "[$id,0,1,plan,null] [$id,0,1,render,0] [$id,0,1,render,0.25]"
+    "$scratch/phases" | head -n 3 | xargs)" "[$id,0,1,plan,0] [$id,0,1,render,0] [$id,0,1,render,0.25]"
 expect "the job's phase" "$(ask job.show "{\"id\":$id}" | jq -c '.result | [.state, .phase, .phase_progress]')" '["running","render",0.25]'
 expect "the frame's phase" "$(ask job.frames "{\"id\":$id}" | jq -c '.result.frames[0] | [.state, .phase, .phase_progress]')" \
     '["running","render",0.25]'
@@ -74,7 +74,7 @@ ask job.cancel "{\"id\":$id}" >/dev/null
 kill_daemon
 start_daemon --worker-program "$(stub phase:60000)"
 id=$(submit "$(job 0 '.output.path = "q/q.####.exr"')")
-plans() { [ "$(ask job.show "{\"id\":$id}" | jq -c '.result | [.state, .phase, .phase_progress]')" = '["running","plan",null]' ]; }
+plans() { [ "$(ask job.show "{\"id\":$id}" | jq -c '.result | [.state, .phase, .phase_progress]')" = '["running","plan",0]' ]; }
 wait_until "the job plans" plans
 "$bin/march" list --socket "$socket" | grep -q '  running  *plan  ' || fail "march list tells that the job plans"
 ask job.cancel "{\"id\":$id}" >/dev/null

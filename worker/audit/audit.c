@@ -24,6 +24,7 @@ struct audit {
     struct audit_map map;
     struct audit_samples samples;
     struct integrate_accuracy accuracy;
+    size_t batch, batch_done; // pixels that are being measured, and how many of them are known to be
     double start_s;
     bool is_stopped;
 };
@@ -34,6 +35,27 @@ void audit_pool_finish(struct audit_pool *pool)
     *pool = (struct audit_pool){0};
 }
 
+static size_t find_least(const struct audit_params *params)
+{
+    return params->ray_min > 0 ? (size_t)params->ray_min : AUDIT_RAYS_MIN;
+}
+
+static size_t find_most(const struct audit_params *params)
+{
+    return params->ray_max > 0 ? (size_t)params->ray_max : RAY_MAX_FACTOR * find_least(params);
+}
+
+static bool on_measured(void *user)
+{
+    struct audit *audit = user;
+    const struct audit_params *params = audit->params;
+
+    if (audit->batch_done < audit->batch) audit->batch_done++;
+    return !params->on_progress ||
+           params->on_progress(params->user,
+                               (double)(audit->samples.count + audit->batch_done) / (double)find_most(params));
+}
+
 // Measures the next `count` draws. False when it was stopped.
 static bool measure(struct audit *audit, size_t count)
 {
@@ -42,14 +64,16 @@ static bool measure(struct audit *audit, size_t count)
     struct truth_pixel pixels[BATCH];
     size_t measured;
 
+    audit->batch = count;
+    audit->batch_done = 0;
     audit_map_draw(&audit->map, params->job, params->frame, audit->samples.count, count, points);
     measured = truth_measure_many(params->truth, &(struct truth_many){.points = points,
                                                                       .pixels = pixels,
                                                                       .count = count,
                                                                       .accuracy = &audit->accuracy,
                                                                       .thread_count = params->thread_count,
-                                                                      .on_progress = params->on_progress,
-                                                                      .user = params->user});
+                                                                      .on_progress = on_measured,
+                                                                      .user = audit});
     for (size_t i = 0; i < measured; i++) {
         struct audit_sample sample = audit_map_compare(&audit->map, points[i], &pixels[i]);
 
@@ -85,8 +109,7 @@ static bool is_clear(const struct audit *audit, const struct audit_verdict *verd
 static size_t find_next_count(const struct audit *audit)
 {
     const struct audit_params *params = audit->params;
-    size_t done = audit->samples.count, least = params->ray_min > 0 ? (size_t)params->ray_min : AUDIT_RAYS_MIN;
-    size_t most = params->ray_max > 0 ? (size_t)params->ray_max : RAY_MAX_FACTOR * least;
+    size_t done = audit->samples.count, least = find_least(params), most = find_most(params);
     size_t pooled = least < AUDIT_RAYS_POOLED ? least : AUDIT_RAYS_POOLED;
     struct audit_verdict verdict;
 

@@ -38,9 +38,10 @@ struct audit_params {
     const struct audit_pool *pool; // NULL: the frame is audited alone
     struct audit_pool *gathered;   // NULL, or the pool to which this frame's samples are added
     double tolerance;
-    int ray_min, ray_max;            // pixels at least and at most; 0: AUDIT_RAYS_MIN, and 4 times ray_min
-    int thread_count;                // 0: a thread for each core
-    bool (*on_progress)(void *user); // NULL: none; false stops it
+    int ray_min, ray_max; // pixels at least and at most; 0: AUDIT_RAYS_MIN, and 4 times ray_min
+    int thread_count;     // 0: a thread for each core
+    // NULL: none; `done` is the share of ray_max that is measured; false stops it
+    bool (*on_progress)(void *user, double done);
     void *user;
 };
 

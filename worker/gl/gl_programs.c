@@ -33,7 +33,9 @@ struct kept_program *gl_programs_find(struct gl_programs *programs, const char *
     lru_begin(&programs->lru);
     index = lru_find(&programs->lru, hash);
     if (index >= 0) return &programs->kept[index];
+    if (programs->on_link) programs->on_link(programs->user, true);
     name = gl_program_create(programs->gl, params, error);
+    if (programs->on_link) programs->on_link(programs->user, false);
     if (!name) return NULL;
     log_debug("renderer: program %s linked in %.1f ms", hash, 1000 * (clock_now_s() - start));
     index = lru_make_room(&programs->lru, 0, drop, programs);

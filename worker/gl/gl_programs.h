@@ -4,6 +4,8 @@
 
 #include "worker/gl/lru.h"
 
+#include <stdbool.h>
+
 struct error;
 struct gl_functions;
 struct gl_program_params;
@@ -18,6 +20,9 @@ struct kept_program {
 
 struct gl_programs {
     const struct gl_functions *gl; // borrowed; outlives us
+    // NULL, or called before (`begins`) and after a program is linked, which may take seconds.
+    void (*on_link)(void *user, bool begins);
+    void *user;
     struct lru lru;
     struct kept_program kept[GL_PROGRAMS_LIMIT];
 };

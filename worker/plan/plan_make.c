@@ -12,6 +12,7 @@
 #include "worker/plan/plan_overhead.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_pilot.h"
+#include "worker/plan/plan_progress.h"
 #include "worker/plan/plan_scout.h"
 #include "worker/plan/plan_search.h"
 #include "worker/plan/plan_time.h"
@@ -34,6 +35,7 @@ static const double HALF_ROUNDING = 2.0e-4;
 
 // The search within one family.
 struct attempt {
+    const struct plan_params *params;
     const struct plan_family *family;
     const struct plan_scene *scene;
     struct plan_pilot *pilot;
@@ -75,6 +77,8 @@ static enum plan_measured measure(void *user, const struct plan_point *point, do
 
     if (is_spent(attempt)) return PLAN_CANNOT;
     measured = plan_pilot_measure(attempt->pilot, &quality, attempt->frame, &errors);
+    plan_progress_note(attempt->params, PLAN_STAGE_SEARCH,
+                       plan_pilot_count_evaluations(attempt->pilot) / (SEARCH_MOST * attempt->budget));
     if (attempt->frame == PLAN_ALL_FRAMES) attempt->frame = errors.worst;
     *error = with_rounding(errors.largest, attempt->is_half);
     attempt->is_found |= measured == PLAN_MEASURED && *error <= attempt->target;
@@ -229,7 +233,8 @@ static bool choose(struct plan_pilot *pilot, const struct plan_params *params, s
 
     *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count, .serve_count = count};
     for (int i = 0; i < count; i++) {
-        struct attempt attempt = {.family = &plan_families[families[i]],
+        struct attempt attempt = {.params = params,
+                                  .family = &plan_families[families[i]],
                                   .scene = plan_pilot_scene(pilot),
                                   .pilot = pilot,
                                   .is_half = job->output.pixel == JOB_PIXEL_HALF,
@@ -355,9 +360,10 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
 {
     struct plan_evidence evidence = {0};
     struct plan_params chosen = *params;
-    double start_s = clock_now_s();
+    double start_s = clock_now_s(), done = 0.0;
     bool ok;
 
+    chosen.done = &done;
     if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
     ok = choose_plan(plan, &chosen, fault, error);
     if (ok) plan->plan_s = clock_now_s() - start_s;

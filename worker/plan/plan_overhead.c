@@ -70,7 +70,7 @@ static bool time_audit(struct overhead *overhead, double *seconds)
                                   .truth = truth,
                                   .pool = overhead->evidence->pool.samples.count > 0 ? &overhead->evidence->pool : NULL,
                                   .tolerance = overhead->params->job->quality.tolerance,
-                                  .on_progress = plan_small_on_pixel,
+                                  .on_progress = plan_small_on_tile,
                                   .user = (void *)overhead->params};
     struct audit_map_params map_params = {.image = &overhead->image, .pixel = overhead->job.output.pixel};
     struct audit_result result;

@@ -23,6 +23,7 @@ struct plan_params {
     enum plan_choice choice;
     bool is_timed;                  // predicts seconds too, by rendering some frames larger
     struct plan_evidence *evidence; // NULL, or where to leave the evidence for audits; empty before
-    renderer_progress *on_progress; // may be NULL; false stops
+    double *done;                   // NULL, or where to note how much of the plan is made, from 0 to 1
+    renderer_progress *on_progress; // may be NULL; called with what `done` has; false stops
     void *user;
 };

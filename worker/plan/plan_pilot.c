@@ -11,6 +11,7 @@
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_pilot_frame.h"
+#include "worker/plan/plan_progress.h"
 #include "worker/render/renderer.h"
 
 #include <math.h>
@@ -269,6 +270,7 @@ static bool make_fine(struct plan_pilot *pilot)
     double tolerance = pilot->params->job->quality.tolerance;
     double enough = (pilot->has_truth ? AGREEMENT : AGREEMENT_ALONE) * tolerance;
     double most = (pilot->has_truth ? LEVEL_SHARE : LEVEL_SHARE_ALONE) * plan_budget_find(pilot->params);
+    double spent = 0.0;
     int level = 0;
 
     if (!family) {
@@ -289,6 +291,8 @@ static bool make_fine(struct plan_pilot *pilot)
         if (measured == PLAN_CANNOT) break;
         pilot->fine_quality = quality;
         note_depths(pilot);
+        spent += pilot->frame_count * count_evaluations(pilot, &quality);
+        plan_progress_note(pilot->params, PLAN_STAGE_HALVING, spent / most);
         if (level == 0) continue;
         change = find_change(pilot);
         log_debug("plan: %s, halved %d times: changed by %.2e, %.2e evaluations", family->name, level, change,
@@ -339,6 +343,7 @@ static bool trace_points(struct plan_pilot *pilot)
                 change = fmax(change, plan_pilot_frame_trace(&pilot->frames[i], &image, level == LEVEL_MIN));
         }
         log_debug("plan: points by %s, halved %d times: changed by %.2e", family->name, level, change);
+        plan_progress_note(pilot->params, PLAN_STAGE_POINTS, (level - LEVEL_MIN + 1.0) / (LEVEL_LIMIT - LEVEL_MIN));
         if (level > LEVEL_MIN && change <= enough) break;
     }
     image_finish(&image);
@@ -359,6 +364,7 @@ static bool prepare(struct plan_pilot *pilot)
         if (!plan_pilot_frame_measure(&pilot->frames[i], pilot->params, &pilot->lattice, &pilot->job, &pilot->fault,
                                       &pilot->error))
             return false;
+        plan_progress_note(pilot->params, PLAN_STAGE_TRUTH, (i + 1.0) / pilot->frame_count);
     }
     return !pilot->has_truth || trace_points(pilot);
 }

@@ -11,6 +11,7 @@
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
+#include "worker/plan/plan_progress.h"
 #include "worker/plan/plan_scouting.h"
 #include "worker/render/renderer.h"
 
@@ -131,9 +132,11 @@ bool plan_scout_measure(struct plan *plan, const struct plan_params *params, con
     plan_lattice_init(&scout.lattice, params->job, PIXELS);
     scout.coarser = plan_apply(plan, params->job);
     scout.finer = plan_apply(&finer, params->job);
-    for (int i = 0; ok && i < scouting.count; i++)
+    for (int i = 0; ok && i < scouting.count; i++) {
         ok = measure_change(&scout, frame_range_at(&params->job->frames, plan_scouting_index(&scouting, i)),
                             &scouting.error[i], error);
+        plan_progress_note(params, PLAN_STAGE_SCOUTS, (i + 1.0) / scouting.count);
+    }
     if (ok) {
         scale_errors(&scouting, plan->predicted_error, params->job);
         plan->predicted_error = plan_scouting_predict_error(&scouting, params->job->quality.tolerance);

@@ -25,7 +25,7 @@ bool plan_small_on_pixel(void *user)
 {
     const struct plan_params *params = user;
 
-    return !params->on_progress || params->on_progress(params->user, 0.0);
+    return !params->on_progress || params->on_progress(params->user, params->done ? *params->done : 0.0);
 }
 
 bool plan_small_on_tile(void *user, double done)

@@ -134,11 +134,13 @@ struct rendering {
     } best;
 };
 
-static bool on_pixel(void *user)
+// A small picture is a part of the phase, of unknown size.
+static bool on_small_tile(void *user, double done)
 {
     const struct tolerance_params *params = user;
 
-    return !params->on_progress || params->on_progress(params->user, 1.0);
+    (void)done;
+    return !params->on_progress || params->on_progress(params->user, 0.0);
 }
 
 static bool open_truth(const struct rendering *rendering, const struct job *planned)
@@ -169,8 +171,8 @@ static bool audit_against_reference(const struct rendering *rendering, const str
                                  .image = params->image,
                                  .pool = is_pooled ? &kept->evidence.pool : NULL,
                                  .tolerance = params->job->quality.tolerance,
-                                 .on_progress = on_pixel,
-                                 .user = (void *)params};
+                                 .on_progress = params->on_progress,
+                                 .user = params->user};
 
     if (!open_truth(rendering, planned)) {
         rendering->result->render.fault = RENDERER_FAULT_FRAME;
@@ -209,8 +211,8 @@ static bool render_small(const struct rendering *rendering, const struct plan *p
                         &(struct renderer_frame){.job = &job,
                                                  .frame = params->frame,
                                                  .image = image,
-                                                 .on_progress = params->on_progress,
-                                                 .user = params->user},
+                                                 .on_progress = on_small_tile,
+                                                 .user = (void *)params},
                         &result, rendering->error))
         return true;
     rendering->result->render.fault = result.fault;

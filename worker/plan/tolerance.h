@@ -24,7 +24,9 @@ struct tolerance_params {
     int32_t frame;
     struct image *image; // as renderer_render takes it
     enum plan_choice choice;
-    renderer_progress *on_progress; // may be NULL; called at least every second, except while GL compiles
+    // May be NULL; called at least every second, except while GL compiles, with the share of the phase that is done, or
+    // 0 where that is not known.
+    renderer_progress *on_progress;
     void (*on_phase)(void *user, enum frame_phase phase); // may be NULL; called before each plan, rendering and audit
     void *user;
 };

@@ -17,6 +17,7 @@
 #include "worker/render/renderer.h"
 #include "worker/sandbox/sandbox.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +29,8 @@ struct render_loop {
     struct renderer *renderer;      // likewise
     struct tolerance *tolerance;    // likewise
     struct assignment_frame *frame; // being rendered
-    enum frame_phase phase;         // of that frame
+    enum frame_phase phase;         // of that frame, never FRAME_PHASE_LINK
+    double phase_progress;          // share of it that is done; it only grows
     // The frame whose files are being read ahead; its job -1: none.
     int64_t expected_job;
     int32_t expected_frame;
@@ -52,22 +54,37 @@ static void expect_next(struct render_loop *loop)
     pthread_mutex_unlock(&worker->lock);
 }
 
-static void note_phase(struct render_loop *loop, enum frame_phase phase, double progress)
+static void tell(const struct render_loop *loop, enum frame_phase phase, double progress)
 {
     const struct assignment_frame *frame = loop->frame;
 
-    loop->phase = phase;
     worker_set_doing(loop->worker,
                      &(struct report_doing){frame->job->id, frame->frame, frame->attempt, phase, progress});
 }
 
-// How much of a plan or an audit is done is unknown: both end when they have found enough.
+static void begin_phase(struct render_loop *loop, enum frame_phase phase)
+{
+    loop->phase = phase;
+    loop->phase_progress = 0.0;
+    tell(loop, phase, 0.0);
+}
+
+// How long GL links is unknown.
+static void on_link(void *user, bool begins)
+{
+    struct render_loop *loop = user;
+
+    if (!loop->frame) return;
+    tell(loop, begins ? FRAME_PHASE_LINK : loop->phase, begins ? -1.0 : loop->phase_progress);
+}
+
 static bool on_progress(void *user, double done)
 {
     struct render_loop *loop = user;
 
     worker_advance(loop->worker);
-    if (loop->phase == FRAME_PHASE_RENDER) note_phase(loop, FRAME_PHASE_RENDER, done);
+    loop->phase_progress = fmin(fmax(loop->phase_progress, done), 1.0);
+    tell(loop, loop->phase, loop->phase_progress);
     expect_next(loop);
     return !worker_is_unwanted(loop->worker, loop->frame);
 }
@@ -80,7 +97,7 @@ static void on_phase(void *user, enum frame_phase phase)
     if (phase == FRAME_PHASE_PLAN) report_planning(&loop->worker->connection, frame);
     if (loop->phase == FRAME_PHASE_PLAN)
         report_planned(&loop->worker->connection, frame, plan_segment_of(&frame->job->job, frame->frame).count);
-    note_phase(loop, phase, phase == FRAME_PHASE_RENDER ? 0.0 : -1.0);
+    begin_phase(loop, phase);
 }
 
 // Enters the sandbox, unless the worker is fenced: a fence was entered before threads started.
@@ -116,6 +133,7 @@ static bool make_renderer(struct render_loop *loop)
     if (!close_sandbox(worker)) return false;
     loop->renderer = renderer_create(loop->context, options->shader_dir);
     loop->tolerance = tolerance_create(loop->renderer);
+    renderer_watch_links(loop->renderer, on_link, loop);
     facts = gl_context_facts(loop->context);
     snprintf(worker->backend, sizeof worker->backend, "%s", facts->backend);
     snprintf(worker->renderer, sizeof worker->renderer, "%s", facts->renderer);
@@ -229,7 +247,7 @@ static void render_frame(struct render_loop *loop)
     int folder_fd;
 
     report_started(connection, loop->frame);
-    note_phase(loop, FRAME_PHASE_RENDER, 0.0);
+    begin_phase(loop, FRAME_PHASE_RENDER);
     if (job->fault) {
         fail_frame(loop, REPORT_FAULT_JOB, job->fault);
         return;

@@ -268,6 +268,12 @@ out:
     return ok;
 }
 
+void renderer_watch_links(struct renderer *renderer, void (*on_link)(void *user, bool begins), void *user)
+{
+    renderer->tools.programs.on_link = on_link;
+    renderer->tools.programs.user = user;
+}
+
 bool renderer_is_software(const struct renderer *renderer)
 {
     return gl_context_facts(renderer->context)->is_software;

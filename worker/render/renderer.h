@@ -22,6 +22,8 @@ typedef bool renderer_progress(void *user, double done);
 // `shader_dir` (NULL: the embedded text) overrides shader modules while developing.
 struct renderer *renderer_create(struct gl_context *context, const char *shader_dir);
 void renderer_destroy(struct renderer *renderer);
+// `on_link` is called before (`begins`) and after GL links a program, which may take seconds.
+void renderer_watch_links(struct renderer *renderer, void (*on_link)(void *user, bool begins), void *user);
 // True where the CPU renders; its time is then the cost of a frame.
 bool renderer_is_software(const struct renderer *renderer);
 

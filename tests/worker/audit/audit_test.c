@@ -331,8 +331,31 @@ static void the_most_pixels_end_an_audit(void **state)
     finish_shot(&shot);
 }
 
-static bool stop_at_once(void *calls)
+static bool count_shares(void *calls, double done)
 {
+    return done == ++*(int *)calls / (4.0 * AUDIT_RAYS_MIN);
+}
+
+static void an_audit_tells_how_much_it_has_measured(void **state)
+{
+    struct audit_result result;
+    struct audit_params params;
+    struct shot shot;
+    int calls = 0;
+
+    take_shot(&shot, 1);
+    params = params_of(&shot);
+    params.thread_count = 1; // pixels of other threads are told once the batch is measured
+    params.on_progress = count_shares;
+    params.user = &calls;
+    assert_true(audit_frame(&params, &result));
+    assert_int_equal(calls, AUDIT_RAYS_MIN);
+    finish_shot(&shot);
+}
+
+static bool stop_at_once(void *calls, double done)
+{
+    (void)done;
     ++*(int *)calls;
     return false;
 }
@@ -457,6 +480,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(values_that_are_not_finite_are_infinite_errors),
         cmocka_unit_test(a_good_frame_is_within_and_a_coarse_one_is_not),
         cmocka_unit_test(the_most_pixels_end_an_audit),
+        cmocka_unit_test(an_audit_tells_how_much_it_has_measured),
         cmocka_unit_test(an_audit_can_be_stopped),
         cmocka_unit_test(few_pixels_are_enough_with_a_pool),
         cmocka_unit_test(a_spoilt_frame_has_no_finite_error),

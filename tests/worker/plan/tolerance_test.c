@@ -183,12 +183,32 @@ static void a_plan_is_as_cheap_as_halving_and_the_finest_is_not(void **state)
 
 enum { PHASES_SIZE = 160 };
 
+struct told {
+    char phases[PHASES_SIZE];
+    enum frame_phase phase;
+    double done;                    // of that phase
+    double most[FRAME_PHASE_COUNT]; // that was told of each
+};
+
 static void on_phase(void *user, enum frame_phase phase)
 {
-    char *text = user;
-    size_t length = strlen(text);
+    struct told *told = user;
+    size_t length = strlen(told->phases);
 
-    snprintf(text + length, PHASES_SIZE - length, "%s ", frame_phase_names[phase]);
+    snprintf(told->phases + length, PHASES_SIZE - length, "%s ", frame_phase_names[phase]);
+    told->phase = phase;
+    told->done = 0.0;
+}
+
+static bool on_progress(void *user, double done)
+{
+    struct told *told = user;
+
+    assert_true(done >= 0.0 && done <= 1.0);
+    assert_true(done == 0.0 || done >= told->done);
+    told->done = fmax(told->done, done);
+    told->most[told->phase] = fmax(told->most[told->phase], done);
+    return true;
 }
 
 // The audit of the first rendering is true, and far over the tolerance; another, finer in what is to blame, keeps it.
@@ -203,14 +223,15 @@ static void the_coarsest_setting_fails_the_audit(void **state)
     for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
         struct image image = tolerance_stage_make_image(&job);
         const char *expected = i == 0 ? "plan render audit render audit " : "render audit render audit ";
-        char phases[PHASES_SIZE] = "";
+        struct told told = {.phases = ""};
         struct tolerance_params params = {.job = &job,
                                           .serial = 1,
                                           .frame = frames[i],
                                           .image = &image,
                                           .choice = PLAN_CHOICE_COARSEST,
+                                          .on_progress = on_progress,
                                           .on_phase = on_phase,
-                                          .user = phases};
+                                          .user = &told};
         struct tolerance_result result;
         struct renderer_result rendered;
         struct error error = {{0}};
@@ -218,7 +239,10 @@ static void the_coarsest_setting_fails_the_audit(void **state)
 
         if (!tolerance_render(stage.tolerance, &params, &result, &error)) fail_msg("%s", error.message);
         assert_true(result.retry_count > 0 && result.audit.error <= 0.02);
-        assert_memory_equal(phases, expected, strlen(expected));
+        assert_memory_equal(told.phases, expected, strlen(expected));
+        // The search is the second half of a plan; most audits measure a fourth of what they may.
+        assert_true(i > 0 || told.most[FRAME_PHASE_PLAN] > 0.55);
+        assert_true(told.most[FRAME_PHASE_AUDIT] > 0.02 && told.most[FRAME_PHASE_RENDER] > 0.99);
         assert_true(true_error_measure(&job, frames[i], &image) <= 0.02);
         assert_true(renderer_render(stage.gl.renderer,
                                     &(struct renderer_frame){.job = &coarsest, .frame = frames[i], .image = &image},

@@ -144,6 +144,34 @@ static void tiles_do_not_change_pixels(void **state)
     gl_stage_close(stage);
 }
 
+static void note_link(void *user, bool begins)
+{
+    int *links = user;
+
+    assert_int_equal(begins, links[0] == links[1]);
+    links[begins ? 0 : 1]++;
+}
+
+static void linking_is_told_where_a_program_is_new(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_AUTO, NULL);
+    struct renderer_result result;
+    int links[2] = {0}; // begun, ended
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_A_1, BALL_JOB_MIDPOINT);
+    renderer_watch_links(stage.renderer, note_link, links);
+    for (int frame = 0; frame < 2; frame++) {
+        struct image image = render(stage, &job, frame, &result);
+
+        assert_int_equal(links[0], 1);
+        assert_int_equal(links[1], 1);
+        image_finish(&image);
+    }
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
 static bool refuse(void *user, double done)
 {
     return false;
@@ -434,6 +462,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_constant_job_renders_once_and_copies),
         cmocka_unit_test(tiles_do_not_change_pixels),
+        cmocka_unit_test(linking_is_told_where_a_program_is_new),
         cmocka_unit_test(a_stopped_frame_is_rendered_anew),
         cmocka_unit_test(grey_and_rgb_give_equal_pictures_of_a_grey_scene),
         cmocka_unit_test(the_camera_looks_where_its_matrices_say),
