@@ -50,9 +50,8 @@ struct audit_params {
 // AUDIT_RAYS_POOLED pixels. If these differ from the pool, it goes on alone. False when on_progress stopped it.
 bool audit_frame(const struct audit_params *params, struct audit_result *result);
 
-// Measures a frame by step halving: `coarser` is rendered in its own steps, `finer` in halved ones. Both have one size,
-// which may be smaller than the frame's. `job` is the job as rendered; its method's order gives the error by
-// Richardson's extrapolation. error95 is 2.25 times that. This is no proof, but held for the user's code of which there
-// is a twin: tests/worker/audit/audit_halving_test.
+// Measures a frame by step halving: `coarser` has some of its pixels, `finer` the same pixels in halved steps. `job` is
+// the job as rendered; its method's order gives the error by Richardson's extrapolation. error95 is 2.25 times that.
+// This is no proof, but held for the user's code of which there is a twin: tests/worker/audit/audit_halving_test.
 void audit_by_halving(const struct job *job, const struct image *coarser, const struct image *finer,
                       struct audit_result *result);

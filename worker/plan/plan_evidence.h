@@ -1,4 +1,4 @@
-// The evidence that a plan's trials on small frames leave for the audits of the segment's frames.
+// The evidence that a plan's trials on lattices of frames leave for the audits of the segment's frames.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -10,7 +10,7 @@
 
 // The zero value is empty.
 struct plan_evidence {
-    struct audit_pool pool; // samples from the small frames; empty where reference/ has measured none
+    struct audit_pool pool; // samples from the lattices; empty where reference/ has measured none
     struct plan_view {
         int32_t frame;
         struct image finer, coarser; // `coarser` in the plan's own steps, `finer` in steps at most half as long

@@ -17,12 +17,37 @@ void plan_lattice_init(struct plan_lattice *lattice, const struct job *job, int 
 {
     struct job small = plan_small_job(job, plan_small_scale(job, pixel_limit));
 
-    *lattice = (struct plan_lattice){.columns = small.width_px, .rows = small.height_px};
+    plan_lattice_init_sized(lattice, job, small.width_px, small.height_px);
+}
+
+void plan_lattice_init_sized(struct plan_lattice *lattice, const struct job *job, int columns, int rows)
+{
+    *lattice = (struct plan_lattice){.columns = columns, .rows = rows};
     lattice->pixels = xcalloc(plan_lattice_count(lattice), sizeof *lattice->pixels);
     for (int row = 0; row < lattice->rows; row++)
         for (int column = 0; column < lattice->columns; column++)
             lattice->pixels[(size_t)row * (size_t)lattice->columns + (size_t)column] = (struct pixel){
                 middle_of(column, lattice->columns, job->width_px), middle_of(row, lattice->rows, job->height_px)};
+}
+
+static double brightness_at(const struct image *frame, struct pixel at)
+{
+    const float *value = &frame->rgba[4 * ((size_t)at.y * (size_t)frame->width_px + (size_t)at.x)];
+
+    return (double)value[0] + value[1] + value[2];
+}
+
+void plan_lattice_seek_light(struct plan_lattice *lattice, const struct image *frame)
+{
+    for (int y = 0; y < frame->height_px; y++)
+        for (int x = 0; x < frame->width_px; x++) {
+            int column = (int)((int64_t)x * lattice->columns / frame->width_px);
+            int row = (int)((int64_t)y * lattice->rows / frame->height_px);
+            struct pixel *shown = &lattice->pixels[(size_t)row * (size_t)lattice->columns + (size_t)column];
+
+            if (brightness_at(frame, (struct pixel){x, y}) > brightness_at(frame, *shown))
+                *shown = (struct pixel){x, y};
+        }
 }
 
 void plan_lattice_finish(struct plan_lattice *lattice)
@@ -41,16 +66,14 @@ bool plan_list_render(const struct plan_params *params, const struct job *job, i
                       struct renderer_result *result, struct error *error)
 {
     bool has_depth = job->output.has_depth, has_transmittance = job->output.has_transmittance;
-    struct job single = *job;
 
-    single.quality.samples = 1;
     if (!image_fits(image, columns, rows, has_depth, has_transmittance)) {
         *result = (struct renderer_result){.fault = RENDERER_FAULT_FRAME};
         image_finish(image);
         if (!image_init(image, columns, rows, has_depth, has_transmittance, error)) return false;
     }
     return renderer_render(params->renderer,
-                           &(struct renderer_frame){.job = &single,
+                           &(struct renderer_frame){.job = job,
                                                     .frame = frame,
                                                     .pixels = pixels,
                                                     .pixel_count = (size_t)columns * (size_t)rows,
@@ -63,7 +86,11 @@ bool plan_list_render(const struct plan_params *params, const struct job *job, i
 bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
                          int32_t frame, struct image *image, struct renderer_result *result, struct error *error)
 {
-    return plan_list_render(params, job, frame, lattice->pixels, lattice->columns, lattice->rows, image, result, error);
+    struct job single = *job;
+
+    single.quality.samples = 1;
+    return plan_list_render(params, &single, frame, lattice->pixels, lattice->columns, lattice->rows, image, result,
+                            error);
 }
 
 void plan_lattice_find(const struct plan_lattice *lattice, const struct pixel *points, size_t count,

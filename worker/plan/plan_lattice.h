@@ -22,6 +22,10 @@ struct plan_lattice {
 
 // At most `pixel_limit` pixels, in the shape of the job's frames.
 void plan_lattice_init(struct plan_lattice *lattice, const struct job *job, int pixel_limit);
+// At most as many columns and rows as the job's frames have.
+void plan_lattice_init_sized(struct plan_lattice *lattice, const struct job *job, int columns, int rows);
+// Has each block shown by its brightest pixel in a picture of the job's size.
+void plan_lattice_seek_light(struct plan_lattice *lattice, const struct image *frame);
 void plan_lattice_finish(struct plan_lattice *lattice); // accepts an empty one
 size_t plan_lattice_count(const struct plan_lattice *lattice);
 
@@ -29,7 +33,7 @@ size_t plan_lattice_count(const struct plan_lattice *lattice);
 // if its size or channels differ. On failure `result` has the fault.
 bool plan_lattice_render(const struct plan_lattice *lattice, const struct plan_params *params, const struct job *job,
                          int32_t frame, struct image *image, struct renderer_result *result, struct error *error);
-// The same for any list of pixels and an image of columns x rows, which are as many.
+// The same for any list of pixels and an image of columns x rows, which are as many, with all samples of the job.
 bool plan_list_render(const struct plan_params *params, const struct job *job, int32_t frame,
                       const struct pixel *pixels, int columns, int rows, struct image *image,
                       struct renderer_result *result, struct error *error);

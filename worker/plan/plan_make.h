@@ -1,4 +1,4 @@
-// Makes the plan of a segment: tries methods and their numbers on small frames, and predicts what the frames take.
+// Makes the plan of a segment: tries methods and numbers on some of its pixels, and predicts what its frames take.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

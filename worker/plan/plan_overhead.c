@@ -10,7 +10,9 @@
 #include "worker/picture/image_exr.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
+#include "worker/plan/plan_probe.h"
 #include "worker/plan/plan_small.h"
 #include "worker/render/renderer.h"
 
@@ -93,25 +95,22 @@ static bool time_audit(struct overhead *overhead, double *seconds)
     return ok;
 }
 
-// Times the audit by step halving, for the user's GLSL: two small renders.
+// Times the audit by step halving, for the user's GLSL: a list of pixels.
 static bool time_halving(struct overhead *overhead, double *seconds)
 {
     const struct plan_view *view = plan_evidence_find(overhead->evidence, overhead->frame);
-    struct plan halved = *overhead->plan;
     double start_s = clock_read_s(overhead->clock);
-    bool ok = true;
+    struct plan_lattice lattice;
+    struct image image = {0};
+    bool ok;
 
-    (void)plan_refine(&halved, overhead->params->job, PLAN_HALVING_RUNGS);
-    for (int i = 0; ok && view && i < 2; i++) {
-        struct job job = plan_apply(i == 0 ? overhead->plan : &halved, overhead->params->job);
-        struct image image = {0};
-
-        job.width_px = view->finer.width_px;
-        job.height_px = view->finer.height_px;
-        job.quality.samples = 1;
-        ok = render(overhead, &job, &image);
-        image_finish(&image);
-    }
+    *seconds = 0.0;
+    if (!view) return true;
+    plan_probe_init_audit(&lattice, overhead->params->job, view);
+    ok = plan_probe_render_truth(overhead->params, overhead->plan, overhead->frame, &lattice, &image, &overhead->result,
+                                 overhead->error);
+    image_finish(&image);
+    plan_lattice_finish(&lattice);
     *seconds = clock_read_s(overhead->clock) - start_s;
     return ok;
 }

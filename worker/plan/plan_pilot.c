@@ -314,6 +314,7 @@ static enum plan_measured render_points(struct plan_pilot *pilot, const struct j
     struct job job = pilot->job;
 
     job.quality = *quality;
+    job.quality.samples = 1;
     plan_lattice_find(&pilot->lattice, frame->points, PLAN_POINTS, pixels);
     pilot->error = (struct error){0};
     if (plan_list_render(pilot->params, &job, frame->number, pixels, PLAN_POINTS, 1, image, &result, &pilot->error))

@@ -1,4 +1,4 @@
-// Measures a plan's error in frames that it was not made from: many frames of its segment, tiny and in two steps.
+// Measures a plan's error in frames that it was not made from: small lattices of many, in two steps.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -11,6 +11,7 @@
 #include "worker/plan/miss.h"
 #include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_make.h"
+#include "worker/plan/plan_probe.h"
 #include "worker/plan/plan_retry.h"
 #include "worker/plan/plan_segment.h"
 
@@ -19,15 +20,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    KEPT_LIMIT = 4, // plans
-    SMALLER = 3     // by which the pictures are smaller in each direction that show what is to blame
-};
+enum { KEPT_LIMIT = 4 }; // plans
 
 // The gain of a finer rendering that makes the next one finer too, instead of trying another family.
 static const double GAIN = 0.7;
-// The least throughput of a picture that stands for the truth, relative to the frame's.
-static const double LEAST_THROUGHPUT = 1.0 / 256.0;
 
 // A segment's plan, and the evidence and the reference that the audits of its frames share.
 struct kept_plan {
@@ -123,7 +119,7 @@ struct rendering {
     bool is_finer;  // finer than the segment's plan: its audit shares no samples with other frames
     double seconds; // of all renderings so far
     struct plan_retry retry;
-    double changes[PLAN_AXIS_LIMIT]; // of small pictures, with each axis of the latest plan; all 0: not known
+    double changes[PLAN_AXIS_LIMIT]; // of the frame's pixels, with each axis of the latest plan; all 0: not known
     // The rendering with the least error so far, once one was over the tolerance.
     struct {
         struct plan plan;
@@ -133,15 +129,6 @@ struct rendering {
         char shader_hash[HASH_TEXT_SIZE];
     } best;
 };
-
-// A small picture is a part of the phase, of unknown size.
-static bool on_small_tile(void *user, double done)
-{
-    const struct tolerance_params *params = user;
-
-    (void)done;
-    return !params->on_progress || params->on_progress(params->user, 0.0);
-}
 
 static bool open_truth(const struct rendering *rendering, const struct job *planned)
 {
@@ -188,57 +175,30 @@ static bool audit_against_reference(const struct rendering *rendering, const str
     return audit_frame(&audit, &rendering->result->audit) || stop(rendering);
 }
 
-// Renders the frame small, with one sample. The small size keeps the renderer from copying the next frame from this
-// one. `is_true`: it stands for the truth, so that paths are followed further and the user's code is evaluated even
-// where its lipschitz promises empty space.
-static bool render_small(const struct rendering *rendering, const struct plan *plan, const struct image *size,
-                         bool is_true, struct image *image)
+static struct plan_params probe_params(const struct rendering *rendering)
 {
-    const struct tolerance_params *params = rendering->params;
-    struct job job = plan_apply(plan, params->job);
-    struct renderer_result result;
-
-    for (size_t i = 0; i < job.scene.medium_count && is_true; ++i)
-        if (miss_has_promise(&job.scene.media[i].density)) job.scene.media[i].density.glsl.lipschitz = 0.0;
-    if (is_true) job.quality.max_depth = JOB_DEPTH_LIMIT;
-    if (is_true) job.quality.min_throughput *= LEAST_THROUGHPUT;
-    job.width_px = size->width_px;
-    job.height_px = size->height_px;
-    job.quality.samples = 1;
-    rendering->tolerance->shown_serial = 0;
-    if (!image_init_for_job(image, &job, rendering->error)) return false;
-    if (renderer_render(rendering->tolerance->renderer,
-                        &(struct renderer_frame){.job = &job,
-                                                 .frame = params->frame,
-                                                 .image = image,
-                                                 .on_progress = on_small_tile,
-                                                 .user = (void *)params},
-                        &result, rendering->error))
-        return true;
-    rendering->result->render.fault = result.fault;
-    return false;
+    return (struct plan_params){.renderer = rendering->tolerance->renderer,
+                                .job = rendering->params->job,
+                                .on_progress = rendering->params->on_progress,
+                                .user = rendering->params->user};
 }
 
 static bool audit_by_steps(const struct rendering *rendering, const struct plan *plan)
 {
     const struct tolerance_params *params = rendering->params;
     const struct plan_view *view = plan_evidence_find(&rendering->kept->evidence, params->frame);
-    struct image finer = {0}, coarser = {0};
-    struct plan halved = *plan;
-    bool ok = view != NULL;
+    struct audit_result *result = &rendering->result->audit;
+    const struct plan_params looking = probe_params(rendering);
 
-    (void)plan_refine(&halved, params->job, PLAN_HALVING_RUNGS);
-    if (ok && scene_is_constant(&params->job->scene) && !rendering->is_finer) {
-        audit_by_halving(params->job, &view->coarser, &view->finer, &rendering->result->audit);
-        rendering->result->audit.is_pooled = true;
+    if (!view) return false;
+    if (scene_is_constant(&params->job->scene) && !rendering->is_finer) {
+        audit_by_halving(params->job, &view->coarser, &view->finer, result);
+        result->is_pooled = true;
         return true;
     }
-    ok = ok && render_small(rendering, plan, &view->finer, false, &coarser) &&
-         render_small(rendering, &halved, &view->finer, true, &finer);
-    if (ok) audit_by_halving(params->job, &coarser, &finer, &rendering->result->audit);
-    image_finish(&finer);
-    image_finish(&coarser);
-    return ok;
+    return plan_probe_audit(
+        &(struct plan_probe){.params = &looking, .frame = params->frame, .plan = plan, .image = params->image}, view,
+        result, &rendering->result->render.fault, rendering->error);
 }
 
 // A frame that equals the one before has the same error.
@@ -314,44 +274,15 @@ static bool keep_if_best(struct rendering *rendering, const struct plan *plan)
            image_copy(&rendering->best.image, rendering->params->image, rendering->error);
 }
 
-static double root_mean_square_change(const struct image *a, const struct image *b)
-{
-    size_t count = (size_t)a->width_px * (size_t)a->height_px;
-    double sum = 0.0;
-
-    for (size_t i = 0; i < 4 * count; i++)
-        if (i % 4 < 3) sum += ((double)a->rgba[i] - b->rgba[i]) * ((double)a->rgba[i] - b->rgba[i]);
-    return sqrt(sum / (3.0 * (double)count));
-}
-
-// Finds how much small pictures change with each axis of the plan. A change is 0 where a picture cannot be rendered.
 // False when it was stopped.
 static bool find_changes(struct rendering *rendering, const struct plan *plan)
 {
-    const struct image *frame = rendering->params->image;
-    struct image size = {.width_px = (frame->width_px + SMALLER - 1) / SMALLER,
-                         .height_px = (frame->height_px + SMALLER - 1) / SMALLER};
-    enum plan_axis axes[PLAN_AXIS_LIMIT];
-    int count = plan_retry_axes(&rendering->retry, plan, axes);
-    struct image base = {0};
-    bool ok = render_small(rendering, plan, &size, false, &base);
+    const struct tolerance_params *params = rendering->params;
+    const struct plan_params looking = probe_params(rendering);
 
-    plan_retry_spend(&rendering->retry, plan, size.width_px, size.height_px);
-    for (int i = 0; i < count; i++) {
-        struct plan varied = *plan;
-        struct image image = {0};
-
-        if (!ok) break;
-        plan_retry_vary(&rendering->retry, &varied, i);
-        plan_retry_spend(&rendering->retry, &varied, size.width_px, size.height_px);
-        if (render_small(rendering, &varied, &size, false, &image))
-            rendering->changes[i] = root_mean_square_change(&image, &base);
-        else
-            ok = !is_over_for_good(rendering->result->render.fault);
-        image_finish(&image);
-    }
-    image_finish(&base);
-    return ok || !is_over_for_good(rendering->result->render.fault);
+    return plan_probe_axes(
+        &(struct plan_probe){.params = &looking, .frame = params->frame, .plan = plan, .image = params->image},
+        &rendering->retry, rendering->changes, &rendering->result->render.fault, rendering->error);
 }
 
 static bool change_family(struct rendering *rendering, struct plan *plan)

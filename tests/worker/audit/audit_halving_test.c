@@ -86,28 +86,40 @@ static double find_error(const struct image *image, const struct truth_pixel *li
     return sqrt(errors / squares);
 }
 
-// Renders the frame, and it and a finer one at half the size, as a farm would.
+// An even quarter of the frame's pixels.
+static struct image pick(const struct image *frame)
+{
+    struct image picked;
+
+    assert_true(image_init(&picked, WIDTH_PX / 2, HEIGHT_PX / 2, false, false, NULL));
+    for (int i = 0; i < PIXELS / 4; i++) {
+        int x = 2 * (i % (WIDTH_PX / 2)) + 1, y = 2 * (i / (WIDTH_PX / 2)) + 1;
+
+        memcpy(&picked.rgba[4 * i], &frame->rgba[4 * (y * WIDTH_PX + x)], 4 * sizeof(float));
+    }
+    return picked;
+}
+
+// Renders the frame, and some of its pixels in finer steps, as a farm would.
 static void check_steps(const struct job *job, double factor, const struct truth_pixel *light)
 {
-    struct job used = *job, small, halved;
-    struct image image, coarser, finer;
+    struct job used = *job, halved;
+    struct image image, finer, image_seen, finer_seen;
     struct audit_result result;
     double error;
 
     used.quality.step *= factor;
     used.quality.light_step *= factor;
     used.quality.light_steps = (int)(used.quality.light_steps / factor);
-    small = used;
-    small.width_px = WIDTH_PX / 2;
-    small.height_px = HEIGHT_PX / 2;
-    halved = small;
+    halved = used;
     halved.quality.step *= 0.5;
     halved.quality.light_step *= 0.5;
     halved.quality.light_steps *= 2;
     render_frame_zero(&used, &image);
-    render_frame_zero(&small, &coarser);
     render_frame_zero(&halved, &finer);
-    audit_by_halving(&used, &coarser, &finer, &result);
+    image_seen = pick(&image);
+    finer_seen = pick(&finer);
+    audit_by_halving(&used, &image_seen, &finer_seen, &result);
     error = find_error(&image, light);
     print_message("%s, step %g: error %.2e, estimated %.2e, at most %.2e\n", job_method_name(used.quality.method),
                   used.quality.step, error, result.error, result.error95);
@@ -115,8 +127,9 @@ static void check_steps(const struct job *job, double factor, const struct truth
     assert_true(error <= result.error95);
     assert_true(result.error95 <= 8.0 * error);
     image_finish(&image);
-    image_finish(&coarser);
     image_finish(&finer);
+    image_finish(&image_seen);
+    image_finish(&finer_seen);
 }
 
 // `qualities` end with NULL; the true light is the same for all.

@@ -1,0 +1,189 @@
+// Probes of a frame measure its own pixels: what whole frames in the same settings show at those places, to the bit.
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_probe.h"
+
+#include "core/base/error.h"
+#include "core/job/job_json.h"
+#include "tests/support/example_job.h"
+#include "tests/support/tolerance_stage.h"
+#include "worker/audit/audit.h"
+#include "worker/picture/image.h"
+#include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_lattice.h"
+#include "worker/plan/plan_make.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_retry.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { FRAME = 17 };
+
+static struct image render(struct renderer *renderer, const struct job *job)
+{
+    struct error error = {{0}};
+    struct renderer_result result;
+    struct image image;
+
+    if (!image_init_for_job(&image, job, &error) ||
+        !renderer_render(renderer, &(struct renderer_frame){.job = job, .frame = FRAME, .image = &image}, &result,
+                         &error))
+        fail_msg("%s", error.message);
+    return image;
+}
+
+static struct image pick(const struct plan_lattice *lattice, const struct image *frame)
+{
+    struct image picked;
+
+    assert_true(image_init(&picked, lattice->columns, lattice->rows, false, false, NULL));
+    for (size_t i = 0; i < plan_lattice_count(lattice); i++)
+        memcpy(&picked.rgba[4 * i],
+               &frame->rgba[4 * (size_t)(lattice->pixels[i].y * frame->width_px + lattice->pixels[i].x)],
+               4 * sizeof(float));
+    return picked;
+}
+
+static double find_change(const struct image *a, const struct image *b)
+{
+    size_t count = (size_t)a->width_px * (size_t)a->height_px;
+    double sum = 0.0;
+
+    for (size_t i = 0; i < 4 * count; i++)
+        if (i % 4 < 3) sum += ((double)a->rgba[i] - b->rgba[i]) * ((double)a->rgba[i] - b->rgba[i]);
+    return sqrt(sum / (3.0 * (double)count));
+}
+
+// Three samples in an open shutter: a picture of another size, or of one sample, has other colours.
+static void what_is_to_blame_is_told_by_the_frames_own_pixels(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, NULL);
+    const struct plan_point point = {{4, 4, 2, 0}};
+    struct plan plan = {.point = point};
+    struct plan_params params = {.renderer = stage.renderer};
+    double changes[PLAN_AXIS_LIMIT] = {0.0};
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    struct plan_lattice lattice;
+    struct image frame, seen;
+    struct plan_retry retry;
+    struct plan_scene scene;
+    enum renderer_fault fault;
+    struct job job, planned;
+    int count;
+
+    (void)state;
+    example_job_load(&job, "cloud");
+    example_job_shrink(&job, 64, 36, 2.0);
+    job.quality = (struct job_quality){.method = JOB_METHOD_AUTO, .tolerance = 0.01, .samples = 3};
+    job.scene.camera.shutter = 0.5;
+    params.job = &job;
+    plan_scene_init(&scene, &job);
+    while (plan_families[plan.family].method != JOB_METHOD_MIDPOINT)
+        plan.family++;
+    plan.quality = plan_family_quality(&plan_families[plan.family], &scene, &point);
+    planned = plan_apply(&plan, &job);
+    frame = render(stage.renderer, &planned);
+    plan_retry_init(&retry, &job, &frame, &plan);
+    count = plan_retry_axes(&retry, &plan, axes);
+    assert_true(plan_probe_axes(&(struct plan_probe){.params = &params, .frame = FRAME, .plan = &plan, .image = &frame},
+                                &retry, changes, &fault, NULL));
+    plan_probe_init_lattice(&lattice, &job, &frame);
+    seen = pick(&lattice, &frame);
+    assert_true(count > 1 && plan_lattice_count(&lattice) >= 100);
+    for (int i = 0; i < count; i++) {
+        struct plan varied = plan;
+        struct image other, other_seen;
+
+        plan_retry_vary(&retry, &varied, i);
+        planned = plan_apply(&varied, &job);
+        other = render(stage.renderer, &planned);
+        other_seen = pick(&lattice, &other);
+        assert_true(changes[i] > 0.0 && changes[i] == find_change(&other_seen, &seen));
+        image_finish(&other);
+        image_finish(&other_seen);
+    }
+    // Counted are the rays of the lattice, in all samples.
+    assert_true(retry.spent_work > 0.0 && retry.spent_work < 2.0 * retry.first_work);
+    plan_lattice_finish(&lattice);
+    image_finish(&frame);
+    image_finish(&seen);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
+static void parse(struct job *job)
+{
+    static const char text[] =
+        "{\"version\":1,\"name\":\"glow\",\"frames\":\"0-23\",\"fps\":24,\"resolution\":[64,36],"
+        "\"camera\":{\"position\":[0,0.3,-3],\"target\":[0,0,0],\"fov\":45,\"shutter\":0.5},"
+        "\"scene\":{\"media\":[{\"sigma_a\":2,\"emission\":1,\"density\":{\"kind\":\"glsl\",\"lipschitz\":20,"
+        "\"source\":\"float density(vec3 p, float t) { return 1.0 + 0.5 * sin(9.0 * p.x + 3.0 * t) * sin(9.0 * p.y); }"
+        "\",\"bounds\":{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}}}]},"
+        "\"output\":{\"path\":\"glow.####.exr\"},\"quality\":{\"tolerance\":0.05,\"samples\":2}}";
+    struct error error = {{0}};
+
+    if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+}
+
+// The audit of the user's code compares what is published, not a picture like it.
+static void an_audit_by_steps_measures_what_is_published(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct image published, finer, published_seen, finer_seen;
+    struct plan_evidence evidence = {0};
+    struct tolerance_result result;
+    struct audit_result expected;
+    struct plan_lattice lattice;
+    struct error error = {{0}};
+    enum renderer_fault fault;
+    struct plan plan;
+    struct job job, truth;
+
+    (void)state;
+    parse(&job);
+    if (!tolerance_stage_render(stage, &job, FRAME, &published, &result, &error)) fail_msg("%s", error.message);
+    assert_int_equal(result.retry_count, 0);
+    assert_true(plan_make(
+        &plan,
+        &(struct plan_params){
+            .renderer = stage.gl.renderer, .job = &job, .segment = plan_segment_of(&job, FRAME), .evidence = &evidence},
+        &fault, NULL));
+    plan = plan_of_frame(&plan, &job, FRAME);
+    assert_memory_equal(&plan.quality, &result.quality, sizeof plan.quality);
+    plan_probe_init_audit(&lattice, &job, plan_evidence_find(&evidence, FRAME));
+    assert_true(plan_refine(&plan, &job, PLAN_HALVING_RUNGS));
+    truth = plan_apply(&plan, &job);
+    truth.scene.media[0].density.glsl.lipschitz = 0.0;
+    finer = render(stage.gl.renderer, &truth);
+    published_seen = pick(&lattice, &published);
+    finer_seen = pick(&lattice, &finer);
+    audit_by_halving(&job, &published_seen, &finer_seen, &expected);
+    print_message("error %.3e, expected %.3e, of %d pixels\n", result.audit.error, expected.error, expected.ray_count);
+    assert_true(expected.error > 0.0 && result.audit.error == expected.error);
+    assert_int_equal(result.audit.ray_count, plan_lattice_count(&lattice));
+    plan_lattice_finish(&lattice);
+    plan_evidence_finish(&evidence);
+    image_finish(&published);
+    image_finish(&finer);
+    image_finish(&published_seen);
+    image_finish(&finer_seen);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+int main(int argc, char *argv[])
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_to_blame_is_told_by_the_frames_own_pixels),
+        cmocka_unit_test(an_audit_by_steps_measures_what_is_published),
+    };
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_probe.h"
+
+#include "worker/audit/audit.h"
+#include "worker/picture/image.h"
+#include "worker/plan/miss.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_evidence.h"
+#include "worker/plan/plan_lattice.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_retry.h"
+#include "worker/render/renderer.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    PART = 9,        // of the frame's rays that an axis is tried with
+    PIXELS_MIN = 192 // fewer pixels say little, however many samples each has
+};
+
+// The least throughput of a picture that stands for the truth, relative to the frame's.
+static const double LEAST_THROUGHPUT = 1.0 / 256.0;
+
+static void init_lattice(struct plan_lattice *lattice, const struct job *job, double rays)
+{
+    plan_lattice_init(lattice, job, (int)fmax(rays / job->quality.samples, fmin(rays, PIXELS_MIN)));
+}
+
+void plan_probe_init_lattice(struct plan_lattice *lattice, const struct job *job, const struct image *frame)
+{
+    init_lattice(lattice, job, (double)job->width_px * job->height_px / PART);
+    plan_lattice_seek_light(lattice, frame);
+}
+
+// Copies the lattice's pixels of the frame.
+static bool pick(const struct plan_lattice *lattice, const struct image *frame, struct image *picked,
+                 struct error *error)
+{
+    size_t count = plan_lattice_count(lattice);
+
+    if (!image_init(picked, lattice->columns, lattice->rows, false, false, error)) return false;
+    for (size_t i = 0; i < count; i++) {
+        struct pixel at = lattice->pixels[i];
+
+        memcpy(&picked->rgba[4 * i], &frame->rgba[4 * ((size_t)at.y * (size_t)frame->width_px + (size_t)at.x)],
+               4 * sizeof(float));
+    }
+    return true;
+}
+
+static double root_mean_square_change(const struct image *a, const struct image *b)
+{
+    size_t count = (size_t)a->width_px * (size_t)a->height_px;
+    double sum = 0.0;
+
+    for (size_t i = 0; i < 4 * count; i++)
+        if (i % 4 < 3) sum += ((double)a->rgba[i] - b->rgba[i]) * ((double)a->rgba[i] - b->rgba[i]);
+    return sqrt(sum / (3.0 * (double)count));
+}
+
+bool plan_probe_axes(const struct plan_probe *probe, struct plan_retry *retry, double changes[static PLAN_AXIS_LIMIT],
+                     enum renderer_fault *fault, struct error *error)
+{
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_retry_axes(retry, probe->plan, axes);
+    struct plan_lattice lattice;
+    struct image seen = {0}, image = {0};
+    bool ok;
+
+    plan_probe_init_lattice(&lattice, probe->params->job, probe->image);
+    ok = pick(&lattice, probe->image, &seen, error);
+    *fault = ok ? RENDERER_FAULT_NONE : RENDERER_FAULT_FRAME;
+    for (int i = 0; ok && i < count; i++) {
+        struct plan varied = *probe->plan;
+        struct renderer_result result;
+        struct job job;
+
+        plan_retry_vary(retry, &varied, i);
+        plan_retry_spend(retry, &varied, lattice.columns, lattice.rows);
+        job = plan_apply(&varied, probe->params->job);
+        changes[i] = 0.0;
+        if (plan_list_render(probe->params, &job, probe->frame, lattice.pixels, lattice.columns, lattice.rows, &image,
+                             &result, error))
+            changes[i] = root_mean_square_change(&image, &seen);
+        *fault = result.fault;
+        ok = *fault != RENDERER_FAULT_STOPPED && *fault != RENDERER_FAULT_CONTEXT;
+    }
+    image_finish(&image);
+    image_finish(&seen);
+    plan_lattice_finish(&lattice);
+    return ok;
+}
+
+void plan_probe_init_audit(struct plan_lattice *lattice, const struct job *job, const struct plan_view *view)
+{
+    init_lattice(lattice, job, (double)view->finer.width_px * view->finer.height_px);
+}
+
+bool plan_probe_render_truth(const struct plan_params *params, const struct plan *plan, int32_t frame,
+                             const struct plan_lattice *lattice, struct image *image, struct renderer_result *result,
+                             struct error *error)
+{
+    struct plan halved = *plan;
+    struct job job;
+
+    (void)plan_refine(&halved, params->job, PLAN_HALVING_RUNGS);
+    job = plan_apply(&halved, params->job);
+    for (size_t i = 0; i < job.scene.medium_count; ++i)
+        if (miss_has_promise(&job.scene.media[i].density)) job.scene.media[i].density.glsl.lipschitz = 0.0;
+    job.quality.max_depth = JOB_DEPTH_LIMIT;
+    job.quality.min_throughput *= LEAST_THROUGHPUT;
+    return plan_list_render(params, &job, frame, lattice->pixels, lattice->columns, lattice->rows, image, result,
+                            error);
+}
+
+bool plan_probe_audit(const struct plan_probe *probe, const struct plan_view *view, struct audit_result *audit,
+                      enum renderer_fault *fault, struct error *error)
+{
+    struct renderer_result result = {.fault = RENDERER_FAULT_FRAME};
+    struct image seen = {0}, finer = {0};
+    struct plan_lattice lattice;
+    bool ok;
+
+    plan_probe_init_audit(&lattice, probe->params->job, view);
+    ok = pick(&lattice, probe->image, &seen, error) &&
+         plan_probe_render_truth(probe->params, probe->plan, probe->frame, &lattice, &finer, &result, error);
+    *fault = result.fault;
+    if (ok) audit_by_halving(probe->params->job, &seen, &finer, audit);
+    image_finish(&finer);
+    image_finish(&seen);
+    plan_lattice_finish(&lattice);
+    return ok;
+}
