@@ -2,9 +2,9 @@
 #include "worker/answer/explain.h"
 
 #include "core/job/job.h"
+#include "core/job/quality_json.h"
 #include "core/json/json_write.h"
 #include "core/scene/light_rules.h"
-#include "worker/answer/quality_answer.h"
 #include "worker/density/density_bake.h"
 #include "worker/density/density_kind.h"
 #include "worker/model/light_grid.h"
@@ -382,7 +382,7 @@ static void write_count(const struct job *job, struct json_writer *writer)
     if (evaluations > 0.0) json_write_number_member(writer, "evaluations", evaluations);
     if (job->quality.is_draft) {
         json_write_key(writer, "quality");
-        quality_answer_write(writer, job, &job->quality);
+        quality_to_json(writer, job, &job->quality);
     }
     json_write_key(writer, "methods");
     json_write_begin_array(writer);

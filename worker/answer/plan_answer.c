@@ -2,8 +2,8 @@
 #include "worker/answer/plan_answer.h"
 
 #include "core/base/error.h"
+#include "core/job/quality_json.h"
 #include "core/json/json_write.h"
-#include "worker/answer/quality_answer.h"
 #include "worker/answer/request.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_make.h"
@@ -30,7 +30,7 @@ static void write_plan(struct json_writer *writer, const struct job *job, const 
     json_write_integer_member(writer, "first_frame", frame_range_at(&job->frames, segment->first));
     json_write_integer_member(writer, "last_frame", frame_range_at(&job->frames, segment->first + segment->count - 1));
     json_write_key(writer, "quality");
-    quality_answer_write(writer, job, &plan->quality);
+    quality_to_json(writer, job, &plan->quality);
     json_write_string_member(writer, "why", plan->reason);
     json_write_number_member(writer, "frame_s", plan->predicted_frame_s);
     json_write_number_member(writer, "render_s", plan->predicted_s);
