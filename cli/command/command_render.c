@@ -13,6 +13,7 @@
 #include "core/job/job.h"
 #include "core/json/json_write.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -187,8 +188,18 @@ static void print_end(struct telling *telling, const char *root)
     json_writer_finish(&writer);
 }
 
+// The absolute path of --plan-of; NULL without it.
+static bool find_plan_of(const struct options *options, char **path, struct error *error)
+{
+    if (!options->plan_of) return true;
+    *path = realpath(options->plan_of, NULL);
+    if (*path) return true;
+    error_set_errno(error, errno, "--plan-of: %s", options->plan_of);
+    return false;
+}
+
 static enum exit_status render(const struct options *options, const struct job *job, const char *document,
-                               const char *root, struct error *error)
+                               const char *root, const char *plan_of, struct error *error)
 {
     struct telling telling = {.options = options, .job = job, .began_ms = progress_now_ms()};
     struct interrupt interrupt;
@@ -196,6 +207,7 @@ static enum exit_status render(const struct options *options, const struct job *
                                                  .job = job,
                                                  .document = document,
                                                  .root = root,
+                                                 .plan_of = plan_of,
                                                  .interrupt = &interrupt,
                                                  .on_result = on_result,
                                                  .on_tick = on_tick,
@@ -222,15 +234,16 @@ enum exit_status command_render(const struct options *options, struct error *err
     char *document = job_document_load(path, options->sets, options->set_count, error);
     enum exit_status status = EXIT_STATUS_USAGE;
     struct job job = {0};
-    char *root = NULL;
+    char *root = NULL, *plan_of = NULL;
 
-    if (!document) goto out;
+    if (!document || !find_plan_of(options, &plan_of, error)) goto out;
     if (options->range && !json_set_text(&document, "frames", options->range, error)) goto out;
     if (options->draft && !json_set_text(&document, "quality", "draft", error)) goto out;
     root = output_root_choose(options->out, true, &document, error);
     if (root && job_document_check(path, document, root, &job, error))
-        status = render(options, &job, document, root, error);
+        status = render(options, &job, document, root, plan_of, error);
 out:
+    free(plan_of);
     job_finish(&job);
     free(document);
     free(root);

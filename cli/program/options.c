@@ -68,6 +68,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
                      "also plan for the job's tolerance, which renders and takes a while"},
     [OPTION_DRAFT] = {"draft", KIND_FLAG, FIELD(draft), NULL, 0, 0,
                       "a quick look in place of the job's quality: no plan, no measured error"},
+    [OPTION_PLAN_OF] = {"plan-of", KIND_TEXT, FIELD(plan_of), "FILE", 0, 0,
+                        "plan nothing: render with the settings of this frame of the job, and get the same pixels"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
                             "longest time of a picture (default 60; with --quick 8)"},
 };

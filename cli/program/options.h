@@ -43,6 +43,7 @@ enum option {
     OPTION_FILES,
     OPTION_PLAN,
     OPTION_DRAFT,
+    OPTION_PLAN_OF,
     OPTION_COUNT
 };
 
@@ -51,7 +52,8 @@ enum option {
 // Strings are borrowed from argv. Integers are -1 and numbers NAN when not given.
 struct options {
     bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft;
-    const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size;
+    const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
+        *plan_of;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s;
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE

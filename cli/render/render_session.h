@@ -36,6 +36,7 @@ struct render_session_params {
     const struct job *job;         // borrowed
     const char *document;          // borrowed; the same job as JSON
     const char *root;              // borrowed; absolute output root
+    const char *plan_of;           // borrowed; absolute: the file whose settings are used; NULL: none
     struct interrupt *interrupt;   // borrowed
     void (*on_result)(void *user, const struct render_result *result);
     void (*on_tick)(void *user); // now and then

@@ -11,7 +11,10 @@
 struct error;
 struct image;
 
-enum { IMAGE_EXR_PLAN_SIZE = 320 }; // bytes of the text that says how a frame's method was chosen
+enum {
+    IMAGE_EXR_PLAN_SIZE = 320,   // bytes of the text that says how a frame's method was chosen
+    IMAGE_EXR_QUALITY_SIZE = 512 // bytes of its settings as JSON
+};
 
 // Rays of a scene with reflection or refraction; see struct ray_counts.
 struct image_exr_rays {
@@ -43,6 +46,8 @@ struct image_exr_header {
     struct audit_result audit; // AUDIT_NONE: not written
     double sampling_error;     // relative RMSE due to the number of samples; 0: not measured
     const char *plan;          // how the method was chosen; NULL or empty: the job states it
+    int64_t plan_number;       // 0: none
+    const char *quality;       // the settings of a planned frame, as JSON; NULL or empty: none
     bool is_draft;             // a quick look, which promises no accuracy
     int64_t captured;          // Unix time, s
 };
@@ -75,6 +80,8 @@ struct image_exr_facts {
     char method[32];
     double step;
     char plan[IMAGE_EXR_PLAN_SIZE];
+    int64_t plan_number;                  // 0: absent
+    char quality[IMAGE_EXR_QUALITY_SIZE]; // empty: absent
     bool is_draft;
 };
 

@@ -29,13 +29,22 @@ static bool read_text(exr_context_t context, const char *name, char *text, size_
     return true;
 }
 
+static void read_plan(exr_context_t context, struct image_exr_facts *facts)
+{
+    char number[24];
+
+    read_text(context, "marchd:plan", facts->plan, sizeof facts->plan);
+    read_text(context, "marchd:quality", facts->quality, sizeof facts->quality);
+    if (read_text(context, "marchd:planNumber", number, sizeof number)) facts->plan_number = strtoll(number, NULL, 10);
+    if (facts->plan_number < 0) facts->plan_number = 0;
+}
+
 static void read_accuracy(exr_context_t context, struct image_exr_facts *facts)
 {
     struct audit_result *audit = &facts->audit;
     char kind[16] = "", scope[16] = "";
     const exr_attribute_t *draft, *rays, *missed;
 
-    read_text(context, "marchd:plan", facts->plan, sizeof facts->plan);
     facts->is_draft =
         !exr_get_attribute_by_name(context, 0, "marchd:draft", &draft) && draft->type == EXR_ATTR_INT && draft->i != 0;
     read_double(context, "marchd:samplingError", &facts->sampling_error);
@@ -69,5 +78,6 @@ void image_exr_attributes_read(exr_context_t context, struct image_exr_facts *fa
     read_double(context, "marchd:raysPerPixel", &facts->rays.rays_per_pixel);
     read_double(context, "marchd:cutRays", &facts->rays.cut_rays);
     read_double(context, "marchd:cutTolerance", &facts->rays.cut_tolerance);
+    read_plan(context, facts);
     read_accuracy(context, facts);
 }

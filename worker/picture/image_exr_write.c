@@ -140,12 +140,24 @@ static exr_result_t set_rays(exr_context_t context, const struct image_exr_rays 
     return result;
 }
 
+// The number is text: it may exceed an int.
+static exr_result_t set_plan(exr_context_t context, const struct image_exr_header *header)
+{
+    char number[24];
+    exr_result_t result;
+
+    snprintf(number, sizeof number, "%" PRId64, header->plan_number);
+    result = exr_attr_set_string(context, 0, "marchd:planNumber", number);
+    return result ? result : exr_attr_set_string(context, 0, "marchd:quality", header->quality);
+}
+
 static exr_result_t set_accuracy(exr_context_t context, const struct image_exr_header *header)
 {
     const struct audit_result *audit = &header->audit;
     exr_result_t result = EXR_ERR_SUCCESS;
 
     if (header->plan && header->plan[0]) result = exr_attr_set_string(context, 0, "marchd:plan", header->plan);
+    if (!result && header->plan_number > 0) result = set_plan(context, header);
     if (!result && header->is_draft) result = exr_attr_set_int(context, 0, "marchd:draft", 1);
     if (!result && header->sampling_error > 0.0)
         result = exr_attr_set_double(context, 0, "marchd:samplingError", header->sampling_error);

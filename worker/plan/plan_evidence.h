@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/job/job.h"
 #include "worker/audit/audit.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan_segment.h"
@@ -16,6 +17,8 @@ struct plan_evidence {
         struct image finer, coarser; // `coarser` in the plan's own steps, `finer` in steps at most half as long
     } views[PLAN_PILOT_LIMIT];
     int view_count;
+    struct job_quality finest; // of every view's `finer`
+    int pixel_limit;           // of their lattice: plan_lattice.h
 };
 
 void plan_evidence_finish(struct plan_evidence *evidence); // leaves it empty

@@ -47,6 +47,7 @@ struct plan_pilot {
     int frame_count;
     bool has_truth;
     struct job_quality fine_quality; // of the finest renders
+    int pixel_limit;                 // of the lattice
     int start_level, render_count;
     double evaluations;
     // The light grids that measurements have filled: another one with the same grid does not fill it again.
@@ -241,7 +242,8 @@ static void choose_pixels(struct plan_pilot *pilot, const struct plan_family *fa
     scene.depth_count = 1;
     scene.hit_share = 1.0;
     affordable = most / (pilot->frame_count * plan_family_work(&scene, &quality));
-    plan_lattice_init(&pilot->lattice, pilot->params->job, (int)fmin(fmax(affordable, PIXELS_MIN), PIXELS_MAX));
+    pilot->pixel_limit = (int)fmin(fmax(affordable, PIXELS_MIN), PIXELS_MAX);
+    plan_lattice_init(&pilot->lattice, pilot->params->job, pilot->pixel_limit);
 }
 
 static bool is_filled(struct plan_pilot *pilot, int frame, int cells)
@@ -288,6 +290,8 @@ static bool make_fine(struct plan_pilot *pilot)
         if (level > LEVEL_MIN && pilot->frame_count * count_evaluations(pilot, &quality) > most) break;
         measured = render_finer(pilot, &quality);
         if (measured == PLAN_STOPPED || (measured == PLAN_CANNOT && level == 0)) return false;
+        // The frames before the one that cannot be rendered so are those of the level before again.
+        if (measured == PLAN_CANNOT && render_finer(pilot, &pilot->fine_quality) != PLAN_MEASURED) return false;
         if (measured == PLAN_CANNOT) break;
         pilot->fine_quality = quality;
         note_depths(pilot);
@@ -462,4 +466,6 @@ void plan_pilot_give(struct plan_pilot *pilot, struct plan_evidence *evidence)
         frame->fine = frame->seen = (struct image){0};
     }
     evidence->view_count = pilot->frame_count;
+    evidence->finest = pilot->fine_quality;
+    evidence->pixel_limit = pilot->pixel_limit;
 }

@@ -10,34 +10,27 @@
 #include "worker/plan/finite_check.h"
 #include "worker/plan/miss.h"
 #include "worker/plan/plan_evidence.h"
-#include "worker/plan/plan_make.h"
+#include "worker/plan/plan_lookup.h"
 #include "worker/plan/plan_probe.h"
 #include "worker/plan/plan_retry.h"
 #include "worker/plan/plan_segment.h"
+#include "worker/plan/plan_shelf.h"
+#include "worker/plan/plan_small.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEPT_LIMIT = 4 }; // plans
+enum { VIEW_PIXELS = 64 * 36 }; // of pictures in two steps, where a plan has no views
 
 // The gain of a finer rendering that makes the next one finer too, instead of trying another family.
 static const double GAIN = 0.7;
 
-// A segment's plan, and the evidence and the reference that the audits of its frames share.
-struct kept_plan {
-    int64_t serial, segment; // serial 0: no plan
-    uint64_t used;           // grows with every use of any plan: the smallest is the least recently used
-    struct plan plan;
-    struct plan_evidence evidence;
-    struct truth *truth; // owned; NULL until a frame is audited, or without a twin
-};
-
 struct tolerance {
     struct renderer *renderer; // borrowed
-    struct kept_plan kept[KEPT_LIMIT];
-    uint64_t use_count;
+    struct plan_shelf shelf;
     int64_t finite_serial; // the last job that states its method and whose light was found finite; 0: none
     // The last frame, of which the renderer may make copies, if it was within its tolerance; else shown_serial is 0.
     int64_t shown_serial;
@@ -53,18 +46,10 @@ struct tolerance *tolerance_create(struct renderer *renderer)
     return tolerance;
 }
 
-static void drop_plan(struct kept_plan *kept)
-{
-    truth_close(kept->truth);
-    plan_evidence_finish(&kept->evidence);
-    *kept = (struct kept_plan){0};
-}
-
 void tolerance_destroy(struct tolerance *tolerance)
 {
     if (!tolerance) return;
-    for (int i = 0; i < KEPT_LIMIT; i++)
-        drop_plan(&tolerance->kept[i]);
+    plan_shelf_finish(&tolerance->shelf);
     free(tolerance);
 }
 
@@ -73,47 +58,31 @@ static void note_phase(const struct tolerance_params *params, enum frame_phase p
     if (params->on_phase) params->on_phase(params->user, phase);
 }
 
-static struct kept_plan *find_or_make_plan(struct tolerance *tolerance, const struct tolerance_params *params,
-                                           enum renderer_fault *fault, struct error *error)
+static void on_plan(void *user)
 {
-    struct plan_segment segment = plan_segment_of(params->job, params->frame);
-    struct kept_plan *oldest = &tolerance->kept[0];
+    note_phase(user, FRAME_PHASE_PLAN);
+}
 
-    for (int i = 0; i < KEPT_LIMIT; i++) {
-        struct kept_plan *kept = &tolerance->kept[i];
-
-        if (kept->serial == params->serial && kept->segment == segment.index) {
-            kept->used = ++tolerance->use_count;
-            return kept;
-        }
-        if (kept->used < oldest->used) oldest = kept;
-    }
-    drop_plan(oldest);
-    tolerance->shown_serial = 0;
-    note_phase(params, FRAME_PHASE_PLAN);
-    if (!plan_make(&oldest->plan,
-                   &(struct plan_params){.renderer = tolerance->renderer,
-                                         .job = params->job,
-                                         .segment = segment,
-                                         .choice = params->choice,
-                                         .evidence = &oldest->evidence,
-                                         .on_progress = params->on_progress,
-                                         .user = params->user},
-                   fault, error)) {
-        drop_plan(oldest);
-        return NULL;
-    }
-    oldest->serial = params->serial;
-    oldest->segment = segment.index;
-    oldest->used = ++tolerance->use_count;
-    return oldest;
+static struct plan_shelf_params find_shelf_params(const struct tolerance *tolerance,
+                                                  const struct tolerance_params *params)
+{
+    return (struct plan_shelf_params){.plan = {.renderer = tolerance->renderer,
+                                               .job = params->job,
+                                               .segment = plan_segment_of(params->job, params->frame),
+                                               .choice = params->choice,
+                                               .on_progress = params->on_progress,
+                                               .user = params->user},
+                                      .serial = params->serial,
+                                      .source = params->source,
+                                      .on_plan = on_plan,
+                                      .user = (void *)params};
 }
 
 // A frame, rendered until it is within its tolerance or given up.
 struct rendering {
     struct tolerance *tolerance;
     const struct tolerance_params *params;
-    struct kept_plan *kept;
+    struct plan_kept *kept;
     struct tolerance_result *result;
     struct error *error;
     bool is_finer;  // finer than the segment's plan: its audit shares no samples with other frames
@@ -132,7 +101,7 @@ struct rendering {
 
 static bool open_truth(const struct rendering *rendering, const struct job *planned)
 {
-    struct kept_plan *kept = rendering->kept;
+    struct plan_kept *kept = rendering->kept;
     int32_t frame = rendering->params->frame;
 
     if (kept->truth) return truth_seek(kept->truth, frame, rendering->error);
@@ -150,11 +119,13 @@ static bool stop(const struct rendering *rendering)
 static bool audit_against_reference(const struct rendering *rendering, const struct job *planned)
 {
     const struct tolerance_params *params = rendering->params;
-    const struct kept_plan *kept = rendering->kept;
+    const struct plan_kept *kept = rendering->kept;
     const struct plan_view *view = plan_evidence_find(&kept->evidence, params->frame);
     bool is_pooled = kept->evidence.pool.samples.count > 0 && !rendering->is_finer;
+    // Frames of a scene in which nothing moves are equal: each draws the same pixels, and every view is its own.
+    bool is_constant = scene_is_constant(&params->job->scene);
     struct audit_params audit = {.job = planned,
-                                 .frame = params->frame,
+                                 .frame = is_constant ? 0 : params->frame,
                                  .image = params->image,
                                  .pool = is_pooled ? &kept->evidence.pool : NULL,
                                  .tolerance = params->job->quality.tolerance,
@@ -170,7 +141,7 @@ static bool audit_against_reference(const struct rendering *rendering, const str
     if (view && view->finer.width_px <= planned->width_px && view->finer.height_px <= planned->height_px) {
         audit.finer = &view->finer;
         audit.coarser = &view->coarser;
-        audit.is_own = view->frame == params->frame && !rendering->is_finer;
+        audit.is_own = (is_constant || view->frame == params->frame) && !rendering->is_finer;
     }
     return audit_frame(&audit, &rendering->result->audit) || stop(rendering);
 }
@@ -189,25 +160,27 @@ static bool audit_by_steps(const struct rendering *rendering, const struct plan 
     const struct plan_view *view = plan_evidence_find(&rendering->kept->evidence, params->frame);
     struct audit_result *result = &rendering->result->audit;
     const struct plan_params looking = probe_params(rendering);
+    struct job small = plan_small_job(params->job, plan_small_scale(params->job, VIEW_PIXELS));
+    const struct plan_view size = {.finer = {.width_px = small.width_px, .height_px = small.height_px}};
 
-    if (!view) return false;
-    if (scene_is_constant(&params->job->scene) && !rendering->is_finer) {
+    if (view && scene_is_constant(&params->job->scene) && !rendering->is_finer) {
         audit_by_halving(params->job, &view->coarser, &view->finer, result);
         result->is_pooled = true;
         return true;
     }
     return plan_probe_audit(
-        &(struct plan_probe){.params = &looking, .frame = params->frame, .plan = plan, .image = params->image}, view,
-        result, &rendering->result->render.fault, rendering->error);
+        &(struct plan_probe){.params = &looking, .frame = params->frame, .plan = plan, .image = params->image},
+        view ? view : &size, result, &rendering->result->render.fault, rendering->error);
 }
 
-// A frame that equals the one before has the same error.
+// A copy has the error of the frame before where its own audit would have drawn the same pixels.
 static bool audit(const struct rendering *rendering, const struct plan *plan, const struct job *planned)
 {
     struct tolerance *tolerance = rendering->tolerance;
     struct tolerance_result *result = rendering->result;
 
-    if (result->render.is_copy && tolerance->shown_serial == rendering->params->serial) {
+    if (result->render.is_copy && tolerance->shown_serial == rendering->params->serial &&
+        tolerance->shown.plan_number == result->plan_number && scene_is_constant(&rendering->params->job->scene)) {
         result->audit = tolerance->shown.audit;
         result->audit.seconds = 0.0;
         return true;
@@ -339,7 +312,8 @@ static bool miss(struct rendering *rendering)
     return false;
 }
 
-static bool render_again(struct rendering *rendering, const struct plan *first)
+// `found` becomes the plan that keeps the tolerance, if one does.
+static bool render_again(struct rendering *rendering, const struct plan *first, struct plan *found)
 {
     struct plan_retry *retry = &rendering->retry;
     double error_before = INFINITY;
@@ -358,29 +332,77 @@ static bool render_again(struct rendering *rendering, const struct plan *first)
             if (is_over_for_good(rendering->result->render.fault)) return false;
             break;
         }
-        if (is_within(rendering)) return true;
+        if (is_within(rendering)) {
+            *found = plan;
+            memcpy(found->reason, rendering->result->reason, sizeof found->reason);
+            return true;
+        }
         if (!keep_if_best(rendering, &plan)) return false;
     }
     return miss(rendering);
 }
 
+static bool replace_plan(struct rendering *rendering, const struct plan *found)
+{
+    const struct tolerance_params *params = rendering->params;
+    struct tolerance_result *result = rendering->result;
+    const struct plan_shelf_params shelf_params = find_shelf_params(rendering->tolerance, params);
+
+    return plan_shelf_replace(&rendering->tolerance->shelf, &shelf_params, rendering->kept, params->frame, found,
+                              &result->render.fault, rendering->error);
+}
+
 static bool render_planned(struct rendering *rendering)
 {
+    const struct tolerance_params *params = rendering->params;
     struct tolerance_result *result = rendering->result;
-    const struct plan *plan = &rendering->kept->plan;
-    struct plan finer = plan_of_frame(plan, rendering->params->job, rendering->params->frame);
+    const struct plan_shelf_params shelf_params = find_shelf_params(rendering->tolerance, params);
+    struct plan plan, found;
     bool ok;
 
-    rendering->is_finer = memcmp(&finer.point, &plan->point, sizeof finer.point) != 0;
-    memcpy(result->reason, finer.reason, sizeof result->reason);
-    if (!render_and_audit(rendering, &finer)) return false;
+    rendering->kept =
+        plan_shelf_find(&rendering->tolerance->shelf, &shelf_params, &result->render.fault, rendering->error);
+    if (!rendering->kept) return false;
+    plan = plan_of_frame(&rendering->kept->plan, params->job, params->frame);
+    rendering->is_finer = memcmp(&plan.point, &rendering->kept->plan.point, sizeof plan.point) != 0;
+    result->plan_number = rendering->kept->number;
+    memcpy(result->reason, plan.reason, sizeof result->reason);
+    if (!render_and_audit(rendering, &plan)) return false;
     result->first_error = result->audit.error;
     if (is_within(rendering)) {
         note_shown(rendering);
         return true;
     }
-    ok = render_again(rendering, &finer);
+    ok = render_again(rendering, &plan, &found);
     image_finish(&rendering->best.image);
+    return ok && (result->audit.is_missed || replace_plan(rendering, &found));
+}
+
+static bool render_repeated(struct rendering *rendering)
+{
+    const struct tolerance_params *params = rendering->params;
+    struct tolerance_result *result = rendering->result;
+    struct plan plan = {.quality = *params->repeated};
+    struct plan_kept kept = {0};
+    struct plan_scene scene;
+    bool ok;
+
+    plan_scene_init(&scene, params->job);
+    if (!plan_lookup(&scene, &plan.quality, &plan.family, &plan.point)) {
+        result->render.fault = RENDERER_FAULT_JOB;
+        error_set(rendering->error, "marchd:quality: expected settings that a plan of this version chooses");
+        return false;
+    }
+    rendering->kept = &kept;
+    rendering->is_finer = true;
+    result->plan_number = params->repeated_number;
+    snprintf(result->reason, sizeof result->reason, "%s, as plan %" PRId64 " had it", plan_families[plan.family].name,
+             params->repeated_number);
+    ok = render_and_audit(rendering, &plan);
+    result->first_error = result->audit.error;
+    result->audit.is_missed = ok && !is_within(rendering);
+    truth_close(kept.truth);
+    rendering->kept = NULL;
     return ok;
 }
 
@@ -412,6 +434,5 @@ bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params
 
     *result = (struct tolerance_result){.quality = params->job->quality};
     if (params->job->quality.method != JOB_METHOD_AUTO) return render_stated(tolerance, params, result, error);
-    rendering.kept = find_or_make_plan(tolerance, params, &result->render.fault, error);
-    return rendering.kept && render_planned(&rendering);
+    return params->repeated ? render_repeated(&rendering) : render_planned(&rendering);
 }

@@ -13,6 +13,7 @@
 
 struct error;
 struct image;
+struct plan_source;
 struct tolerance;
 
 struct tolerance *tolerance_create(struct renderer *renderer); // borrowed; outlives the tolerance
@@ -24,6 +25,11 @@ struct tolerance_params {
     int32_t frame;
     struct image *image; // as renderer_render takes it
     enum plan_choice choice;
+    const struct plan_source *source; // where plans are kept; NULL: they are made and numbered here
+    // NULL, or the settings of a frame that was rendered before, and the number of its plan: nothing is planned, and
+    // the frame is rendered once. One that is over the tolerance is marked as missed.
+    const struct job_quality *repeated;
+    int64_t repeated_number;
     // May be NULL; called at least every second, except while GL compiles, with the share of the phase that is done, or
     // 0 where that is not known.
     renderer_progress *on_progress;
@@ -38,14 +44,16 @@ struct tolerance_result {
     struct job_quality quality;    // of that rendering
     struct audit_result audit;     // likewise; AUDIT_NONE: the job states no tolerance
     char reason[PLAN_REASON_SIZE]; // of the plan; empty: the job names its method
+    int64_t plan_number;           // of the plan with which the frame began; 0: none
     int retry_count;               // renderings after the first, which was over the tolerance
     double first_error;            // the audited error of the first rendering
 };
 
-// Renders a frame of a job of any method, as renderer_render does, with the same faults. A frame over its tolerance is
-// rendered up to PLAN_RETRY_LIMIT times more, for at most PLAN_RETRY_WORK times the first one's work: finer in what is
-// to blame, or by the next family where that gains little. If none keeps the tolerance, the frame fails with
-// RENDERER_FAULT_MISSED and the numbers. If the job has misses published, the rendering with the least error is in the
-// image instead, and its audit says is_missed.
+// Renders a frame of a job of any method, as renderer_render does, with the same faults. The frame follows from its
+// job, its plan and its own pixels, never from the frames before it. A frame over its tolerance is rendered up to
+// PLAN_RETRY_LIMIT times more, for at most PLAN_RETRY_WORK times the first one's work: finer in what is to blame, or by
+// the next family where that gains little. What keeps the tolerance makes the segment's next plan, which later frames
+// have. If nothing does, the frame fails with RENDERER_FAULT_MISSED and the numbers. If the job has misses published,
+// the rendering with the least error is in the image instead, and its audit says is_missed.
 bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params *params,
                       struct tolerance_result *result, struct error *error);

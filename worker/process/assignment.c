@@ -19,6 +19,8 @@ void held_job_destroy(struct held_job *job)
     free(job->owner);
     free(job->draft);
     free(job->fault);
+    free(job->plan_of);
+    plan_mail_finish(&job->plans);
     free(job);
 }
 
@@ -39,7 +41,7 @@ void assignment_finish(struct assignment *assignment)
     *assignment = (struct assignment){0};
 }
 
-static struct held_job *find_job(const struct assignment *assignment, int64_t id)
+struct held_job *assignment_find_job(const struct assignment *assignment, int64_t id)
 {
     for (struct held_job *job = assignment->jobs; job; job = job->next)
         if (job->id == id && !job->is_forgotten) return job;
@@ -67,7 +69,7 @@ void assignment_add_job(struct assignment *assignment, struct held_job *job)
 
 void assignment_forget_job(struct assignment *assignment, int64_t id)
 {
-    struct held_job *job = find_job(assignment, id);
+    struct held_job *job = assignment_find_job(assignment, id);
 
     if (!job) return;
     job->is_forgotten = true;
@@ -76,7 +78,7 @@ void assignment_forget_job(struct assignment *assignment, int64_t id)
 
 bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t frame, int attempt)
 {
-    struct held_job *held = find_job(assignment, job);
+    struct held_job *held = assignment_find_job(assignment, job);
     struct assignment_frame **link = &assignment->frames;
     struct assignment_frame *added;
 

@@ -3,12 +3,13 @@
 #pragma once
 
 #include "core/job/job.h"
+#include "worker/process/plan_mail.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-// A job of which the worker was told. Once it is added, only its frame count and is_forgotten change.
+// A job of which the worker was told. Once it is added, only its plans, its frame count and is_forgotten change.
 struct held_job {
     int64_t id, epoch;
     int64_t serial; // unique among all jobs of this worker; 0 until the job is added
@@ -17,9 +18,14 @@ struct held_job {
     struct job job;
     char *draft;           // owned; how a draft's settings were chosen; NULL: the job is no draft
     char *fault;           // owned; why none of its frames can be rendered; NULL if they can
-    size_t frame_count;    // of its frames in the assignment
-    bool is_forgotten;     // freed with its last frame
-    struct held_job *next; // in the assignment's list of jobs
+    bool asks_plans;       // its plans are kept by who sent it
+    char *plan_of;         // owned; the file whose settings its frames have; NULL: none
+    int64_t stated_number; // of that file's plan
+    struct job_quality stated;
+    struct plan_mail plans; // guarded by the worker's lock
+    size_t frame_count;     // of its frames in the assignment
+    bool is_forgotten;      // freed with its last frame
+    struct held_job *next;  // in the assignment's list of jobs
 };
 
 struct held_job *held_job_create(void);
@@ -49,6 +55,9 @@ void assignment_add_job(struct assignment *assignment, struct held_job *job);
 void assignment_forget_job(struct assignment *assignment, int64_t id);
 // Appends the frame; false when the job is unknown.
 bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t frame, int attempt);
+
+// NULL: an unknown job.
+struct held_job *assignment_find_job(const struct assignment *assignment, int64_t id);
 
 // Starts the next waiting frame; NULL when none waits. The frame belongs to the assignment until it is ended.
 struct assignment_frame *assignment_start_frame(struct assignment *assignment);

@@ -45,6 +45,8 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .audit = picture->audit,
         .sampling_error = picture->sampling_error,
         .plan = picture->plan,
+        .plan_number = picture->plan_number,
+        .quality = picture->quality,
         .is_draft = job->quality.is_draft,
         .captured = (int64_t)time(NULL),
     };

@@ -13,6 +13,7 @@
 #include "worker/answer/request.h"
 #include "worker/answer/requests.h"
 #include "worker/plan/draft.h"
+#include "worker/process/plan_of.h"
 #include "worker/process/report.h"
 #include "worker/process/worker.h"
 
@@ -47,6 +48,15 @@ static bool settle(struct held_job *job, struct error *error)
     return true;
 }
 
+// Where the job's plans are from: members of the message that may be absent.
+static bool read_plans(const struct json_node *params, struct held_job *job, struct error *error)
+{
+    struct json_node plans = json_node_child(params, "plans"), plan_of = json_node_child(params, "plan_of");
+
+    return (json_node_is_absent(&plans) || json_read_bool(&plans, &job->asks_plans, error)) &&
+           (json_node_is_absent(&plan_of) || read_text(params, "plan_of", &job->plan_of, error));
+}
+
 // A document that cannot be read is a fault of the job, not a broken message: each of its frames then fails with it.
 static bool take_job(struct worker *worker, const struct json_node *params, struct error *error)
 {
@@ -57,17 +67,33 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
     struct error reason = {0};
 
     if (!read_job_id(params, &job->id, error) || !json_read_integer(&epoch, 0, INT64_MAX, &job->epoch, error) ||
-        !read_text(params, "root", &job->root, error) || !read_text(params, "owner", &job->owner, error)) {
+        !read_text(params, "root", &job->root, error) || !read_text(params, "owner", &job->owner, error) ||
+        !read_plans(params, job, error)) {
         held_job_destroy(job);
         return false;
     }
     if (!job_from_json(&job->job, &root, job->root, &reason) || !job_check_inputs(&job->job, &root, &reason) ||
-        !settle(job, &reason))
+        (job->plan_of && !plan_of_read(job, &root, &reason)) || !settle(job, &reason))
         job->fault = xstrdup(reason.message);
     pthread_mutex_lock(&worker->lock);
     assignment_add_job(&worker->assignment, job);
     pthread_mutex_unlock(&worker->lock);
     return true;
+}
+
+static bool take_plan(struct worker *worker, const struct json_node *params, struct error *error)
+{
+    struct held_job *job;
+    bool ok = true;
+    int64_t id;
+
+    if (!read_job_id(params, &id, error)) return false;
+    pthread_mutex_lock(&worker->lock);
+    job = assignment_find_job(&worker->assignment, id);
+    if (job && !job->fault) ok = plan_mail_take(&job->plans, params, &job->job, error);
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->lock);
+    return ok;
 }
 
 static bool take_frame(struct worker *worker, int64_t job, const struct json_node *pair, struct error *error)
@@ -143,8 +169,8 @@ static bool take_notification(struct worker *worker, const struct message *messa
         const char *method;
         bool (*take)(struct worker *worker, const struct json_node *params, struct error *error);
     } orders[] = {
-        {"worker.job", take_job},       {"worker.assign", take_assignment}, {"worker.drop", take_drop},
-        {"worker.forget", take_forget}, {"worker.exit", take_exit},
+        {"worker.job", take_job},   {"worker.assign", take_assignment}, {"worker.drop", take_drop},
+        {"worker.plan", take_plan}, {"worker.forget", take_forget},     {"worker.exit", take_exit},
     };
 
     for (size_t i = 0; i < sizeof orders / sizeof orders[0]; i++) {

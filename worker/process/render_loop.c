@@ -2,6 +2,7 @@
 #include "worker/process/render_loop.h"
 
 #include "core/base/error.h"
+#include "core/job/quality_json.h"
 #include "core/json/json_write.h"
 #include "worker/answer/request.h"
 #include "worker/answer/requests.h"
@@ -12,6 +13,7 @@
 #include "worker/plan/tolerance.h"
 #include "worker/process/options.h"
 #include "worker/process/part_file.h"
+#include "worker/process/plan_post.h"
 #include "worker/process/report.h"
 #include "worker/process/worker.h"
 #include "worker/render/renderer.h"
@@ -94,10 +96,17 @@ static void on_phase(void *user, enum frame_phase phase)
     struct render_loop *loop = user;
     const struct assignment_frame *frame = loop->frame;
 
-    if (phase == FRAME_PHASE_PLAN) report_planning(&loop->worker->connection, frame);
-    if (loop->phase == FRAME_PHASE_PLAN)
+    if (phase == FRAME_PHASE_PLAN && loop->phase != FRAME_PHASE_PLAN) report_planning(&loop->worker->connection, frame);
+    if (phase != FRAME_PHASE_PLAN && loop->phase == FRAME_PHASE_PLAN)
         report_planned(&loop->worker->connection, frame, plan_segment_of(&frame->job->job, frame->frame).count);
     begin_phase(loop, phase);
+}
+
+// The plan is made by another worker: how far it is is unknown here.
+static void on_wait(void *user)
+{
+    on_phase(user, FRAME_PHASE_PLAN);
+    tell(user, FRAME_PHASE_PLAN, -1.0);
 }
 
 // Enters the sandbox, unless the worker is fenced: a fence was entered before threads started.
@@ -177,10 +186,24 @@ static void hand_over(struct render_loop *loop, struct picture *picture)
     pthread_mutex_unlock(&worker->lock);
 }
 
+// The settings of a planned frame, as a job would state them.
+static void format_quality(struct picture *picture, const struct job *job, const struct tolerance_result *result)
+{
+    struct json_writer writer = {0};
+
+    picture->quality[0] = 0;
+    picture->plan_number = result->plan_number;
+    if (result->plan_number == 0) return;
+    quality_to_json(&writer, job, &result->quality);
+    if (writer.length < sizeof picture->quality) memcpy(picture->quality, writer.text, writer.length + 1);
+    json_writer_finish(&writer);
+}
+
 static void fill_picture(struct picture *picture, const struct held_job *job, const struct tolerance_result *result)
 {
     const struct renderer_result *render = &result->render;
 
+    format_quality(picture, &job->job, result);
     picture->render_s = render->seconds;
     memcpy(picture->world_to_camera, render->world_to_camera, sizeof picture->world_to_camera);
     memcpy(picture->world_to_ndc, render->world_to_ndc, sizeof picture->world_to_ndc);
@@ -197,8 +220,14 @@ static void fill_picture(struct picture *picture, const struct held_job *job, co
 // Takes over `folder_fd`.
 static void render_picture(struct render_loop *loop, int folder_fd, struct picture *picture)
 {
-    const struct tolerance_params params = {.job = &loop->frame->job->job,
-                                            .serial = loop->frame->job->serial,
+    const struct held_job *job = loop->frame->job;
+    struct plan_post post = {.worker = loop->worker, .frame = loop->frame, .on_wait = on_wait, .user = loop};
+    const struct plan_source source = plan_post_open(&post);
+    const struct tolerance_params params = {.job = &job->job,
+                                            .serial = job->serial,
+                                            .source = job->asks_plans ? &source : NULL,
+                                            .repeated = job->plan_of ? &job->stated : NULL,
+                                            .repeated_number = job->stated_number,
                                             .frame = loop->frame->frame,
                                             .image = &picture->image,
                                             .on_progress = on_progress,
@@ -210,7 +239,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
 
     picture->folder_fd = folder_fd;
     if (tolerance_render(loop->tolerance, &params, &result, &error)) {
-        fill_picture(picture, loop->frame->job, &result);
+        fill_picture(picture, job, &result);
         hand_over(loop, picture);
         return;
     }

@@ -2,6 +2,7 @@
 #include "worker/process/report.h"
 
 #include "core/base/log.h"
+#include "core/job/plan_json.h"
 #include "core/json/json_write.h"
 #include "core/wire/frame_accuracy.h"
 #include "core/wire/message.h"
@@ -116,6 +117,28 @@ void report_planned(struct connection *connection, const struct assignment_frame
 
     begin_frame(&writer, "frame.planned", frame->job->id, frame->frame, frame->attempt);
     json_write_integer_member(&writer, "frames", frame_count);
+    send_and_finish(connection, &writer);
+}
+
+void report_plan_wanted(struct connection *connection, const struct assignment_frame *frame, const char *key)
+{
+    struct json_writer writer = {0};
+
+    begin_frame(&writer, "plan.ask", frame->job->id, frame->frame, frame->attempt);
+    json_write_string_member(&writer, "key", key);
+    send_and_finish(connection, &writer);
+}
+
+void report_plan_made(struct connection *connection, const struct assignment_frame *frame,
+                      const struct report_plan *made)
+{
+    struct json_writer writer = {0};
+
+    begin_frame(&writer, "plan.made", frame->job->id, frame->frame, frame->attempt);
+    json_write_string_member(&writer, "key", made->key);
+    if (made->missed > 0) json_write_integer_member(&writer, "missed", made->missed);
+    json_write_key(&writer, "plan");
+    plan_to_json(&writer, made->plan, &frame->job->job);
     send_and_finish(connection, &writer);
 }
 

@@ -11,6 +11,7 @@ struct assignment_dropped;
 struct connection;
 struct frame_accuracy;
 struct gl_context_facts;
+struct plan_json;
 struct published_file;
 
 // `facts` NULL: there is no context. `sandbox`: what the sandbox restricts.
@@ -36,6 +37,17 @@ void report_started(struct connection *connection, const struct assignment_frame
 void report_planning(struct connection *connection, const struct assignment_frame *frame);
 // It serves so many frames.
 void report_planned(struct connection *connection, const struct assignment_frame *frame, int64_t frame_count);
+// The segment's plan is asked for; one was made.
+void report_plan_wanted(struct connection *connection, const struct assignment_frame *frame, const char *key);
+
+struct report_plan {
+    const char *key;              // of the segment's scene
+    int64_t missed;               // the number of the plan that it replaces; 0: none
+    const struct plan_json *plan; // borrowed for the call
+};
+
+void report_plan_made(struct connection *connection, const struct assignment_frame *frame,
+                      const struct report_plan *made);
 void report_rendered(struct connection *connection, const struct assignment_frame *frame);
 
 struct report_result {

@@ -29,9 +29,11 @@ struct picture {
     enum job_method method; // the job's, or the one chosen in its place
     double step;            // in metres; likewise
     struct ray_counts ray_counts;
-    struct audit_result audit;   // AUDIT_NONE: the job states no tolerance
-    double sampling_error;       // relative RMSE by the number of samples per pixel; 0: not measured
-    char plan[PLAN_REASON_SIZE]; // the plan's reason, or the draft's; empty: the job names its method
+    struct audit_result audit;            // AUDIT_NONE: the job states no tolerance
+    double sampling_error;                // relative RMSE by the number of samples per pixel; 0: not measured
+    int64_t plan_number;                  // 0: none
+    char quality[IMAGE_EXR_QUALITY_SIZE]; // the plan's settings in this frame; empty: none
+    char plan[PLAN_REASON_SIZE];          // the plan's reason, or the draft's; empty: the job names its method
     char shader_hash[64];
     char hash[HASH_TEXT_SIZE]; // of the job and of the contents of the frame's input files
 };

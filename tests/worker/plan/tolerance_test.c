@@ -222,10 +222,10 @@ static void the_coarsest_setting_fails_the_audit(void **state)
     coarsest.quality = plan.quality;
     for (size_t i = 0; i < sizeof frames / sizeof *frames; i++) {
         struct image image = tolerance_stage_make_image(&job);
-        const char *expected = i == 0 ? "plan render audit render audit " : "render audit render audit ";
+        static const char expected[] = "plan render audit render audit ";
         struct told told = {.phases = ""};
         struct tolerance_params params = {.job = &job,
-                                          .serial = 1,
+                                          .serial = 1 + (int64_t)i,
                                           .frame = frames[i],
                                           .image = &image,
                                           .choice = PLAN_CHOICE_COARSEST,
