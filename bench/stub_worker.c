@@ -8,12 +8,17 @@
 //   audited:MS   the same, and reports its accuracy
 //   plan:MS      like write, and reports that it plans first, for 48 frames, and that a quarter is rendered
 //   phase:MS     like write, and plans for as long
+//   share:MS     like write at once, with a plan that it asks for, and makes in so long where it is told to
+//   misplan:MS   the same with a plan that no job may state
+//   intrude:MS   like write at once, with a plan that it was not told to make
 //   lie:MS       like write, but reports a wrong file, and frames that it was not given as finished
 //   fail:FAULT   answers frame.failed with that fault
 //   crash        dies when it begins a frame
 //   hang         begins a frame and sends nothing more
 //   garbage      begins a frame and sends bytes that are no message
 //   nocontext    sends worker.failed and exits 1
+#include "bench/stub_report.h"
+
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
@@ -40,16 +45,13 @@
 
 enum { BEAT_MS = 1000 };
 
-struct stub_frame {
-    int64_t job;
-    int32_t frame, attempt;
-};
-
 struct stub_job {
     int64_t id, epoch;
     char *root;
     struct output_path path;
 };
+
+enum stub_plan { PLAN_NONE, PLAN_ASKED, PLAN_MAKES, PLAN_SENT, PLAN_HAS };
 
 struct stub {
     int fd;
@@ -61,6 +63,7 @@ struct stub {
     size_t next, count, capacity;
     bool is_begun, is_exiting;
     int64_t due_ms, beat_ms;
+    enum stub_plan plan; // of the frame that is begun
     double progress;
     struct stub_job *jobs;
     size_t job_count, job_capacity;
@@ -82,22 +85,12 @@ static bool has_mode(const struct stub *stub, const char *mode)
 static bool writes_files(const struct stub *stub)
 {
     return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "plan") || has_mode(stub, "phase") ||
-           has_mode(stub, "lie");
+           has_mode(stub, "lie") || has_mode(stub, "share") || has_mode(stub, "misplan") || has_mode(stub, "intrude");
 }
 
-static void begin_report(struct stub *stub, const char *method, const struct stub_frame *frame)
+static bool shares_plans(const struct stub *stub)
 {
-    message_begin_notification(&stub->out, method);
-    json_write_begin_object(&stub->out);
-    json_write_integer_member(&stub->out, "job", frame->job);
-    json_write_integer_member(&stub->out, "frame", frame->frame);
-    json_write_integer_member(&stub->out, "attempt", frame->attempt);
-}
-
-static void end_report(struct stub *stub)
-{
-    json_write_end_object(&stub->out);
-    message_end(&stub->out);
+    return has_mode(stub, "share") || has_mode(stub, "misplan") || has_mode(stub, "intrude");
 }
 
 static void flush(struct stub *stub)
@@ -106,49 +99,12 @@ static void flush(struct stub *stub)
     json_writer_clear(&stub->out);
 }
 
-static void say_ready(struct stub *stub)
-{
-    message_begin_notification(&stub->out, "worker.ready");
-    json_write_begin_object(&stub->out);
-    json_write_integer_member(&stub->out, "pid", getpid());
-    json_write_string_member(&stub->out, "backend", "stub");
-    json_write_string_member(&stub->out, "vendor", "marchd");
-    json_write_string_member(&stub->out, "renderer", "none");
-    json_write_string_member(&stub->out, "version", MARCHD_VERSION);
-    json_write_string_member(&stub->out, "device_uuid", NULL);
-    end_report(stub);
-}
-
-static void say_unable(struct stub *stub)
-{
-    message_begin_notification(&stub->out, "worker.failed");
-    json_write_begin_object(&stub->out);
-    json_write_string_member(&stub->out, "error", "there is no GL context to be had here");
-    end_report(stub);
-}
-
 static void say_beat(struct stub *stub)
 {
     message_begin_notification(&stub->out, "worker.beat");
     json_write_begin_object(&stub->out);
     json_write_number_member(&stub->out, "progress", stub->progress++);
-    end_report(stub);
-}
-
-static void say_skipped(struct stub *stub, const struct stub_frame *frame)
-{
-    begin_report(stub, "frame.skipped", frame);
-    json_write_integer_member(&stub->out, "size_bytes", 0);
-    json_write_string_member(&stub->out, "hash", "00000000000000000000000000000000");
-    end_report(stub);
-}
-
-static void say_failed(struct stub *stub, const struct stub_frame *frame, const char *fault, const char *error)
-{
-    begin_report(stub, "frame.failed", frame);
-    json_write_string_member(&stub->out, "fault", fault);
-    json_write_string_member(&stub->out, "error", error);
-    end_report(stub);
+    stub_report_end(&stub->out);
 }
 
 static const struct stub_job *find_job(const struct stub *stub, int64_t id)
@@ -203,14 +159,14 @@ static void say_finished(struct stub *stub, const struct stub_frame *frame, uint
     char inode[32];
 
     snprintf(inode, sizeof inode, "%llu", (unsigned long long)inode_number);
-    begin_report(stub, "frame.finished", frame);
+    stub_report_begin(&stub->out, "frame.finished", frame);
     json_write_string_member(&stub->out, "inode", inode);
     json_write_integer_member(&stub->out, "size_bytes", size_bytes);
     json_write_string_member(&stub->out, "hash", hash);
     json_write_number_member(&stub->out, "render_s", (double)stub->frame_ms / 1000);
     json_write_number_member(&stub->out, "encode_s", 0);
     if (has_mode(stub, "audited")) frame_accuracy_write(&audited, &stub->out);
-    end_report(stub);
+    stub_report_end(&stub->out);
 }
 
 // Each would be published if the daemon did not check it.
@@ -237,14 +193,30 @@ static void write_and_say_finished(struct stub *stub, const struct stub_frame *f
     struct stat status;
 
     if (!job) {
-        say_failed(stub, frame, "frame", "the job was not told");
+        stub_report_failed(&stub->out, frame, "frame", "the job was not told");
     } else if (!write_part(job, frame, &status, hash, &error)) {
-        say_failed(stub, frame, "output", error.message);
+        stub_report_failed(&stub->out, frame, "output", error.message);
     } else if (has_mode(stub, "lie")) {
         say_lies(stub, frame, &status, hash);
     } else {
         say_finished(stub, frame, status.st_ino, status.st_size, hash);
     }
+}
+
+static void send_plan(struct stub *stub, const struct stub_frame *frame)
+{
+    stub_report_plan_made(&stub->out, frame, has_mode(stub, "misplan"));
+    stub->plan = PLAN_SENT;
+}
+
+static void ask_for_plan(struct stub *stub, const struct stub_frame *frame)
+{
+    if (has_mode(stub, "intrude")) {
+        send_plan(stub, frame);
+        return;
+    }
+    stub_report_plan_wanted(&stub->out, frame);
+    stub->plan = PLAN_ASKED;
 }
 
 static void begin_frame(struct stub *stub)
@@ -254,21 +226,22 @@ static void begin_frame(struct stub *stub)
     stub->is_begun = true;
     stub->due_ms = now_ms() + stub->frame_ms;
     if (has_mode(stub, "skip")) return;
-    begin_report(stub, "frame.started", frame);
-    end_report(stub);
+    stub_report_begin(&stub->out, "frame.started", frame);
+    stub_report_end(&stub->out);
     if (has_mode(stub, "plan") || has_mode(stub, "phase")) {
-        begin_report(stub, "frame.planning", frame);
-        end_report(stub);
+        stub_report_begin(&stub->out, "frame.planning", frame);
+        stub_report_end(&stub->out);
     }
     if (has_mode(stub, "plan")) {
-        begin_report(stub, "frame.planned", frame);
+        stub_report_begin(&stub->out, "frame.planned", frame);
         json_write_integer_member(&stub->out, "frames", 48);
-        end_report(stub);
-        begin_report(stub, "frame.phase", frame);
+        stub_report_end(&stub->out);
+        stub_report_begin(&stub->out, "frame.phase", frame);
         json_write_string_member(&stub->out, "phase", "render");
         json_write_number_member(&stub->out, "progress", 0.25);
-        end_report(stub);
+        stub_report_end(&stub->out);
     }
+    if (shares_plans(stub)) ask_for_plan(stub, frame);
     if (has_mode(stub, "garbage")) json_write_raw(&stub->out, "what?\n", 6);
     if (has_mode(stub, "crash")) {
         flush(stub);
@@ -283,12 +256,13 @@ static void end_frame(struct stub *stub)
     const struct stub_frame frame = stub->frames[stub->next++];
 
     stub->is_begun = false;
+    stub->plan = PLAN_NONE;
     if (has_mode(stub, "fail:"))
-        say_failed(stub, &frame, stub->mode + 5, "the stub was told to fail");
+        stub_report_failed(&stub->out, &frame, stub->mode + 5, "the stub was told to fail");
     else if (writes_files(stub))
         write_and_say_finished(stub, &frame);
     else
-        say_skipped(stub, &frame);
+        stub_report_skipped(&stub->out, &frame);
 }
 
 // Begins and ends the frames that are due. Returns the milliseconds until there is more to do, or -1.
@@ -299,8 +273,13 @@ static int work(struct stub *stub)
 
         if (!stub->is_begun) begin_frame(stub);
         if (has_mode(stub, "hang") || has_mode(stub, "garbage")) return -1;
-        left_ms = stub->frame_ms > 0 ? stub->due_ms - now_ms() : 0;
+        if (stub->plan == PLAN_ASKED || stub->plan == PLAN_SENT) return -1;
+        left_ms = stub->plan != PLAN_HAS && stub->frame_ms > 0 ? stub->due_ms - now_ms() : 0;
         if (left_ms > 0) return (int)left_ms;
+        if (stub->plan == PLAN_MAKES) {
+            send_plan(stub, &stub->frames[stub->next]);
+            return -1;
+        }
         end_frame(stub);
     }
     stub->next = stub->count = 0;
@@ -366,6 +345,24 @@ static void forget_job(struct stub *stub, int64_t id)
     }
 }
 
+static void note_plan(struct stub *stub, const struct json_node *params)
+{
+    static const char *const words[] = {"plan", "make", "wait", "refuse", NULL};
+    struct json_node say = json_node_child(params, "say"), reason = json_node_child(params, "error");
+    const char *error = "";
+    int word;
+
+    if (!json_read_enum(&say, words, &word, NULL) || stub->plan == PLAN_NONE) return;
+    if (word == 0) stub->plan = PLAN_HAS;
+    if (word == 1) stub->plan = PLAN_MAKES;
+    if (word == 1) stub->due_ms = now_ms() + stub->frame_ms;
+    if (word != 3) return;
+    (void)json_read_string(&reason, &error, NULL);
+    stub_report_failed(&stub->out, &stub->frames[stub->next++], "missed", error);
+    stub->is_begun = false;
+    stub->plan = PLAN_NONE;
+}
+
 // Job 0 stands for all jobs.
 static void drop_frames(struct stub *stub, int64_t job, bool running)
 {
@@ -380,8 +377,8 @@ static void drop_frames(struct stub *stub, int64_t job, bool running)
             continue;
         }
         if (i == stub->next) stub->is_begun = false;
-        begin_report(stub, "frame.dropped", &frame);
-        end_report(stub);
+        stub_report_begin(&stub->out, "frame.dropped", &frame);
+        stub_report_end(&stub->out);
     }
     stub->count = kept;
 }
@@ -394,6 +391,7 @@ static void note_message(struct stub *stub, const struct message *message)
 
     if (strcmp(message->method, "worker.assign") == 0) note_assignment(stub, &message->body);
     if (strcmp(message->method, "worker.job") == 0) note_job(stub, &message->body);
+    if (strcmp(message->method, "worker.plan") == 0) note_plan(stub, &message->body);
     if (strcmp(message->method, "worker.forget") == 0) forget_job(stub, job);
     if (strcmp(message->method, "worker.drop") == 0) {
         json_read_bool(&running, &drops_running, NULL);
@@ -469,12 +467,12 @@ int main(int argc, char **argv)
     // Ends with the daemon, as march-worker does: nothing removes what a dead daemon's worker writes.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (has_mode(&stub, "nocontext")) {
-        say_unable(&stub);
+        stub_report_unable(&stub.out);
         flush(&stub);
         finish(&stub);
         return 1;
     }
-    say_ready(&stub);
+    stub_report_ready(&stub.out);
     run(&stub);
     finish(&stub);
     return 0;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "daemon/farm/job_table.h"
+#include "daemon/schedule/plan_desk.h"
 #include "daemon/users/quota.h"
 #include "daemon/users/rights.h"
 
@@ -37,9 +38,11 @@ struct farm {
     struct job_retry *waiting_retries; // list: retries that wait until their job is swept
     int64_t epoch;
     int64_t next_job_id;
+    int64_t next_plan_number;
     int64_t started_ms; // unix time
     struct rights rights;
-    bool wants_feed; // a worker may take frames: they are assigned at the end of the iteration
+    struct plan_desk desk; // owned; the plans that are being made
+    bool wants_feed;       // a worker may take frames: they are assigned at the end of the iteration
 };
 
 int64_t farm_now_ms(const struct farm *farm); // monotonic

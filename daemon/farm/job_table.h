@@ -27,6 +27,7 @@ struct job_record {
     char *code;                                    // owned; the name of GLSL by the user that it runs; NULL: none
     bool is_draft;                                 // its quality is draft
     int64_t frame_pixels;                          // pixels of one frame
+    char hash[HASH_TEXT_SIZE];                     // of its pictures
     double tolerance;                              // of a frame's measured error; 0: none
     int64_t disk_bytes;                            // size of its published files
     struct quota_user *user;                       // borrowed from the quota; the owner

@@ -8,6 +8,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/plan_life.h"
 #include "daemon/output/publisher.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/schedule/retry.h"
@@ -127,9 +128,19 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     farm_want_feed(farm);
 }
 
-static void release_frame(struct job_record *record, struct worker_process *worker, struct in_flight_frame *frame)
+// The attempt is over for its worker.
+static void remove_frame(struct farm *farm, struct worker_process *worker, struct in_flight_frame *frame)
 {
+    struct queue_ticket ticket = frame->ticket;
+
     in_flight_remove(&worker->in_flight, frame);
+    plan_life_leave(farm, &ticket);
+}
+
+static void release_frame(struct farm *farm, struct job_record *record, struct worker_process *worker,
+                          struct in_flight_frame *frame)
+{
+    remove_frame(farm, worker, frame);
     record->frames_in_flight--;
 }
 
@@ -171,10 +182,10 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
     estimate_add_pace(&record->estimate, frame_seconds(worker));
     if (!queue_begin_publish(farm->queue, &frame->ticket)) {
         sweeper_remove_part(farm->sweeper, record, frame->ticket.frame, farm->epoch, frame->ticket.attempt);
-        release_frame(record, worker, frame);
+        release_frame(farm, record, worker, frame);
         return;
     }
-    in_flight_remove(&worker->in_flight, frame);
+    remove_frame(farm, worker, frame);
     estimate_add(&record->estimate, report->render_s + report->audit_s);
     publisher_put(farm->publisher, &request);
 }
@@ -201,7 +212,7 @@ static void note_skipped(struct farm *farm, struct worker_process *worker, const
         farm_store(farm, publish_request_format_op(&request, FRAME_SKIPPED));
         events_send_frame(farm->events, &frame->ticket, FRAME_SKIPPED, NULL);
     }
-    release_frame(record, worker, frame);
+    release_frame(farm, record, worker, frame);
 }
 
 static void note_failed(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
@@ -224,7 +235,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
     if (report->fault == RETRY_FAULT_WORKER)
         worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
     frame_seconds(worker);
-    release_frame(record, worker, frame);
+    release_frame(farm, record, worker, frame);
     if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
     sweeper_remove_part(farm->sweeper, record, ticket.frame, farm->epoch, ticket.attempt);
     free(error);
@@ -267,6 +278,10 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
     case WORKER_REPORT_PHASE:
         note_phase(farm, record, frame, report->phase, report->phase_progress);
         return;
+    case WORKER_REPORT_PLAN_WANTED:
+    case WORKER_REPORT_PLAN_MADE:
+        plan_life_note_report(farm, report, record, frame);
+        return;
     case WORKER_REPORT_RENDERED:
         in_flight_mark_rendered(&worker->in_flight, frame);
         farm_want_feed(farm);
@@ -282,7 +297,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         break;
     default:
         queue_return(farm->queue, &frame->ticket);
-        release_frame(record, worker, frame);
+        release_frame(farm, record, worker, frame);
         break;
     }
     if (worker->in_flight.count == 0) worker_process_forget_log(worker); // no frame is left that it could belong to
@@ -315,7 +330,7 @@ void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, co
                                   .error = is_suspect(worker, &frame) ? suspicion : reason,
                                   .log = log};
 
-        release_frame(record, worker, &worker->in_flight.frames[0]);
+        release_frame(farm, record, worker, &worker->in_flight.frames[0]);
         if (frame.is_started)
             sweeper_remove_part(farm->sweeper, record, frame.ticket.frame, farm->epoch, frame.ticket.attempt);
         if (queue_owns(farm->queue, &frame.ticket)) end_attempt(farm, &end);

@@ -37,6 +37,7 @@ struct job_submit {
     char *code;                // owned; as in struct job_record
     bool is_draft;
     int64_t frame_pixels;
+    char hash[HASH_TEXT_SIZE];
     double tolerance;
     struct quota_user *user;    // borrowed; the owner
     struct quota_amounts share; // its share of what the owner has, until the record has one
@@ -177,6 +178,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
                                      .root = xstrdup(root)};
     submit->is_draft = job->quality.is_draft;
     submit->frame_pixels = (int64_t)job->width_px * job->height_px;
+    memcpy(submit->hash, job->hash, sizeof submit->hash);
     submit->tolerance = job->quality.tolerance;
     submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
     quota_set(submit->user, &submit->share, job_amounts(job));
@@ -309,6 +311,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->code = submit->code;
     record->is_draft = submit->is_draft;
     record->frame_pixels = submit->frame_pixels;
+    memcpy(record->hash, submit->hash, sizeof record->hash);
     record->tolerance = submit->tolerance;
     record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
     record->sent_state = JOB_STATE_COUNT;

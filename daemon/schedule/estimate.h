@@ -29,5 +29,5 @@ void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_
 size_t estimate_count(const struct estimate *estimate); // number of durations, at most ESTIMATE_RECENT
 double estimate_median_s(struct estimate *estimate);    // 0: no durations
 // Seconds until `workers` have done `left` frames (queued and running) with the plans for them; negative when unknown.
-// Workers plan a segment at the same time, each for itself.
+// Workers wait for the plan of a segment that one of them makes.
 double estimate_eta_s(struct estimate *estimate, int64_t left, int workers);

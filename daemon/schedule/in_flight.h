@@ -15,6 +15,7 @@ struct in_flight_frame {
     bool is_rendered; // it is rendered and being encoded
     enum frame_phase phase;
     double phase_progress; // 0 to 1; negative: unknown
+    int plan_messages;     // count of its worker's questions and plans
 };
 
 // Frames in the order of their assignment. The zero value is empty.

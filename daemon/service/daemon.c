@@ -183,6 +183,7 @@ void daemon_destroy(struct daemon *daemon)
     committer_destroy(farm->committer);
     queue_destroy(farm->queue);
     job_table_finish(&farm->jobs);
+    plan_desk_finish(&farm->desk);
     quota_finish(&farm->quota);
     store_reader_close(farm->reader);
     store_close(daemon->store);

@@ -57,6 +57,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->is_ending = record->is_swept = row->finished_ms != 0;
     record->is_draft = job.quality.is_draft;
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
+    memcpy(record->hash, job.hash, sizeof record->hash);
     record->tolerance = job.quality.tolerance;
     record->queued = queue_add_job(farm->queue, row->id, &job.frames, row->priority, row->is_paused);
     record->queued->has_started = row->started_ms != 0;
@@ -163,6 +164,7 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
     free(state.intents);
     farm->epoch = store_epoch(store);
     farm->next_job_id = store_next_job_id(store);
+    farm->next_plan_number = store_next_plan_number(store);
     return ok;
 }
 

@@ -26,6 +26,8 @@ enum statement {
     MARK_FRAME,
     ADD_ATTEMPT,
     TRIM_ATTEMPTS,
+    ADD_PLAN,
+    TRIM_PLANS,
     KEEP_ID,
     DELETE_JOB,
     DELETE_DOCUMENT,
@@ -54,6 +56,9 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
                     " ?2, ?3, ?4, ?5, ?6, ?7)",
     [TRIM_ATTEMPTS] = "DELETE FROM attempt WHERE job = ?1 AND number <="
                       " (SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1) - ?2",
+    [ADD_PLAN] = "INSERT INTO plan (number, owner_uid, scene, segment, text) VALUES (?, ?, ?, ?, ?)",
+    [TRIM_PLANS] = "DELETE FROM plan WHERE owner_uid = ?1 AND number <="
+                   " (SELECT number FROM plan WHERE owner_uid = ?1 ORDER BY number DESC LIMIT 1 OFFSET ?2)",
     [KEEP_ID] = "UPDATE daemon SET last_job_id = max(last_job_id, ?)",
     [DELETE_JOB] = "DELETE FROM job WHERE id = ?",
     [DELETE_DOCUMENT] = "DELETE FROM document WHERE job = ?",
@@ -73,6 +78,7 @@ struct store {
     sqlite3_stmt *statements[STATEMENT_COUNT]; // owned
     int64_t epoch;
     int64_t next_job_id;
+    int64_t next_plan_number;
 };
 
 // Writes nothing before the database is known to be a store; then the tables and the new epoch are one transaction.
@@ -103,6 +109,10 @@ static bool open_database(struct store *store, const char *path, struct error *e
             store->db, "SELECT max(last_job_id, (SELECT coalesce(max(id), 0) FROM job)) FROM daemon", &last_id, error))
         return false;
     store->next_job_id = last_id + 1;
+    // The newest plan of an owner is never dropped.
+    if (!store_sql_read_integer(store->db, "SELECT coalesce(max(number), 0) + 1 FROM plan", &store->next_plan_number,
+                                error))
+        return false;
     return true;
 }
 
@@ -143,6 +153,11 @@ int64_t store_epoch(const struct store *store)
 int64_t store_next_job_id(const struct store *store)
 {
     return store->next_job_id;
+}
+
+int64_t store_next_plan_number(const struct store *store)
+{
+    return store->next_plan_number;
 }
 
 static void bind_job_changes(sqlite3_stmt *statement, const struct store_job *job)
@@ -232,6 +247,21 @@ static bool add_attempt(struct store *store, const struct store_attempt *attempt
     return store_sql_run(add, "add an attempt", error) && store_sql_run(trim, "drop old attempts", error);
 }
 
+static bool add_plan(struct store *store, const struct store_plan *plan, struct error *error)
+{
+    sqlite3_stmt *add = store->statements[ADD_PLAN];
+    sqlite3_stmt *trim = store->statements[TRIM_PLANS];
+
+    sqlite3_bind_int64(add, 1, plan->number);
+    sqlite3_bind_int64(add, 2, plan->key.owner_uid);
+    store_sql_bind_text(add, 3, plan->key.scene);
+    store_sql_bind_text(add, 4, plan->key.segment);
+    store_sql_bind_text(add, 5, plan->text);
+    sqlite3_bind_int64(trim, 1, plan->key.owner_uid);
+    sqlite3_bind_int(trim, 2, STORE_PLAN_LIMIT);
+    return store_sql_run(add, "add a plan", error) && store_sql_run(trim, "drop old plans", error);
+}
+
 // Each run of consecutive indices is deleted by one statement.
 static bool reset_frames(struct store *store, int64_t job, const int32_t *indices, size_t count, struct error *error)
 {
@@ -284,6 +314,8 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
         return set_frame(store, &op->frame, error);
     case STORE_ADD_ATTEMPT:
         return add_attempt(store, &op->attempt, error);
+    case STORE_ADD_PLAN:
+        return add_plan(store, &op->plan, error);
     case STORE_RESET_FRAMES:
         return reset_frames(store, op->reset.job, op->reset.indices, op->reset.count, error);
     case STORE_MARK_FRAMES:

@@ -1,4 +1,4 @@
-// The durable store: jobs, frames and attempts in SQLite. Blocking; for one thread at a time.
+// The durable store: jobs, frames, attempts and plans in SQLite. Blocking; for one thread at a time.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -18,6 +18,8 @@ struct store *store_open(const char *folder, struct error *error);
 void store_close(struct store *store); // accepts NULL
 int64_t store_epoch(const struct store *store);
 int64_t store_next_job_id(const struct store *store); // greater than any id that was ever used
+
+int64_t store_next_plan_number(const struct store *store); // greater than that of any plan
 
 // Commits all ops, or none on failure. On success they are on disk. On failure the message names the cause ("disk
 // full"), and the same ops may be committed again.

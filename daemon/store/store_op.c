@@ -37,6 +37,9 @@ void store_op_finish(struct store_op *op)
     case STORE_ADD_ATTEMPT:
         free(op->attempt.log);
         break;
+    case STORE_ADD_PLAN:
+        free(op->plan.text);
+        break;
     case STORE_RESET_FRAMES:
         free(op->reset.indices);
         break;

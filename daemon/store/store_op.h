@@ -4,12 +4,13 @@
 
 #include "core/base/hash.h"
 #include "core/wire/frame_accuracy.h"
+#include "daemon/schedule/plan_desk.h"
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-enum { STORE_ATTEMPT_LIMIT = 1000 };
+enum { STORE_ATTEMPT_LIMIT = 1000, STORE_PLAN_LIMIT = 1000 };
 
 enum store_op_kind {
     STORE_ADD_JOB,
@@ -18,6 +19,7 @@ enum store_op_kind {
     STORE_ADD_ATTEMPT,  // adds an ended attempt; only the newest STORE_ATTEMPT_LIMIT of a job are kept
     STORE_RESET_FRAMES, // deletes frame rows of a job by index list: the frames are queued again
     STORE_DELETE_JOB,   // deletes all rows of the job `job.id`, whose id is not used again
+    STORE_ADD_PLAN,     // adds a plan; only the newest STORE_PLAN_LIMIT of its owner are kept
     STORE_MARK_FRAMES   // adds a row with only `state` for each frame of an index list that has none
 };
 
@@ -60,6 +62,12 @@ struct store_attempt {
     char *log;        // owned
 };
 
+struct store_plan {
+    int64_t number; // greater than any before
+    struct plan_key key;
+    char *text; // owned; the plan as JSON
+};
+
 // An op owns its strings and lists once it is in a batch.
 struct store_op {
     enum store_op_kind kind;
@@ -67,6 +75,7 @@ struct store_op {
         struct store_job job;
         struct store_frame frame;
         struct store_attempt attempt;
+        struct store_plan plan;
         struct {
             int64_t job;
             int32_t *indices; // owned; fastest when ascending

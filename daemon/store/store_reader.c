@@ -14,8 +14,8 @@
 enum { BUSY_TIMEOUT_MS = 5000 };
 
 struct store_reader {
-    sqlite3 *db;                                        // owned
-    sqlite3_stmt *frames, *bytes, *attempts, *document; // owned
+    sqlite3 *db;                                               // owned
+    sqlite3_stmt *frames, *bytes, *attempts, *document, *plan; // owned
 };
 
 struct store_reader *store_reader_open(const char *folder, struct error *error)
@@ -41,7 +41,11 @@ struct store_reader *store_reader_open(const char *folder, struct error *error)
                            "SELECT job, frame, attempt, worker, ended_ms, outcome, log FROM attempt"
                            " WHERE job = ?1 AND (?2 = -1 OR frame = ?2) ORDER BY number DESC LIMIT ?3",
                            &reader->attempts, error) &&
-         store_sql_prepare(reader->db, "SELECT text FROM document WHERE job = ?", &reader->document, error);
+         store_sql_prepare(reader->db, "SELECT text FROM document WHERE job = ?", &reader->document, error) &&
+         store_sql_prepare(reader->db,
+                           "SELECT number, text FROM plan WHERE owner_uid = ? AND scene = ? AND segment = ?"
+                           " ORDER BY number DESC LIMIT 1",
+                           &reader->plan, error);
 out:
     free(path);
     if (ok) return reader;
@@ -52,6 +56,7 @@ out:
 void store_reader_close(struct store_reader *reader)
 {
     if (!reader) return;
+    sqlite3_finalize(reader->plan);
     sqlite3_finalize(reader->document);
     sqlite3_finalize(reader->attempts);
     sqlite3_finalize(reader->bytes);
@@ -159,4 +164,28 @@ bool store_read_document(struct store_reader *reader, int64_t job, char **docume
     }
     sqlite3_reset(rows);
     return *document != NULL;
+}
+
+bool store_read_plan(struct store_reader *reader, const struct plan_key *key, int64_t *number, char **text,
+                     struct error *error)
+{
+    sqlite3_stmt *rows = reader->plan;
+    int result;
+
+    *number = 0;
+    *text = NULL;
+    sqlite3_bind_int64(rows, 1, key->owner_uid);
+    store_sql_bind_text(rows, 2, key->scene);
+    store_sql_bind_text(rows, 3, key->segment);
+    result = sqlite3_step(rows);
+    if (result == SQLITE_ROW) {
+        const char *found = store_sql_text(rows, 1);
+
+        *number = sqlite3_column_int64(rows, 0);
+        *text = xstrdup(found ? found : "");
+    } else if (result != SQLITE_DONE) {
+        store_sql_set_error(error, reader->db, "read a plan");
+    }
+    sqlite3_reset(rows);
+    return result == SQLITE_ROW || result == SQLITE_DONE;
 }

@@ -1,4 +1,4 @@
-// Reads of rows that the queue does not keep in memory: frames, attempts, job documents.
+// Reads of rows that the queue does not keep in memory: frames, attempts, job documents, plans.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -24,3 +24,6 @@ bool store_read_attempts(struct store_reader *reader, int64_t job, int32_t frame
 // `*document` is the job file as text, owned by the caller; NULL on failure. It is an error when the store has no such
 // job.
 bool store_read_document(struct store_reader *reader, int64_t job, char **document, struct error *error);
+// The newest plan of the key; its text is owned by the caller. `*number` is 0 and `*text` NULL where there is none.
+bool store_read_plan(struct store_reader *reader, const struct plan_key *key, int64_t *number, char **text,
+                     struct error *error);

@@ -49,6 +49,11 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "ALTER TABLE frame ADD COLUMN cut_share REAL;",
     // The highest id of deleted jobs; other ids are in `job`.
     [2] = "ALTER TABLE daemon ADD COLUMN last_job_id INTEGER NOT NULL DEFAULT 0;",
+    [3] = "CREATE TABLE plan ("
+          "    number INTEGER PRIMARY KEY, owner_uid INTEGER NOT NULL, scene TEXT NOT NULL, segment TEXT NOT NULL,"
+          "    text TEXT NOT NULL);"
+          "CREATE INDEX plan_of_owner ON plan (owner_uid);"
+          "CREATE INDEX plan_of_segment ON plan (owner_uid, scene, segment);",
 };
 
 bool store_schema_check(sqlite3 *db, int *found, struct error *error)

@@ -402,14 +402,23 @@ char *worker_pool_format_trouble(const struct worker_pool *pool)
     return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("no worker is ready: all are starting");
 }
 
+struct worker_process *worker_pool_find_holder(const struct worker_pool *pool, int64_t job, int32_t frame,
+                                               int32_t attempt)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (worker && in_flight_find(&worker->in_flight, job, frame, attempt)) return worker;
+    }
+    return NULL;
+}
+
 const struct in_flight_frame *worker_pool_find_frame(const struct worker_pool *pool, int64_t job, int32_t frame,
                                                      int32_t attempt)
 {
-    const struct in_flight_frame *found = NULL;
+    const struct worker_process *worker = worker_pool_find_holder(pool, job, frame, attempt);
 
-    for (int i = 0; i < pool->slot_count && !found; i++)
-        if (pool->slots[i].worker) found = in_flight_find(&pool->slots[i].worker->in_flight, job, frame, attempt);
-    return found;
+    return worker ? in_flight_find(&worker->in_flight, job, frame, attempt) : NULL;
 }
 
 const struct in_flight_frame *worker_pool_furthest_frame(const struct worker_pool *pool, int64_t job)
@@ -447,6 +456,15 @@ void worker_pool_drop_job(struct worker_pool *pool, int64_t job, bool running)
 
         if (worker && in_flight_has_job(&worker->in_flight, job))
             send_about_job(worker, "worker.drop", job, true, running);
+    }
+}
+
+void worker_pool_tell(struct worker_pool *pool, int64_t job, const struct json_writer *messages)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (worker && worker_process_knows_job(worker, job)) worker_process_send(worker, messages);
     }
 }
 

@@ -51,6 +51,11 @@ const struct in_flight_frame *worker_pool_find_frame(const struct worker_pool *p
                                                      int32_t attempt);
 const struct in_flight_frame *worker_pool_furthest_frame(const struct worker_pool *pool, int64_t job);
 
+// The worker that holds that attempt; NULL: none.
+struct worker_process *worker_pool_find_holder(const struct worker_pool *pool, int64_t job, int32_t frame,
+                                               int32_t attempt);
+void worker_pool_tell(struct worker_pool *pool, int64_t job, const struct json_writer *messages); // who know the job
+
 // Sends worker.drop to workers with frames of the job in flight, worker.forget to workers that know the job.
 void worker_pool_drop_job(struct worker_pool *pool, int64_t job, bool running);
 void worker_pool_forget_job(struct worker_pool *pool, int64_t job);

@@ -127,6 +127,26 @@ static bool read_phase(struct worker_report *report, const struct json_node *bod
     return json_node_is_absent(&progress) || json_read_number(&progress, 0.0, 1.0, &report->phase_progress, error);
 }
 
+static bool read_plan_wanted(struct worker_report *report, const struct json_node *body, struct error *error)
+{
+    struct json_node node = json_node_child(body, "key");
+
+    if (!read_frame(report, body, error) || !json_read_string(&node, &report->key, error)) return false;
+    if (strlen(report->key) == HASH_TEXT_SIZE - 1 && strspn(report->key, "0123456789abcdef") == HASH_TEXT_SIZE - 1)
+        return true;
+    return json_fail_expected(&node, error, "a hash of 32 hexadecimal digits");
+}
+
+static bool read_plan_made(struct worker_report *report, const struct json_node *body, struct error *error)
+{
+    struct json_node missed = json_node_child(body, "missed");
+
+    report->plan = json_node_child(body, "plan");
+    return read_plan_wanted(report, body, error) &&
+           (json_node_is_absent(&missed) || json_read_integer(&missed, 1, INT64_MAX, &report->missed, error)) &&
+           json_check_object(&report->plan, error);
+}
+
 static bool read_finished(struct worker_report *report, const struct json_node *body, struct error *error)
 {
     return read_frame(report, body, error) && read_file(&report->file, body, error) &&
@@ -166,12 +186,20 @@ static const struct report_method {
     enum worker_report_kind kind;
     bool (*read)(struct worker_report *report, const struct json_node *body, struct error *error);
 } methods[] = {
-    {"frame.skipped", WORKER_REPORT_SKIPPED, read_skipped}, {"frame.started", WORKER_REPORT_STARTED, read_frame},
-    {"frame.rendered", WORKER_REPORT_RENDERED, read_frame}, {"frame.finished", WORKER_REPORT_FINISHED, read_finished},
-    {"frame.failed", WORKER_REPORT_FAILED, read_failed},    {"frame.dropped", WORKER_REPORT_DROPPED, read_frame},
-    {"worker.beat", WORKER_REPORT_BEAT, read_beat},         {"worker.ready", WORKER_REPORT_READY, read_ready},
-    {"worker.failed", WORKER_REPORT_UNABLE, read_unable},   {"frame.planning", WORKER_REPORT_PLANNING, read_frame},
-    {"frame.planned", WORKER_REPORT_PLANNED, read_planned}, {"frame.phase", WORKER_REPORT_PHASE, read_phase},
+    {"frame.skipped", WORKER_REPORT_SKIPPED, read_skipped},
+    {"frame.started", WORKER_REPORT_STARTED, read_frame},
+    {"frame.rendered", WORKER_REPORT_RENDERED, read_frame},
+    {"frame.finished", WORKER_REPORT_FINISHED, read_finished},
+    {"frame.failed", WORKER_REPORT_FAILED, read_failed},
+    {"frame.dropped", WORKER_REPORT_DROPPED, read_frame},
+    {"worker.beat", WORKER_REPORT_BEAT, read_beat},
+    {"worker.ready", WORKER_REPORT_READY, read_ready},
+    {"worker.failed", WORKER_REPORT_UNABLE, read_unable},
+    {"frame.planning", WORKER_REPORT_PLANNING, read_frame},
+    {"frame.planned", WORKER_REPORT_PLANNED, read_planned},
+    {"frame.phase", WORKER_REPORT_PHASE, read_phase},
+    {"plan.ask", WORKER_REPORT_PLAN_WANTED, read_plan_wanted},
+    {"plan.made", WORKER_REPORT_PLAN_MADE, read_plan_made},
 };
 
 bool worker_report_read(struct worker_report *report, const struct message *message, struct error *error)

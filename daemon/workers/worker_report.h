@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/json/json_node.h"
 #include "core/wire/frame_accuracy.h"
 #include "core/wire/frame_phase.h"
 #include "core/wire/publish.h"
@@ -21,6 +22,8 @@ enum worker_report_kind {
     WORKER_REPORT_PLANNING,
     WORKER_REPORT_PLANNED,
     WORKER_REPORT_PHASE,
+    WORKER_REPORT_PLAN_WANTED,
+    WORKER_REPORT_PLAN_MADE,
     WORKER_REPORT_RENDERED,
     WORKER_REPORT_FINISHED,
     WORKER_REPORT_SKIPPED,
@@ -39,6 +42,9 @@ struct worker_report {
     int32_t frame, attempt;
     enum frame_phase phase;     // phase
     double phase_progress;      // phase: 0 to 1; negative: unknown
+    const char *key;            // plan wanted, plan made: 32 hexadecimal digits
+    int64_t missed;             // plan made: the number of the plan that it replaces; 0: none
+    struct json_node plan;      // plan made; borrowed from the message
     int64_t planned_frames;     // planned: the frames that the plan serves; 0: unknown
     struct published_file file; // finished; skipped, without inode
     double render_s, encode_s;
