@@ -7,8 +7,8 @@ void path_send(PathRay ray)
 {
     float most = spectrum_max(ray.throughput);
     if (most <= 0.0) return;
-    bool is_dim = most < PATH_THROUGHPUT_LIMIT;
-    if (is_dim || ray.depth > PATH_DEPTH_LIMIT) {
+    bool is_dim = most < quality_min_throughput;
+    if (is_dim || ray.depth > int(quality_max_depth)) {
         float throughput = spectrum_mean(ray.throughput);
         path_counts += vec4(throughput, 1.0, 0.0, is_dim ? 0.0 : throughput);
         return;

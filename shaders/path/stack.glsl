@@ -10,7 +10,7 @@ struct PathParked {
 
 PathRay path_next;
 bool path_has_next = false;
-PathParked path_parked[PATH_DEPTH_LIMIT];
+PathParked path_parked[PATH_ROOM];
 int path_parked_count = 0;
 
 void path_wait(PathRay ray)

@@ -9,6 +9,7 @@
 #include "tests/support/shader_dir.h"
 #include "tests/support/temp_folder.h"
 #include "worker/picture/image.h"
+#include "worker/picture/pixel.h"
 #include "worker/render/renderer.h"
 
 #include <setjmp.h>
@@ -36,7 +37,9 @@ static bool count_call(void *user, double done)
     return true;
 }
 
-static struct image render(const struct job *job, const char *shader_dir, int *calls)
+// The frame, or a list of its pixels.
+static struct image render_pixels(const struct job *job, const char *shader_dir, const struct pixel *pixels, int count,
+                                  int *calls)
 {
     struct error error = {{0}};
     struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, shader_dir);
@@ -44,15 +47,25 @@ static struct image render(const struct job *job, const char *shader_dir, int *c
     struct counted counted = {0};
     struct image image;
 
-    assert_true(image_init(&image, job->width_px, job->height_px, true, true, &error));
+    assert_true(image_init(&image, pixels ? count : job->width_px, pixels ? 1 : job->height_px, true, true, &error));
     if (!renderer_render(stage.renderer,
-                         &(struct renderer_frame){
-                             .job = job, .frame = 0, .image = &image, .on_progress = count_call, .user = &counted},
+                         &(struct renderer_frame){.job = job,
+                                                  .frame = 0,
+                                                  .pixels = pixels,
+                                                  .pixel_count = (size_t)count,
+                                                  .image = &image,
+                                                  .on_progress = count_call,
+                                                  .user = &counted},
                          &result, &error))
         fail_msg("%s", error.message);
     gl_stage_close(stage);
     *calls = counted.calls;
     return image;
+}
+
+static struct image render(const struct job *job, const char *shader_dir, int *calls)
+{
+    return render_pixels(job, shader_dir, NULL, 0, calls);
 }
 
 // Copies a module into the test's folder with another number in it.
@@ -143,6 +156,36 @@ static void short_slices_make_the_same_picture(void **state)
     }
 }
 
+// Lists are cut and continued as frames are, in squares instead of rows.
+static void short_slices_make_the_same_list(void **state)
+{
+    struct pixel pixels[PIXELS / 3];
+
+    for (int i = 0; i < PIXELS / 3; ++i)
+        pixels[i] = (struct pixel){(7 * i + 3) % WIDTH_PX, (5 * i + 1) % HEIGHT_PX};
+    shorten_slices(state, "7");
+    for (size_t i = 0; i < sizeof variants / sizeof *variants; ++i) {
+        struct image whole, list;
+        struct job job;
+        int whole_calls, list_calls;
+
+        load(&job, &variants[i]);
+        whole = render(&job, test_shader_dir(), &whole_calls);
+        list = render_pixels(&job, *state, pixels, PIXELS / 3, &list_calls);
+        assert_true(list_calls > whole_calls + 2);
+        for (int k = 0; k < PIXELS / 3; ++k) {
+            int at = pixels[k].y * WIDTH_PX + pixels[k].x;
+
+            assert_memory_equal(&list.rgba[4 * k], &whole.rgba[4 * at], 4 * sizeof(float));
+            assert_memory_equal(&list.transmittance[4 * k], &whole.transmittance[4 * at], 4 * sizeof(float));
+            assert_memory_equal(&list.depth[k], &whole.depth[at], sizeof(float));
+        }
+        image_finish(&whole);
+        image_finish(&list);
+        job_finish(&job);
+    }
+}
+
 static double find_error(const struct job_quality *quality)
 {
     static double truth[3 * PIXELS];
@@ -193,6 +236,7 @@ int main(int argument_count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(short_slices_make_the_same_picture, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(short_slices_make_the_same_list, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(fine_sums_converge),
     };
 

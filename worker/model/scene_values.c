@@ -9,6 +9,7 @@
 #include "worker/model/object_values.h"
 #include "worker/model/scene_model.h"
 #include "worker/scene/camera_view.h"
+#include "worker/scene/pixel_samples.h"
 
 #include <math.h>
 #include <string.h>
@@ -37,6 +38,21 @@ static void evaluate_number(const void *source, double time, double value[static
 {
     (void)time;
     value[0] = *(const double *)source;
+}
+
+static void evaluate_count(const void *source, double time, double value[static 9])
+{
+    (void)time;
+    value[0] = *(const int *)source;
+}
+
+// The steps of riemann: counted in double precision, because drivers round half a step differently.
+static void evaluate_step_count(const void *source, double time, double value[static 9])
+{
+    const struct job *job = source;
+
+    (void)time;
+    value[0] = round((job->scene.camera.clip_far - job->scene.camera.clip_near) / job->quality.step);
 }
 
 static void evaluate_camera_position(const void *source, double time, double value[static 9])
@@ -176,6 +192,50 @@ static void add_light(struct frame_uniforms *uniforms, const struct scene_light 
     light_kind_add_values(uniforms, light, index);
 }
 
+// A number of a setting is a uniform, so that all settings of a method share one program.
+static void add_setting(struct frame_uniforms *uniforms, frame_value_evaluate *evaluate, const void *source,
+                        const char *meaning)
+{
+    frame_uniforms_add(uniforms,
+                       (struct frame_value){.type = FRAME_VALUE_FLOAT,
+                                            .origin = FRAME_VALUE_OF_PLAN,
+                                            .evaluate = evaluate,
+                                            .source = source,
+                                            .min = value_range_not_negative.min,
+                                            .max = value_range_not_negative.max,
+                                            .meaning = meaning},
+                       "%s", meaning);
+}
+
+static void add_number(struct frame_uniforms *uniforms, const double *number, const char *meaning)
+{
+    add_setting(uniforms, evaluate_number, number, meaning);
+}
+
+// A whole number below 2^24, which floats hold exactly.
+static void add_count(struct frame_uniforms *uniforms, const int *count, const char *meaning)
+{
+    add_setting(uniforms, evaluate_count, count, meaning);
+}
+
+static void evaluate_sample_columns(const void *source, double time, double value[static 9])
+{
+    int columns, rows;
+
+    (void)time;
+    pixel_samples_strata(pixel_samples_count(source), &columns, &rows);
+    value[0] = columns;
+}
+
+static void evaluate_sample_rows(const void *source, double time, double value[static 9])
+{
+    int columns, rows;
+
+    (void)time;
+    pixel_samples_strata(pixel_samples_count(source), &columns, &rows);
+    value[0] = rows;
+}
+
 // Adds whole numbers, which floats hold exactly.
 static void add_sampling(struct frame_uniforms *uniforms, const struct job *job, const struct scene_features *features)
 {
@@ -193,20 +253,15 @@ static void add_sampling(struct frame_uniforms *uniforms, const struct job *job,
     if (!features->is_random) return;
     frame_uniforms_add(uniforms, seed, "frame_seed");
     frame_uniforms_add(uniforms, sample, "sample_index");
+    if (!features->has_samples) return;
+    add_setting(uniforms, evaluate_sample_columns, job, "sample_columns");
+    add_setting(uniforms, evaluate_sample_rows, job, "sample_rows");
 }
 
-// A number of a setting is a uniform, so that all settings of a method share one program.
-static void add_number(struct frame_uniforms *uniforms, const double *number, const char *meaning)
+static void add_riemann(struct frame_uniforms *uniforms, const struct scene_model *model)
 {
-    frame_uniforms_add(uniforms,
-                       (struct frame_value){.type = FRAME_VALUE_FLOAT,
-                                            .origin = FRAME_VALUE_OF_PLAN,
-                                            .evaluate = evaluate_number,
-                                            .source = number,
-                                            .min = value_range_not_negative.min,
-                                            .max = value_range_not_negative.max,
-                                            .meaning = meaning},
-                       "%s", meaning);
+    add_setting(uniforms, evaluate_step_count, model->job, "quality_step_count");
+    if (model->features.marches_to_lights) add_count(uniforms, &model->job->quality.light_steps, "quality_light_steps");
 }
 
 static void add_steps(struct frame_uniforms *uniforms, const struct scene_model *model)
@@ -220,6 +275,15 @@ static void add_steps(struct frame_uniforms *uniforms, const struct scene_model 
     if (features->is_adaptive) add_number(uniforms, &quality->depth_step, "quality_depth_step");
     if (features->has_media && (features->has_objects || quality->min_transmittance > 0.0))
         add_number(uniforms, &quality->min_transmittance, "quality_min_transmittance");
+    if (quality->method == JOB_METHOD_RIEMANN && features->marches) add_riemann(uniforms, model);
+    if (features->has_roulette) {
+        add_number(uniforms, &quality->roulette_below, "quality_roulette_below");
+        add_number(uniforms, &quality->roulette_survive, "quality_roulette_survive");
+    }
+    if (features->has_paths) {
+        add_number(uniforms, &quality->min_throughput, "quality_min_throughput");
+        add_count(uniforms, &quality->max_depth, "quality_max_depth");
+    }
 }
 
 static void evaluate_anchor(const void *source, double time, double value[static 9])

@@ -122,7 +122,7 @@ bool drawing_find_program(struct drawing *drawing, struct error *error)
 {
     const struct scene_program *scene = drawing->scene;
 
-    drawing->program = gl_programs_find(&drawing->tools->programs, scene->hash,
+    drawing->program = gl_programs_find(&drawing->tools->programs, scene->text_hash,
                                         &(struct gl_program_params){.vertex = scene->vertex,
                                                                     .fragment = scene->fragment,
                                                                     .module_names = scene->module_names,

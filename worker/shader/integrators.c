@@ -4,8 +4,6 @@
 #include "core/job/job.h"
 #include "worker/model/scene_model.h"
 
-#include <math.h>
-
 static bool is_riemann(const struct scene_model *model)
 {
     return model->job->quality.method == JOB_METHOD_RIEMANN;
@@ -69,16 +67,13 @@ static bool always(const struct scene_model *model)
 
 static void write_riemann(FILE *out, const struct scene_model *model)
 {
-    const struct scene_camera *camera = &model->job->scene.camera;
-    double step = scene_model_quality(model)->step;
-    int count = (int)round((camera->clip_far - camera->clip_near) / step);
-
-    fprintf(out, "%.9e, %.9e, %d", camera->clip_near, step, count);
+    fprintf(out, "%.9e, quality_step, int(quality_step_count)", model->job->scene.camera.clip_near);
 }
 
 static void write_light_steps(FILE *out, const struct scene_model *model)
 {
-    fprintf(out, "%d", model->job->quality.light_steps);
+    (void)model;
+    fputs("int(quality_light_steps)", out);
 }
 
 // n spans have 2 n ends.

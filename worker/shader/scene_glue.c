@@ -78,15 +78,11 @@ static void write_interval(FILE *out, const struct scene_camera *camera)
 // Writes the image point that this pass samples, and the start of its random numbers.
 static void write_point(FILE *out, const struct scene_model *model)
 {
-    int columns, rows;
-
     fputs("    uvec2 pixel = pixel_drawn();\n", out);
-    pixel_samples_strata(pixel_samples_count(model->job), &columns, &rows);
     if (model->features.has_samples)
-        fprintf(out,
-                "    vec2 point_px = pixel_samples_point(PixelSamples(%du, %du), pixel, uint(sample_index), "
-                "uint(frame_seed));\n",
-                columns, rows);
+        fputs("    vec2 point_px = pixel_samples_point(PixelSamples(uint(sample_columns), uint(sample_rows)), pixel,\n"
+              "                                        uint(sample_index), uint(frame_seed));\n",
+              out);
     else if (model->features.is_random)
         fputs("    random_start(pixel, uint(sample_index), uint(frame_seed));\n", out);
 }

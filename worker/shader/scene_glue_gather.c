@@ -241,8 +241,9 @@ static void write_sigma_t(FILE *out, const struct scene_model *model)
 static void write_left(FILE *out, const struct scene_model *model)
 {
     if (model->features.has_roulette)
-        fprintf(out, "    gathered.transmittance = integrator_roulette(IntegratorRoulette(%.9e, %.9e), after);\n",
-                model->job->quality.roulette_below, model->job->quality.roulette_survive);
+        fputs("    gathered.transmittance = integrator_roulette(IntegratorRoulette(quality_roulette_below, "
+              "quality_roulette_survive), after);\n",
+              out);
     else
         fputs("    gathered.transmittance = after;\n", out);
 }

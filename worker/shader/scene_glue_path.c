@@ -82,11 +82,19 @@ static bool sees_behind(const struct scene_model *model)
     return model->features.has_transmittance || !model->job->scene.has_background;
 }
 
+// Room for the rays that wait: a power of two, so that paths of several lengths share a program.
+static void write_path_room(FILE *out, int max_depth)
+{
+    int room = 1;
+
+    while (room < max_depth)
+        room *= 2;
+    fprintf(out, "const int PATH_ROOM = %d;\n", room);
+}
+
 void scene_glue_write_seen(FILE *out, const struct scene_model *model)
 {
-    if (model->features.has_paths)
-        fprintf(out, "const int PATH_DEPTH_LIMIT = %d;\nconst float PATH_THROUGHPUT_LIMIT = %.9e;\n",
-                model->job->quality.max_depth, model->job->quality.min_throughput);
+    if (model->features.has_paths) write_path_room(out, model->job->quality.max_depth);
     fputs("// Sums over a sample's rays so far: light, the throughput of rays that leave the scene without a "
           "reflection,\n"
           "// and the distance of the first hit.\n"

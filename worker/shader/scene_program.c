@@ -318,6 +318,7 @@ static void hash_texts(struct scene_program *program)
     hash_bytes(program->fragment, strlen(program->fragment), hashes[1]);
     for (size_t i = 0; i < program->cache_count; ++i)
         scene_cache_hash(&program->caches[i], hashes[2 + i]);
+    hash_bytes(hashes, 2 * sizeof *hashes, program->text_hash);
     hash_bytes(hashes, (2 + program->cache_count) * sizeof *hashes, program->hash);
 }
 

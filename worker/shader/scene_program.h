@@ -22,7 +22,8 @@ struct scene_program {
     char *fragment; // owned; `#line` numbers it as shader_assembly.h says, by module_names
     const char *module_names[SHADER_ASSEMBLY_MODULE_LIMIT]; // as shader_assembly.h has them
     size_t module_count;
-    char hash[HASH_TEXT_SIZE]; // of both texts, and of all that the caches follow from except their uniforms
+    char text_hash[HASH_TEXT_SIZE]; // of both texts: those that are equal are linked once
+    char hash[HASH_TEXT_SIZE];      // of both texts, and of all that the caches follow from except their uniforms
     // The textures that the fragment shader samples, each after those that it reads itself.
     struct scene_cache caches[SCENE_CACHE_LIMIT];
     size_t cache_count;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/base/log.h"
 #include "core/job/job.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
@@ -11,12 +12,14 @@
 #include "worker/picture/pixel.h"
 #include "worker/render/renderer.h"
 
+#include <dirent.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -184,12 +187,138 @@ static void a_cut_march_is_found_in_a_list(void **state)
     gl_stage_close(stage);
 }
 
+enum { THREAD_LIMIT = 256 };
+
+// The processor time of each thread of this process, s. Returns their number.
+static int read_threads(int threads[static THREAD_LIMIT], double seconds[static THREAD_LIMIT])
+{
+    DIR *folder = opendir("/proc/self/task");
+    struct dirent *entry;
+    int count = 0;
+
+    assert_non_null(folder);
+    while ((entry = readdir(folder)) && count < THREAD_LIMIT) {
+        char path[64], text[64] = "";
+        FILE *file;
+
+        if (entry->d_name[0] == '.') continue;
+        snprintf(path, sizeof path, "/proc/self/task/%.20s/schedstat", entry->d_name);
+        file = fopen(path, "r");
+        if (!file) continue;
+        if (!fgets(text, sizeof text, file)) text[0] = 0;
+        fclose(file);
+        threads[count] = (int)strtol(entry->d_name, NULL, 10);
+        seconds[count++] = 1e-9 * strtod(text, NULL);
+    }
+    closedir(folder);
+    return count;
+}
+
+// Software GL's threads: a list far shorter than a frame gives work to more than one.
+static void a_short_list_is_for_several_threads(void **state)
+{
+    int threads[2][THREAD_LIMIT], counts[2], busy = 0;
+    double seconds[2][THREAD_LIMIT], sum = 0.0, most = 0.0;
+    struct gl_stage stage;
+    struct pixel pixels[1000];
+    struct image list;
+    struct job job;
+
+    (void)state;
+    if (sysconf(_SC_NPROCESSORS_ONLN) < 2) {
+        print_message("skipped: there is one processor\n");
+        skip();
+    }
+    stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    example_job_load(&job, "cloud");
+    example_job_shrink(&job, 640, 360, 2.0);
+    job.quality = (struct job_quality){.method = JOB_METHOD_MIDPOINT, .step = 0.002, .light_step = 0.02, .samples = 1};
+    for (int i = 0; i < 1000; i++)
+        pixels[i] = (struct pixel){220 + 5 * (i % 40), 110 + 5 * (i / 40)};
+    for (int i = 0; i < 2; i++) {
+        (void)render(stage.renderer, &job, pixels, 1000, &list); // the first links
+        image_finish(&list);
+        counts[i] = read_threads(threads[i], seconds[i]);
+    }
+    for (int i = 0; i < counts[1]; i++) {
+        double spent = seconds[1][i];
+
+        for (int k = 0; k < counts[0]; k++)
+            if (threads[0][k] == threads[1][i]) spent -= seconds[0][k];
+        sum += spent;
+        most = spent > most ? spent : most;
+        busy += spent > 0.0;
+    }
+    print_message("%d threads, %.3f s, of one %.3f s\n", busy, sum, most);
+    assert_true(sum > 0.05); // else nothing is known
+    assert_true(most < 0.9 * sum);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
+static int link_count;
+
+static void count_links(enum log_level level, const struct log_subject *subject, const char *line)
+{
+    (void)level;
+    (void)subject;
+    link_count += strstr(line, " linked in ") != NULL;
+}
+
+// Linking takes as long as a small picture: a plan, a chart or a user who tries numbers must not pay it each time.
+static void ten_settings_link_one_program(void **state)
+{
+    static const struct job_quality methods[] = {
+        {.method = JOB_METHOD_RIEMANN, .step = 0.4, .light_steps = 4, .samples = 1},
+        {.method = JOB_METHOD_MIDPOINT, .step = 0.4, .light_step = 0.4, .min_transmittance = 0.01, .samples = 1},
+        {.method = JOB_METHOD_ADAPTIVE, .step = 0.4, .light_step = 0.4, .depth_step = 2.0, .samples = 1},
+        {.method = JOB_METHOD_GAUSS, .order = 3, .step = 0.4, .light_step = 0.4, .samples = 1},
+        {.method = JOB_METHOD_CACHED, .step = 0.4, .light_grid = 4, .samples = 1},
+    };
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct job job;
+
+    (void)state;
+    example_job_load(&job, "cloud");
+    example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, 2.0);
+    log_set_level(LOG_DEBUG);
+    log_set_sink(count_links);
+    for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
+        int first = 0;
+
+        link_count = 0;
+        job.quality = methods[i];
+        for (int k = 0; k < 10; k++) {
+            struct pixel pixels[16];
+            struct image image;
+
+            draw_list(pixels, 16, (uint32_t)k);
+            (void)render(stage.renderer, &job, k % 2 ? pixels : NULL, 16, &image);
+            image_finish(&image);
+            job.quality.step *= 0.8;
+            job.quality.light_step *= 0.9;
+            job.quality.depth_step *= 0.9;
+            job.quality.light_steps += 3;
+            job.quality.light_grid += job.quality.light_grid > 0 ? 2 : 0;
+            job.quality.min_transmittance *= 0.7;
+            if (k == 0) first = link_count;
+        }
+        // A light's grid is filled by two programs of its own.
+        assert_int_equal(first, methods[i].method == JOB_METHOD_CACHED ? 3 : 1);
+        assert_int_equal(link_count, first);
+    }
+    log_set_sink(NULL);
+    log_set_level(LOG_INFO);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
 int main(int argument_count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_list_has_the_values_of_the_frame),
-        cmocka_unit_test(a_list_leaves_the_frame_alone),
-        cmocka_unit_test(a_cut_march_is_found_in_a_list),
+        cmocka_unit_test(a_list_has_the_values_of_the_frame), cmocka_unit_test(a_list_leaves_the_frame_alone),
+        cmocka_unit_test(a_cut_march_is_found_in_a_list),     cmocka_unit_test(a_short_list_is_for_several_threads),
+        cmocka_unit_test(ten_settings_link_one_program),
     };
 
     if (argument_count > 1) cmocka_set_test_filter(arguments[1]);

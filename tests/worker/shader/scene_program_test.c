@@ -179,21 +179,6 @@ static void even_media_cast_shadows_without_a_march(void **state)
     release(&program, &job);
 }
 
-static void settings_of_a_method_share_a_program(void **state)
-{
-    struct scene_program program, other;
-    struct job job;
-
-    assemble(&program, &job, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT);
-    shader_text_assert_has(&program, "quality_step = frame.quality_step");
-    job.quality.step *= 0.5;
-    job.quality.light_step *= 0.3;
-    assert_true(scene_program_init(&other, &job, NULL, NULL, NULL));
-    assert_string_equal(other.hash, program.hash);
-    scene_program_finish(&other);
-    release(&program, &job);
-}
-
 static void jittered_marches_draw_and_stretches_do_not(void **state)
 {
     static const char jittered[] = "\"quality\": {\"method\": \"jittered\", \"step\": 0.05, \"light_step\": 0.05}";
@@ -430,7 +415,6 @@ int main(void)
         cmocka_unit_test(emission_alone_has_no_extinction),
         cmocka_unit_test(even_media_without_light_are_not_marched),
         cmocka_unit_test(even_media_cast_shadows_without_a_march),
-        cmocka_unit_test(settings_of_a_method_share_a_program),
         cmocka_unit_test(jittered_marches_draw_and_stretches_do_not),
         cmocka_unit_test(a_falloff_alone_is_smoothed),
         cmocka_unit_test(a_medium_without_density_costs_nothing),
