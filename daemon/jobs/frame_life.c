@@ -156,6 +156,18 @@ static double frame_seconds(struct worker_process *worker)
     return seconds > 1e-6 ? seconds : 1e-6;
 }
 
+static void note_pace(struct worker_process *worker, struct job_record *record, const struct worker_report *report)
+{
+    bool is_first = worker->answered_job != record->id || worker->planned_s > 0;
+    double seconds = frame_seconds(worker);
+
+    worker->answered_job = record->id;
+    if (is_first)
+        estimate_add_first(&record->estimate, seconds, report->render_s + report->audit_s + report->encode_s);
+    else
+        estimate_add_pace(&record->estimate, seconds);
+}
+
 static void note_planned(struct worker_process *worker, struct job_record *record, int64_t frame_count)
 {
     double seconds = (double)(uv_hrtime() - worker->planning_ns) * 1e-9;
@@ -179,7 +191,7 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
                                       .accuracy = report->accuracy};
 
     worker->done++;
-    estimate_add_pace(&record->estimate, frame_seconds(worker));
+    note_pace(worker, record, report);
     if (!queue_begin_publish(farm->queue, &frame->ticket)) {
         sweeper_remove_part(farm->sweeper, record, frame->ticket.frame, farm->epoch, frame->ticket.attempt);
         release_frame(farm, record, worker, frame);
@@ -234,7 +246,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
     log_disarm(log);
     if (report->fault == RETRY_FAULT_WORKER)
         worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
-    frame_seconds(worker);
+    estimate_add_pace(&record->estimate, frame_seconds(worker));
     release_frame(farm, record, worker, frame);
     if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
     sweeper_remove_part(farm->sweeper, record, ticket.frame, farm->epoch, ticket.attempt);

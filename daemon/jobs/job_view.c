@@ -79,13 +79,37 @@ static void write_counts(const struct queue_job *queued, struct json_writer *wri
     json_write_integer_member(writer, "missed", queued->missed_count);
 }
 
-static void write_pace(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+static double find_own_eta_s(const struct farm *farm, struct job_record *record)
 {
     const struct queue_job *queued = record->queued;
     int64_t left = queued->counts[FRAME_QUEUED] + queued->counts[FRAME_RUNNING];
-    int workers = worker_pool_ready_count(farm->pool);
+    int workers = worker_pool_usable_count(farm->pool);
+
+    return estimate_eta_s(&record->estimate, frame_range_count(&queued->frames), left, workers > 0 ? workers : 1);
+}
+
+// With the jobs in front of it, whose frames all workers take first. Negative: unknown.
+static double find_eta_s(const struct farm *farm, struct job_record *record)
+{
+    const struct queue_job *queued = record->queued, *job = NULL;
+    double eta_s = find_own_eta_s(farm, record);
+
+    if (eta_s >= 0 && queued->counts[FRAME_QUEUED] > 0 && !queued->is_paused) job = queue_next_job(farm->queue);
+    for (; eta_s >= 0 && job && job != queued; job = job->next) {
+        double other_s = 0;
+
+        if (queue_job_is_live(job) && !job->is_paused)
+            other_s = find_own_eta_s(farm, job_table_find(&farm->jobs, job->id));
+        eta_s = other_s >= 0 ? eta_s + other_s : -1;
+    }
+    return eta_s;
+}
+
+static void write_pace(const struct farm *farm, struct job_record *record, struct json_writer *writer)
+{
+    const struct queue_job *queued = record->queued;
     double median_s = estimate_median_s(&record->estimate);
-    double eta_s = estimate_eta_s(&record->estimate, left, workers > 0 ? workers : 1);
+    double eta_s = find_eta_s(farm, record);
 
     json_write_number_member(writer, "seconds_per_frame", median_s > 0 ? median_s : NAN);
     json_write_number_member(writer, "eta_s", queue_job_is_live(queued) && eta_s >= 0 ? eta_s : NAN);

@@ -32,11 +32,16 @@ void estimate_add_pace(struct estimate *estimate, double seconds)
         estimate->pace_s = move_mean(estimate->pace_s, seconds, &estimate->pace_count);
 }
 
+void estimate_add_first(struct estimate *estimate, double seconds, double told_s)
+{
+    estimate_add_pace(estimate, fmin(seconds, told_s));
+}
+
 void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_count)
 {
     if (!(seconds >= 0 && seconds < LONGEST_S) || frame_count <= 0) return;
     estimate->plan_s = move_mean(estimate->plan_s, seconds, &estimate->plan_count);
-    estimate->planned_count = frame_count;
+    if (frame_count > estimate->planned_count) estimate->planned_count = frame_count; // the last segment may be short
 }
 
 size_t estimate_count(const struct estimate *estimate)
@@ -68,16 +73,23 @@ double estimate_median_s(struct estimate *estimate)
     return (double)estimate->median_s;
 }
 
-double estimate_eta_s(struct estimate *estimate, int64_t left, int workers)
+// A segment is begun when the first of its frames is done.
+static int64_t count_plans(const struct estimate *estimate, int64_t total, int64_t left)
+{
+    int64_t each = estimate->planned_count;
+
+    if (each <= 0) return 0;
+    return (total + each - 1) / each - (total - left + each - 1) / each;
+}
+
+double estimate_eta_s(struct estimate *estimate, int64_t total, int64_t left, int workers)
 {
     int64_t rounds; // the last round counts as a full one
-    int64_t plans = 0;
     double each_s;
 
     if (left <= 0) return 0;
     if (workers < 1 || estimate->count == 0) return -1;
     rounds = (left + workers - 1) / workers;
     each_s = estimate->pace_count > 0 ? (double)estimate->pace_s : estimate_median_s(estimate);
-    if (estimate->planned_count > 0) plans = left / estimate->planned_count;
-    return each_s * (double)rounds + (double)estimate->plan_s * (double)plans;
+    return each_s * (double)rounds + (double)estimate->plan_s * (double)count_plans(estimate, total, left);
 }

@@ -17,17 +17,20 @@ struct estimate {
     // What a worker's time goes into; moving means, 0: unknown.
     float pace_s;          // between two answers of one worker, without plans
     float plan_s;          // a plan
-    int64_t planned_count; // frames that a plan serves
+    int64_t planned_count; // frames of a segment, which one plan serves
     uint8_t pace_count, plan_count;
 };
 
 void estimate_add(struct estimate *estimate, double seconds); // of one frame; ignored unless in [0, 1e9)
 // Seconds that a worker took for a frame: rendering, audit and whatever else it did, but no plan. Ignored likewise.
 void estimate_add_pace(struct estimate *estimate, double seconds);
+// The same of a worker's first frame of the job or after a plan: files were opened and programs linked, which does not
+// come again. It counts as at most `told_s`, what the worker says of its rendering, audit and file.
+void estimate_add_first(struct estimate *estimate, double seconds, double told_s);
 // Seconds that a worker planned for so many frames. Ignored likewise, and with 0 frames.
 void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_count);
 size_t estimate_count(const struct estimate *estimate); // number of durations, at most ESTIMATE_RECENT
 double estimate_median_s(struct estimate *estimate);    // 0: no durations
-// Seconds until `workers` have done `left` frames (queued and running) with the plans for them; negative when unknown.
-// Workers wait for the plan of a segment that one of them makes.
-double estimate_eta_s(struct estimate *estimate, int64_t left, int workers);
+// Seconds until `workers` have done the last `left` (queued and running) of `total` frames, in order, with the plans of
+// the segments that are not begun; negative when unknown. While one worker plans a segment, the others wait for it.
+double estimate_eta_s(struct estimate *estimate, int64_t total, int64_t left, int workers);

@@ -390,6 +390,16 @@ int worker_pool_ready_count(const struct worker_pool *pool)
     return count;
 }
 
+int worker_pool_usable_count(const struct worker_pool *pool)
+{
+    int64_t now_ms = farm_now_ms(pool->farm);
+    int count = 0;
+
+    for (int i = 0; i < pool->slot_count; i++)
+        count += pool->slots[i].worker || retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0;
+    return count;
+}
+
 char *worker_pool_format_trouble(const struct worker_pool *pool)
 {
     const char *reason = NULL;

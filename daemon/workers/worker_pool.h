@@ -37,6 +37,7 @@ void worker_pool_destroy(struct worker_pool *pool);        // after the loop clo
 
 int worker_pool_slot_count(const struct worker_pool *pool);
 int worker_pool_ready_count(const struct worker_pool *pool);
+int worker_pool_usable_count(const struct worker_pool *pool); // slots that do not back off: ready, or soon
 // The worker in slot `index` if it can be assigned frames, else NULL.
 struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index);
 // Whether the worker can be assigned frames of the job. If it serves another job, has no frames in flight and no other

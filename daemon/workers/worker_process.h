@@ -60,6 +60,7 @@ struct worker_process {
     size_t known_count, known_capacity;
     struct liveness liveness;
     uint64_t answered_ns;           // its latest report on a frame, or the assignment of a frame when it had none
+    int64_t answered_job;           // the job of that frame; 0: none yet
     uint64_t planning_ns;           // when it began the plan that it makes; 0: it makes none
     double planned_s;               // seconds of plans since its latest report on a frame
     int64_t done;                   // count of frames that it finished or skipped

@@ -17,7 +17,7 @@ static void nothing_is_known_at_first(void **state)
 
     assert_int_equal(estimate_count(&estimate), 0);
     assert_true(estimate_median_s(&estimate) == 0);
-    assert_true(estimate_eta_s(&estimate, 10, 2) < 0);
+    assert_true(estimate_eta_s(&estimate, 10, 10, 2) < 0);
 }
 
 static void median_ignores_one_slow_frame(void **state)
@@ -70,10 +70,10 @@ static void eta_counts_rounds_of_all_workers(void **state)
     struct estimate estimate = {0};
 
     estimate_add(&estimate, 2);
-    assert_float_equal(estimate_eta_s(&estimate, 10, 2), 10, FLOAT_TOLERANCE);
-    assert_float_equal(estimate_eta_s(&estimate, 9, 2), 10, FLOAT_TOLERANCE);
-    assert_float_equal(estimate_eta_s(&estimate, 1, 8), 2, FLOAT_TOLERANCE);
-    assert_float_equal(estimate_eta_s(&estimate, 0, 8), 0, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 10, 2), 10, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 9, 2), 10, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 1, 8), 2, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 0, 8), 0, FLOAT_TOLERANCE);
 }
 
 // Audits, files and linking take a worker's time, which a median of rendering does not show.
@@ -86,10 +86,10 @@ static void eta_counts_all_that_a_worker_does(void **state)
         estimate_add_pace(&estimate, 3);
     }
     assert_float_equal(estimate_median_s(&estimate), 1, FLOAT_TOLERANCE);
-    assert_float_equal(estimate_eta_s(&estimate, 10, 2), 15, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 10, 2), 15, FLOAT_TOLERANCE);
 }
 
-static void eta_forgets_a_slow_first_frame(void **state)
+static void eta_forgets_a_slow_frame(void **state)
 {
     struct estimate estimate = {0};
     double eta_s;
@@ -98,23 +98,40 @@ static void eta_forgets_a_slow_first_frame(void **state)
         estimate_add(&estimate, 1);
         estimate_add_pace(&estimate, i == 0 ? 10 : 1);
     }
-    eta_s = estimate_eta_s(&estimate, 100, 1);
+    eta_s = estimate_eta_s(&estimate, 124, 100, 1);
     assert_true(eta_s > 99.9 && eta_s < 140.0);
 }
 
-// The segment that frames are rendered of has its plan; those behind it need one each.
+// Programs are linked once, so the first frame of a worker counts as what it says of the frame.
+static void eta_leaves_out_how_workers_begin(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add(&estimate, 2);
+    estimate_add_first(&estimate, 9, 2);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 9, 1), 18, FLOAT_TOLERANCE);
+    // Its parts may overlap.
+    estimate_add_first(&estimate, 1, 2);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 8, 1), 12, FLOAT_TOLERANCE);
+}
+
+// The segment that frames are rendered of has its plan; those behind it need one each, the last one however short.
 static void eta_counts_the_plans_that_are_left(void **state)
 {
     struct estimate estimate = {0};
 
     estimate_add(&estimate, 1);
     estimate_add_pace(&estimate, 1);
+    assert_float_equal(estimate_eta_s(&estimate, 110, 100, 2), 50, FLOAT_TOLERANCE);
     estimate_add_plan(&estimate, 10, 48);
     estimate_add_plan(&estimate, 14, 48);
-    assert_float_equal(estimate_eta_s(&estimate, 100, 2), 50 + 2 * 12, FLOAT_TOLERANCE);
-    assert_float_equal(estimate_eta_s(&estimate, 47, 1), 47, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 110, 100, 2), 50 + 2 * 12, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 50, 10, 2), 5 + 12, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 48, 10, 2), 5, FLOAT_TOLERANCE);
+    estimate_add_plan(&estimate, 12, 2); // of the last segment
+    assert_float_equal(estimate_eta_s(&estimate, 50, 5, 1), 5 + 12, FLOAT_TOLERANCE);
     estimate_add_plan(&estimate, 99, 0);
-    assert_float_equal(estimate_eta_s(&estimate, 47, 1), 47, FLOAT_TOLERANCE);
+    assert_float_equal(estimate_eta_s(&estimate, 50, 5, 1), 5 + 12, FLOAT_TOLERANCE);
 }
 
 static void eta_is_unknown_without_workers(void **state)
@@ -122,17 +139,18 @@ static void eta_is_unknown_without_workers(void **state)
     struct estimate estimate = {0};
 
     estimate_add(&estimate, 2);
-    assert_true(estimate_eta_s(&estimate, 10, 0) < 0);
+    assert_true(estimate_eta_s(&estimate, 10, 10, 0) < 0);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_known_at_first),          cmocka_unit_test(median_ignores_one_slow_frame),
-        cmocka_unit_test(median_follows_the_recent_frames),   cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
-        cmocka_unit_test(impossible_durations_are_ignored),   cmocka_unit_test(eta_counts_rounds_of_all_workers),
-        cmocka_unit_test(eta_counts_all_that_a_worker_does),  cmocka_unit_test(eta_forgets_a_slow_first_frame),
-        cmocka_unit_test(eta_counts_the_plans_that_are_left), cmocka_unit_test(eta_is_unknown_without_workers),
+        cmocka_unit_test(nothing_is_known_at_first),         cmocka_unit_test(median_ignores_one_slow_frame),
+        cmocka_unit_test(median_follows_the_recent_frames),  cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
+        cmocka_unit_test(impossible_durations_are_ignored),  cmocka_unit_test(eta_counts_rounds_of_all_workers),
+        cmocka_unit_test(eta_counts_all_that_a_worker_does), cmocka_unit_test(eta_forgets_a_slow_frame),
+        cmocka_unit_test(eta_leaves_out_how_workers_begin),  cmocka_unit_test(eta_counts_the_plans_that_are_left),
+        cmocka_unit_test(eta_is_unknown_without_workers),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
