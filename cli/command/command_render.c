@@ -28,25 +28,39 @@ struct telling {
     int64_t counts[RENDER_FAILED + 1];
     int64_t missed_count; // published although over the tolerance
     int64_t began_ms;
+    // When the first and the latest frame were done, and plans_ms then; 0: none is.
+    int64_t first_ms, first_plans_ms, last_ms, last_plans_ms;
     bool knows_worker; // the renderer has been printed
     char phase[16];    // of the frame that is worked on; empty: unknown
     double phase_progress;
-    int64_t plan_began_ms, plans_ms, plan_count; // plans that are made, and the time that they took
-    int64_t planned_frames;                      // that one of them serves; 0: unknown
+    int64_t plan_began_ms;        // of the plan that is being made; 0: none is
+    int64_t plans_ms, plan_count; // of the plans that are made
+    int64_t planned_frames;       // that one of them serves; 0: unknown
 };
 
 static const char *const outcome_names[] = {"succeeded", "skipped", "failed"};
 
-// Frames as they went so far, and the plans of the segments behind the present one; negative: unknown.
-static double find_eta_s(const struct telling *telling, int64_t left)
+// Milliseconds of a frame, without plans. Once there are two frames, the first does not count: the worker started and
+// linked programs for it.
+static double find_frame_ms(const struct telling *telling)
 {
-    int64_t rendered = telling->counts[RENDER_SUCCEEDED], plans = 0;
-    double frames_s = (double)(progress_now_ms() - telling->began_ms - telling->plans_ms) / 1000, plan_s = 0;
+    int64_t rendered = telling->counts[RENDER_SUCCEEDED];
 
-    if (rendered == 0 || left <= 0) return -1;
-    if (telling->plan_count > 0) plan_s = (double)telling->plans_ms / 1000 / (double)telling->plan_count;
-    if (telling->planned_frames > 0) plans = left / telling->planned_frames;
-    return frames_s / (double)rendered * (double)left + plan_s * (double)plans;
+    if (rendered == 1) return (double)(telling->first_ms - telling->began_ms - telling->first_plans_ms);
+    return (double)(telling->last_ms - telling->first_ms - (telling->last_plans_ms - telling->first_plans_ms)) /
+           (double)(rendered - 1);
+}
+
+// Frames as they went so far, and the plans of the segments that are not begun; negative: unknown.
+static double find_eta_s(const struct telling *telling, int64_t total, int64_t left)
+{
+    int64_t each = telling->planned_frames, plans = 0;
+    double plan_ms = 0;
+
+    if (telling->counts[RENDER_SUCCEEDED] == 0 || left <= 0) return -1;
+    if (telling->plan_count > 0) plan_ms = (double)telling->plans_ms / (double)telling->plan_count;
+    if (each > 0) plans = (total + each - 1) / each - (total - left + each - 1) / each;
+    return (find_frame_ms(telling) * (double)left + plan_ms * (double)plans) / 1000;
 }
 
 static void draw(struct telling *telling, bool is_final)
@@ -60,7 +74,7 @@ static void draw(struct telling *telling, bool is_final)
                                       .done = rendered + telling->counts[RENDER_SKIPPED],
                                       .failed = telling->counts[RENDER_FAILED],
                                       .seconds_per_frame = seconds,
-                                      .eta_s = find_eta_s(telling, left),
+                                      .eta_s = find_eta_s(telling, total, left),
                                       .phase = left > 0 && telling->phase[0] ? telling->phase : NULL,
                                       .phase_progress = telling->phase_progress};
 
@@ -76,7 +90,7 @@ static void on_phase(void *user, const char *phase, double progress)
 {
     struct telling *telling = user;
 
-    if (strcmp(phase, "plan") == 0 && strcmp(telling->phase, "plan") != 0) telling->plan_began_ms = progress_now_ms();
+    if (strcmp(phase, "plan") == 0 && telling->plan_began_ms == 0) telling->plan_began_ms = progress_now_ms();
     snprintf(telling->phase, sizeof telling->phase, "%s", phase);
     telling->phase_progress = progress;
 }
@@ -86,8 +100,9 @@ static void on_planned(void *user, int64_t frame_count)
     struct telling *telling = user;
 
     telling->plans_ms += progress_now_ms() - telling->plan_began_ms;
+    telling->plan_began_ms = 0;
     telling->plan_count++;
-    telling->planned_frames = frame_count;
+    if (frame_count > telling->planned_frames) telling->planned_frames = frame_count; // the last segment may be short
     on_phase(telling, "render", 0.0);
 }
 
@@ -150,11 +165,21 @@ static void print_skipped(const struct render_result *result)
     print_accuracy(&result->accuracy);
 }
 
+static void note_time(struct telling *telling)
+{
+    telling->last_ms = progress_now_ms();
+    telling->last_plans_ms = telling->plans_ms;
+    if (telling->first_ms > 0) return;
+    telling->first_ms = telling->last_ms;
+    telling->first_plans_ms = telling->last_plans_ms;
+}
+
 static void on_result(void *user, const struct render_result *result)
 {
     struct telling *telling = user;
 
     telling->counts[result->outcome]++;
+    if (result->outcome == RENDER_SUCCEEDED) note_time(telling);
     telling->missed_count += result->accuracy.is_missed;
     progress_display_clear(&telling->display);
     if (telling->options->json)

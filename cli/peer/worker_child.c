@@ -215,16 +215,20 @@ struct waiting {
     const char *label;
     int64_t start_ms;
     int64_t done, count; // parts of the work; 0: unknown
+    double share;        // of the next part that is done; 0: unknown
     struct progress_display display;
 };
 
 static void note_parts(struct waiting *waiting, const struct message *message)
 {
     struct json_node done = json_node_child(&message->body, "done"), count = json_node_child(&message->body, "count");
+    struct json_node share = json_node_child(&message->body, "share");
 
     if (!message->method || strcmp(message->method, "request.progress") != 0) return;
     json_read_integer(&done, 0, INT32_MAX, &waiting->done, NULL);
     json_read_integer(&count, 0, INT32_MAX, &waiting->count, NULL);
+    waiting->share = 0;
+    json_read_number(&share, 0, 1, &waiting->share, NULL);
 }
 
 // Draws at each message that arrives; a busy worker sends one a second.
@@ -232,9 +236,13 @@ static void on_wait(void *user, const struct message *message)
 {
     struct waiting *waiting = user;
     int64_t now_ms = progress_now_ms(), gone_s = (now_ms - waiting->start_ms) / 1000;
-    char *duration = progress_format_duration((double)gone_s), *state = xasprintf("%s so far", duration);
+    char *duration = progress_format_duration((double)gone_s), *state;
 
     note_parts(waiting, message);
+    if (waiting->share > 0)
+        state = xasprintf("%.0f %% of the next, %s so far", 100 * waiting->share, duration);
+    else
+        state = xasprintf("%s so far", duration);
     if (now_ms - waiting->start_ms >= SHOWN_AFTER_MS)
         progress_display_draw(&waiting->display,
                               &(struct progress){.label = waiting->label,

@@ -228,7 +228,7 @@ static bool note_phase(const struct session *session, const char *event, const s
     double progress = -1.0;
 
     if (strcmp(event, "planning") == 0) {
-        params->on_phase(params->user, "plan", progress);
+        params->on_phase(params->user, "plan", 0.0);
     } else if (strcmp(event, "planned") == 0) {
         json_read_integer(&node, 0, FRAME_COUNT_LIMIT, &frame_count, NULL);
         params->on_planned(params->user, frame_count);

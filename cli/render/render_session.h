@@ -40,7 +40,7 @@ struct render_session_params {
     struct interrupt *interrupt;   // borrowed
     void (*on_result)(void *user, const struct render_result *result);
     void (*on_tick)(void *user); // now and then
-    // What the worker does: "plan", "render" or "audit", with how much of it is done (0 to 1; negative: unknown).
+    // What the worker does: "link", "plan", "render" or "audit". How much of it is done: 0 to 1; negative: unknown.
     void (*on_phase)(void *user, const char *phase, double progress);
     void (*on_planned)(void *user, int64_t frame_count);                      // a plan is made that serves so many
     void (*on_worker)(void *user, const char *backend, const char *renderer); // a worker is ready

@@ -14,11 +14,27 @@
 
 enum { SEGMENT_LIMIT = 3 };
 
-static bool is_wanted(void *user, double done)
-{
-    const struct request_tools *tools = user;
+// A plan that is being made, one of `count`.
+struct making {
+    const struct request_tools *tools;
+    int64_t index, count;
+    int percent; // that was told of it
+};
 
-    (void)done;
+static void tell(struct making *making, int percent)
+{
+    const struct request_tools *tools = making->tools;
+
+    making->percent = percent;
+    if (tools->on_part) tools->on_part(tools->user, making->index, making->count, percent / 100.0);
+}
+
+static bool on_progress(void *user, double done)
+{
+    struct making *making = user;
+    const struct request_tools *tools = making->tools;
+
+    if ((int)(100.0 * done) > making->percent) tell(making, (int)(100.0 * done));
     return !tools->is_wanted || tools->is_wanted(tools->user);
 }
 
@@ -70,17 +86,18 @@ bool plan_answer_write(const struct job *job, const struct request_tools *tools,
     json_write_begin_array(writer);
     for (int64_t i = 0; i < planned; i++) {
         struct plan_segment segment = plan_segment_at(job, planned > 1 ? i * (count - 1) / (planned - 1) : 0);
+        struct making making = {.tools = tools, .index = i, .count = planned};
         struct plan plan;
         enum renderer_fault fault;
 
-        if (tools->on_part) tools->on_part(tools->user, i, planned);
+        tell(&making, 0);
         if (!plan_make(&plan,
                        &(struct plan_params){.renderer = tools->renderer,
                                              .job = job,
                                              .segment = segment,
                                              .is_timed = true,
-                                             .on_progress = is_wanted,
-                                             .user = (void *)tools},
+                                             .on_progress = on_progress,
+                                             .user = &making},
                        &fault, error))
             return false;
         if (first && i == 0) *first = plan;

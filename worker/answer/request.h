@@ -30,7 +30,8 @@ struct request_tools {
     const struct gl_context *context; // NULL with --backend none
     struct renderer *renderer;        // likewise
     bool (*is_wanted)(void *user); // may be NULL; false once nobody waits for the answer; long answers ask now and then
-    void (*on_part)(void *user, int64_t done, int64_t count); // may be NULL; long answers tell which parts are done
+    // May be NULL; long answers tell how many parts are done, of how many, and how much of the next one, from 0 to 1.
+    void (*on_part)(void *user, int64_t done, int64_t count, double share);
     void *user;
 };
 

@@ -349,11 +349,11 @@ static bool is_answer_wanted(void *user)
     return is_wanted;
 }
 
-static void on_part(void *user, int64_t done, int64_t count)
+static void on_part(void *user, int64_t done, int64_t count, double share)
 {
     struct worker *worker = user;
 
-    report_part(&worker->connection, done, count);
+    report_part(&worker->connection, done, count, share);
 }
 
 static void work(struct render_loop *loop)

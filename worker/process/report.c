@@ -83,13 +83,14 @@ void report_phase(struct connection *connection, const struct report_doing *doin
     send_and_finish(connection, &writer);
 }
 
-void report_part(struct connection *connection, int64_t done, int64_t count)
+void report_part(struct connection *connection, int64_t done, int64_t count, double share)
 {
     struct json_writer writer = {0};
 
     begin(&writer, "request.progress");
     json_write_integer_member(&writer, "done", done);
     json_write_integer_member(&writer, "count", count);
+    json_write_number_member(&writer, "share", share);
     send_and_finish(connection, &writer);
 }
 

@@ -30,8 +30,8 @@ struct report_doing {
 
 // Does nothing in FRAME_PHASE_NONE.
 void report_phase(struct connection *connection, const struct report_doing *doing);
-// How many parts of the answer to a request are done, of how many.
-void report_part(struct connection *connection, int64_t done, int64_t count);
+// How many parts of the answer to a request are done, of how many, and how much of the next one, from 0 to 1.
+void report_part(struct connection *connection, int64_t done, int64_t count, double share);
 void report_started(struct connection *connection, const struct assignment_frame *frame);
 // The plan of the frame's segment is being made, which may take longer than the frame; and has been made.
 void report_planning(struct connection *connection, const struct assignment_frame *frame);
