@@ -15,6 +15,9 @@ enum { CELL_LIMIT = 1 << 16 };
 // little; of light that is left out.
 static const double INTERPOLATION_PART = 0.2, DEPTH_PART = 0.33, LIGHT_PART = 0.67, DARK_PART = 0.02;
 
+// The share of the ray's unshadowed light that a cell has at most at first: a beam may pass between its nodes.
+static const double LARGEST_SHARE = 1.0 / 8.0;
+
 // A value for each medium and channel.
 struct spectra {
     double of[SCENE_MEDIUM_LIMIT][3];
@@ -71,27 +74,34 @@ static void spread(struct interpolation *interpolation, double at, const struct 
     }
 }
 
+// The part of the light at a profile's node that reaches the camera.
+static struct spectra scatter(const struct gatherer *gatherer, const struct profile_cell *crossed, int node)
+{
+    const struct still_media *media = &gatherer->media;
+    double length = kronrod_weights(crossed->node_count)[node] * (crossed->end - crossed->begin);
+    struct spectra scattered;
+
+    for (int c = 0; c < 3; c++) {
+        double weight = exp(-profile_depth(crossed, node, c)) * length;
+
+        for (size_t m = 0; m < media->count; m++)
+            scattered.of[m][c] = weight * media->list[m].sigma_s[c] * crossed->density[node][m];
+    }
+    return scattered;
+}
+
 static void weigh(const struct gatherer *gatherer, const struct cell *cell, struct interpolation *coarse,
                   struct interpolation *fine)
 {
-    const struct still_media *media = &gatherer->media;
-
     for (size_t k = cell->first; k < cell->first + cell->count; k++) {
         const struct profile_cell *crossed = &gatherer->params->profile->cells[k];
-        const double *weights = kronrod_weights(crossed->node_count);
 
         for (int i = 0; i < crossed->node_count; i++) {
             double at = (profile_distance(crossed, i) - cell->begin) / (cell->end - cell->begin);
-            struct spectra scattered;
+            struct spectra scattered = scatter(gatherer, crossed, i);
 
-            for (int c = 0; c < 3; c++) {
-                double weight = exp(-profile_depth(crossed, i, c)) * weights[i] * (crossed->end - crossed->begin);
-
-                for (size_t m = 0; m < media->count; m++)
-                    scattered.of[m][c] = weight * media->list[m].sigma_s[c] * crossed->density[i][m];
-            }
-            spread(coarse, at, &scattered, media->count);
-            spread(fine, at, &scattered, media->count);
+            spread(coarse, at, &scattered, gatherer->media.count);
+            spread(fine, at, &scattered, gatherer->media.count);
         }
     }
 }
@@ -263,10 +273,9 @@ static void add_up(struct gatherer *gatherer, const double emitted[static 3], do
     }
 }
 
-static void refine_enough(struct gatherer *gatherer, double radiance[static 3])
+static void refine_enough(struct gatherer *gatherer, const double emitted[static 3], double radiance[static 3])
 {
     double allowed = INTERPOLATION_PART * gatherer->params->relative, limit;
-    const double emitted[3] = {radiance[0], radiance[1], radiance[2]};
 
     for (;;) {
         struct refinement refinement = {&gatherer->cells[0].error, sizeof gatherer->cells[0], gatherer->count};
@@ -297,6 +306,67 @@ static bool is_thick(const struct gatherer *gatherer, const struct cell *cell)
     return false;
 }
 
+// The radiance of a cell if there were no shadows.
+static void find_unshadowed(const struct gatherer *gatherer, const struct cell *cell, double radiance[static 3])
+{
+    const struct in_scattering_params *params = gatherer->params;
+    const struct ray *ray = params->profile->ray;
+
+    for (int c = 0; c < 3; c++)
+        radiance[c] = 0.0;
+    for (size_t k = cell->first; k < cell->first + cell->count; k++) {
+        const struct profile_cell *crossed = &params->profile->cells[k];
+
+        for (int i = 0; i < crossed->node_count; i++) {
+            struct spectra scattered = scatter(gatherer, crossed, i);
+
+            for (size_t l = 0; l < params->still->light_count; l++) {
+                struct light_arrival arrival =
+                    light_arrive(&params->still->lights[l], ray_at(ray, profile_distance(crossed, i)));
+
+                for (size_t m = 0; m < gatherer->media.count; m++) {
+                    double phase = medium_phase(&gatherer->media.list[m], -vec3_dot(arrival.travel, ray->direction));
+
+                    for (int c = 0; c < 3; c++)
+                        radiance[c] += scattered.of[m][c] * phase * arrival.irradiance[c];
+                }
+            }
+        }
+    }
+}
+
+// True when too much light could be missed between the cell's nodes.
+static bool is_sparse(const struct gatherer *gatherer, const struct cell *cell, const double total[static 3])
+{
+    double own[3];
+
+    find_unshadowed(gatherer, cell, own);
+    for (int c = 0; c < 3; c++) {
+        double least = gatherer->params->relative * gatherer->brightness[c];
+
+        if (own[c] > fmax(LARGEST_SHARE * total[c], least)) return true;
+    }
+    return false;
+}
+
+static void divide_sparse(struct gatherer *gatherer)
+{
+    double total[3] = {0.0};
+
+    for (size_t i = 0; i < gatherer->count; i++) {
+        double own[3];
+
+        find_unshadowed(gatherer, &gatherer->cells[i], own);
+        for (int c = 0; c < 3; c++)
+            total[c] += own[c];
+    }
+    for (size_t i = 0; i < gatherer->count; i++) {
+        while (gatherer->cells[i].halvings < gatherer->params->halving_limit &&
+               is_sparse(gatherer, &gatherer->cells[i], total))
+            divide(gatherer, i);
+    }
+}
+
 // Begins with a cell for each span, halved where it is thick. Dark ones are left out.
 static void append_cells(struct gatherer *gatherer)
 {
@@ -320,24 +390,30 @@ static void append_cells(struct gatherer *gatherer)
     }
 }
 
+static void look_at_all(struct gatherer *gatherer, const double emitted[static 3])
+{
+    double known[3] = {emitted[0], emitted[1], emitted[2]};
+
+    for (size_t i = 0; i < gatherer->count; i++) {
+        look(gatherer, &gatherer->cells[i], 0, GAUSS_NODES);
+        for (int c = 0; c < 3; c++) {
+            known[c] += gatherer->cells[i].radiance[c];
+            gatherer->brightness[c] = fmax(gatherer->brightness[c], known[c]);
+        }
+    }
+}
+
 bool in_scattering_add(const struct in_scattering_params *params, double radiance[static 3])
 {
     struct gatherer gatherer = {.params = params, .media = params->profile->media};
-    double known[3];
+    const double emitted[3] = {radiance[0], radiance[1], radiance[2]};
 
-    for (int c = 0; c < 3; c++) {
-        known[c] = radiance[c];
-        gatherer.brightness[c] = fmax(known[c], params->floor);
-    }
+    for (int c = 0; c < 3; c++)
+        gatherer.brightness[c] = fmax(emitted[c], params->floor);
     append_cells(&gatherer);
-    for (size_t i = 0; i < gatherer.count; i++) {
-        look(&gatherer, &gatherer.cells[i], 0, GAUSS_NODES);
-        for (int c = 0; c < 3; c++) {
-            known[c] += gatherer.cells[i].radiance[c];
-            gatherer.brightness[c] = fmax(gatherer.brightness[c], known[c]);
-        }
-    }
-    if (gatherer.count > 0) refine_enough(&gatherer, radiance);
+    divide_sparse(&gatherer);
+    look_at_all(&gatherer, emitted);
+    if (gatherer.count > 0) refine_enough(&gatherer, emitted, radiance);
     free(gatherer.cells);
     return !gatherer.hit_limit;
 }
