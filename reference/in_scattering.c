@@ -40,6 +40,7 @@ struct gatherer {
     size_t count, capacity;
     double length;        // m, of all spans
     double brightness[3]; // the radiance as far as it is known, at least the floor
+    double brightest[3];  // the largest for which one of the cells' values was found
     bool hit_limit;
 };
 
@@ -270,6 +271,7 @@ static void add_up(struct gatherer *gatherer, const double emitted[static 3], do
         for (size_t i = 0; i < gatherer->count; i++)
             radiance[c] += gatherer->cells[i].radiance[c];
         gatherer->brightness[c] = fmax(radiance[c], gatherer->params->floor);
+        gatherer->brightest[c] = fmax(gatherer->brightest[c], gatherer->brightness[c]);
     }
 }
 
@@ -395,12 +397,24 @@ static void look_at_all(struct gatherer *gatherer, const double emitted[static 3
     double known[3] = {emitted[0], emitted[1], emitted[2]};
 
     for (size_t i = 0; i < gatherer->count; i++) {
-        look(gatherer, &gatherer->cells[i], 0, GAUSS_NODES);
+        struct cell *cell = &gatherer->cells[i];
+
+        // Nodes that cells have already keep a first look from being too bright again.
+        look(gatherer, cell, 0, cell->node_count > 0 ? cell->node_count : GAUSS_NODES);
         for (int c = 0; c < 3; c++) {
-            known[c] += gatherer->cells[i].radiance[c];
+            known[c] += cell->radiance[c];
             gatherer->brightness[c] = fmax(gatherer->brightness[c], known[c]);
         }
     }
+}
+
+// True when a value was found for so bright a ray that it may not be exact enough, or may be left out.
+static bool was_too_bright(const struct gatherer *gatherer)
+{
+    for (int c = 0; c < 3; c++) {
+        if (gatherer->brightest[c] > 2.0 * gatherer->brightness[c]) return true;
+    }
+    return false;
 }
 
 bool in_scattering_add(const struct in_scattering_params *params, double radiance[static 3])
@@ -412,8 +426,11 @@ bool in_scattering_add(const struct in_scattering_params *params, double radianc
         gatherer.brightness[c] = fmax(emitted[c], params->floor);
     append_cells(&gatherer);
     divide_sparse(&gatherer);
-    look_at_all(&gatherer, emitted);
-    if (gatherer.count > 0) refine_enough(&gatherer, emitted, radiance);
+    do {
+        memcpy(gatherer.brightest, gatherer.brightness, sizeof gatherer.brightest);
+        look_at_all(&gatherer, emitted);
+        if (gatherer.count > 0) refine_enough(&gatherer, emitted, radiance);
+    } while (was_too_bright(&gatherer));
     free(gatherer.cells);
     return !gatherer.hit_limit;
 }

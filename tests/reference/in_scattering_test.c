@@ -104,10 +104,28 @@ static void beam_between_the_first_nodes_is_found(void **state)
     }
 }
 
+// The middle node of the ray's first cell sees a sun of irradiance 1e6 through a pinhole. What it brings is next to
+// nothing. The first cells' number does not matter: it is a power of two.
+static void pinhole_at_a_node_hides_no_faint_light(void **state)
+{
+    double wanted = sum_light(NULL);
+
+    for (double cells = 1.0; cells <= 64.0; cells *= 2.0) {
+        const struct screen screen = {40.0, -0.5 + 0.5 / cells, 1e-9};
+        const struct integrate_accuracy accuracy = {.relative = 0.05, .floor = 0.1 * wanted};
+        struct still still = still_of(&screen);
+
+        add_sun(&still, -1.0, 1e6);
+        add_sun(&still, 1.0, 1.0);
+        assert_near(integrate_ray(&still, &ALONG_Z, 0.0, INFINITY, &accuracy).radiance[0], wanted, 0.05 * wanted);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(beam_between_the_first_nodes_is_found),
+        cmocka_unit_test(pinhole_at_a_node_hides_no_faint_light),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
