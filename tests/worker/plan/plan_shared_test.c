@@ -9,6 +9,8 @@
 #include "tests/support/example_job.h"
 #include "tests/support/tolerance_stage.h"
 #include "worker/picture/image.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_lookup.h"
 #include "worker/plan/plan_source.h"
@@ -274,6 +276,36 @@ static void equal_segments_of_equal_pictures_have_one_key(void **state)
     tolerance_stage_close(stage);
 }
 
+static void an_adopted_plan_refines_the_same_frames(void **state)
+{
+    struct job job = cloud_job(0.05);
+    struct plan plan = {
+        .point = {{6, 6, 6}}, .scouting = {.count = 3, .last = 47, .error = {0.001, 0.2, 0.001}}, .reason = "so"};
+    struct plan_evidence evidence = {.pixel_limit = 576}, adopted_evidence = {0};
+    const struct plan_params params = {.job = &job, .segment = plan_segment_of(&job, 0)};
+    struct plan_json shared;
+    struct plan adopted, refined, adopted_refined;
+    enum renderer_fault fault;
+    struct plan_scene scene;
+
+    plan_scene_init(&scene, &job);
+    while (!plan_family_serves(&plan_families[plan.family], &scene))
+        plan.family++;
+    plan.quality = plan_family_quality(&plan_families[plan.family], &scene, &plan.point);
+    evidence.finest = plan.quality;
+    plan_shared_describe(&shared, &plan, &evidence);
+    assert_true(plan_shared_adopt(&adopted, &adopted_evidence, &shared, &params, &fault, NULL));
+    assert_string_equal(adopted.reason, "so");
+    refined = plan_of_frame(&plan, &job, 23);
+    adopted_refined = plan_of_frame(&adopted, &job, 23);
+    assert_true(refined.quality.step < plan.quality.step);
+    assert_true(adopted_refined.quality.step == refined.quality.step);
+    refined = plan_of_frame(&adopted, &job, 0);
+    assert_true(refined.quality.step == plan.quality.step);
+    plan_evidence_finish(&adopted_evidence);
+    job_finish(&job);
+}
+
 // Settings alone name their point: what is refined from them is the same everywhere.
 static void settings_are_found_again(void **state)
 {
@@ -303,7 +335,7 @@ static void settings_are_found_again(void **state)
     }
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(workers_that_share_a_plan_make_equal_frames),
@@ -311,8 +343,10 @@ int main(void)
         cmocka_unit_test(stated_settings_make_the_same_frame),
         cmocka_unit_test(a_copy_has_the_audit_that_it_would_have_alone),
         cmocka_unit_test(equal_segments_of_equal_pictures_have_one_key),
+        cmocka_unit_test(an_adopted_plan_refines_the_same_frames),
         cmocka_unit_test(settings_are_found_again),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
