@@ -23,6 +23,7 @@ void frame_accuracy_write(const struct frame_accuracy *accuracy, struct json_wri
         json_write_number_member(writer, "error95", accuracy->error95);
         json_write_integer_member(writer, "audit_rays", accuracy->audit_rays);
         json_write_string_member(writer, "method", accuracy->method);
+        if (accuracy->plan > 0) json_write_integer_member(writer, "plan", accuracy->plan);
         if (accuracy->is_missed) json_write_bool_member(writer, "missed", true);
     }
     if (accuracy->has_cut_share) json_write_number_member(writer, "cut_share", accuracy->cut_share);
@@ -50,6 +51,7 @@ static bool read_audit(struct frame_accuracy *accuracy, const struct json_node *
     struct json_node audit = json_node_child(object, "audit");
     struct json_node measured = json_node_child(object, "measured_error"), bound = json_node_child(object, "error95");
     struct json_node rays = json_node_child(object, "audit_rays"), missed = json_node_child(object, "missed");
+    struct json_node plan = json_node_child(object, "plan");
     int64_t ray_count;
     int choice;
 
@@ -59,6 +61,7 @@ static bool read_audit(struct frame_accuracy *accuracy, const struct json_node *
         !json_read_number(&bound, 0, ERROR_LIMIT, &accuracy->error95, error) ||
         !json_read_integer(&rays, 0, INT_MAX, &ray_count, error) ||
         !read_text(object, "method", accuracy->method, error) ||
+        (is_known(&plan) && !json_read_integer(&plan, 1, INT64_MAX, &accuracy->plan, error)) ||
         (is_known(&missed) && !json_read_bool(&missed, &accuracy->is_missed, error)))
         return false;
     snprintf(accuracy->audit, sizeof accuracy->audit, "%s", audits[choice]);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <stdbool.h>
+#include <stdint.h>
 
 struct error;
 struct json_node;
@@ -19,6 +20,7 @@ struct frame_accuracy {
     double error95;                        // upper bound of `error` with a confidence of 95 %
     int audit_rays;                        // pixels compared
     char method[FRAME_ACCURACY_TEXT_SIZE]; // the rendering method chosen for the frame
+    int64_t plan;                          // the number of its plan; 0: unknown
     bool is_missed;                        // `error` is over the job's tolerance, and the job publishes such frames
     bool has_cut_share;                    // only in scenes whose rays are reflected or refracted
     double cut_share; // the largest share of the frame's light that cut rays may have carried, [0, 1]
@@ -26,7 +28,7 @@ struct frame_accuracy {
 
 // True when the error is known and over `tolerance`; false where that is 0.
 bool frame_accuracy_is_over(const struct frame_accuracy *accuracy, double tolerance);
-// Writes the members that are known: audit, measured_error, error95, audit_rays, method, and missed where it is
+// Writes the members that are known: audit, measured_error, error95, audit_rays, method, plan, and missed where it is
 // true; cut_share. (`error` is the text of a failure in every message.)
 void frame_accuracy_write(const struct frame_accuracy *accuracy, struct json_writer *writer);
 // Members that are absent or null are unknown. On failure `accuracy` is the zero value.

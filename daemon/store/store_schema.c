@@ -53,7 +53,8 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "    number INTEGER PRIMARY KEY, owner_uid INTEGER NOT NULL, scene TEXT NOT NULL, segment TEXT NOT NULL,"
           "    text TEXT NOT NULL);"
           "CREATE INDEX plan_of_owner ON plan (owner_uid);"
-          "CREATE INDEX plan_of_segment ON plan (owner_uid, scene, segment);",
+          "CREATE INDEX plan_of_segment ON plan (owner_uid, scene, segment);"
+          "ALTER TABLE frame ADD COLUMN plan INTEGER;",
 };
 
 bool store_schema_check(sqlite3 *db, int *found, struct error *error)
@@ -126,6 +127,7 @@ static void read_accuracy(sqlite3_stmt *row, struct frame_accuracy *accuracy)
     read_name(row, 15, accuracy->method);
     accuracy->has_cut_share = sqlite3_column_type(row, 16) != SQLITE_NULL;
     accuracy->cut_share = sqlite3_column_double(row, 16);
+    accuracy->plan = sqlite3_column_int64(row, 17);
 }
 
 bool store_schema_read_frame(sqlite3_stmt *row, struct store_frame *frame, struct error *error)

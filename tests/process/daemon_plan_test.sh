@@ -65,6 +65,7 @@ cd "$scratch" || exit 1
 before=$(made)
 id=$(submit "$(job 40-55 ".output.path = \"real/r.####.exr\" | $tolerant")")
 wait_state "$id" succeeded
+expect "frames that tell their plan" "$(ask job.frames "{\"id\":$id}" | jq '[.result.frames[] | select(.plan > 2)] | length')" 16
 again=$(submit "$(job 40-55 ".output.path = \"again/r.####.exr\" | $tolerant")")
 wait_state "$again" succeeded
 expect "plans of a segment" "$(($(made) - before))" 1

@@ -82,6 +82,7 @@ static void write_facts(const struct image_exr_facts *facts, struct json_writer 
 {
     struct frame_accuracy accuracy = audit_result_accuracy(&facts->audit, facts->method);
 
+    accuracy.plan = facts->plan_number;
     accuracy.has_cut_share = facts->rays.is_known;
     accuracy.cut_share = facts->rays.cut_share;
     json_write_integer_member(writer, "width_px", facts->width_px);

@@ -106,6 +106,7 @@ static struct frame_accuracy find_accuracy(const struct picture *picture)
 {
     struct frame_accuracy accuracy = audit_result_accuracy(&picture->audit, job_method_name(picture->method));
 
+    accuracy.plan = picture->plan_number;
     accuracy.has_cut_share = picture->ray_counts.is_known;
     accuracy.cut_share = picture->ray_counts.cut_share;
     return accuracy;

@@ -258,6 +258,7 @@ static void tell_skipped(struct render_loop *loop, const struct gate_result *fou
 {
     struct frame_accuracy accuracy = audit_result_accuracy(&found->facts.audit, found->facts.method);
 
+    accuracy.plan = found->facts.plan_number;
     accuracy.has_cut_share = found->facts.rays.is_known;
     accuracy.cut_share = found->facts.rays.cut_share;
     report_skipped(&loop->worker->connection, loop->frame,

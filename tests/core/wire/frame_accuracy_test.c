@@ -37,7 +37,7 @@ static void assert_written(const struct frame_accuracy *accuracy, const char *te
 }
 
 static const char all[] = "{\"audit\":\"step_halving\",\"measured_error\":0.0078125,\"error95\":0.015625,"
-                          "\"audit_rays\":64,\"method\":\"cached\",\"cut_share\":0.25}";
+                          "\"audit_rays\":64,\"method\":\"cached\",\"plan\":7,\"cut_share\":0.25}";
 
 static void what_is_written_is_read(void **state)
 {
@@ -48,6 +48,7 @@ static void what_is_written_is_read(void **state)
     assert_true(accuracy.error == 0.0078125 && accuracy.error95 == 0.015625);
     assert_int_equal(accuracy.audit_rays, 64);
     assert_string_equal(accuracy.method, "cached");
+    assert_int_equal(accuracy.plan, 7);
     assert_true(accuracy.has_cut_share && accuracy.cut_share == 0.25);
     assert_written(&accuracy, all);
 }

@@ -89,6 +89,7 @@ static inline struct store_op frame_op(int64_t job, int32_t index, enum frame_st
                                                     .error95 = 0.015625,
                                                     .audit_rays = 64,
                                                     .method = "cached",
+                                                    .plan = 12,
                                                     .has_cut_share = true,
                                                     .cut_share = 0.125}}};
 }
@@ -99,6 +100,7 @@ static inline void assert_accuracy(const struct frame_accuracy *accuracy)
     assert_true(accuracy->error == 0.0078125 && accuracy->error95 == 0.015625);
     assert_int_equal(accuracy->audit_rays, 64);
     assert_string_equal(accuracy->method, "cached");
+    assert_int_equal(accuracy->plan, 12);
     assert_true(accuracy->has_cut_share && accuracy->cut_share == 0.125);
 }
 
