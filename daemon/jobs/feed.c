@@ -57,7 +57,7 @@ static void give(struct farm *farm, struct worker_process *worker, struct job_re
                  const struct queue_ticket *tickets, size_t count)
 {
     if (worker->in_flight.count == 0) {
-        worker->answered_ns = uv_hrtime();
+        pace_begin(&worker->pace, uv_hrtime());
         liveness_set_busy(&worker->liveness, true, farm_now_ms(farm));
     }
     for (size_t i = 0; i < count; i++)

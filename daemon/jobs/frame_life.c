@@ -144,38 +144,23 @@ static void release_frame(struct farm *farm, struct job_record *record, struct w
     record->frames_in_flight--;
 }
 
-// Seconds since the worker's previous answer, or since it got this frame when it had none, without those of plans.
-static double frame_seconds(struct worker_process *worker)
-{
-    uint64_t now_ns = uv_hrtime();
-    double seconds = (double)(now_ns - worker->answered_ns) * 1e-9 - worker->planned_s;
-
-    worker->answered_ns = now_ns;
-    worker->planning_ns = 0;
-    worker->planned_s = 0;
-    return seconds > 1e-6 ? seconds : 1e-6;
-}
-
 static void note_pace(struct worker_process *worker, struct job_record *record, const struct worker_report *report)
 {
-    bool is_first = worker->answered_job != record->id || worker->planned_s > 0;
-    double seconds = frame_seconds(worker);
+    bool is_first;
+    double seconds = pace_answer(&worker->pace, record->id, uv_hrtime(), &is_first);
 
-    worker->answered_job = record->id;
     if (is_first)
-        estimate_add_first(&record->estimate, seconds, report->render_s + report->audit_s + report->encode_s);
+        estimate_add_first(&record->estimate, seconds, report->render_s + report->audit_s + report->encode_s,
+                           report->weight);
     else
-        estimate_add_pace(&record->estimate, seconds);
+        estimate_add_pace(&record->estimate, seconds, report->weight);
 }
 
 static void note_planned(struct worker_process *worker, struct job_record *record, int64_t frame_count)
 {
-    double seconds = (double)(uv_hrtime() - worker->planning_ns) * 1e-9;
+    double seconds = pace_end_plan(&worker->pace, uv_hrtime());
 
-    if (worker->planning_ns == 0) return;
-    worker->planning_ns = 0;
-    worker->planned_s += seconds;
-    estimate_add_plan(&record->estimate, seconds, frame_count);
+    if (seconds >= 0) estimate_add_plan(&record->estimate, seconds, frame_count);
 }
 
 static void note_finished(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
@@ -218,7 +203,7 @@ static void note_skipped(struct farm *farm, struct worker_process *worker, const
                                       .accuracy = report->accuracy};
 
     worker->done++;
-    estimate_add(&record->estimate, frame_seconds(worker));
+    estimate_add(&record->estimate, pace_answer(&worker->pace, record->id, uv_hrtime(), NULL));
     if (queue_skip(farm->queue, &frame->ticket)) {
         note_accuracy(&request);
         farm_store(farm, publish_request_format_op(&request, FRAME_SKIPPED));
@@ -246,7 +231,8 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
     log_disarm(log);
     if (report->fault == RETRY_FAULT_WORKER)
         worker_process_expect_exit(worker, farm_now_ms(farm) + EXIT_AFTER_FAULT_MS);
-    estimate_add_pace(&record->estimate, frame_seconds(worker));
+    estimate_add_pace(&record->estimate, pace_answer(&worker->pace, record->id, uv_hrtime(), NULL), 1.0);
+    pace_drop_plan(&worker->pace);
     release_frame(farm, record, worker, frame);
     if (queue_owns(farm->queue, &ticket)) end_attempt(farm, &end);
     sweeper_remove_part(farm->sweeper, record, ticket.frame, farm->epoch, ticket.attempt);
@@ -280,7 +266,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
             events_send_frame(farm->events, &frame->ticket, FRAME_RUNNING, NULL);
         return;
     case WORKER_REPORT_PLANNING:
-        worker->planning_ns = uv_hrtime();
+        pace_begin_plan(&worker->pace, uv_hrtime());
         note_phase(farm, record, frame, FRAME_PHASE_PLAN, 0.0);
         return;
     case WORKER_REPORT_PLANNED:
@@ -308,6 +294,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         note_failed(farm, worker, report, record, frame);
         break;
     default:
+        pace_drop_plan(&worker->pace);
         queue_return(farm->queue, &frame->ticket);
         release_frame(farm, record, worker, frame);
         break;

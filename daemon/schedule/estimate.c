@@ -7,6 +7,8 @@
 // A frame of no measurable time counts as this, since 0 means "unknown".
 #define SHORTEST_S 1e-6f
 #define LONGEST_S 1e9
+// Of the frames that are left: the weight that they have at the least, for predictions may be off.
+#define LEAST_LEFT 0.1
 
 void estimate_add(struct estimate *estimate, double seconds)
 {
@@ -26,15 +28,19 @@ static float move_mean(float mean, double value, uint8_t *count)
     return mean + ((float)value - mean) / (float)*count;
 }
 
-void estimate_add_pace(struct estimate *estimate, double seconds)
+void estimate_add_pace(struct estimate *estimate, double seconds, double weight)
 {
-    if (seconds >= 0 && seconds < LONGEST_S)
-        estimate->pace_s = move_mean(estimate->pace_s, seconds, &estimate->pace_count);
+    uint8_t count = estimate->pace_count;
+
+    if (!(seconds >= 0 && seconds < LONGEST_S)) return;
+    estimate->pace_s = move_mean(estimate->pace_s, seconds, &estimate->pace_count);
+    estimate->pace_weight = move_mean(estimate->pace_weight, weight, &count);
+    estimate->carried += 1.0 - weight;
 }
 
-void estimate_add_first(struct estimate *estimate, double seconds, double told_s)
+void estimate_add_first(struct estimate *estimate, double seconds, double told_s, double weight)
 {
-    estimate_add_pace(estimate, fmin(seconds, told_s));
+    estimate_add_pace(estimate, fmin(seconds, told_s), weight);
 }
 
 void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_count)
@@ -91,5 +97,7 @@ double estimate_eta_s(struct estimate *estimate, int64_t total, int64_t left, in
     if (workers < 1 || estimate->count == 0) return -1;
     rounds = (left + workers - 1) / workers;
     each_s = estimate->pace_count > 0 ? (double)estimate->pace_s : estimate_median_s(estimate);
+    if (estimate->pace_weight > 0)
+        each_s *= fmax(1.0 + estimate->carried / (double)left, LEAST_LEFT) / (double)estimate->pace_weight;
     return each_s * (double)rounds + (double)estimate->plan_s * (double)count_plans(estimate, total, left);
 }

@@ -16,6 +16,8 @@ struct estimate {
     float median_s;
     // What a worker's time goes into; moving means, 0: unknown.
     float pace_s;          // between two answers of one worker, without plans
+    float pace_weight;     // of the frames in between
+    double carried;        // frames of weight 1 that are left over, for those that are done had less
     float plan_s;          // a plan
     int64_t planned_count; // frames of a segment, which one plan serves
     uint8_t pace_count, plan_count;
@@ -23,10 +25,11 @@ struct estimate {
 
 void estimate_add(struct estimate *estimate, double seconds); // of one frame; ignored unless in [0, 1e9)
 // Seconds that a worker took for a frame: rendering, audit and whatever else it did, but no plan. Ignored likewise.
-void estimate_add_pace(struct estimate *estimate, double seconds);
+// `weight`: the frame's work, relative to the mean of its segment's frames, as far as it was predicted; else 1.
+void estimate_add_pace(struct estimate *estimate, double seconds, double weight);
 // The same of a worker's first frame of the job or after a plan: files were opened and programs linked, which does not
 // come again. It counts as at most `told_s`, what the worker says of its rendering, audit and file.
-void estimate_add_first(struct estimate *estimate, double seconds, double told_s);
+void estimate_add_first(struct estimate *estimate, double seconds, double told_s, double weight);
 // Seconds that a worker planned for so many frames. Ignored likewise, and with 0 frames.
 void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_count);
 size_t estimate_count(const struct estimate *estimate); // number of durations, at most ESTIMATE_RECENT

@@ -6,6 +6,7 @@
 #include "core/wire/message_stream.h"
 #include "daemon/schedule/in_flight.h"
 #include "daemon/schedule/liveness.h"
+#include "daemon/schedule/pace.h"
 #include "daemon/workers/worker_report.h"
 
 #include <stdbool.h>
@@ -59,10 +60,7 @@ struct worker_process {
     int64_t *known_jobs; // owned; jobs whose worker.job was sent
     size_t known_count, known_capacity;
     struct liveness liveness;
-    uint64_t answered_ns;           // its latest report on a frame, or the assignment of a frame when it had none
-    int64_t answered_job;           // the job of that frame; 0: none yet
-    uint64_t planning_ns;           // when it began the plan that it makes; 0: it makes none
-    double planned_s;               // seconds of plans since its latest report on a frame
+    struct pace pace;
     int64_t done;                   // count of frames that it finished or skipped
     int64_t stop_by_ms;             // monotonic; it is killed then; 0: never
     const char *suspect_code;       // borrowed; the GLSL of the user whose frame it was killed over; NULL: none

@@ -99,12 +99,14 @@ static bool read_file(struct published_file *file, const struct json_node *body,
     return true;
 }
 
-// A worker that compares no pixels leaves audit_s out.
-static bool read_audit_seconds(const struct json_node *body, double *seconds, struct error *error)
+// A worker that compares no pixels leaves audit_s out, and one that plans nothing the weight.
+static bool read_audit(struct worker_report *report, const struct json_node *body, struct error *error)
 {
-    struct json_node node = json_node_child(body, "audit_s");
+    struct json_node seconds = json_node_child(body, "audit_s"), weight = json_node_child(body, "weight");
 
-    return json_node_is_absent(&node) || json_read_number(&node, 0, 1e9, seconds, error);
+    report->weight = 1.0;
+    return (json_node_is_absent(&seconds) || json_read_number(&seconds, 0, 1e9, &report->audit_s, error)) &&
+           (json_node_is_absent(&weight) || json_read_number(&weight, 0, 1e9, &report->weight, error));
 }
 
 static bool read_planned(struct worker_report *report, const struct json_node *body, struct error *error)
@@ -151,8 +153,8 @@ static bool read_finished(struct worker_report *report, const struct json_node *
 {
     return read_frame(report, body, error) && read_file(&report->file, body, error) &&
            read_inode(body, &report->file.inode, error) && read_seconds(body, "render_s", &report->render_s, error) &&
-           read_seconds(body, "encode_s", &report->encode_s, error) &&
-           read_audit_seconds(body, &report->audit_s, error) && frame_accuracy_read(&report->accuracy, body, error);
+           read_seconds(body, "encode_s", &report->encode_s, error) && read_audit(report, body, error) &&
+           frame_accuracy_read(&report->accuracy, body, error);
 }
 
 static bool read_skipped(struct worker_report *report, const struct json_node *body, struct error *error)

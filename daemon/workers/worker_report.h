@@ -49,6 +49,7 @@ struct worker_report {
     struct published_file file; // finished; skipped, without inode
     double render_s, encode_s;
     double audit_s;                 // in addition to both
+    double weight;                  // work relative to the mean of its segment's frames; 1: unknown
     struct frame_accuracy accuracy; // finished, skipped
     enum retry_fault fault;         // failed
     const char *error;              // failed, unable

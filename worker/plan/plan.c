@@ -34,6 +34,29 @@ struct plan plan_of_frame(const struct plan *plan, const struct job *job, int32_
     return of_frame;
 }
 
+double plan_frame_weight(const struct plan *plan, const struct job *job, const struct plan_segment *segment,
+                         int32_t frame)
+{
+    static const float CLEAR = 0.0f;
+    struct plan_scene scene;
+    double own = 0.0, sum = 0.0;
+
+    // Rays that nothing ends: only ratios count here.
+    plan_scene_init(&scene, job);
+    scene.depths = &CLEAR;
+    scene.depth_count = 1;
+    scene.hit_share = 1.0;
+    for (int64_t i = 0; i < segment->count; i++) {
+        int32_t number = frame_range_at(&job->frames, segment->first + i);
+        struct plan of_frame = plan_of_frame(plan, job, number);
+        double work = plan_family_work(&scene, &of_frame.quality);
+
+        sum += work;
+        if (number == frame) own = work;
+    }
+    return own * (double)segment->count / sum;
+}
+
 struct job plan_apply(const struct plan *plan, const struct job *job)
 {
     struct job planned = *job;

@@ -6,6 +6,7 @@
 #include "worker/picture/image_exr.h"
 #include "worker/plan/plan_scouting.h"
 #include "worker/plan/plan_search.h"
+#include "worker/plan/plan_segment.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,5 +35,8 @@ struct plan {
 bool plan_refine(struct plan *plan, const struct job *job, int rungs);
 // The plan for one frame of the segment: refined where the scouting predicts an error over the tolerance.
 struct plan plan_of_frame(const struct plan *plan, const struct job *job, int32_t frame);
+// The counted work of a frame of the segment, relative to the mean of the segment's frames.
+double plan_frame_weight(const struct plan *plan, const struct job *job, const struct plan_segment *segment,
+                         int32_t frame);
 // A shallow copy of the job with the plan's quality; never finished.
 struct job plan_apply(const struct plan *plan, const struct job *job);

@@ -366,6 +366,7 @@ static bool render_planned(struct rendering *rendering)
     plan = plan_of_frame(&rendering->kept->plan, params->job, params->frame);
     rendering->is_finer = memcmp(&plan.point, &rendering->kept->plan.point, sizeof plan.point) != 0;
     result->plan_number = rendering->kept->number;
+    result->weight = plan_frame_weight(&rendering->kept->plan, params->job, &shelf_params.plan.segment, params->frame);
     memcpy(result->reason, plan.reason, sizeof result->reason);
     if (!render_and_audit(rendering, &plan)) return false;
     result->first_error = result->audit.error;

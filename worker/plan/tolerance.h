@@ -45,6 +45,7 @@ struct tolerance_result {
     struct audit_result audit;     // likewise; AUDIT_NONE: the job states no tolerance
     char reason[PLAN_REASON_SIZE]; // of the plan; empty: the job names its method
     int64_t plan_number;           // of the plan with which the frame began; 0: none
+    double weight;                 // of the frame, as plan_frame_weight has it; 0: the job names its method
     int retry_count;               // renderings after the first, which was over the tolerance
     double first_error;            // the audited error of the first rendering
 };

@@ -140,7 +140,8 @@ static void encode(struct worker *worker, struct picture *picture)
                                             .accuracy = &accuracy,
                                             .render_s = picture->render_s,
                                             .encode_s = clock_now_s() - start_s,
-                                            .audit_s = picture->audit.seconds});
+                                            .audit_s = picture->audit.seconds,
+                                            .weight = picture->weight});
     worker_end_frame(worker, frame);
 }
 

@@ -193,6 +193,7 @@ static void format_quality(struct picture *picture, const struct job *job, const
 
     picture->quality[0] = 0;
     picture->plan_number = result->plan_number;
+    picture->weight = result->weight;
     if (result->plan_number == 0) return;
     quality_to_json(&writer, job, &result->quality);
     if (writer.length < sizeof picture->quality) memcpy(picture->quality, writer.text, writer.length + 1);

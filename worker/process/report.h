@@ -55,6 +55,7 @@ struct report_result {
     const struct frame_accuracy *accuracy;
     double render_s, encode_s;
     double audit_s; // of the audit; 0: there was none
+    double weight;  // work relative to the mean of its segment's frames; 0: unknown
 };
 
 void report_finished(struct connection *connection, const struct assignment_frame *frame,

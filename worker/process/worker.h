@@ -32,6 +32,7 @@ struct picture {
     struct audit_result audit;            // AUDIT_NONE: the job states no tolerance
     double sampling_error;                // relative RMSE by the number of samples per pixel; 0: not measured
     int64_t plan_number;                  // 0: none
+    double weight;                        // as in struct tolerance_result
     char quality[IMAGE_EXR_QUALITY_SIZE]; // the plan's settings in this frame; empty: none
     char plan[PLAN_REASON_SIZE];          // the plan's reason, or the draft's; empty: the job names its method
     char shader_hash[64];

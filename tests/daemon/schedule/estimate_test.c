@@ -83,7 +83,7 @@ static void eta_counts_all_that_a_worker_does(void **state)
 
     for (int i = 0; i < 24; i++) {
         estimate_add(&estimate, 1);
-        estimate_add_pace(&estimate, 3);
+        estimate_add_pace(&estimate, 3, 1);
     }
     assert_float_equal(estimate_median_s(&estimate), 1, FLOAT_TOLERANCE);
     assert_float_equal(estimate_eta_s(&estimate, 10, 10, 2), 15, FLOAT_TOLERANCE);
@@ -96,7 +96,7 @@ static void eta_forgets_a_slow_frame(void **state)
 
     for (int i = 0; i < 24; i++) {
         estimate_add(&estimate, 1);
-        estimate_add_pace(&estimate, i == 0 ? 10 : 1);
+        estimate_add_pace(&estimate, i == 0 ? 10 : 1, 1);
     }
     eta_s = estimate_eta_s(&estimate, 124, 100, 1);
     assert_true(eta_s > 99.9 && eta_s < 140.0);
@@ -108,11 +108,27 @@ static void eta_leaves_out_how_workers_begin(void **state)
     struct estimate estimate = {0};
 
     estimate_add(&estimate, 2);
-    estimate_add_first(&estimate, 9, 2);
+    estimate_add_first(&estimate, 9, 2, 1);
     assert_float_equal(estimate_eta_s(&estimate, 10, 9, 1), 18, FLOAT_TOLERANCE);
     // Its parts may overlap.
-    estimate_add_first(&estimate, 1, 2);
+    estimate_add_first(&estimate, 1, 2, 1);
     assert_float_equal(estimate_eta_s(&estimate, 10, 8, 1), 12, FLOAT_TOLERANCE);
+}
+
+// The first frames of a segment may take more work than its others.
+static void eta_goes_by_the_work_of_frames(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add(&estimate, 6);
+    estimate_add_pace(&estimate, 6, 3);
+    estimate_add_pace(&estimate, 4, 2);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 8, 1), 2 * (10 - 5), FLOAT_TOLERANCE);
+    estimate_add_pace(&estimate, 1, 0.5);
+    assert_float_equal(estimate_eta_s(&estimate, 10, 7, 1), 2 * (10 - 5.5), FLOAT_TOLERANCE);
+    // A prediction that was too large does not make the rest nothing.
+    estimate_add_pace(&estimate, 16, 8);
+    assert_true(estimate_eta_s(&estimate, 10, 6, 1) > 1);
 }
 
 // The segment that frames are rendered of has its plan; those behind it need one each, the last one however short.
@@ -121,7 +137,7 @@ static void eta_counts_the_plans_that_are_left(void **state)
     struct estimate estimate = {0};
 
     estimate_add(&estimate, 1);
-    estimate_add_pace(&estimate, 1);
+    estimate_add_pace(&estimate, 1, 1);
     assert_float_equal(estimate_eta_s(&estimate, 110, 100, 2), 50, FLOAT_TOLERANCE);
     estimate_add_plan(&estimate, 10, 48);
     estimate_add_plan(&estimate, 14, 48);
@@ -145,12 +161,12 @@ static void eta_is_unknown_without_workers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_known_at_first),         cmocka_unit_test(median_ignores_one_slow_frame),
-        cmocka_unit_test(median_follows_the_recent_frames),  cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
-        cmocka_unit_test(impossible_durations_are_ignored),  cmocka_unit_test(eta_counts_rounds_of_all_workers),
-        cmocka_unit_test(eta_counts_all_that_a_worker_does), cmocka_unit_test(eta_forgets_a_slow_frame),
-        cmocka_unit_test(eta_leaves_out_how_workers_begin),  cmocka_unit_test(eta_counts_the_plans_that_are_left),
-        cmocka_unit_test(eta_is_unknown_without_workers),
+        cmocka_unit_test(nothing_is_known_at_first),          cmocka_unit_test(median_ignores_one_slow_frame),
+        cmocka_unit_test(median_follows_the_recent_frames),   cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
+        cmocka_unit_test(impossible_durations_are_ignored),   cmocka_unit_test(eta_counts_rounds_of_all_workers),
+        cmocka_unit_test(eta_counts_all_that_a_worker_does),  cmocka_unit_test(eta_forgets_a_slow_frame),
+        cmocka_unit_test(eta_leaves_out_how_workers_begin),   cmocka_unit_test(eta_goes_by_the_work_of_frames),
+        cmocka_unit_test(eta_counts_the_plans_that_are_left), cmocka_unit_test(eta_is_unknown_without_workers),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

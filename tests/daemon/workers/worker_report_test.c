@@ -42,7 +42,8 @@ static void a_finished_frame_keeps_a_file_number_beyond_2_to_the_53(void **state
     assert_true(read_line(
         &report, &message, "frame.finished",
         "{\"job\":3,\"frame\":7,\"attempt\":2,\"inode\":\"18446744073709551557\",\"size_bytes\":1234,"
-        "\"hash\":\"00112233445566778899aabbccddeeff\",\"render_s\":1.5,\"encode_s\":0.25,\"audit_s\":0.5,\"later\":1,"
+        "\"hash\":\"00112233445566778899aabbccddeeff\",\"render_s\":1.5,\"encode_s\":0.25,\"audit_s\":0.5,\"weight\":2."
+        "5,\"later\":1,"
         "\"audit\":\"reference\",\"measured_error\":0.25,\"error95\":0.5,\"audit_rays\":9,\"method\":\"gauss\"}",
         NULL));
     assert_int_equal(report.kind, WORKER_REPORT_FINISHED);
@@ -53,7 +54,7 @@ static void a_finished_frame_keeps_a_file_number_beyond_2_to_the_53(void **state
     assert_int_equal(report.file.size_bytes, 1234);
     assert_string_equal(report.file.hash, "00112233445566778899aabbccddeeff");
     assert_true(report.render_s == 1.5 && report.encode_s == 0.25);
-    assert_true(report.audit_s == 0.5);
+    assert_true(report.audit_s == 0.5 && report.weight == 2.5);
     assert_string_equal(report.accuracy.method, "gauss");
     assert_true(report.accuracy.error == 0.25 && !report.accuracy.has_cut_share);
     message_finish(&message);

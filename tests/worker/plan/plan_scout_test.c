@@ -61,7 +61,9 @@ static void frames_between_the_pilots_are_measured(void **state)
         "\"bounds\":{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}}}]},"
         "\"output\":{\"path\":\"glow.####.exr\"},\"quality\":{\"tolerance\":0.01}}";
     struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, NULL);
+    struct plan_segment segment;
     struct plan plan, within, beyond;
+    double weight = 0.0;
     struct error error = {{0}};
     enum renderer_fault fault;
     struct job job;
@@ -80,6 +82,12 @@ static void frames_between_the_pilots_are_measured(void **state)
     // A fifth of the frames is refined.
     assert_true(plan.work_ratio > 1.05 && plan.work_ratio < 4.0);
     assert_true(plan.predicted_error <= TOLERANCE);
+    segment = plan_segment_of(&job, 0);
+    for (int frame = 0; frame < 48; frame++)
+        weight += plan_frame_weight(&plan, &job, &segment, frame) / 48.0;
+    assert_float_equal(weight, 1.0, 1e-9);
+    assert_true(plan_frame_weight(&plan, &job, &segment, 17) > 1.2);
+    assert_true(plan_frame_weight(&plan, &job, &segment, 40) < 0.9);
     job_finish(&job);
     gl_stage_close(stage);
 }
