@@ -64,6 +64,7 @@ static void the_oldest_plans_of_an_owner_are_dropped(void **state)
     for (int i = 3; i < STORE_PLAN_LIMIT + 2; i++)
         ops[i] = plan_op(i + 1, 7, "dd", "later");
     assert_true(commit(store, ops, STORE_PLAN_LIMIT + 2, NULL));
+    commit_one(store, plan_op(STORE_PLAN_LIMIT + 3, 8, "ee", "another owner's next"));
     expect_plan(folder, &(struct plan_key){8, "aa", "bb"}, 1, "another owner's");
     expect_plan(folder, &(struct plan_key){7, "aa", "bb"}, 0, NULL);
     expect_plan(folder, &(struct plan_key){7, "aa", "cc"}, 3, "older");
