@@ -16,8 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static_assert(PLAN_JSON_REASON_SIZE == PLAN_REASON_SIZE && PLAN_JSON_SCOUT_LIMIT == PLAN_SCOUT_LIMIT &&
-                  PLAN_JSON_VIEW_LIMIT == PLAN_PILOT_LIMIT,
+static_assert((int)PLAN_JSON_REASON_SIZE == (int)PLAN_REASON_SIZE &&
+                  (int)PLAN_JSON_SCOUT_LIMIT == (int)PLAN_SCOUT_LIMIT &&
+                  (int)PLAN_JSON_VIEW_LIMIT == (int)PLAN_PILOT_LIMIT,
               "plans fit into messages");
 
 // Must change whenever a change of the code makes other plans, or other pictures of the same plan.
