@@ -10,8 +10,8 @@
 #include <stdlib.h>
 
 enum {
-    BATCH = 64,        // pixels that are measured at once, at most
-    RAY_MAX_FACTOR = 4 // the most pixels, relative to the least
+    BATCH = 64,         // pixels that are measured at once, at most
+    RAY_MAX_FACTOR = 16 // the most pixels, relative to the least
 };
 
 // docs/rendering.md has the table of accuracies and times by which these were chosen.
@@ -45,15 +45,17 @@ static size_t find_most(const struct audit_params *params)
     return params->ray_max > 0 ? (size_t)params->ray_max : RAY_MAX_FACTOR * find_least(params);
 }
 
+// Nobody knows how many pixels it will take: the share grows towards 1.
 static bool on_measured(void *user)
 {
     struct audit *audit = user;
     const struct audit_params *params = audit->params;
+    double measured;
 
     if (audit->batch_done < audit->batch) audit->batch_done++;
+    measured = (double)(audit->samples.count + audit->batch_done);
     return !params->on_progress ||
-           params->on_progress(params->user,
-                               (double)(audit->samples.count + audit->batch_done) / (double)find_most(params));
+           params->on_progress(params->user, measured / (measured + 0.25 * (double)find_least(params)));
 }
 
 // Measures the next `count` draws. False when it was stopped.
@@ -94,14 +96,11 @@ static struct audit_verdict judge(const struct audit *audit)
                                                    .is_black = audit_map_is_black(&audit->map)});
 }
 
-// True when it is clear on which side of the tolerance the frame is: then more pixels are not worth their time.
+// True when the error is a standard error within the tolerance, or more over it: then more pixels are not worth their
+// time.
 static bool is_clear(const struct audit *audit, const struct audit_verdict *verdict)
 {
-    static const double WELL_WITHIN = 0.8, FAR_OVER = 2.0;
-    double tolerance = audit->params->tolerance;
-
-    return verdict->error95 <= tolerance || verdict->error <= WELL_WITHIN * tolerance ||
-           verdict->error > FAR_OVER * tolerance;
+    return fabs(verdict->error - audit->params->tolerance) >= verdict->spread;
 }
 
 // The number of pixels to measure next; 0: there are enough. Their number doubles each time: every verdict may be
@@ -171,6 +170,7 @@ bool audit_frame(const struct audit_params *params, struct audit_result *result)
                                     .is_pooled = verdict.is_pooled,
                                     .error = verdict.error,
                                     .error95 = verdict.error95,
+                                    .spread = verdict.spread,
                                     .ray_count = (int)verdict.ray_count,
                                     .tolerance = params->tolerance,
                                     .seconds = clock_now_s() - audit.start_s,

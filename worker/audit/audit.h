@@ -14,8 +14,8 @@ struct job;
 struct truth;
 
 enum {
-    AUDIT_RAYS_MIN = 64,  // pixels at least of a frame that is audited alone; docs/rendering.md has the measurement
-    AUDIT_RAYS_POOLED = 8 // pixels at least of a frame that has a pool
+    AUDIT_RAYS_MIN = 64,   // pixels at least of a frame that is audited alone; docs/rendering.md has the measurement
+    AUDIT_RAYS_POOLED = 16 // pixels at least of a frame that has a pool
 };
 
 // The samples that the frames of a segment share. The zero value is empty.
@@ -38,16 +38,16 @@ struct audit_params {
     const struct audit_pool *pool; // NULL: the frame is audited alone
     struct audit_pool *gathered;   // NULL, or the pool to which this frame's samples are added
     double tolerance;
-    int ray_min, ray_max; // pixels at least and at most; 0: AUDIT_RAYS_MIN, and 4 times ray_min
+    int ray_min, ray_max; // pixels at least and at most; 0: AUDIT_RAYS_MIN, and 16 times ray_min
     int thread_count;     // 0: a thread for each core
-    // NULL: none; `done` is the share of ray_max that is measured; false stops it
+    // NULL: none; `done` grows with the number of pixels, towards 1; false stops it
     bool (*on_progress)(void *user, double done);
     void *user;
 };
 
-// Measures pixels against the reference until it is clear on which side of the tolerance the frame is, or there are
-// enough. Their number follows from their values, never from a clock. A frame with a pool begins with
-// AUDIT_RAYS_POOLED pixels. If these differ from the pool, it goes on alone. False when on_progress stopped it.
+// Measures pixels against the reference until the error is a standard error from the tolerance, or there are enough.
+// Their number follows from their values, never from a clock. A frame with a pool begins with AUDIT_RAYS_POOLED pixels.
+// If these differ from the pool, it goes on alone. False when on_progress stopped it.
 bool audit_frame(const struct audit_params *params, struct audit_result *result);
 
 // Measures a frame by step halving: `coarser` has some of its pixels, `finer` the same pixels in halved steps. `job` is

@@ -109,6 +109,14 @@ static bool is_like_pool(const struct audit_evidence *evidence, const struct mom
            own->square <= growth * (pool.square + UNLIKE * pool.deviation / sqrt((double)own->count));
 }
 
+// The root of a mean square that is one standard error larger.
+static double error_beside(const struct moments *moments, double growth)
+{
+    double deviation = moments->count > 0 ? moments->deviation / sqrt((double)moments->count) : 0.0;
+
+    return sqrt(growth * (fmax(moments->square, 0.0) + deviation));
+}
+
 struct audit_verdict audit_estimate(const struct audit_evidence *evidence)
 {
     struct moments moments = find_moments(evidence->own, NULL);
@@ -130,6 +138,7 @@ struct audit_verdict audit_estimate(const struct audit_evidence *evidence)
     upper = fmax(upper, fmax(evidence->change, evidence->resolution));
     light = evidence->is_black ? 1.0 : light_over_frame(&moments, error);
     verdict.error = error / light;
+    verdict.spread = (error_beside(&moments, growth) - error) / light;
     verdict.error95 = upper / (evidence->is_black ? 1.0 : fmin(light, fmax(1.0 - upper, SURE_LIGHT * light)));
     verdict.sampling_error = sqrt(fmax(moments.noise, 0.0)) / light;
     return verdict;

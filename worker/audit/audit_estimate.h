@@ -34,6 +34,7 @@ struct audit_evidence {
 
 struct audit_verdict {
     double error, error95; // relative to the RMS of the light; infinite where a value of the frame is not finite
+    double spread;         // a standard error of `error`
     double sampling_error; // standard error of the frame by random normals, likewise relative
     size_t ray_count;      // samples from which the error was estimated
     bool is_pooled;        // by the pool's samples too; false where the frame is unlike the pool

@@ -20,6 +20,7 @@ struct audit_result {
     bool is_pooled;   // measured over several frames of the segment
     double error;     // relative RMSE of the values as encoded; absolute where all light is below 1e-6
     double error95;   // upper bound of `error`, with a confidence of 95 %
+    double spread;    // a standard error of `error`, which is to be within the tolerance by as much; 0: not known
     int ray_count;    // pixels that were measured
     double tolerance; // what the job allows
     bool is_missed;   // `error` is over it, and the job has such frames published

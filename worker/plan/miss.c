@@ -52,11 +52,12 @@ void miss_describe(const struct miss *miss, struct error *error)
     char settings[SETTINGS_SIZE];
 
     format_settings(miss->job, miss->quality, settings);
-    error_set(
-        error,
-        "quality.tolerance: expected an error of at most %g, got %.3g (with confidence below %.3g) at best, by %s; "
-        "the first of %d renderings had %.3g, and all took %.3g times its work%s; expected a larger tolerance, a "
-        "method with finer numbers, or \"on_miss\": \"publish\"",
-        miss->job->quality.tolerance, miss->audit->error, miss->audit->error95, settings, miss->rendering_count,
-        miss->first_error, miss->work, promises(&miss->job->scene) ? " (is a density.lipschitz too low?)" : "");
+    error_set(error,
+              "quality.tolerance: expected an error of at most %g, got %.3g (give or take %.2g, with confidence below "
+              "%.3g) at best, by %s; "
+              "the first of %d renderings had %.3g, and all took %.3g times its work%s; expected a larger tolerance, a "
+              "method with finer numbers, or \"on_miss\": \"publish\"",
+              miss->job->quality.tolerance, miss->audit->error, miss->audit->spread, miss->audit->error95, settings,
+              miss->rendering_count, miss->first_error, miss->work,
+              promises(&miss->job->scene) ? " (is a density.lipschitz too low?)" : "");
 }

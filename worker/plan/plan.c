@@ -16,7 +16,7 @@ bool plan_refine(struct plan *plan, const struct job *job, int rungs)
     for (int i = 0; i < count; i++) {
         int last = plan_axis_last_rung(axes[i], &scene), rung = plan->point.rungs[i] + rungs;
 
-        if (rung > last) rung = last;
+        rung = rung < 0 ? 0 : rung > last ? last : rung;
         moved |= rung != plan->point.rungs[i];
         plan->point.rungs[i] = rung;
     }

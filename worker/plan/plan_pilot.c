@@ -34,8 +34,6 @@ static const double AGREEMENT = 0.5, AGREEMENT_ALONE = 0.15;
 // The share of the plan's budget that a halving may take: where reference/ corrects the error estimate, and where it
 // cannot.
 static const double LEVEL_SHARE = 0.3, LEVEL_SHARE_ALONE = 1.0;
-// The same for the points that are rendered without grids, and the change, relative to the tolerance, that is enough.
-static const double POINTS_SHARE = 0.3, POINTS_AGREEMENT = 0.2;
 
 struct plan_pilot {
     const struct plan_params *params; // borrowed
@@ -76,13 +74,7 @@ static void init_scene(struct plan_pilot *pilot, const struct job *job)
     pilot->has_truth = truth_has_twin(job) && !pilot->scene.has_roughness;
 }
 
-// What follows from a render's fault: PLAN_CANNOT where another setting may not have it.
-static enum plan_measured note_fault(struct plan_pilot *pilot, enum renderer_fault fault)
-{
-    pilot->fault = fault;
-    return fault == RENDERER_FAULT_JOB || fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
-}
-
+// PLAN_CANNOT for faults of this setting, which another may not have.
 static enum plan_measured render(struct plan_pilot *pilot, const struct job_quality *quality, int32_t frame,
                                  struct image *image)
 {
@@ -94,14 +86,15 @@ static enum plan_measured render(struct plan_pilot *pilot, const struct job_qual
     pilot->render_count++;
     if (plan_lattice_render(&pilot->lattice, pilot->params, &job, frame, image, &result, &pilot->error))
         return PLAN_MEASURED;
-    return note_fault(pilot, result.fault);
+    pilot->fault = result.fault;
+    return result.fault == RENDERER_FAULT_JOB || result.fault == RENDERER_FAULT_ENDLESS ? PLAN_CANNOT : PLAN_STOPPED;
 }
 
 // Where there is a transfer function, `preintegrated`: other methods step over its thin shells, and two halvings agree
 // without them. Else the first family that serves the scene and has an error of second order in all its steps and
 // cells. `cached` stands before `midpoint`: n³ evaluations per frame for a light grid are few beside those of marches
-// for each pixel. Without grids, whose errors are large near lamps, is what measures single pixels.
-static const struct plan_family *find_finest(const struct plan_pilot *pilot, bool has_grids)
+// for each pixel.
+static const struct plan_family *find_finest(const struct plan_pilot *pilot)
 {
     for (size_t i = 0; i < plan_family_count; i++)
         if (plan_families[i].method == JOB_METHOD_PREINTEGRATED && plan_family_serves(&plan_families[i], &pilot->scene))
@@ -110,7 +103,7 @@ static const struct plan_family *find_finest(const struct plan_pilot *pilot, boo
         const struct plan_family *family = &plan_families[i];
         bool is_of_second_order =
             family->method == JOB_METHOD_EQUIANGULAR || family->method == JOB_METHOD_MIDPOINT ||
-            (has_grids && family->method == JOB_METHOD_CACHED &&
+            (family->method == JOB_METHOD_CACHED &&
              plan_family_quality(family, &pilot->scene, &(struct plan_point){{0}}).density_grid == 0);
 
         if (is_of_second_order && plan_family_serves(family, &pilot->scene)) return family;
@@ -268,7 +261,7 @@ static void note_evaluations(struct plan_pilot *pilot, const struct job_quality 
 // order.
 static bool make_fine(struct plan_pilot *pilot)
 {
-    const struct plan_family *family = find_finest(pilot, true);
+    const struct plan_family *family = find_finest(pilot);
     double tolerance = pilot->params->job->quality.tolerance;
     double enough = (pilot->has_truth ? AGREEMENT : AGREEMENT_ALONE) * tolerance;
     double most = (pilot->has_truth ? LEVEL_SHARE : LEVEL_SHARE_ALONE) * plan_budget_find(pilot->params);
@@ -309,53 +302,6 @@ static bool make_fine(struct plan_pilot *pilot)
     return true;
 }
 
-// Renders the drawn points of a frame.
-static enum plan_measured render_points(struct plan_pilot *pilot, const struct job_quality *quality,
-                                        struct plan_pilot_frame *frame, struct image *image)
-{
-    struct pixel pixels[PLAN_POINTS];
-    struct renderer_result result;
-    struct job job = pilot->job;
-
-    job.quality = *quality;
-    job.quality.samples = 1;
-    plan_lattice_find(&pilot->lattice, frame->points, PLAN_POINTS, pixels);
-    pilot->error = (struct error){0};
-    if (plan_list_render(pilot->params, &job, frame->number, pixels, PLAN_POINTS, 1, image, &result, &pilot->error))
-        return PLAN_MEASURED;
-    return note_fault(pilot, result.fault);
-}
-
-// Renders the frames' points in ever finer steps, without grids, until they hardly change. False: it was stopped.
-static bool trace_points(struct plan_pilot *pilot)
-{
-    const struct plan_family *family = find_finest(pilot, false);
-    double most = POINTS_SHARE * plan_budget_find(pilot->params);
-    double enough = POINTS_AGREEMENT * pilot->params->job->quality.tolerance;
-    struct image image = {0};
-    enum plan_measured measured = PLAN_MEASURED;
-
-    for (int level = LEVEL_MIN; family && measured == PLAN_MEASURED && level < LEVEL_LIMIT; level++) {
-        struct job_quality quality = quality_at(pilot, family, level);
-        double change = 0.0;
-
-        if (level > LEVEL_MIN + 1 &&
-            plan_family_work(&pilot->scene, &quality) * PLAN_POINTS * pilot->frame_count > most)
-            break;
-        for (int i = 0; i < pilot->frame_count && measured == PLAN_MEASURED; i++) {
-            measured = render_points(pilot, &quality, &pilot->frames[i], &image);
-            if (measured == PLAN_MEASURED)
-                change = fmax(change, plan_pilot_frame_trace(&pilot->frames[i], &image, level == LEVEL_MIN));
-        }
-        log_debug("plan: points by %s, halved %d times: changed by %.2e", family->name, level, change);
-        plan_progress_note(pilot->params, PLAN_STAGE_POINTS, (level - LEVEL_MIN + 1.0) / (LEVEL_LIMIT - LEVEL_MIN));
-        if (level > LEVEL_MIN && change <= enough) break;
-    }
-    image_finish(&image);
-    if (measured != PLAN_STOPPED) pilot->fault = RENDERER_FAULT_NONE;
-    return measured != PLAN_STOPPED;
-}
-
 static bool prepare(struct plan_pilot *pilot)
 {
     const struct plan_segment *segment = &pilot->params->segment;
@@ -365,13 +311,14 @@ static bool prepare(struct plan_pilot *pilot)
         pilot->frames[i] = (struct plan_pilot_frame){.number = segment->pilot[i]};
     if (!make_fine(pilot)) return false;
     for (int i = 0; i < pilot->frame_count && pilot->has_truth; i++) {
-        plan_pilot_frame_draw(&pilot->frames[i], &pilot->job);
+        plan_pilot_frame_draw(&pilot->frames[i], &pilot->job,
+                              pilot->frame_count > 1 ? PLAN_TRUE_PIXELS_EACH : PLAN_TRUE_PIXELS);
         if (!plan_pilot_frame_measure(&pilot->frames[i], pilot->params, &pilot->lattice, &pilot->job, &pilot->fault,
                                       &pilot->error))
             return false;
         plan_progress_note(pilot->params, PLAN_STAGE_TRUTH, (i + 1.0) / pilot->frame_count);
     }
-    return !pilot->has_truth || trace_points(pilot);
+    return true;
 }
 
 struct plan_pilot *plan_pilot_create(const struct plan_params *params, enum renderer_fault *fault, struct error *error)

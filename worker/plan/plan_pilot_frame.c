@@ -14,7 +14,7 @@
 
 // The accuracy asked of reference/, relative to the tolerance, and its limits. docs/rendering.md has the table of
 // accuracies and times by which they were chosen.
-static const double ACCURACY_SHARE = 0.2, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2;
+static const double ACCURACY_SHARE = 0.5, ACCURACY_MIN = 1e-4, ACCURACY_MAX = 1e-2;
 
 void plan_pilot_frame_finish(struct plan_pilot_frame *frame)
 {
@@ -57,7 +57,7 @@ double plan_pilot_frame_change(const struct plan_pilot_frame *frame)
     return relative(squared_difference(&frame->fine, &frame->before), frame->mean_square);
 }
 
-void plan_pilot_frame_draw(struct plan_pilot_frame *frame, const struct job *job)
+void plan_pilot_frame_draw(struct plan_pilot_frame *frame, const struct job *job, size_t count)
 {
     struct audit_map map;
 
@@ -66,26 +66,11 @@ void plan_pilot_frame_draw(struct plan_pilot_frame *frame, const struct job *job
                                                     .finer = &frame->fine,
                                                     .coarser = &frame->before,
                                                     .is_own = true});
-    audit_map_draw(&map, job, frame->number, 0, PLAN_POINTS, frame->points);
-    for (size_t k = 0; k < PLAN_POINTS; k++)
+    audit_map_draw(&map, job, frame->number, 0, count, frame->points);
+    frame->point_count = count;
+    for (size_t k = 0; k < count; k++)
         frame->density[k] = audit_map_density(&map, frame->points[k]);
     audit_map_finish(&map);
-}
-
-double plan_pilot_frame_trace(struct plan_pilot_frame *frame, const struct image *image, bool is_first)
-{
-    double sum = 0.0;
-
-    for (size_t k = 0; k < PLAN_POINTS; k++)
-        for (size_t c = 0; c < 3; c++) {
-            float value = image->rgba[4 * k + c];
-            double change = is_first ? 0.0 : (double)value - frame->traced[k][c];
-
-            sum += change * change / (3.0 * frame->density[k] * PLAN_POINTS);
-            frame->traced[k][c] = value;
-        }
-    frame->is_traced = true;
-    return relative(sum, frame->mean_square);
 }
 
 bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_params *params,
@@ -98,7 +83,7 @@ bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_
     const struct integrate_accuracy accuracy = {.relative = fmin(fmax(wanted, ACCURACY_MIN), ACCURACY_MAX),
                                                 .floor = audit_map_floor(rms)};
     struct pixel pixels[PLAN_TRUE_PIXELS];
-    size_t count = PLAN_TRUE_PIXELS;
+    size_t count = frame->point_count;
 
     if (!truth) {
         *fault = RENDERER_FAULT_FRAME;
@@ -132,31 +117,28 @@ static double squared_distance(const float *seen, const double rgb[static 3])
     return sum;
 }
 
-static double squared_distance_of_floats(const float *seen, const float *other)
-{
-    return squared_distance(seen, (const double[]){other[0], other[1], other[2]});
-}
-
-// The mean of |I - R|^2 for a render I and the light R. It is the mean of |I - F|^2 over all pixels, F being the finest
-// render. It is corrected by |I - G|^2 - |I - F|^2 at the points, G being rendered without grids, and by
-// |I - R|^2 - |I - G|^2 at those points where R is known. Each correction is without bias, however good the level
-// before it is. (Multilevel Monte Carlo: Giles, Operations Research 56(3), 2008.)
+// The mean of |I - R|^2 for a render I and the light R, from the points where R is known. The means of |I - F|^2 over
+// all pixels and over the points, F being the finest render, tell by how much the points are unlike the rest: as far as
+// the two squares vary together. (Regression estimator: Cochran, Sampling Techniques, 1977.)
 static double square_error(const struct plan_pilot_frame *frame)
 {
-    double near = squared_difference(&frame->seen, &frame->fine), traced = 0.0, rest = 0.0;
+    double near = squared_difference(&frame->seen, &frame->fine), count = (double)frame->true_count;
+    double x = 0.0, y = 0.0, xy = 0.0, yy = 0.0, slope;
 
-    for (size_t k = 0; k < PLAN_POINTS && (frame->is_traced || k < frame->true_count); k++) {
-        const float *seen = seen_at(&frame->seen, frame->points[k]);
-        double from_fine = squared_distance_of_floats(seen, seen_at(&frame->fine, frame->points[k]));
-        double from_traced = frame->is_traced ? squared_distance_of_floats(seen, frame->traced[k]) : from_fine;
+    for (size_t k = 0; k < frame->true_count; k++) {
+        const float *seen = seen_at(&frame->seen, frame->points[k]), *fine = seen_at(&frame->fine, frame->points[k]);
+        double from_light = squared_distance(seen, frame->truth[k].rgb) / frame->density[k];
+        double from_fine = squared_distance(seen, (const double[]){fine[0], fine[1], fine[2]}) / frame->density[k];
 
-        traced += (from_traced - from_fine) / frame->density[k];
-        if (k < frame->true_count)
-            rest += (squared_distance(seen, frame->truth[k].rgb) - from_traced) / frame->density[k];
+        x += from_light / count;
+        y += from_fine / count;
+        xy += from_light * from_fine / count;
+        yy += from_fine * from_fine / count;
     }
     if (frame->true_count == 0) return near;
-    // The corrections by a few pixels may be larger than the mean.
-    return fmax(near + traced / PLAN_POINTS + rest / (double)frame->true_count, 0.1 * near);
+    slope = yy > y * y ? fmin(fmax((xy - x * y) / (yy - y * y), 0.0), 1.0) : 0.0;
+    // The correction may be larger than the mean.
+    return fmax(x + slope * (near - y), 0.25 * x);
 }
 
 double plan_pilot_frame_error(const struct plan_pilot_frame *frame)

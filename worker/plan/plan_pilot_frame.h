@@ -16,18 +16,16 @@ struct error;
 struct plan_lattice;
 struct plan_params;
 
-// Points of each frame that are rendered without grids, and the first of them, which reference/ measures too.
-enum { PLAN_POINTS = 64, PLAN_TRUE_PIXELS = 16 };
+// Points that reference/ measures, of a pilot's only frame, and of each of several.
+enum { PLAN_TRUE_PIXELS = 64, PLAN_TRUE_PIXELS_EACH = 32 };
 
 struct plan_pilot_frame {
     int32_t number;
-    struct image fine, before, seen; // of the lattice: the finest render, the one before it, and the latest
-    double mean_square;              // of the values of `fine`
-    size_t true_count;
-    struct pixel points[PLAN_POINTS]; // in those images
-    double density[PLAN_POINTS];      // probability density with which each was drawn
-    bool is_traced;                   // `traced` is known
-    float traced[PLAN_POINTS][3];
+    struct image fine, before, seen;       // of the lattice: the finest render, the one before it, and the latest
+    double mean_square;                    // of the values of `fine`
+    size_t point_count, true_count;        // drawn, and measured
+    struct pixel points[PLAN_TRUE_PIXELS]; // in those images
+    double density[PLAN_TRUE_PIXELS];      // probability density with which each was drawn
     struct truth_pixel truth[PLAN_TRUE_PIXELS];
 };
 
@@ -37,11 +35,9 @@ void plan_pilot_frame_finish(struct plan_pilot_frame *frame); // accepts the zer
 void plan_pilot_frame_keep(struct plan_pilot_frame *frame);
 // RMS of the difference between `fine` and `before`, relative to the RMS of `fine`.
 double plan_pilot_frame_change(const struct plan_pilot_frame *frame);
-// Draws the points, as audits draw theirs.
-void plan_pilot_frame_draw(struct plan_pilot_frame *frame, const struct job *job);
-// Takes the points' colours from an image. Returns the RMS of their change, relative to the frame's RMS.
-double plan_pilot_frame_trace(struct plan_pilot_frame *frame, const struct image *image, bool is_first);
-// Has reference/ measure the first points. `job` has one sample. On failure `fault` is one of the renderer's.
+// Draws points, as audits draw theirs; `count` is at most PLAN_TRUE_PIXELS.
+void plan_pilot_frame_draw(struct plan_pilot_frame *frame, const struct job *job, size_t count);
+// Has reference/ measure the points. `job` has one sample. On failure `fault` is one of the renderer's.
 bool plan_pilot_frame_measure(struct plan_pilot_frame *frame, const struct plan_params *params,
                               const struct plan_lattice *lattice, const struct job *job, enum renderer_fault *fault,
                               struct error *error);

@@ -216,10 +216,12 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
     return true;
 }
 
-// False for NaN.
+// False for NaN, and for an error that is not a standard error within the tolerance.
 static bool is_within(const struct rendering *rendering)
 {
-    return rendering->result->audit.error <= rendering->params->job->quality.tolerance;
+    const struct audit_result *audit = &rendering->result->audit;
+
+    return audit->error + audit->spread <= rendering->params->job->quality.tolerance;
 }
 
 static void note_shown(struct rendering *rendering)
@@ -285,22 +287,25 @@ static void describe_retry(const struct rendering *rendering, const struct plan 
              rendering->best.result.audit.error);
 }
 
-// Publishes the rendering with the least error, if the job asks for that and an error is known; else fails.
+// Publishes the rendering with the least error, if the job asks for that and an error is known; else fails. An error
+// within the tolerance by less than its standard error is told as it is, and no miss.
 static bool miss(struct rendering *rendering)
 {
     const struct tolerance_params *params = rendering->params;
     struct tolerance_result *result = rendering->result;
     struct tolerance *tolerance = rendering->tolerance;
     const struct plan_retry *retry = &rendering->retry;
+    bool is_published;
 
     *result = rendering->best.result;
     result->retry_count = retry->count;
     result->render.seconds = rendering->seconds;
     memcpy(tolerance->shader_hash, rendering->best.shader_hash, sizeof tolerance->shader_hash);
     result->render.shader_hash = tolerance->shader_hash;
-    result->audit.is_missed = params->job->quality.on_miss == JOB_ON_MISS_PUBLISH && isfinite(result->audit.error) &&
-                              isfinite(result->audit.error95);
-    if (result->audit.is_missed) return image_copy(params->image, &rendering->best.image, rendering->error);
+    is_published = params->job->quality.on_miss == JOB_ON_MISS_PUBLISH && isfinite(result->audit.error) &&
+                   isfinite(result->audit.error95);
+    result->audit.is_missed = is_published && result->audit.error > params->job->quality.tolerance;
+    if (is_published) return image_copy(params->image, &rendering->best.image, rendering->error);
     result->render.fault = RENDERER_FAULT_MISSED;
     miss_describe(&(struct miss){.job = params->job,
                                  .quality = &result->quality,
