@@ -6,11 +6,8 @@
 #include <math.h>
 
 // Of the whole plan; set by hand, near the shares of the budget that the stages may take.
-static const double STAGE_SHARE[PLAN_STAGE_COUNT] = {[PLAN_STAGE_HALVING] = 0.3,
-                                                     [PLAN_STAGE_TRUTH] = 0.1,
-                                                     [PLAN_STAGE_POINTS] = 0.15,
-                                                     [PLAN_STAGE_SEARCH] = 0.35,
-                                                     [PLAN_STAGE_SCOUTS] = 0.1};
+static const double STAGE_SHARE[PLAN_STAGE_COUNT] = {
+    [PLAN_STAGE_HALVING] = 0.3, [PLAN_STAGE_TRUTH] = 0.25, [PLAN_STAGE_SEARCH] = 0.35, [PLAN_STAGE_SCOUTS] = 0.1};
 
 void plan_progress_note(const struct plan_params *params, enum plan_stage stage, double share)
 {

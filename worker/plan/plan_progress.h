@@ -8,7 +8,6 @@ struct plan_params;
 enum plan_stage {
     PLAN_STAGE_HALVING, // renders in ever finer steps
     PLAN_STAGE_TRUTH,   // pixels that reference/ measures
-    PLAN_STAGE_POINTS,  // pixels without grids
     PLAN_STAGE_SEARCH,
     PLAN_STAGE_SCOUTS,
     PLAN_STAGE_COUNT
