@@ -1,7 +1,8 @@
 // The processor time of lists of pixels, a pixel, over that of the whole frame: pixel_list_bench JOB...
 // SPDX-License-Identifier: Apache-2.0
-// Frames are 640 pixels wide, with one sample. Lists are drawn at random from the frame. Medians of five; on a GPU the
-// times are wall time.
+// Frames are 640 pixels wide, with one sample; a job without a method is drawn as its draft. Lists are drawn at random
+// from the frame. Medians of five; on a GPU the times are wall time. Before them stands what linking takes: the first
+// list of 64 pixels without the second, so with reading the job's files.
 #include "cli/job/job_document.h"
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
@@ -10,6 +11,7 @@
 #include "worker/gl/gl_context.h"
 #include "worker/picture/image.h"
 #include "worker/picture/pixel.h"
+#include "worker/plan/draft.h"
 #include "worker/render/renderer.h"
 
 #include <stdio.h>
@@ -82,12 +84,27 @@ static struct pixel *draw(const struct job *job, size_t count)
     return pixels;
 }
 
+static double time_link(struct bench *bench)
+{
+    struct pixel *pixels = draw(&bench->job, counts[0]);
+    double first_s = time_once(bench, pixels, counts[0]), again_s = time_once(bench, pixels, counts[0]);
+
+    free(pixels);
+    return first_s - again_s;
+}
+
+static bool settle(struct job *job, struct error *error)
+{
+    if (job->quality.method == JOB_METHOD_AUTO) job->quality.method = JOB_METHOD_DRAFT;
+    return draft_settle(job, NULL, error);
+}
+
 static bool measure(struct bench *bench, const char *path)
 {
     struct error error = {{0}};
     char *document = job_document_load(path, NULL, 0, &error);
-    bool ok = document && job_document_check(path, document, "/", &bench->job, &error);
-    double whole;
+    bool ok = document && job_document_check(path, document, "/", &bench->job, &error) && settle(&bench->job, &error);
+    double whole, link_s;
 
     free(document);
     if (!ok) {
@@ -97,8 +114,9 @@ static bool measure(struct bench *bench, const char *path)
     bench->job.height_px = bench->job.height_px * WIDTH / bench->job.width_px;
     bench->job.width_px = WIDTH;
     bench->job.quality.samples = 1;
+    link_s = time_link(bench);
     whole = time_pixel(bench, NULL, (size_t)WIDTH * (size_t)bench->job.height_px);
-    printf("%-16s %9.2f", bench->job.name, 1e6 * whole);
+    printf("%-16s %9.0f %9.2f", bench->job.name, 1e3 * link_s, 1e6 * whole);
     for (int i = 0; i < LIST_COUNT; i++) {
         struct pixel *pixels = draw(&bench->job, counts[i]);
 
@@ -121,7 +139,7 @@ int main(int argc, char *argv[])
     if (!context) fprintf(stderr, "%s\n", error.message);
     if (context) bench.renderer = renderer_create(context, NULL);
     if (context) bench.clock = renderer_is_software(bench.renderer) ? CLOCK_PROCESS_CPUTIME_ID : CLOCK_MONOTONIC;
-    printf("%-16s %9s", "job", "us/pixel");
+    printf("%-16s %9s %9s", "job", "link/ms", "us/pixel");
     for (int i = 0; i < LIST_COUNT; i++)
         printf(" %8zu", counts[i]);
     printf("\n");

@@ -176,7 +176,7 @@ static struct plan_finding search(struct attempt *attempt, double tolerance, dou
 struct choice {
     struct plan_finding finding;
     size_t family;
-    bool is_found;
+    bool is_found, is_cheap; // is_cheap: no other family would repay its linking
     int serve_count;
     char tried[160]; // the names of the families, and the work of their best settings
 };
@@ -223,6 +223,14 @@ static int sort_families(struct plan_pilot *pilot, size_t families[static FAMILY
     return count;
 }
 
+// True if a family that begins with that work may save more in the segment's frames than linking its program takes.
+static bool repays(const struct choice *choice, double work, const struct plan_params *params)
+{
+    double pixels = (double)params->job->width_px * params->job->height_px * (double)params->segment.count;
+
+    return (choice->finding.work - work) * pixels > PLAN_LINK_WORK;
+}
+
 // False when the search was stopped.
 static bool choose(struct plan_pilot *pilot, const struct plan_params *params, struct choice *choice)
 {
@@ -246,6 +254,8 @@ static bool choose(struct plan_pilot *pilot, const struct plan_params *params, s
 
         // A family that begins with more work rarely ends with less, and then gains little.
         if (choice->is_found && works[i] >= choice->finding.work) break;
+        choice->is_cheap = choice->is_found && !repays(choice, works[i], params);
+        if (choice->is_cheap) break;
         finding = search(&attempt, job->quality.tolerance, choice->is_found ? choice->finding.work : work_limit);
         if (finding.found == PLAN_GAVE_UP) return false;
         note_tried(choice, attempt.family, &finding);
@@ -266,6 +276,9 @@ static void describe(struct plan *plan, const struct job *job, const struct choi
                  job->quality.tolerance);
     else if (choice->serve_count == 1)
         snprintf(plan->reason, sizeof plan->reason, "%s alone serves this scene", name);
+    else if (choice->is_cheap)
+        snprintf(plan->reason, sizeof plan->reason,
+                 "%s does so little work here that no other method repays linking it", name);
     else if (!strchr(choice->tried, ','))
         snprintf(plan->reason, sizeof plan->reason, "%s begins with less work than others end with", name);
     else
