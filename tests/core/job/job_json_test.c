@@ -34,8 +34,8 @@ static void cloud_is_read_in_full(void **state)
     assert_int_equal(job.fps_numerator, 24);
     assert_int_equal(job.fps_denominator, 1);
     assert_true(job.width_px == 1920 && job.height_px == 1080);
-    assert_int_equal(job.quality.method, JOB_METHOD_MIDPOINT);
-    assert_true(job.quality.step == 0.01 && job.quality.light_step == 0.02 && job.quality.min_transmittance == 0.0);
+    assert_int_equal(job.quality.method, JOB_METHOD_AUTO);
+    assert_true(job.quality.tolerance == 0.01);
     assert_string_equal(job.output.path.folder, "cloud");
     assert_string_equal(job.output.path.prefix, "cloud.");
     assert_int_equal(job.output.pixel, JOB_PIXEL_HALF);
