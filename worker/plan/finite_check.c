@@ -126,18 +126,21 @@ bool finite_check_frame(const struct plan_params *params, int32_t frame, enum re
     struct renderer_result result;
     struct plan_lattice lattice;
     struct image image = {0};
+    struct error unwanted = {{0}};
     size_t index;
-    bool ok;
+    bool ok, is_stopped;
 
     plan_lattice_init(&lattice, job, part < PIXELS_MIN ? PIXELS_MIN : part > PIXELS_MAX ? PIXELS_MAX : (int)part);
-    ok = plan_lattice_render(&lattice, params, job, frame, &image, &result, error);
-    *fault = result.fault;
+    ok = plan_lattice_render(&lattice, params, job, frame, &image, &result, &unwanted);
+    // Other faults are told by the frame itself, by its own rules.
+    is_stopped = !ok && (result.fault == RENDERER_FAULT_STOPPED || result.fault == RENDERER_FAULT_CONTEXT);
+    *fault = ok || is_stopped ? result.fault : RENDERER_FAULT_NONE;
+    if (is_stopped && error) *error = unwanted;
     if (ok && finite_check_find(&image, &index)) {
         finite_check_tell(params->renderer, job, frame, lattice.pixels[index], error);
         *fault = RENDERER_FAULT_FRAME;
-        ok = false;
     }
     image_finish(&image);
     plan_lattice_finish(&lattice);
-    return ok;
+    return *fault == RENDERER_FAULT_NONE;
 }

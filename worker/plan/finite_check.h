@@ -17,8 +17,8 @@ struct plan_params;
 // The index of an image's first pixel that has a colour which is not finite; false: all are finite.
 bool finite_check_find(const struct image *image, size_t *index);
 
-// Renders a few pixels of a frame of the job, which is of no method auto. False: one is not finite, or the render
-// failed; then the fault and the error say why.
+// Renders a few pixels of a frame of the job, which is of no method auto. False: one is not finite, or it was stopped;
+// then the fault and the error say why. Other faults of these pixels are left for the frame to meet.
 bool finite_check_frame(const struct plan_params *params, int32_t frame, enum renderer_fault *fault,
                         struct error *error);
 
