@@ -24,6 +24,7 @@ struct plan_params {
     bool is_timed;                  // predicts seconds too, by rendering some frames larger
     struct plan_evidence *evidence; // NULL, or where to leave the evidence for audits; empty before
     double *done;                   // NULL, or where to note how much of the plan is made, from 0 to 1
-    renderer_progress *on_progress; // may be NULL; called with what `done` has; false stops
+    bool tells_renders;             // without `done`: on_progress is told the share of each render that is done
+    renderer_progress *on_progress; // may be NULL; called with what `done` has, else 0; false stops
     void *user;
 };

@@ -21,17 +21,21 @@ struct job plan_small_job(const struct job *job, double scale)
     return small;
 }
 
+static bool tell(const struct plan_params *params, double rendered)
+{
+    double done = params->tells_renders ? rendered : 0.0;
+
+    return !params->on_progress || params->on_progress(params->user, params->done ? *params->done : done);
+}
+
 bool plan_small_on_pixel(void *user)
 {
-    const struct plan_params *params = user;
-
-    return !params->on_progress || params->on_progress(params->user, params->done ? *params->done : 0.0);
+    return tell(user, 0.0);
 }
 
 bool plan_small_on_tile(void *user, double done)
 {
-    (void)done;
-    return plan_small_on_pixel(user);
+    return tell(user, done);
 }
 
 bool plan_small_render(const struct plan_params *params, const struct job *job, int32_t frame, struct image *image,

@@ -159,7 +159,7 @@ static bool audit_by_steps(const struct rendering *rendering, const struct plan 
     const struct tolerance_params *params = rendering->params;
     const struct plan_view *view = plan_evidence_find(&rendering->kept->evidence, params->frame);
     struct audit_result *result = &rendering->result->audit;
-    const struct plan_params looking = probe_params(rendering);
+    struct plan_params looking = probe_params(rendering);
     struct job small = plan_small_job(params->job, plan_small_scale(params->job, VIEW_PIXELS));
     const struct plan_view size = {.finer = {.width_px = small.width_px, .height_px = small.height_px}};
 
@@ -168,6 +168,7 @@ static bool audit_by_steps(const struct rendering *rendering, const struct plan 
         result->is_pooled = true;
         return true;
     }
+    looking.tells_renders = true;
     return plan_probe_audit(
         &(struct plan_probe){.params = &looking, .frame = params->frame, .plan = plan, .image = params->image},
         view ? view : &size, result, &rendering->result->render.fault, rendering->error);

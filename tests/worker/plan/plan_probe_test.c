@@ -131,12 +131,31 @@ static void parse(struct job *job)
     if (!job_parse(job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
 }
 
-// The audit of the user's code compares what is published, not a picture like it.
+struct told {
+    enum frame_phase phase;
+    double audited; // the largest share of an audit that was told
+};
+
+static void on_phase(void *user, enum frame_phase phase)
+{
+    ((struct told *)user)->phase = phase;
+}
+
+static bool on_progress(void *user, double done)
+{
+    struct told *told = user;
+
+    if (told->phase == FRAME_PHASE_AUDIT) told->audited = fmax(told->audited, done);
+    return true;
+}
+
+// The audit of the user's code compares what is published, not a picture like it, and tells how much it has drawn.
 static void an_audit_by_steps_measures_what_is_published(void **state)
 {
     struct tolerance_stage stage = tolerance_stage_open(NULL);
     struct image published, finer, published_seen, finer_seen;
     struct plan_evidence evidence = {0};
+    struct told told = {0};
     struct tolerance_result result;
     struct audit_result expected;
     struct plan_lattice lattice;
@@ -147,8 +166,19 @@ static void an_audit_by_steps_measures_what_is_published(void **state)
 
     (void)state;
     parse(&job);
-    if (!tolerance_stage_render(stage, &job, FRAME, &published, &result, &error)) fail_msg("%s", error.message);
+    published = tolerance_stage_make_image(&job);
+    if (!tolerance_render(stage.tolerance,
+                          &(struct tolerance_params){.job = &job,
+                                                     .serial = 1,
+                                                     .frame = FRAME,
+                                                     .image = &published,
+                                                     .on_progress = on_progress,
+                                                     .on_phase = on_phase,
+                                                     .user = &told},
+                          &result, &error))
+        fail_msg("%s", error.message);
     assert_int_equal(result.retry_count, 0);
+    assert_true(told.audited == 1.0);
     assert_true(plan_make(
         &plan,
         &(struct plan_params){
