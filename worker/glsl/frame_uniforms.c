@@ -42,6 +42,7 @@ void frame_uniforms_add(struct frame_uniforms *uniforms, struct frame_value valu
     uniforms->values = xgrow(uniforms->values, &uniforms->capacity, uniforms->count + 1, sizeof *uniforms->values);
     added = &uniforms->values[uniforms->count++];
     *added = value;
+    added->is_constant &= !uniforms->is_shared;
     added->is_constant &= !is_relative(added) || !uniforms->anchored || !scene_anchor_moves(uniforms->anchored);
     if (added->is_constant) return;
     added->offset_bytes = round_up(uniforms->end_bytes, alignments[added->type]);

@@ -55,6 +55,7 @@ struct frame_uniforms {
     size_t count, capacity;
     size_t size_bytes; // of the block, a multiple of 16; 0 when nothing moves
     size_t end_bytes;  // of the last member that moves
+    bool is_shared;    // values that are added move, fixed ones too: the text is that of other numbers as well
 };
 
 void frame_uniforms_finish(struct frame_uniforms *uniforms);

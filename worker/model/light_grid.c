@@ -279,7 +279,7 @@ EVALUATE(taper, taper, 1)
 EVALUATE(near, near, 1)
 EVALUATE(far, far, 1)
 
-void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_grid *grid)
+void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_grid *grid, size_t index)
 {
     static const struct {
         const char *name;
@@ -305,5 +305,5 @@ void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_g
                                                     .min = value_range_any.min,
                                                     .max = value_range_any.max,
                                                     .meaning = "positions of the light and of the media"},
-                               "light_%zu_grid_%s", grid->light, values[i].name);
+                               "light_%zu_grid_%s", index, values[i].name);
 }

@@ -39,5 +39,5 @@ struct light_grid_placement {
 void light_grid_init(struct light_grid *grid, const struct scene_model *model, size_t light);
 void light_grid_place(const struct light_grid *grid, double time, struct light_grid_placement *placement);
 // Adds light_I_grid_center, _from_unit, _to_unit, _origin, _taper of a beam; light_I_grid_near, _far of a round grid,
-// which also needs light_I_position. The grid outlives the values.
-void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_grid *grid);
+// which also needs light_I_position. `index` is the I. The grid outlives the values.
+void light_grid_add_values(struct frame_uniforms *uniforms, const struct light_grid *grid, size_t index);

@@ -273,7 +273,7 @@ static void add_steps(struct frame_uniforms *uniforms, const struct scene_model 
     if (features->marches_to_lights && !features->has_light_grids && !features->has_majorants)
         add_number(uniforms, &quality->light_step, "quality_light_step");
     if (features->is_adaptive) add_number(uniforms, &quality->depth_step, "quality_depth_step");
-    if (features->has_media && (features->has_objects || quality->min_transmittance > 0.0))
+    if (features->has_media && (features->has_objects || (features->has_throughput && !features->is_tracked)))
         add_number(uniforms, &quality->min_transmittance, "quality_min_transmittance");
     if (quality->method == JOB_METHOD_RIEMANN && features->marches) add_riemann(uniforms, model);
     if (features->has_roulette) {

@@ -12,6 +12,9 @@
 #include "worker/scene/scene_inputs.h"
 #include "worker/shader/scene_glue_media.h"
 
+// The light's number in a program that marches, so that lights of a kind share one.
+enum { MARCHED_LIGHT = 0 };
+
 static const char channels[] = "xyzw";
 
 const char *light_grid_glue_module(const struct light_grid *grid)
@@ -19,11 +22,9 @@ const char *light_grid_glue_module(const struct light_grid *grid)
     return grid->kind == LIGHT_GRID_BEAM ? "light_grid/beam.glsl" : "light_grid/round.glsl";
 }
 
-// Writes the expression of the grid's struct.
-static void write_grid(FILE *out, const struct light_grid *grid)
+// Writes the expression of the struct of a grid, whose light is `i` in the text.
+static void write_grid(FILE *out, const struct light_grid *grid, size_t i)
 {
-    size_t i = grid->light;
-
     if (grid->kind == LIGHT_GRID_BEAM)
         fprintf(out,
                 "LightGridBeam(light_%zu_grid_center, light_%zu_grid_from_unit, light_%zu_grid_to_unit, "
@@ -40,7 +41,7 @@ void light_grid_glue_write_lookup(FILE *out, const struct light_grid *grid)
     fprintf(out, "layout(binding = %u) uniform sampler3D light_%zu_columns;\n", texture_unit_of_light(grid->light), i);
     fprintf(out, "MediaColumn light_%zu_column(vec3 point, LightSample light)\n{\n    vec3 at = light_grid_", i);
     fputs(grid->kind == LIGHT_GRID_BEAM ? "beam_at(" : "round_at(", out);
-    write_grid(out, grid);
+    write_grid(out, grid, i);
     fputs(grid->kind == LIGHT_GRID_BEAM ? ", point);\n" : ", light.direction, light.distance);\n", out);
     fprintf(out,
             "    vec4 marched = transmittance_cached(light_%zu_columns, at);\n"
@@ -93,7 +94,7 @@ static void write_main(FILE *out, const struct light_grid *grid, const struct sc
           "    LightGridRay ray = light_grid_",
           out);
     fputs(grid->kind == LIGHT_GRID_BEAM ? "beam_ray(" : "round_ray(", out);
-    write_grid(out, grid);
+    write_grid(out, grid, MARCHED_LIGHT);
     fputs(", vec2(at.xy) / float(cells));\n    light_grid_march(ray, at.xy, cells);\n}\n", out);
 }
 
@@ -148,9 +149,10 @@ static bool make_columns(struct scene_cache *cache, const struct light_grid *gri
     for (size_t k = 0; k < grid->medium_count; ++k)
         cache->reads_files |= marched.inputs && marched.inputs->media[grid->media[k]].source;
     scene_values_add_densities(&cache->uniforms, &marched);
+    cache->uniforms.is_shared = true;
     if (grid->kind == LIGHT_GRID_ROUND)
-        light_kind_add_position(&cache->uniforms, &grid->job->scene.lights[grid->light], grid->light);
-    light_grid_add_values(&cache->uniforms, grid);
+        light_kind_add_position(&cache->uniforms, &grid->job->scene.lights[grid->light], MARCHED_LIGHT);
+    light_grid_add_values(&cache->uniforms, grid, MARCHED_LIGHT);
     return assemble(cache, grid, &marched, shader_dir, error);
 }
 

@@ -24,12 +24,9 @@ static void write_gathered(FILE *out, const struct scene_model *model)
         fputs("    return false;\n}\n", out);
     else if (model->features.is_tracked) // an estimate may be negative
         fputs("    return spectrum_max(abs(gathered.transmittance)) <= 0.0;\n}\n", out);
-    else if (has_objects && model->job->quality.min_transmittance > 0)
-        fputs("    return spectrum_max(gathered.transmittance) < gathered.least;\n}\n", out);
-    else if (model->job->quality.min_transmittance > 0)
-        fputs("    return spectrum_max(gathered.transmittance) < quality_min_transmittance;\n}\n", out);
-    else
-        fputs("    return spectrum_max(gathered.transmittance) <= 0.0;\n}\n", out);
+    else // where the least is 0, too: rays end where nothing passes
+        fprintf(out, "    return spectrum_max(gathered.transmittance) <= %s;\n}\n",
+                has_objects ? "gathered.least" : "quality_min_transmittance");
 }
 
 static void write_column(FILE *out, const struct scene_model *model, const char *spans, const char *distance)

@@ -302,7 +302,7 @@ static bool add_grids(struct scene_program *program, const char *shader_dir, str
         if (!model->features.light_is_seen[i]) continue;
         light_grid_init(grid, model, i);
         grid->densities = densities;
-        light_grid_add_values(&program->uniforms, grid);
+        light_grid_add_values(&program->uniforms, grid, grid->light);
         if (!light_grid_glue_add_caches(program->caches, &program->cache_count, grid, model, shader_dir, error))
             return false;
         program->light_grid_count++;

@@ -80,8 +80,29 @@ static void settings_of_a_method_share_a_program(void **state)
         finer.roulette_survive *= 0.9;
         finer.samples *= i == 6 ? 4 : 1;
         assert_same_program(&job, &finer);
+        finer.min_transmittance = 0;
+        assert_same_program(&job, &finer);
         job_finish(&job);
     }
+}
+
+// Lights of a kind have one program that marches from the nodes of their grids, moving or not.
+static void light_grids_share_a_program(void **state)
+{
+    struct scene_program program;
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_S_1,
+                   "\"lights\": [{\"kind\": \"point\", \"intensity\": 3, \"position\": [2, 1, 2]},"
+                   "{\"kind\": \"point\", \"intensity\": 1, \"position\": [-2, 1, 3]}], \"quality\": {\"method\": "
+                   "\"cached\", \"step\": 0.05, \"light_grid\": 16}");
+    assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
+    assert_int_equal(program.cache_count, 4);
+    assert_string_equal(program.caches[0].name, "light_0_marched");
+    assert_string_equal(program.caches[2].name, "light_1_marched");
+    assert_string_equal(program.caches[0].hash, program.caches[2].hash);
+    scene_program_finish(&program);
+    job_finish(&job);
 }
 
 // The number of waiting rays sizes an array, but not each depth has one of its own.
@@ -105,6 +126,7 @@ int main(int argc, char *argv[])
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(settings_of_a_method_share_a_program),
         cmocka_unit_test(limits_of_paths_share_a_program),
+        cmocka_unit_test(light_grids_share_a_program),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);

@@ -93,7 +93,8 @@ static void what_is_not_asked_for_is_not_written(void **state)
     shader_text_assert_lacks(&program, "out vec4 transmittance");
     shader_text_assert_lacks(&program, "emission");
     shader_text_assert_lacks(&program, "background");
-    shader_text_assert_has(&program, "uniform FrameUniforms {\n    float quality_step;\n}");
+    shader_text_assert_has(&program,
+                           "uniform FrameUniforms {\n    float quality_step;\n    float quality_min_transmittance;\n}");
     release(&program, &job);
 }
 
@@ -245,7 +246,8 @@ static void only_what_moves_is_a_uniform(void **state)
     example_job_load(&job, "cloud");
     assert_true(scene_program_init(&program, &job, NULL, NULL, NULL));
     shader_text_assert_has(&program, "    mat3 medium_0_rotation;\n    vec3 light_0_position;\n    float "
-                                     "quality_step;\n    float quality_light_step;\n} frame;");
+                                     "quality_step;\n    float quality_light_step;\n    float "
+                                     "quality_min_transmittance;\n} frame;");
     shader_text_assert_has(&program, "const float medium_0_offset = 0.0599999987;");
     assert_int_equal(program.uniforms.size_bytes, 80);
     assert_true(frame_uniforms_pack(&program.uniforms, &(struct frame_moment){.time = 2}, bytes, NULL));
