@@ -172,7 +172,7 @@ static bool measure(struct gl_context *context, const struct feature *feature, c
 int main(int argc, char *argv[])
 {
     struct error error = {0};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_context_create(GL_BACKEND_SOFTWARE, NULL, &error);
     char *image = argc > 1 ? realpath(argv[1], NULL) : NULL;
     int failures = !context || !image;
 

@@ -171,7 +171,7 @@ static bool print_reach(const char *path, int32_t frame, struct error *error)
 static int measure(struct ladder *ladder, char *jobs[])
 {
     struct error error = {0};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_context_create(GL_BACKEND_SOFTWARE, NULL, &error);
     bool ok = context != NULL;
 
     if (!ok) fprintf(stderr, "%s\n", error.message);

@@ -163,7 +163,7 @@ int main(int argc, char *argv[])
     bool ok = document && job_document_check(argv[1], document, "/", &job, &error);
 
     if (ok) {
-        context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+        context = gl_context_create(GL_BACKEND_SOFTWARE, NULL, &error);
         job.quality = (struct job_quality){.method = JOB_METHOD_EQUIANGULAR, .points = 1, .samples = 1, .max_cut = 1.0};
         job.quality.max_depth = TRUE_DEPTH;
         job.quality.min_throughput = TRUE_THROUGHPUT;

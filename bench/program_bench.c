@@ -114,7 +114,7 @@ static bool measure(struct gl_context *context, const char *path)
 int main(int argc, char *argv[])
 {
     struct error error = {0};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_context_create(GL_BACKEND_SOFTWARE, NULL, &error);
     int failures = context == NULL;
 
     if (!context) printf("%s\n", error.message);

@@ -203,7 +203,7 @@ static bool measure(const struct gl_functions *gl, const struct gl_target *targe
 int main(void)
 {
     struct error error = {0};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_context_create(GL_BACKEND_SOFTWARE, NULL, &error);
     struct gl_functions gl;
     struct gl_target target = {0};
     struct image image = {0};

@@ -123,7 +123,7 @@ static bool render(struct renderer *renderer, const struct job *job, int frame, 
 static bool measure(const char *small_path, const char *path, double volume_bytes)
 {
     struct error error = {0};
-    struct gl_context *context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_context_create(GL_BACKEND_SOFTWARE, NULL, &error);
     struct renderer *renderer = context ? renderer_create(context, NULL) : NULL;
     struct job small = {0}, job = {0};
     double read_s = 0.0, small_s = 0.0, first_s = 0.0, next_s = 0.0, before;

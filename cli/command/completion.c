@@ -12,7 +12,7 @@
 
 static const char *const job_states[] = {"queued", "running", "paused", "succeeded", "failed", "canceled", NULL};
 static const char *const frame_states[] = {"queued", "running", "succeeded", "failed", "canceled", "skipped", NULL};
-static const char *const backends[] = {"auto", "egl", "osmesa", NULL};
+static const char *const backends[] = {"auto", "egl", "osmesa", "software", NULL};
 static const char *const shells[] = {"bash", "zsh", "fish", NULL};
 
 struct typing {

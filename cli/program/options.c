@@ -41,7 +41,7 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_FRAME] = {"frame", KIND_INTEGER, FIELD(frame), "N", 0, INT32_MAX, "only this frame"},
     [OPTION_FRAMES] = {"frames", KIND_TEXT, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
     [OPTION_OUT] = {"out", KIND_TEXT, FIELD(out), "PATH", 0, 0, "where to write (verify: what to check)"},
-    [OPTION_BACKEND] = {"backend", KIND_BACKEND, FIELD(backend), "NAME", 0, 0, "auto, egl or osmesa"},
+    [OPTION_BACKEND] = {"backend", KIND_BACKEND, FIELD(backend), "NAME", 0, 0, "auto, egl, osmesa or software"},
     [OPTION_DEVICE] = {"device", KIND_TEXT, FIELD(device), "DEVICE", 0, 0, "EGL device by UUID or index"},
     [OPTION_ENCODE_THREADS] = {"encode-threads", KIND_INTEGER, FIELD(encode_threads), "N", 1, 64,
                                "threads that compress a frame"},
@@ -132,12 +132,12 @@ static bool set_number(struct options *options, const struct option_rule *rule, 
 
 static bool set_backend(struct options *options, const char *value, struct error *error)
 {
-    static const char *const names[] = {"auto", "egl", "osmesa"};
+    static const char *const names[] = {"auto", "egl", "osmesa", "software"};
 
     options->backend = value;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strcmp(value, names[i]) == 0) return true;
-    error_set(error, "--backend: expected auto, egl or osmesa, got \"%s\"", value);
+    error_set(error, "--backend: expected auto, egl, osmesa or software, got \"%s\"", value);
     return false;
 }
 

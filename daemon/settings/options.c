@@ -28,7 +28,7 @@ const char options_help[] =
     "                          (system: /srv/marchd-input and /usr/share, else /)\n"
     "  --workers N|auto        number of worker processes (auto: one per core)\n"
     "  --threads N             threads of one worker (1)\n"
-    "  --backend NAME          auto, egl or osmesa (auto)\n"
+    "  --backend NAME          auto, egl, osmesa or software (auto)\n"
     "  --worker-memory BYTES   memory of one worker: auto, none, or a size like 4G\n"
     "                          (auto: 90 % of the machine's memory, divided by the workers)\n"
     "  --sandbox yes|no        workers reach only the files of the job that they render (yes)\n"

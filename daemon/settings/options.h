@@ -27,7 +27,7 @@ struct options {
     struct path_list input_roots;  // at least one
     char *worker_program;
     char *shader_folder; // NULL: the shaders inside the worker
-    char *backend;       // "auto", "egl" or "osmesa"
+    char *backend;       // "auto", "egl", "osmesa" or "software"
     char *admin_group;   // name of a group
     int worker_count;    // 0: one per core
     int thread_count;    // of one worker

@@ -87,8 +87,9 @@ bool options_value_switch(const char *name, const char *text, bool *is_on, struc
 
 bool options_value_backend(const char *text, char **backend, struct error *error)
 {
-    if (strcmp(text, "auto") != 0 && strcmp(text, "egl") != 0 && strcmp(text, "osmesa") != 0) {
-        error_set(error, "--backend: expected auto, egl or osmesa, got \"%s\"", text);
+    if (strcmp(text, "auto") != 0 && strcmp(text, "egl") != 0 && strcmp(text, "osmesa") != 0 &&
+        strcmp(text, "software") != 0) {
+        error_set(error, "--backend: expected auto, egl, osmesa or software, got \"%s\"", text);
         return false;
     }
     free(*backend);

@@ -69,7 +69,7 @@ static int set_stage(void **state)
 {
     struct stage *stage = xcalloc(1, sizeof *stage);
 
-    stage->gl = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    stage->gl = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     *state = stage;
     return 0;
 }

@@ -324,7 +324,7 @@ struct range {
 // In every stratum of at least `audits_min` audits the bound is to hold in the share `least` of them.
 static void try_range(const struct range *range, const char *volume, int audits_min, double least)
 {
-    struct campaign campaign = {.gl = gl_stage_open(GL_BACKEND_OSMESA, NULL), .audit_count = range->audit_count};
+    struct campaign campaign = {.gl = gl_stage_open(GL_BACKEND_SOFTWARE, NULL), .audit_count = range->audit_count};
     int audits = 0, covered = 0;
 
     random_job_write_volume(volume);

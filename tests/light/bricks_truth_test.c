@@ -110,17 +110,17 @@ static void lit_from_outside_and_inside_the_box(void **state)
     const char *path = write_lobes(state);
     struct picture picture = {path, "", SCATTERS, OUTSIDE, LIGHTS, STEPS("0.25")};
 
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 8e-4);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 8e-4);
     assert_true_light(&picture, GL_BACKEND_EGL, 8e-4);
     picture.camera = INSIDE;
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 8e-4);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 8e-4);
 }
 
 static void a_black_body_glows_by_its_temperature(void **state)
 {
     struct picture picture = {write_lobes(state), "", GLOWS, OUTSIDE, "", STEPS("0.25")};
 
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 8e-4);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 8e-4);
     assert_true_light(&picture, GL_BACKEND_EGL, 8e-4);
 }
 
@@ -133,7 +133,7 @@ static void voxels_of_other_sides_at_another_position(void **state)
                               LIGHTS,
                               STEPS("0.25")};
 
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 8e-4);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 8e-4);
 }
 
 // Opaque values lie between transparent ones. The first function is opaque around 0, too, so that space without active
@@ -148,10 +148,10 @@ static void a_transfer_function_colours_values(void **state)
                               "",
                               STEPS("0.25")};
 
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 2e-3);
     picture.density = ", \"transfer_function\": [[0.1, 0, 1, 0, 0], [0.4, 1, 0.2, 0.1, 0.3], [0.8, 1, 0.9, 0.3, 0]],"
                       " \"unit_distance\": 0.08";
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 2e-3);
 }
 
 // Density jumps between voxels, anywhere in a segment: the error is of first order.
@@ -160,7 +160,7 @@ static void nearest_voxels(void **state)
     struct picture picture = {write_lobes(state), ", \"interpolation\": \"nearest\"", SCATTERS, OUTSIDE, LIGHTS,
                               STEPS("0.25")};
 
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-2);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 2e-2);
 }
 
 // Light grids lie around the file's box. The tolerance is the error of their cells for a sun and for a light inside.
@@ -173,7 +173,7 @@ static void lit_by_light_grids(void **state)
                               LIGHTS,
                               "\"method\": \"cached\", \"step_voxels\": 0.25, \"light_grid\": 128"};
 
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 2e-3);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 2e-3);
 }
 
 // The simulated gas has up to 1610 K. Its light grows with the ninth power of the temperature and more, so steps of a
@@ -189,7 +189,7 @@ static void a_simulated_fire_is_its_integral(void **state)
         "{\"kind\": \"sun\", \"direction\": [-0.5, 0.6, -0.7], \"intensity\": [1.8, 2.0, 2.4]}",
         STEPS("0.25")};
 
-    assert_true_light(&picture, GL_BACKEND_OSMESA, 1.5e-2);
+    assert_true_light(&picture, GL_BACKEND_SOFTWARE, 1.5e-2);
 }
 
 int main(int argc, char **argv)

@@ -61,7 +61,7 @@ static void assert_shrinks(const char *camera, const char *lights, const char *m
         struct job job;
 
         parse(&job, camera, lights, media, cells);
-        light = true_light_compare_with(&job, GL_BACKEND_OSMESA, &truth);
+        light = true_light_compare_with(&job, GL_BACKEND_SOFTWARE, &truth);
         assert_true(true_light_is_within(&light, tolerance / (finer * finer) + floor));
         job_finish(&job);
     }
@@ -99,7 +99,7 @@ static void homogeneous_media_need_no_grid(void **state)
 
     (void)state;
     parse(&job, CAMERA_OUTSIDE, POINT_OUTSIDE, HAZE, 4);
-    light = true_light_compare(&job, GL_BACKEND_OSMESA);
+    light = true_light_compare(&job, GL_BACKEND_SOFTWARE);
     assert_true(true_light_is_within(&light, 3e-4));
     job_finish(&job);
 }
@@ -137,8 +137,8 @@ static void the_cloud_is_within_a_percent_at_80_cells(void **state)
     struct true_light_truth truth = {.planes = NULL};
 
     (void)state;
-    assert_example("cloud", 2, GL_BACKEND_OSMESA, &coarse, 3e-2, &truth);
-    assert_example("cloud", 2, GL_BACKEND_OSMESA, &fine, 1e-2, &truth);
+    assert_example("cloud", 2, GL_BACKEND_SOFTWARE, &coarse, 3e-2, &truth);
+    assert_example("cloud", 2, GL_BACKEND_SOFTWARE, &fine, 1e-2, &truth);
     assert_example("cloud", 2, GL_BACKEND_EGL, &finer, 2e-3, &truth);
     true_light_truth_finish(&truth);
 }
@@ -149,7 +149,7 @@ static void segments_may_follow_optical_depth(void **state)
 
     (void)state;
     quality.depth_step = 0.2;
-    assert_example("cloud", 2, GL_BACKEND_OSMESA, &quality, 1e-2, NULL);
+    assert_example("cloud", 2, GL_BACKEND_SOFTWARE, &quality, 1e-2, NULL);
 }
 
 static void noise_is_the_converged_light(void **state)
@@ -157,7 +157,7 @@ static void noise_is_the_converged_light(void **state)
     const struct job_quality quality = quality_of(0.02, 96);
 
     (void)state;
-    assert_example("noise", 1, GL_BACKEND_OSMESA, &quality, 1e-2, NULL);
+    assert_example("noise", 1, GL_BACKEND_SOFTWARE, &quality, 1e-2, NULL);
 }
 
 // One argument: the tests to run, by a pattern.

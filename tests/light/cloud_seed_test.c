@@ -75,9 +75,9 @@ static void compare(enum gl_backend backend)
     gl_stage_close(stage);
 }
 
-static void osmesa_renders_the_seed_cloud(void **state)
+static void software_renders_the_seed_cloud(void **state)
 {
-    compare(GL_BACKEND_OSMESA);
+    compare(GL_BACKEND_SOFTWARE);
 }
 
 static void egl_renders_the_seed_cloud(void **state)
@@ -88,7 +88,7 @@ static void egl_renders_the_seed_cloud(void **state)
 int main(int argument_count, char **arguments)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(osmesa_renders_the_seed_cloud),
+        cmocka_unit_test(software_renders_the_seed_cloud),
         cmocka_unit_test(egl_renders_the_seed_cloud),
     };
 

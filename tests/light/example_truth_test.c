@@ -57,10 +57,10 @@ static const double globe_tolerance = 1e-2;
 
 static void fog_is_the_converged_light(void **state)
 {
-    assert_true_light("fog", 0, GL_BACKEND_OSMESA, fog_tolerance);
-    assert_true_light("fog", 1.4, GL_BACKEND_OSMESA, fog_tolerance);
+    assert_true_light("fog", 0, GL_BACKEND_SOFTWARE, fog_tolerance);
+    assert_true_light("fog", 1.4, GL_BACKEND_SOFTWARE, fog_tolerance);
     // The light is behind a ball, whose shadow then fills the picture.
-    assert_true_light("fog", 4.7, GL_BACKEND_OSMESA, 4e-3);
+    assert_true_light("fog", 4.7, GL_BACKEND_SOFTWARE, 4e-3);
 }
 
 static void fog_is_the_converged_light_on_egl(void **state)
@@ -70,9 +70,9 @@ static void fog_is_the_converged_light_on_egl(void **state)
 
 static void sunset_is_the_converged_light(void **state)
 {
-    assert_true_light("sunset", 0, GL_BACKEND_OSMESA, sunset_tolerance);
-    assert_true_light("sunset", 5, GL_BACKEND_OSMESA, sunset_tolerance);
-    assert_true_light("sunset", 9.9, GL_BACKEND_OSMESA, sunset_tolerance);
+    assert_true_light("sunset", 0, GL_BACKEND_SOFTWARE, sunset_tolerance);
+    assert_true_light("sunset", 5, GL_BACKEND_SOFTWARE, sunset_tolerance);
+    assert_true_light("sunset", 9.9, GL_BACKEND_SOFTWARE, sunset_tolerance);
 }
 
 static void sunset_is_the_converged_light_on_egl(void **state)
@@ -82,8 +82,8 @@ static void sunset_is_the_converged_light_on_egl(void **state)
 
 static void glass_is_the_converged_light(void **state)
 {
-    assert_true_light("glass", 0, GL_BACKEND_OSMESA, surface_tolerance);
-    assert_true_light("glass", 6, GL_BACKEND_OSMESA, surface_tolerance);
+    assert_true_light("glass", 0, GL_BACKEND_SOFTWARE, surface_tolerance);
+    assert_true_light("glass", 6, GL_BACKEND_SOFTWARE, surface_tolerance);
 }
 
 static void glass_is_the_converged_light_on_egl(void **state)
@@ -93,25 +93,25 @@ static void glass_is_the_converged_light_on_egl(void **state)
 
 static void opaque_is_the_converged_light(void **state)
 {
-    assert_true_light("opaque", 0, GL_BACKEND_OSMESA, surface_tolerance);
-    assert_true_light("opaque", 8, GL_BACKEND_OSMESA, surface_tolerance);
+    assert_true_light("opaque", 0, GL_BACKEND_SOFTWARE, surface_tolerance);
+    assert_true_light("opaque", 8, GL_BACKEND_SOFTWARE, surface_tolerance);
 }
 
 static void mirror_is_the_converged_light(void **state)
 {
-    assert_true_light("mirror", 0, GL_BACKEND_OSMESA, surface_tolerance);
-    assert_true_light("mirror", 4, GL_BACKEND_OSMESA, surface_tolerance);
+    assert_true_light("mirror", 0, GL_BACKEND_SOFTWARE, surface_tolerance);
+    assert_true_light("mirror", 4, GL_BACKEND_SOFTWARE, surface_tolerance);
 }
 
 static void translucent_is_the_converged_light(void **state)
 {
-    assert_true_light("translucent", 0.5, GL_BACKEND_OSMESA, translucent_tolerance);
-    assert_true_light("translucent", 6, GL_BACKEND_OSMESA, translucent_tolerance);
+    assert_true_light("translucent", 0.5, GL_BACKEND_SOFTWARE, translucent_tolerance);
+    assert_true_light("translucent", 6, GL_BACKEND_SOFTWARE, translucent_tolerance);
 }
 
 static void globe_is_the_converged_light(void **state)
 {
-    assert_true_light("globe", 6, GL_BACKEND_OSMESA, globe_tolerance);
+    assert_true_light("globe", 6, GL_BACKEND_SOFTWARE, globe_tolerance);
 }
 
 static void globe_is_the_converged_light_on_egl(void **state)

@@ -58,7 +58,7 @@ struct sums {
 static void add_frames(struct sums *sums, const struct job *job, int count)
 {
     struct error error = {{0}};
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct renderer_result result;
     struct image image;
 
@@ -290,7 +290,7 @@ static void empty_space_is_skipped(void **state)
 static struct image render_up_to(const struct job *job, int32_t first, int32_t last)
 {
     struct error error = {{0}};
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct renderer_result result;
     struct image image;
 
@@ -337,7 +337,7 @@ static void both_backends_draw_the_same_numbers(void **state)
 
     parse(&job, SMOOTH, LAMP, STEPS("jittered", "0.5", "0.5"));
     render_frame_on(GL_BACKEND_EGL, &job, &first);
-    render_frame_on(GL_BACKEND_OSMESA, &job, &second);
+    render_frame_on(GL_BACKEND_SOFTWARE, &job, &second);
     job_finish(&job);
     for (int i = 0; i < 4 * PIXELS; ++i)
         assert_near(first.rgba[i], second.rgba[i], 1e-5 * fmax(1, second.rgba[i]));

@@ -57,7 +57,7 @@ static void assert_true_light(const char *camera, const char *lights, const char
     struct job job;
 
     parse(&job, camera, lights, media, quality);
-    light = true_light_compare(&job, GL_BACKEND_OSMESA);
+    light = true_light_compare(&job, GL_BACKEND_SOFTWARE);
     assert_true(true_light_is_within(&light, tolerance));
     job_finish(&job);
 }
@@ -202,7 +202,7 @@ static double radiance_error(const char *lights, const char *media, const char *
     struct job job;
 
     parse(&job, CAMERA_OUTSIDE, lights, media, quality);
-    light = true_light_compare(&job, GL_BACKEND_OSMESA);
+    light = true_light_compare(&job, GL_BACKEND_SOFTWARE);
     job_finish(&job);
     return light.radiance.relative_rmse;
 }

@@ -78,7 +78,7 @@ static void assert_true_objects(const struct view *view, double tolerance)
     struct job job;
 
     parse(&job, view);
-    light = true_light_compare_but(&job, GL_BACKEND_OSMESA, STRAY_LIMIT);
+    light = true_light_compare_but(&job, GL_BACKEND_SOFTWARE, STRAY_LIMIT);
     assert_true(true_light_is_within(&light, tolerance));
     assert_true(light.depth.relative_rmse <= tolerance);
     assert_same_rays(&light);

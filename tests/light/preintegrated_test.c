@@ -74,7 +74,7 @@ static struct true_light compare_on(const struct picture *picture, enum gl_backe
 
 static struct true_light compare(const struct picture *picture)
 {
-    return compare_on(picture, GL_BACKEND_OSMESA);
+    return compare_on(picture, GL_BACKEND_SOFTWARE);
 }
 
 static const int SIZE[3] = {21, 17, 19};

@@ -156,7 +156,7 @@ static bool count_call(void *user, double done)
 // after which transmittance is still 1e-13.
 static int count_slices(const char *roulette, struct error *error)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct renderer_result result;
     struct image image;
     struct job job;

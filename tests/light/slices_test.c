@@ -42,7 +42,7 @@ static struct image render_pixels(const struct job *job, const char *shader_dir,
                                   int *calls)
 {
     struct error error = {{0}};
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, shader_dir);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, shader_dir);
     struct renderer_result result;
     struct counted counted = {0};
     struct image image;

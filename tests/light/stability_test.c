@@ -230,7 +230,7 @@ int main(int argc, char **argv)
     struct error error = {{0}};
     int status;
 
-    context = gl_context_create(GL_BACKEND_OSMESA, NULL, &error);
+    context = gl_context_create(GL_BACKEND_SOFTWARE, NULL, &error);
     keep_libraries();
     if (!context) {
         printf("%s\n", error.message);

@@ -242,10 +242,10 @@ static void two_boundaries_take_their_shares(void **state)
 
 int main(int argument_count, char **arguments)
 {
-    static enum gl_backend osmesa = GL_BACKEND_OSMESA, egl = GL_BACKEND_EGL;
+    static enum gl_backend software = GL_BACKEND_SOFTWARE, egl = GL_BACKEND_EGL;
     const struct CMUnitTest tests[] = {
         {"glass_reflects_as_fresnel_says_egl", glass_reflects_as_fresnel_says, NULL, NULL, &egl},
-        {"glass_reflects_as_fresnel_says_osmesa", glass_reflects_as_fresnel_says, NULL, NULL, &osmesa},
+        {"glass_reflects_as_fresnel_says_software", glass_reflects_as_fresnel_says, NULL, NULL, &software},
         cmocka_unit_test(thin_stuff_reflects_as_fresnel_says),
         cmocka_unit_test(extreme_indices_reflect_as_fresnel_says),
         cmocka_unit_test(schlick_takes_the_thinner_side),

@@ -87,7 +87,7 @@ static void compare(void **state, enum gl_backend backend)
 
 static void a_full_scene_is_lit_as_its_twin(void **state)
 {
-    compare(state, GL_BACKEND_OSMESA);
+    compare(state, GL_BACKEND_SOFTWARE);
 }
 
 static void a_full_scene_is_lit_as_its_twin_on_egl(void **state)

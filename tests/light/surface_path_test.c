@@ -380,10 +380,10 @@ static void moving_objects_are_blurred(void **state)
 
 int main(int argument_count, char **arguments)
 {
-    static enum gl_backend osmesa = GL_BACKEND_OSMESA, egl = GL_BACKEND_EGL;
+    static enum gl_backend software = GL_BACKEND_SOFTWARE, egl = GL_BACKEND_EGL;
     const struct CMUnitTest tests[] = {
         {"mirrors_face_one_another_egl", mirrors_face_one_another, NULL, NULL, &egl},
-        {"mirrors_face_one_another_osmesa", mirrors_face_one_another, NULL, NULL, &osmesa},
+        {"mirrors_face_one_another_software", mirrors_face_one_another, NULL, NULL, &software},
         cmocka_unit_test(depth_ends_at_its_limit),
         cmocka_unit_test(a_faint_ray_ends),
         cmocka_unit_test(clip_goes_on_behind_a_mirror),

@@ -54,7 +54,7 @@ static void render_on(enum gl_backend backend, struct picture *picture, const ch
 
 static void render(struct picture *picture, const char *scene, const char *rest)
 {
-    render_on(GL_BACKEND_OSMESA, picture, scene, rest);
+    render_on(GL_BACKEND_SOFTWARE, picture, scene, rest);
 }
 
 static const float *rgba_at(const struct picture *picture, int x, int y)
@@ -160,7 +160,7 @@ static void objects_that_absorb_nothing_vanish_in_a_furnace(void **state)
             OBJECT_JOB_BALL(OBJECT_JOB_GLASS) ", {\"kind\": \"box\", \"center\": [0.2, 0.1, 0], \"size\": [1, 1, 1],"
                                               " \"material\": {\"kind\": \"dielectric\", \"ior\": 2}}"),
     };
-    static const enum gl_backend backends[] = {GL_BACKEND_OSMESA, GL_BACKEND_EGL};
+    static const enum gl_backend backends[] = {GL_BACKEND_SOFTWARE, GL_BACKEND_EGL};
 
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; ++i)
         for (size_t k = 0; k < 2; ++k) {
@@ -261,7 +261,7 @@ static void a_ray_whose_last_loop_is_cut_fails_its_frame(void **state)
         skip();
     }
     assert_false(try_to_render_on(
-        GL_BACKEND_OSMESA, &picture,
+        GL_BACKEND_SOFTWARE, &picture,
         "\"media\": [{\"density\": {\"kind\": \"homogeneous\"}, \"sigma_s\": 1e-3, \"sigma_a\": 0}], " OBJECTS(
             "{\"kind\": \"plane\", \"point\": [0, 0, 3], \"normal\": [0, 0, 1], \"material\": {" OBJECT_JOB_MIRROR "}},"
             " {\"kind\": \"plane\", \"point\": [0, 0, 5], \"normal\": [0, 0, -1], \"material\": {" OBJECT_JOB_MIRROR

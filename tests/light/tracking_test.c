@@ -43,7 +43,7 @@ static struct stage open_stage(const struct bias_check_scene *scene, int height_
 
     bias_check_parse(&stage.job, scene);
     stage.job.height_px = height_px;
-    stage.gl = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    stage.gl = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     assert_true(image_init(&stage.image, BIAS_CHECK_WIDTH_PX, height_px, true, true, NULL));
     return stage;
 }

@@ -12,7 +12,7 @@ jobs=$PROJECT_ROOT/jobs
 chart() {
     job=$1
     shift
-    march chart "$job" --backend osmesa --size 16x9 --quick "$@"
+    march chart "$job" --backend software --size 16x9 --quick "$@"
 }
 
 expect 0 chart "$jobs/cloud.json" --frame 48 --out cloud --methods riemann:2,midpoint:1,midpoint:3,equiangular:2
@@ -21,7 +21,7 @@ cloud.svg
 cloud.truth
 cloud_error.png" ] || fail "the chart's files: $(ls cloud)"
 [ "$(wc -l <cloud/cloud.csv)" -eq 5 ] || fail "a line a point below one of titles"
-grep -q '^cloud,[0-9a-f]*,48,16,9,osmesa,.*,riemann,2,"{""method"":""riemann"".*,measured,.*,wall,.*,reference,' \
+grep -q '^cloud,[0-9a-f]*,48,16,9,\(osmesa\|egl\),.*,riemann,2,"{""method"":""riemann"".*,measured,.*,wall,.*,reference,' \
     cloud/cloud.csv || fail "a measured point"
 grep -q ',equiangular,2,.*,refused,.*homogeneous' cloud/cloud.csv || fail "a refused point has its reason"
 grep -q '</svg>' cloud/cloud.svg || fail "a picture"
@@ -89,7 +89,7 @@ expect 2 march chart
 [ ! -e cloud.csv ] || fail "a chart that was refused leaves no file"
 
 # An interrupted chart ends with 130 and keeps its points.
-march chart "$jobs/cloud.json" --backend osmesa --size 32x18 --frame 48 --out stopped >out 2>err &
+march chart "$jobs/cloud.json" --backend software --size 32x18 --frame 48 --out stopped >out 2>err &
 pid=$!
 until [ -s stopped/cloud.csv ] || ! kill -0 "$pid"; do sleep 0.05; done
 kill -TERM "$pid"

@@ -102,7 +102,7 @@ expect 2 'unknown verb "sumbit", did you mean "submit"?' march help sumbit
 expect 2 '{"error":"unknown option --wiat' march submit --json --wiat "$cloud"
 expect 2 '{"error":"expected ID"}' march show --json
 expect 2 '{"error":"unknown verb' march sumbit --json
-expect 2 "--backend: expected auto, egl or osmesa" march render "$cloud" --backend vulkan
+expect 2 "--backend: expected auto, egl, osmesa or software" march render "$cloud" --backend vulkan
 expect 2 "unknown option --wiat, did you mean --wait?" march submit --wiat "$cloud"
 expect 2 "expected ID" march show
 expect 2 'expected a job id such as 7, got "x"' march show x

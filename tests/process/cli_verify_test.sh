@@ -126,7 +126,7 @@ cat >job.json <<'JOB'
 JOB
 expect 1 march verify job.json
 says "missing: frames 0-3" "fog.####.exr: 0 files; 0 wrong, 4 missing"
-march render job.json --backend osmesa >/dev/null 2>err || fail "render"
+march render job.json --backend software >/dev/null 2>err || fail "render"
 expect 0 march verify job.json
 says "fog.####.exr: 4 files, frames 0-3; all well"
 march verify - <job.json >out 2>err || fail "a job from standard input"
@@ -150,17 +150,17 @@ expect 2 march verify job.json --set quality.stp=1
 # An existing file is kept, and reports its error, when that is within its tolerance; else it is rendered again.
 hash=$(march validate job.json --json | sed 's/.*"hash":"\([0-9a-f]*\)".*/\1/')
 exr-make moved/fog.0003.exr frame=3 "hash=$hash" error=0.005
-expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr"
+expect 0 march render job.json --backend software --frames 3 --out "$PWD/moved/fog.####.exr"
 says "fog.0003.exr  was there already  error 0.5 % (95 %: below 0.75 %)  cached"
-expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr" --json
+expect 0 march render job.json --backend software --frames 3 --out "$PWD/moved/fog.####.exr" --json
 says '"audit":"reference","measured_error":0.005,"error95":0.0075,"audit_rays":64,"method":"cached"}'
 exr-make moved/fog.0003.exr frame=3 "hash=$hash" error=0.0101
-expect 0 march render job.json --backend osmesa --frames 3 --out "$PWD/moved/fog.####.exr"
+expect 0 march render job.json --backend software --frames 3 --out "$PWD/moved/fog.####.exr"
 says "fog.0003.exr  rendered"
 
 # A job with a tolerance is audited: its folder verifies without the job, and with it.
 audited() { march "$@" --set 'quality={"tolerance":0.05}'; }
-expect 0 audited render job.json --backend osmesa --out "$PWD/kept/fog.####.exr"
+expect 0 audited render job.json --backend software --out "$PWD/kept/fog.####.exr"
 [ "$(grep -c 'error .* % (95 %: below ' out)" -eq 4 ] || fail "four frames say how exact they are"
 expect 0 march verify kept
 says "fog.####.exr: 4 files, frames 0-3; worst error" " of 5 % in fog.000" "; all well"
@@ -168,7 +168,7 @@ expect 0 audited verify job.json --out "$PWD/kept/fog.####.exr"
 expect 1 march verify kept --tolerance 1e-9
 expect 1 march verify job.json --set 'quality={"tolerance":0.04}' --out "$PWD/kept/fog.####.exr"
 says "4 wrong" "marchd:jobHash: expected"
-expect 0 audited render job.json --backend osmesa --out "$PWD/kept/fog.####.exr" --json
+expect 0 audited render job.json --backend software --out "$PWD/kept/fog.####.exr" --json
 [ "$(grep -o '"state":"skipped".[^}]*"error95"' out | wc -l)" -eq 4 ] || fail "frames that are there tell of their error"
 
 [ "$failures" -eq 0 ]

@@ -81,7 +81,7 @@ ask job.cancel "{\"id\":$id}" >/dev/null
 kill_daemon
 
 # The real worker: its report on each frame matches the file, and every frame is within the tolerance.
-start_daemon --backend osmesa --workers 1
+start_daemon --backend software --workers 1
 cd "$scratch" || exit 1
 listen "$scratch/real"
 id=$(submit "$(job 48-50 '.output.path = "real/r.####.exr" | .quality = {"tolerance": 0.05}')")

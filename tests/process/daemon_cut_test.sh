@@ -28,7 +28,7 @@ frames_of()
     ask job.frames "{\"id\":$1,\"state\":[\"$2\"]}" | jq -c '[.result.frames[] | [.frame, .attempts]]'
 }
 
-start_daemon --backend osmesa --max-attempts 3
+start_daemon --backend software --max-attempts 3
 
 # The throughput is (1/2)^4 when a path would be reflected for the fourth time.
 id=$(submit "$(hall few 0 0.5 '{"max_depth":3}')")
@@ -96,10 +96,10 @@ stop_daemon
 cd "$scratch" || exit 1
 hall here 0-1 0.5 '{"max_depth":3}' >here.json
 status=0
-"$bin/march" render here.json --backend osmesa >said 2>complaints || status=$?
+"$bin/march" render here.json --backend software >said 2>complaints || status=$?
 expect "the exit status" "$status" 1
 grep -qF "frame 1 failed: quality: cut rays may have taken 6.25 % of the light" complaints || fail "its words: $(cat complaints)"
-"$bin/march" render here.json --backend osmesa --set quality.max_cut=1 >said 2>complaints || fail "$(cat complaints)"
+"$bin/march" render here.json --backend software --set quality.max_cut=1 >said 2>complaints || fail "$(cat complaints)"
 grep -q '^here/h.0001.exr  rendered .* s  encoded .* s  cut 6.25 %$' said || fail "what it says: $(cat said)"
-"$bin/march" render here.json --backend osmesa --set quality.max_cut=1 --set 'output.path="again/h.####.exr"' --json >said || fail "again"
+"$bin/march" render here.json --backend software --set quality.max_cut=1 --set 'output.path="again/h.####.exr"' --json >said || fail "again"
 expect "in JSON" "$(jq -c '[.frames[].cut_share]' said)" "[0.0625,0.0625]"

@@ -28,11 +28,11 @@ endless()
 # Only what does not end may reach the limit: eight times what a frame takes here and now, the worker's start with it.
 endless short 0 9 | jq 'del(.scene.media[0].density.file)' >"$scratch/short.json"
 begun_ms=$(date +%s%3N)
-"$bin/march" render "$scratch/short.json" --backend osmesa --out "$scratch/short.####.exr" >"$scratch/said" 2>&1 || fail "a frame that ends: $(cat "$scratch/said")"
+"$bin/march" render "$scratch/short.json" --backend software --out "$scratch/short.####.exr" >"$scratch/said" 2>&1 || fail "a frame that ends: $(cat "$scratch/said")"
 limit_s=$((($(date +%s%3N) - begun_ms) * 8 / 1000))
 [ $limit_s -ge 6 ] || limit_s=6
 echo "limit: $limit_s s"
-start_daemon --backend osmesa --progress-limit $limit_s --max-attempts 3
+start_daemon --backend software --progress-limit $limit_s --max-attempts 3
 started=$SECONDS
 one=$(submit "$(endless one 0-3 2.5)")
 other=$(submit "$(job 0-11)")
@@ -81,7 +81,7 @@ stop_daemon
 endless here 0-2 1.5 | jq 'del(.scene.media[0].density.file)' >"$scratch/here.json"
 cd "$scratch" || exit 1
 status=0
-"$bin/march" render here.json --backend osmesa --progress-limit $limit_s >said 2>complaints || status=$?
+"$bin/march" render here.json --backend software --progress-limit $limit_s >said 2>complaints || status=$?
 expect "the exit status" "$status" 1
 expect "its files" "$(echo here.*.exr)" "here.0000.exr here.0001.exr"
 grep -qF "frame 2 failed: no progress for $limit_s s: does density in density.source end?" complaints || fail "its words: $(cat complaints)"

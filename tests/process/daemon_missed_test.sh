@@ -15,7 +15,7 @@ shell()
 }
 
 told='"on_miss":"publish"'
-start_daemon --backend osmesa --workers 1
+start_daemon --backend software --workers 1
 cd "$scratch" || exit 1
 id=$(submit "$(shell fails '{}')")
 wait_state "$id" failed
@@ -40,7 +40,7 @@ expect "its frames" "$(ask job.frames "{\"id\":$id}" | jq -c '[.result.frames[] 
 stop_daemon
 
 # The next daemon counts them from the store, and a job that finds the files counts them too.
-start_daemon --backend osmesa --workers 1
+start_daemon --backend software --workers 1
 expect "after a restart" "$(counts_of)" '[2,0,2,"2 of its frames missed the tolerance"]'
 id=$(submit "$(shell kept "{$told}")")
 wait_state "$id" succeeded
@@ -53,7 +53,7 @@ stop_daemon
 # Here and now: the exit status is 1, and verify names the frames.
 status=0
 shell here "{$told}" >here.json
-"$bin/march" render here.json --backend osmesa --json >said 2>complaints || status=$?
+"$bin/march" render here.json --backend software --json >said 2>complaints || status=$?
 expect "the exit status" "$status" 1
 expect "what render says" "$(jq -c '[.succeeded, .failed, .missed, .frames[1].missed]' said)" '[2,0,2,true]'
 status=0

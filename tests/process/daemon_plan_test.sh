@@ -60,7 +60,7 @@ expect "plans that were refused" "$(kept)" "2|2"
 stop_daemon
 
 # Real workers: two segments, two plans; each frame is repeated alone from its header.
-start_daemon --backend osmesa
+start_daemon --backend software
 cd "$scratch" || exit 1
 before=$(made)
 id=$(submit "$(job 40-55 ".output.path = \"real/r.####.exr\" | $tolerant")")
@@ -73,7 +73,7 @@ stop_daemon
 job 40-55 ".output.path = \"alone/r.####.exr\" | $tolerant" >alone.json
 for frame in 55 40 47; do
     file=r.00$frame.exr
-    "$bin/march" render alone.json --frames $frame --plan-of "out/real/$file" --backend osmesa >said 2>&1 || fail "$(cat said)"
+    "$bin/march" render alone.json --frames $frame --plan-of "out/real/$file" --backend software >said 2>&1 || fail "$(cat said)"
     expect "frame $frame alone" "$("$bin/exr-compare" "out/real/$file" "alone/$file")" "0 0"
     for key in planNumber quality jobHash; do
         header() { strings -n 4 "$1" | grep -A 2 "marchd:$key\$" | tail -n 1; }
@@ -84,6 +84,6 @@ done
 # A file of another job says what is wrong.
 job 40-55 ".output.path = \"other/r.####.exr\" | .camera.fov = 53 | $tolerant" >other.json
 status=0
-"$bin/march" render other.json --frames 40 --plan-of out/real/r.0040.exr --backend osmesa >said 2>&1 || status=$?
+"$bin/march" render other.json --frames 40 --plan-of out/real/r.0040.exr --backend software >said 2>&1 || status=$?
 expect "the status for another job" "$status" 1
 grep -q 'r.0040.exr: marchd:sequenceHash: expected [0-9a-f]*, a frame of this job' said || fail "$(cat said)"

@@ -133,7 +133,7 @@ stop_daemon
 install -d -m 755 "$scratch/in"
 head -c 512 /dev/zero >"$scratch/in/v_8x8x8xuint8.raw"
 chmod 600 "$scratch/in/v_8x8x8xuint8.raw"
-start_daemon --backend osmesa --workers 1 --input-root "$scratch/in"
+start_daemon --backend software --workers 1 --input-root "$scratch/in"
 chmod 666 "$socket"
 grid='.output.path = "grid/g.####.exr" | .scene.media = [{density: {kind: "grid", file: $file}, sigma_a: 1}] | .lights = [] | .quality = {method: "midpoint", step_voxels: 0.5}'
 locked=$(ask_as "${ann[@]}" job.submit "{\"document\":$(job 1-2 | jq -c --arg file "$scratch/in/v_8x8x8xuint8.raw" "$grid")}" | jq .result.id)

@@ -8,7 +8,7 @@ grid=$(jq -n --arg file "$scan" '{density: {kind: "grid", file: $file}, sigma_a:
 
 head -c 120 "$good" >"$scan"
 sleep 2.5 # a file just written may still grow, and is tried again
-start_daemon --backend osmesa
+start_daemon --backend software
 id=$(submit "$(job 0-239 | jq -c --argjson medium "$grid" '.scene.media = [$medium] | .lights = []')")
 wait_state "$id" failed
 field "$id" .reason | grep -qF "$scan: its gzip data end before they are complete, after 120 bytes" ||

@@ -7,7 +7,7 @@ sed -i 's/return length(p) - density\.radius;/return length(p) - density.diamete
 line=$(grep -n 'density\.diameter' "$scratch/shaders/density/fold_fractal.glsl" | cut -d: -f1)
 [ -n "$line" ] || fail "nothing was broken"
 
-start_daemon --shader-dir "$scratch/shaders" --backend osmesa
+start_daemon --shader-dir "$scratch/shaders" --backend software
 id=$(submit "$(job 0-239)")
 wait_state "$id" failed
 field "$id" .reason | grep -qF "density/fold_fractal.glsl:$line" ||

@@ -58,11 +58,11 @@ for name in $(names); do
         fail "$name leaves its method to a plan: it states a tolerance and no method"
 done
 
-start_daemon --backend osmesa
+start_daemon --backend software
 mkdir -p "$scratch/out"
 farm once
 stop_daemon
-start_daemon --backend osmesa --workers 1
+start_daemon --backend software --workers 1
 farm again reversed
 stop_daemon
 same once again 0 0

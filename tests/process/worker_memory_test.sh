@@ -21,7 +21,7 @@ cat >job.json <<'JSON'
   "quality": { "method": "midpoint", "step_voxels": 20 },
   "output": { "path": "scans.####.exr", "pixel": "half" } }
 JSON
-"$PROGRAM_FOLDER/march" render job.json --backend osmesa >out 2>err </dev/null &
+"$PROGRAM_FOLDER/march" render job.json --backend software >out 2>err </dev/null &
 march=$!
 peak=0
 while kill -0 "$march" 2>/dev/null; do

@@ -25,7 +25,7 @@ served()
     ask worker.list | jq -r "[.result.workers[] | select(.done > 0) | .$1 | tostring] | unique | join(\" \")"
 }
 
-start_daemon --backend osmesa --input-root "$scratch/in" --workers 1
+start_daemon --backend software --input-root "$scratch/in" --workers 1
 id=$(submit "$(scan "$scratch/in/ann/good_5x4x3xuint8.raw" good)")
 wait_state "$id" succeeded
 expect_files good 2
@@ -43,7 +43,7 @@ stop_daemon
 if grep -q __asan_init "$bin/march-worker"; then
     echo "sanitizers need more memory than there would be: not tried"
 else
-    start_daemon --backend osmesa --workers 1 --worker-memory 512M --max-attempts 1
+    start_daemon --backend software --workers 1 --worker-memory 512M --max-attempts 1
     bomb=$(submit "$(job 1 '.scene.media[0].density = { kind: "glsl", file: "/bomb.glsl", lipschitz: 1, bounds: { kind: "sphere", radius: 1 },
         source: "#define A(x) x + x + x + x + x + x + x + x\n#define B(x) A(A(A(x)))\nfloat density(vec3 p, float t) { return B(B(B(p.x))); }\n" } |
         del(.camera.clip) | .output.path = "bomb/b.####.exr"')")
@@ -58,7 +58,7 @@ if [[ $held != landlock* ]]; then
     echo "this kernel has no Landlock: what a worker reads is not tried"
     exit 77
 fi
-start_daemon --backend osmesa --input-root "$scratch/in"
+start_daemon --backend software --input-root "$scratch/in"
 
 # The header is a file of the job; the file that the header names is not.
 spy=$(submit "$(scan "$scratch/in/ann/spy.nhdr" spy)")
@@ -74,7 +74,7 @@ expect "workers in trouble" "$(ask worker.list | jq '[.result.workers[] | select
 grep -q 'warning: worker' "$scratch/daemon.log" && fail "a change of jobs is no warning"
 stop_daemon
 # The same job renders without the sandbox: no other check refused it.
-start_daemon --backend osmesa --input-root "$scratch/in" --sandbox no
+start_daemon --backend software --input-root "$scratch/in" --sandbox no
 open=$(submit "$(scan "$scratch/in/ann/spy.nhdr" open)")
 wait_state "$open" succeeded
 stop_daemon

@@ -78,7 +78,7 @@ static void add(struct sums *sums, const struct image *image, const double *trut
 static void render(struct sums *sums, const struct bias_check_scene *scene, const double *truth, int frames)
 {
     struct error error = {{0}};
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct image image;
     struct job job;
 

@@ -11,7 +11,7 @@ struct gl_stage {
     struct renderer *renderer;
 };
 
-// Opens a context; free with gl_context_destroy. A missing backend skips the test, missing OSMesa fails it.
+// Opens a context; free with gl_context_destroy. A missing backend skips the test, missing software fails it.
 struct gl_context *gl_stage_open_context(enum gl_backend backend);
 // `shader_dir` as renderer_create has it.
 struct gl_stage gl_stage_open(enum gl_backend backend, const char *shader_dir);

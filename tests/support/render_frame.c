@@ -40,5 +40,5 @@ void render_frame_on(enum gl_backend backend, const struct job *job, struct imag
 
 void render_frame_zero(const struct job *job, struct image *image)
 {
-    render_frame_on(GL_BACKEND_OSMESA, job, image);
+    render_frame_on(GL_BACKEND_SOFTWARE, job, image);
 }

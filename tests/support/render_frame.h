@@ -8,7 +8,7 @@ struct image;
 struct job;
 struct ray_counts;
 
-// Frame 0 on OSMesa, with depth and transmittance; a failure fails the test. The caller finishes the image.
+// Frame 0 in software, with depth and transmittance; a failure fails the test. The caller finishes the image.
 void render_frame_zero(const struct job *job, struct image *image);
 // The same on any backend; one that is not there skips the test.
 void render_frame_on(enum gl_backend backend, const struct job *job, struct image *image);

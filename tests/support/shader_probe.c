@@ -80,7 +80,7 @@ static void draw(const struct gl_functions *gl, unsigned program, const struct s
 void shader_probe_run(const struct shader_probe_params *params, float (*outputs)[4])
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_context_create(params->on_egl ? GL_BACKEND_EGL : GL_BACKEND_OSMESA, NULL, &error);
+    struct gl_context *context = gl_context_create(params->on_egl ? GL_BACKEND_EGL : GL_BACKEND_SOFTWARE, NULL, &error);
     const char *names[MODULE_LIMIT];
     size_t name_count;
     char *vertex, *fragment;

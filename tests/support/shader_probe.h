@@ -16,7 +16,7 @@ struct shader_probe_params {
     const float (*inputs)[4];
     size_t input_count; // vec4s
     size_t count;       // outputs: probe(0), probe(1), ...
-    bool on_egl;        // else on OSMesa
+    bool on_egl;        // else in software
     // Binds what the body samples, and deletes it; NULL: nothing.
     void (*bind)(const struct gl_functions *gl, void *user);
     void (*release)(void *user);

@@ -19,7 +19,7 @@
 
 enum { VALUES = 8 }; // of a pixel: two colours, alpha and depth
 
-static enum gl_backend wanted = GL_BACKEND_OSMESA;
+static enum gl_backend wanted = GL_BACKEND_SOFTWARE;
 static struct gl_stage stage;
 
 int studio_close(void **state)

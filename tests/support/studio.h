@@ -45,7 +45,7 @@ void studio_parse(struct job *job, const struct studio_scene *scene); // free wi
 void studio_render(const struct job *job, int32_t frame, struct studio_picture *picture);
 void studio_shoot(const struct studio_scene *scene, struct studio_picture *picture); // both, of frame 0
 void studio_finish(struct studio_picture *picture);
-// The same for all that is rendered from then on; a backend that is not there skips the test. At first it is OSMesa.
+// The same for all that is rendered from then on; a backend that is not there skips the test. At first it is software.
 void studio_use(enum gl_backend backend);
 int studio_close(void **state); // a group's teardown
 

@@ -18,7 +18,7 @@ struct test_worker {
 
 void test_worker_start(struct test_worker *child, const char *backend, const char *device); // NULL: any
 void test_worker_start_with(struct test_worker *child, const char *const options[]);        // a NULL ends them
-// Starts one with OSMesa and hears that it is ready; without OSMesa the test is skipped.
+// Starts one that renders in software and hears that it is ready; without such GL the test is skipped.
 void test_worker_start_renderer(struct test_worker *child);
 // Waits for the worker to end by itself and returns its exit status, -1 when it did not or a signal ended it. Its
 // folder is removed.

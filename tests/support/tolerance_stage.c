@@ -14,7 +14,7 @@
 
 struct tolerance_stage tolerance_stage_open(const char *shader_dir)
 {
-    struct tolerance_stage stage = {.gl = gl_stage_open(GL_BACKEND_OSMESA, shader_dir)};
+    struct tolerance_stage stage = {.gl = gl_stage_open(GL_BACKEND_SOFTWARE, shader_dir)};
 
     stage.tolerance = tolerance_create(stage.gl.renderer);
     return stage;

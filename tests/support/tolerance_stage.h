@@ -17,7 +17,7 @@ struct tolerance_stage {
     struct tolerance *tolerance;
 };
 
-// `shader_dir` as renderer_create has it. Fails the test where there is no OSMesa.
+// `shader_dir` as renderer_create has it. Fails the test where there is no GL in software.
 struct tolerance_stage tolerance_stage_open(const char *shader_dir);
 void tolerance_stage_close(struct tolerance_stage stage);
 struct image tolerance_stage_make_image(const struct job *job); // of the job's size and channels; owned

@@ -14,6 +14,7 @@ static gl_context_backend_create *const tries[][TRY_LIMIT] = {
     [GL_BACKEND_AUTO] = {gl_context_egl_create_hardware, gl_context_osmesa_create, gl_context_egl_create_software},
     [GL_BACKEND_EGL] = {gl_context_egl_create_hardware, gl_context_egl_create_software},
     [GL_BACKEND_OSMESA] = {gl_context_osmesa_create},
+    [GL_BACKEND_SOFTWARE] = {gl_context_osmesa_create, gl_context_egl_create_software},
 };
 
 struct gl_context *gl_context_create(enum gl_backend backend, const char *device, struct error *error)

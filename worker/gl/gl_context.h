@@ -10,7 +10,8 @@ struct gl_context;
 enum gl_backend {
     GL_BACKEND_AUTO, // EGL on a GPU, then OSMesa, then EGL on software
     GL_BACKEND_EGL,
-    GL_BACKEND_OSMESA
+    GL_BACKEND_OSMESA,
+    GL_BACKEND_SOFTWARE // OSMesa, then EGL on software
 };
 
 // `device` picks an EGL device by UUID or index; NULL: the first that works. Loads libEGL or libOSMesa at run time.

@@ -52,7 +52,10 @@ static bool parse_backend(struct options *options, const char *text, struct erro
     static const struct {
         const char *name;
         enum gl_backend backend;
-    } backends[] = {{"auto", GL_BACKEND_AUTO}, {"egl", GL_BACKEND_EGL}, {"osmesa", GL_BACKEND_OSMESA}};
+    } backends[] = {{"auto", GL_BACKEND_AUTO},
+                    {"egl", GL_BACKEND_EGL},
+                    {"osmesa", GL_BACKEND_OSMESA},
+                    {"software", GL_BACKEND_SOFTWARE}};
 
     options->has_context = strcmp(text, "none") != 0;
     if (!options->has_context) return true;
@@ -61,7 +64,7 @@ static bool parse_backend(struct options *options, const char *text, struct erro
             options->backend = backends[i].backend;
             return true;
         }
-    error_set(error, "--backend: expected auto, egl, osmesa or none, got \"%s\"", text);
+    error_set(error, "--backend: expected auto, egl, osmesa, software or none, got \"%s\"", text);
     return false;
 }
 
@@ -106,7 +109,7 @@ static bool parse_option(struct options *options, int option, const char *text, 
     default:
         error_set(
             error,
-            "usage: march-worker --fd N [--backend auto|egl|osmesa|none] [--device UUID-or-index] "
+            "usage: march-worker --fd N [--backend auto|egl|osmesa|software|none] [--device UUID-or-index] "
             "[--shader-dir DIR] [--encode-threads N] [--memory BYTES] [--sandbox yes|no] [--fenced], or --version");
         return false;
     }

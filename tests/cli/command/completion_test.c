@@ -55,7 +55,7 @@ static void values_are_those_of_the_option(void **state)
     assert_offered("skipped ", WORDS("frames", "7", "--state", "sk"));
     assert_offered("failed,skipped ", WORDS("frames", "7", "--state", "failed,sk"));
     assert_offered("--state=failed,skipped ", WORDS("frames", "--state=failed,sk"));
-    assert_offered("auto egl osmesa ", WORDS("render", "--backend", "="));
+    assert_offered("auto egl osmesa software ", WORDS("render", "--backend", "="));
     assert_offered("egl ", WORDS("render", "--backend", "=", "e"));
     assert_offered("gauss ", WORDS("chart", "--methods", "g"));
     assert_offered(":files ", WORDS("preview", "--out", "x"));

@@ -86,7 +86,8 @@ static void wrong_values_say_what_was_expected(void **state)
     assert_refused(every, ARGUMENTS("--priority", "7x"), "--priority: expected an integer in [0, 100], got \"7x\"");
     assert_refused(every, ARGUMENTS("--priority="), "--priority: expected an integer in [0, 100], got \"\"");
     assert_refused(every, ARGUMENTS("--fps", "nan"), "--fps: expected a number, got \"nan\"");
-    assert_refused(every, ARGUMENTS("--backend", "none"), "--backend: expected auto, egl or osmesa, got \"none\"");
+    assert_refused(every, ARGUMENTS("--backend", "none"),
+                   "--backend: expected auto, egl, osmesa or software, got \"none\"");
     assert_refused(every, ARGUMENTS("--json=yes"), "--json takes no value");
     assert_refused(every, ARGUMENTS("--out"), "--out: expected PATH after it");
 }

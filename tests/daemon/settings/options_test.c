@@ -120,7 +120,7 @@ static void wrong_values_are_named(void **state)
     REFUSE("--max-attempts: expected a whole number from 1 to 100, got \"1e3\"", (char[]){"--max-attempts=1e3"});
     REFUSE("--stop-timeout: expected seconds", (char[]){"--stop-timeout=-1"});
     REFUSE("--stop-timeout: expected seconds", (char[]){"--stop-timeout=nan"});
-    REFUSE("--backend: expected auto, egl or osmesa", (char[]){"--backend=vulkan"});
+    REFUSE("--backend: expected auto, egl, osmesa or software", (char[]){"--backend=vulkan"});
     REFUSE("--log-level: expected", (char[]){"--log-level=loud"});
     REFUSE("--state: expected a path", (char[]){"--state="});
     REFUSE("--nothing: there is no such option", (char[]){"--nothing"});

@@ -72,7 +72,7 @@ static void assert_true_light(const char *density, int cells, double tolerance)
 
     parse(&job, density, cells);
     assert_true(density_bake_find(&bake, &job, 0));
-    light = true_light_compare(&job, GL_BACKEND_OSMESA);
+    light = true_light_compare(&job, GL_BACKEND_SOFTWARE);
     assert_true(true_light_is_within(&light, tolerance));
     job_finish(&job);
 }
@@ -162,7 +162,7 @@ static void the_example_is_the_converged_light(void **state)
         example_job_shrink(&job, 12, 7, times[i]);
         job.quality = (struct job_quality){
             .method = JOB_METHOD_CACHED, .step = 0.03, .light_grid = 128, .density_grid = 128, .samples = 1};
-        light = true_light_compare(&job, GL_BACKEND_OSMESA);
+        light = true_light_compare(&job, GL_BACKEND_SOFTWARE);
         assert_true(true_light_is_within(&light, 1e-2));
         job_finish(&job);
     }
@@ -187,12 +187,12 @@ static int64_t count_fills(const struct job *job)
     struct gl_stage stage, fresh;
     struct image image, alone;
 
-    stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     for (int32_t frame = 0; frame < 4; frame++) {
         count += render(&stage, job, frame, &image);
         if (frame < 3) image_finish(&image);
     }
-    fresh = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    fresh = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     assert_int_equal(render(&fresh, job, 3, &alone), DENSITY_FILL_CACHES);
     assert_memory_equal(image.rgba, alone.rgba, sizeof(float[4]) * PIXELS);
     image_finish(&image);
@@ -289,7 +289,7 @@ static void a_mistake_in_own_code_is_told(void **state)
 
     parse(&job, OWN BALL, 24);
     set_text(&job, "float density(vec3 p, float t)\n{\n    return nothing;\n}\n");
-    stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     assert_true(image_init(&image, job.width_px, job.height_px, true, true, NULL));
     assert_false(renderer_render(stage.renderer, &(struct renderer_frame){.job = &job, .frame = 0, .image = &image},
                                  &result, &error));
@@ -326,21 +326,21 @@ static void what_gains_nothing_is_not_baked(void **state)
 
 static void both_backends_show_the_same(void **state)
 {
-    struct gl_stage osmesa, egl;
+    struct gl_stage software, egl;
     struct image a, b;
     struct job job;
 
     parse(&job, NOISE ", \"octaves\": 4, \"mode\": \"clip\", \"scale\": 4" TURNING BALL, 100);
     egl = gl_stage_open(GL_BACKEND_EGL, test_shader_dir());
-    osmesa = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
-    render(&osmesa, &job, 1, &a);
+    software = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
+    render(&software, &job, 1, &a);
     render(&egl, &job, 1, &b);
     for (int i = 0; i < 4 * PIXELS; i++)
         assert_near(a.rgba[i], b.rgba[i], 1e-3); // a GPU's filter has weights of 8 bits
     image_finish(&a);
     image_finish(&b);
     gl_stage_close(egl);
-    gl_stage_close(osmesa);
+    gl_stage_close(software);
     job_finish(&job);
 }
 

@@ -192,7 +192,7 @@ static void a_nan_is_told_with_its_pixel(void **state)
 // Returns a renderer's message about a text.
 static void render_and_fail(const char *text, enum renderer_fault fault, struct error *error)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
     struct renderer_result result;
     struct image image;
     struct job job;

@@ -88,6 +88,18 @@ static void auto_takes_egl_only_before_osmesa_when_it_is_hardware(void **state)
     gl_context_destroy(context);
 }
 
+static void software_is_egl_only_without_osmesa(void **state)
+{
+    struct gl_context *osmesa = gl_context_create(GL_BACKEND_OSMESA, NULL, NULL), *context;
+    bool has_osmesa = osmesa != NULL;
+
+    gl_context_destroy(osmesa);
+    context = create_or_skip(GL_BACKEND_SOFTWARE);
+    assert_true(gl_context_facts(context)->is_software);
+    assert_string_equal(gl_context_facts(context)->backend, has_osmesa ? "osmesa" : "egl");
+    gl_context_destroy(context);
+}
+
 static void a_device_is_picked_by_index(void **state)
 {
     struct gl_context *context = gl_context_create(GL_BACKEND_EGL, "0", NULL);
@@ -136,7 +148,7 @@ static void osmesa_has_no_devices(void **state)
 
 static void a_wrong_call_is_collected_once(void **state)
 {
-    struct gl_context *context = create_or_skip(GL_BACKEND_OSMESA);
+    struct gl_context *context = create_or_skip(GL_BACKEND_SOFTWARE);
     struct error error = {{0}};
     struct gl_functions gl;
     struct gl_debug debug;
@@ -159,6 +171,7 @@ int main(void)
         cmocka_unit_test(egl_renders_floats),
         cmocka_unit_test(contexts_follow_one_another),
         cmocka_unit_test(auto_takes_egl_only_before_osmesa_when_it_is_hardware),
+        cmocka_unit_test(software_is_egl_only_without_osmesa),
         cmocka_unit_test(a_device_is_picked_by_index),
         cmocka_unit_test(a_device_is_picked_by_the_uuid_it_reports),
         cmocka_unit_test(an_unknown_device_is_named_with_what_was_tried),

@@ -84,7 +84,7 @@ static double measure(const struct text *scene, const double by[3])
     struct job job = {0};
 
     parse(&job, scene, by);
-    light = true_light_compare(&job, GL_BACKEND_OSMESA);
+    light = true_light_compare(&job, GL_BACKEND_SOFTWARE);
     job_finish(&job);
     return fmax(light.radiance.relative_rmse, light.transmittance.relative_rmse);
 }

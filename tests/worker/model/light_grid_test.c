@@ -45,7 +45,7 @@ struct grid_check {
 static void fill(struct grid_check *check)
 {
     struct error error = {{0}};
-    struct gl_context *context = gl_stage_open_context(GL_BACKEND_OSMESA);
+    struct gl_context *context = gl_stage_open_context(GL_BACKEND_SOFTWARE);
     struct gl_functions gl;
     struct gl_programs programs;
     struct scene_cache *cache = &check->program.caches[0];

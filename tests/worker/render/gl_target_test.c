@@ -124,9 +124,9 @@ static void assert_counts_rays(enum gl_backend backend)
     close_stage(&stage);
 }
 
-static void rays_are_counted_on_osmesa(void **state)
+static void rays_are_counted_in_software(void **state)
 {
-    assert_counts_rays(GL_BACKEND_OSMESA);
+    assert_counts_rays(GL_BACKEND_SOFTWARE);
 }
 
 static void rays_are_counted_on_egl(void **state)
@@ -136,7 +136,7 @@ static void rays_are_counted_on_egl(void **state)
 
 static void nothing_is_counted_where_there_are_no_paths(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct stage stage = open_stage(GL_BACKEND_SOFTWARE);
     struct ray_counts counts;
     struct image image;
 
@@ -150,7 +150,7 @@ static void nothing_is_counted_where_there_are_no_paths(void **state)
 
 static void paths_need_a_target_of_their_own(void **state)
 {
-    struct stage stage = open_stage(GL_BACKEND_OSMESA);
+    struct stage stage = open_stage(GL_BACKEND_SOFTWARE);
     struct gl_target_params params = {.pass_count = 1, .has_paths = true};
     struct gl_target target = {0};
     struct image image;
@@ -171,7 +171,7 @@ static void paths_need_a_target_of_their_own(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rays_are_counted_on_osmesa),
+        cmocka_unit_test(rays_are_counted_in_software),
         cmocka_unit_test(rays_are_counted_on_egl),
         cmocka_unit_test(nothing_is_counted_where_there_are_no_paths),
         cmocka_unit_test(paths_need_a_target_of_their_own),

@@ -66,7 +66,7 @@ static int64_t count_fills(struct gl_stage stage, const struct job *job, int32_t
 
 static void grids_stay_while_the_camera_moves(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct job job;
 
     (void)state;
@@ -80,7 +80,7 @@ static void grids_stay_while_the_camera_moves(void **state)
 
 static void only_the_light_that_moves_has_a_new_grid(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct job job;
 
     (void)state;
@@ -97,7 +97,7 @@ static void only_the_light_that_moves_has_a_new_grid(void **state)
 // A picture with the uniforms of the frame before is rendered when its grids differ.
 static void another_density_is_another_picture(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct image first, second;
     struct job job;
 
@@ -115,7 +115,7 @@ static void another_density_is_another_picture(void **state)
 
 static void each_moment_of_the_shutter_has_grids_of_its_own(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct job job;
 
     (void)state;
@@ -140,8 +140,8 @@ static double difference(const struct image *a, const struct image *b)
 // A frame does not depend on the frames rendered before it or on the grids that were kept.
 static void frames_do_not_depend_on_what_is_kept(void **state)
 {
-    struct gl_stage used = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir()),
-                    fresh = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage used = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir()),
+                    fresh = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct image first, second;
     struct job job;
 
@@ -161,14 +161,14 @@ static void frames_do_not_depend_on_what_is_kept(void **state)
 
 static void backends_agree(void **state)
 {
-    struct gl_stage osmesa = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir()), egl;
+    struct gl_stage software = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir()), egl;
     struct image first, second;
     struct job job;
 
     (void)state;
     parse(&job, "[0, 0, -2]", "[0.15, -0.05, 0.1]", "6", "");
-    first = render(osmesa, &job, 0, NULL);
-    gl_stage_close(osmesa);
+    first = render(software, &job, 0, NULL);
+    gl_stage_close(software);
     egl = gl_stage_open(GL_BACKEND_EGL, test_shader_dir());
     second = render(egl, &job, 0, NULL);
     assert_true(difference(&first, &second) <= 1e-4);
@@ -187,7 +187,7 @@ static bool stop_at_once(void *user, double done)
 
 static void a_grid_that_is_made_can_be_stopped(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct renderer_result result;
     struct image image;
     struct job job;

@@ -102,7 +102,7 @@ static void a_hall_of_mirrors_is_cut_at_its_depth(void **state)
         char quality[64];
 
         snprintf(quality, sizeof quality, "\"max_depth\": %d", depth);
-        assert_counts(GL_BACKEND_OSMESA, make_hall("", "0.5", quality),
+        assert_counts(GL_BACKEND_SOFTWARE, make_hall("", "0.5", quality),
                       &(struct expectation){depth + 1, 1, left, depth < 9 ? left : 0, 0});
     }
 }
@@ -110,17 +110,17 @@ static void a_hall_of_mirrors_is_cut_at_its_depth(void **state)
 static void a_hall_of_mirrors_is_cut_where_little_is_left(void **state)
 {
     // A ray exactly at the limit is followed.
-    assert_counts(GL_BACKEND_OSMESA, make_hall("", "0.5", "\"min_throughput\": 0.25"),
+    assert_counts(GL_BACKEND_SOFTWARE, make_hall("", "0.5", "\"min_throughput\": 0.25"),
                   &(struct expectation){3, 1, 0.125, 0, 0});
-    assert_counts(GL_BACKEND_OSMESA, make_hall("", "0.5", "\"min_throughput\": 0.2501"),
+    assert_counts(GL_BACKEND_SOFTWARE, make_hall("", "0.5", "\"min_throughput\": 0.2501"),
                   &(struct expectation){2, 1, 0.25, 0, 0});
 }
 
 static void the_strongest_colour_decides_and_all_are_counted(void **state)
 {
-    assert_counts(GL_BACKEND_OSMESA, make_hall("", "[0, 0.5, 0.25]", "\"max_depth\": 8, \"min_throughput\": 0.2"),
+    assert_counts(GL_BACKEND_SOFTWARE, make_hall("", "[0, 0.5, 0.25]", "\"max_depth\": 8, \"min_throughput\": 0.2"),
                   &(struct expectation){3, 1, (0.125 + 0.015625) / 3, 0, 0});
-    assert_counts(GL_BACKEND_OSMESA, make_hall("", "[0, 0.5, 0.25]", "\"max_depth\": 1, \"min_throughput\": 0.2"),
+    assert_counts(GL_BACKEND_SOFTWARE, make_hall("", "[0, 0.5, 0.25]", "\"max_depth\": 1, \"min_throughput\": 0.2"),
                   &(struct expectation){2, 1, (0.25 + 0.0625) / 3, (0.25 + 0.0625) / 3, 0});
 }
 
@@ -129,7 +129,7 @@ static void media_on_the_way_count(void **state)
     static const char *const fog = "{\"sigma_a\": 0.5, \"sigma_s\": 0, \"density\": {\"kind\": \"homogeneous\"}}";
     struct job job = make_hall(fog, "0.5", "\"max_depth\": 2");
     double left = 0.125 * exp(-0.5 * 5); // 1 m to the first mirror, then 2 m each
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     float color[4];
     struct renderer_result result = render(&stage, &job, 0, color);
 
@@ -156,7 +156,7 @@ static void assert_pane(enum gl_backend backend, const char *samples)
 
 static void a_pane_sends_two_rays_on_at_each_face(void **state)
 {
-    assert_pane(GL_BACKEND_OSMESA, "");
+    assert_pane(GL_BACKEND_SOFTWARE, "");
 }
 
 static void a_pane_does_so_on_egl(void **state)
@@ -166,12 +166,12 @@ static void a_pane_does_so_on_egl(void **state)
 
 static void counts_are_means_of_samples(void **state)
 {
-    assert_pane(GL_BACKEND_OSMESA, ", \"samples\": 4");
+    assert_pane(GL_BACKEND_SOFTWARE, ", \"samples\": 4");
 }
 
 static void a_copied_frame_keeps_its_counts(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct job job = make_job("", PANE, "\"max_depth\": 3");
     float color[4];
     struct renderer_result first = render(&stage, &job, 0, color), second = render(&stage, &job, 1, color);
@@ -195,7 +195,7 @@ static void more_rays_than_the_driver_follows_are_an_error(void **state)
     enum { WIDTH = 16, HEIGHT = 96 };
     static const char pane[] = "{\"kind\": \"box\", \"center\": [0, 0, %d], \"size\": [99, 99, 0.5], \"material\": "
                                "{\"kind\": \"dielectric\", \"ior\": 3}}";
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct renderer_result result;
     struct error error = {{0}};
     struct image image;
@@ -225,7 +225,7 @@ static void more_rays_than_the_driver_follows_are_an_error(void **state)
 
 static void scenes_follow_one_another_with_and_without_paths(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct job glass = make_job("", PANE, "\"max_depth\": 3");
     struct job floor = make_job("",
                                 "{\"kind\": \"plane\", \"point\": [0, 0, 1], \"normal\": [0, 0, -1], \"material\": "

@@ -61,7 +61,7 @@ static struct stage open_stage(const char *path)
     struct stage stage = {.path = path};
 
     take_job(&stage, "\"scale\": 0.1", ", \"sigma_a\": 0.1");
-    stage.gl = gl_stage_open(GL_BACKEND_OSMESA, NULL);
+    stage.gl = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
     assert_true(image_init(&stage.image, 8, 8, false, false, NULL));
     return stage;
 }

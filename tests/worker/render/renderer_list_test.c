@@ -118,7 +118,7 @@ static void a_list_has_the_values_of_the_frame(void **state)
           .max_cut = 1.0}},
         {"scan", {.method = JOB_METHOD_MIDPOINT, .step_voxels = 2, .samples = 1}},
     };
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
 
     (void)state;
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++) {
@@ -137,7 +137,7 @@ static void a_list_has_the_values_of_the_frame(void **state)
 // The frame after a list is still a copy of the frame before it.
 static void a_list_leaves_the_frame_alone(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct pixel pixels[50];
     struct image first, list, second;
     struct job job;
@@ -229,7 +229,7 @@ static void a_short_list_is_for_several_threads(void **state)
         print_message("skipped: there is one processor\n");
         skip();
     }
-    stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     example_job_load(&job, "cloud");
     example_job_shrink(&job, 640, 360, 2.0);
     job.quality = (struct job_quality){.method = JOB_METHOD_MIDPOINT, .step = 0.002, .light_step = 0.02, .samples = 1};
@@ -275,7 +275,7 @@ static void ten_settings_link_one_program(void **state)
         {.method = JOB_METHOD_GAUSS, .order = 3, .step = 0.4, .light_step = 0.4, .samples = 1},
         {.method = JOB_METHOD_CACHED, .step = 0.4, .light_grid = 4, .samples = 1},
     };
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct job job;
 
     (void)state;

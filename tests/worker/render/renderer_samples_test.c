@@ -49,7 +49,7 @@ static struct image render(struct gl_stage stage, const struct job *job, int32_t
 // Renders with a new context and a new renderer, as a worker that has just started.
 static struct image render_afresh(const struct job *job, int32_t frame)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct image image = render(stage, job, frame, NULL);
 
     gl_stage_close(stage);
@@ -84,7 +84,7 @@ static void a_frame_is_the_same_in_any_order_and_after_a_restart(void **state)
     example_job_shrink(&job, 40, 150, 0);
     for (int frame = 0; frame < 3; ++frame)
         alone[frame] = render_afresh(&job, frame);
-    stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     for (int frame = 0; frame < 3; ++frame) { // tiles grow from frame to frame
         in_order[frame] = render(stage, &job, frame, NULL);
         assert_images_equal(&in_order[frame], &alone[frame]);
@@ -98,7 +98,7 @@ static void a_frame_is_the_same_in_any_order_and_after_a_restart(void **state)
 static void a_constant_job_renders_its_samples_once(void **state)
 {
     struct job job = ball(STILL_BALL, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT, 4, 1);
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct image first, second;
     bool is_copy;
 
@@ -133,7 +133,7 @@ static bool watch_progress(void *user, double done)
 static void progress_counts_all_passes(void **state)
 {
     struct job job = ball(STILL_BALL, MOVING_LIGHT ", " BALL_JOB_MIDPOINT, 4, 1);
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct image image = make_image(&job);
     struct renderer_result result;
     struct watch all = {0}, some = {.stop_at = 2};
@@ -162,7 +162,7 @@ static void passes_that_show_the_same_are_drawn_once(void **state)
     // Without a visible medium all points of a pixel are equal.
     struct job job =
         ball("\"sigma_s\": 0, \"sigma_a\": 0", "\"background\": [0.1, 0.2, 0.3], " BALL_JOB_MIDPOINT, 64, 1);
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct image image = make_image(&job);
     struct renderer_result result;
     struct watch watch = {0};
@@ -362,7 +362,7 @@ static void a_march_that_is_cut_in_one_pass_is_an_error(void **state)
 {
     // The ball shrinks to nothing: only the first pass has a medium to march through.
     struct job job = ball(BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", " BALL_JOB_MIDPOINT, 4, 1);
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     struct renderer_result result;
     struct error error = {{0}};
     struct image image;

@@ -78,7 +78,7 @@ static struct stage open_stage(const char *path)
     struct stage stage = {.path = path};
 
     take_job(&stage, FLOOR, ", \"size\": 1.3");
-    stage.gl = gl_stage_open(GL_BACKEND_OSMESA, test_shader_dir());
+    stage.gl = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
     assert_true(image_init(&stage.image, SIDE, SIDE, false, false, NULL));
     return stage;
 }
@@ -248,7 +248,7 @@ static void shapes_are_lit_as_their_twins(void **state, const char *eye, enum gl
 
 static void shapes_from_the_front(void **state)
 {
-    shapes_are_lit_as_their_twins(state, "[1, 3, 7]", GL_BACKEND_OSMESA);
+    shapes_are_lit_as_their_twins(state, "[1, 3, 7]", GL_BACKEND_SOFTWARE);
 }
 
 static void shapes_from_behind_on_egl(void **state)

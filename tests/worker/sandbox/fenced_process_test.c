@@ -142,10 +142,10 @@ static void assert_grid_is_shown(const char *backend, const char *from, const ch
 
 static void every_kind_of_grid_is_shown(void **state)
 {
-    assert_grid_is_shown("osmesa", SEEDS "volume_nifti/version_1", "a.nii");
-    assert_grid_is_shown("osmesa", SEEDS "volume_nifti/gzip", "a.nii.gz");
-    assert_grid_is_shown("osmesa", SEEDS "volume_nrrd/raw", "a.nrrd");
-    assert_grid_is_shown("osmesa", PROJECT_ROOT "/jobs/smoke/smoke.0001.nvdb", "a.nvdb");
+    assert_grid_is_shown("software", SEEDS "volume_nifti/version_1", "a.nii");
+    assert_grid_is_shown("software", SEEDS "volume_nifti/gzip", "a.nii.gz");
+    assert_grid_is_shown("software", SEEDS "volume_nrrd/raw", "a.nrrd");
+    assert_grid_is_shown("software", PROJECT_ROOT "/jobs/smoke/smoke.0001.nvdb", "a.nvdb");
 }
 
 static void egl_shows_it_too(void **state)
@@ -162,7 +162,7 @@ static void the_converter_is_run(void **state)
         print_message("nanovdb_convert is not installed\n");
         skip();
     }
-    start(&child, "osmesa");
+    start(&child, "software");
     assert_true(asprintf(&command, "nanovdb_convert -f %s/jobs/smoke/smoke.0001.nvdb %s/in/ann/a.vdb >/dev/null",
                          PROJECT_ROOT, child.root) > 0);
     assert_int_equal(system(command), 0);
@@ -178,7 +178,7 @@ static void textures_are_read(void **state)
     struct test_worker child;
     char *scene;
 
-    start(&child, "osmesa");
+    start(&child, "software");
     copy(&child, PROJECT_ROOT "/jobs/textures/floor.png", "in/ann/floor.png");
     say_fence(&child, "floor.png", false);
     expect_ready(&child, "seccomp");
@@ -197,7 +197,7 @@ static void file_of_another_job_stays_closed(void **state)
     struct test_worker child;
 
     fence_places_skip_without_landlock();
-    start(&child, "osmesa");
+    start(&child, "software");
     copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
     say_fence(&child, "a.nii.gz", false);
     expect_ready(&child, "landlock");
@@ -209,7 +209,7 @@ static void start_header(struct test_worker *child, const char *data_file)
 {
     char *header;
 
-    start(child, "osmesa");
+    start(child, "software");
     volume_maker_write_raw(at(child, "in/ann/beside.raw"), (int[]){5, 4, 3}, VOLUME_STORED_UINT8, false);
     assert_true(asprintf(&header, "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 5 4 3\nencoding: raw\ndata file: %s%s\n",
                          data_file[0] == '/' ? child->root : "", data_file) > 0);
@@ -248,7 +248,7 @@ static void link_of_a_sequence_that_leads_out_fails_its_frame(void **state)
     struct test_worker child;
 
     fence_places_skip_without_landlock();
-    start(&child, "osmesa");
+    start(&child, "software");
     assert_int_equal(symlink("../../secret_5x4x3xuint8.raw", at(&child, "in/ann/s01_5x4x3xuint8.raw")), 0);
     say_fence(&child, "s##_5x4x3xuint8.raw", false);
     expect_ready(&child, "landlock");
@@ -271,11 +271,11 @@ static void links_that_lead_out_end_the_worker(void **state)
 {
     struct test_worker child;
 
-    start(&child, "osmesa");
+    start(&child, "software");
     assert_int_equal(symlink("../../secret_5x4x3xuint8.raw", at(&child, "in/ann/a_5x4x3xuint8.raw")), 0);
     say_fence(&child, "a_5x4x3xuint8.raw", false);
     expect_unable(&child, "job", "leads out of");
-    start(&child, "osmesa");
+    start(&child, "software");
     assert_int_equal(symlink("../in", at(&child, "out/a")), 0);
     copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
     say_fence(&child, "a.nii.gz", false);
@@ -286,7 +286,7 @@ static void nothing_is_done_without_a_fence(void **state)
 {
     struct test_worker child;
 
-    start(&child, "osmesa");
+    start(&child, "software");
     say_grid(&child, "secret_5x4x3xuint8.raw");
     expect_unable(&child, "worker", "expected worker.fence");
 }
@@ -320,7 +320,7 @@ static void source_that_grows_without_end_ends_the_worker(void **state)
     for (int i = 1, length = 0; i <= 30; i++)
         length += snprintf(lines + length, sizeof lines - (size_t)length, "#define A%d A%d A%d\\n", i, i - 1, i - 1);
     began_s = ended_processes_s();
-    start(&child, "osmesa");
+    start(&child, "software");
     copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
     say_fence(&child, "a.nii.gz", false);
     expect_ready(&child, "seccomp");

@@ -162,8 +162,8 @@ static void check_every_texel(enum gl_backend backend, const char *body, int lay
 static void every_texel_is_filled(void **state)
 {
     (void)state;
-    check_every_texel(GL_BACKEND_OSMESA, of_rays, 1);
-    check_every_texel(GL_BACKEND_OSMESA, of_texels, DEPTH);
+    check_every_texel(GL_BACKEND_SOFTWARE, of_rays, 1);
+    check_every_texel(GL_BACKEND_SOFTWARE, of_texels, DEPTH);
 }
 
 static void every_texel_is_filled_on_egl(void **state)
@@ -179,7 +179,7 @@ static void what_stays_is_not_filled_again(void **state)
     struct scene_cache cache = cache_of(of_rays, 1);
 
     (void)state;
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    open_stage(&stage, GL_BACKEND_SOFTWARE);
     for (int i = 0; i < 3; i++)
         assert_int_equal(bind_at(&stage, &cache, 1, 1, i == 2 ? "other" : "", NULL), GL_CACHES_BOUND);
     assert_int_equal(gl_caches_count_fills(stage.caches), 1);
@@ -227,7 +227,7 @@ static void a_cache_follows_the_one_that_it_reads(void **state)
     struct scene_cache caches[2];
 
     (void)state;
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    open_stage(&stage, GL_BACKEND_SOFTWARE);
     make_pair(caches);
     bind_at(&stage, caches, 2, 1, "", NULL);
     bind_at(&stage, caches, 2, 2, "", NULL);
@@ -251,7 +251,7 @@ static void a_step_is_there_while_another_is_filled(void **state)
     struct image image;
 
     (void)state;
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    open_stage(&stage, GL_BACKEND_SOFTWARE);
     make_pair(caches);
     caches[0].is_step = true;
     caches[1].reads = 1;
@@ -281,7 +281,7 @@ static void a_program_that_does_not_compile_is_told_by_its_module(void **state)
     struct error error = {{0}};
 
     (void)state;
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    open_stage(&stage, GL_BACKEND_SOFTWARE);
     assert_int_equal(bind_at(&stage, &cache, 1, 1, "", &error), GL_CACHES_REFUSED);
     assert_non_null(strstr(error.message, "generated:"));
     close_stage(&stage);
@@ -295,7 +295,7 @@ static void what_has_no_room_is_refused_before_it_is_made(void **state)
     struct error error = {{0}};
 
     (void)state;
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    open_stage(&stage, GL_BACKEND_SOFTWARE);
     cache.size[0] = cache.size[1] = cache.size[2] = 16384; // 16 TiB
     assert_int_equal(bind_at(&stage, &cache, 1, 1, "", &error), GL_CACHES_REFUSED);
     assert_non_null(strstr(error.message, "quality: the grids of a frame: "));
@@ -322,7 +322,7 @@ static void filling_can_be_stopped(void **state)
         .caches = &cache, .count = 1, .blocks = blocks, .files_hash = "", .on_strip = stop_at_second, .user = &count};
 
     (void)state;
-    open_stage(&stage, GL_BACKEND_OSMESA);
+    open_stage(&stage, GL_BACKEND_SOFTWARE);
     assert_int_equal(gl_caches_bind(stage.caches, &request, NULL), GL_CACHES_STOPPED);
     assert_int_equal(count, 2);
     assert_int_equal(gl_caches_count_fills(stage.caches), 0);
