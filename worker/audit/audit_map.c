@@ -14,31 +14,40 @@
 // Four standard errors, as variances.
 static const double NOISE_LIMIT = 16.0;
 
-// The shares of a map that has all strategies. tests/light/audit_coverage_test measures the bounds that they lead to;
-// docs/rendering.md compares them with uniform draws.
-static const double SHARES[AUDIT_STRATEGY_COUNT] = {0.25, 0.15, 0.1, 0.3, 0.2};
+// The shares of a map, relative to the sum of those that it has. tests/light/audit_coverage_test and audit_cut_test
+// measure the bounds that they lead to; docs/rendering.md compares them with uniform draws.
+static const double SHARES[AUDIT_STRATEGY_COUNT] = {0.25, 0.15, 0.1, 0.15, 0.3, 0.2};
+
+// True for strategies that weigh pixels; the others weigh blocks.
+static bool is_of_pixels(enum audit_strategy strategy)
+{
+    return strategy >= AUDIT_STRATEGY_BRIGHT && strategy <= AUDIT_STRATEGY_CUT;
+}
 
 static double weight_of(const struct audit_map *map, enum audit_strategy strategy, size_t pixel)
 {
-    return strategy == AUDIT_STRATEGY_SPIKE ? audit_weight_spike(map->image, pixel)
-                                            : audit_weight_square(map->image, pixel);
+    if (strategy == AUDIT_STRATEGY_SPIKE) return audit_weight_spike(map->image, pixel);
+    if (strategy == AUDIT_STRATEGY_CUT) return audit_weight_cut(map->image, pixel);
+    return audit_weight_square(map->image, pixel);
 }
 
 static void sum_rows(struct audit_map *map)
 {
     size_t width = (size_t)map->image->width_px, height = (size_t)map->image->height_px;
-    double squares = 0.0, spikes = 0.0;
+    double squares = 0.0, spikes = 0.0, cuts = 0.0;
 
-    map->sums[AUDIT_STRATEGY_BRIGHT] = xcalloc(height, sizeof(double));
-    map->sums[AUDIT_STRATEGY_SPIKE] = xcalloc(height, sizeof(double));
+    for (int strategy = AUDIT_STRATEGY_BRIGHT; strategy <= AUDIT_STRATEGY_CUT; strategy++)
+        map->sums[strategy] = xcalloc(height, sizeof(double));
     for (size_t y = 0; y < height; y++) {
         struct audit_weight_row row = audit_weight_row(map->image, (int)y);
 
         squares += row.squares;
         spikes += row.spikes;
+        cuts += row.cuts;
         map->brightest = fmaxf(map->brightest, row.brightest);
         map->sums[AUDIT_STRATEGY_BRIGHT][y] = squares;
         map->sums[AUDIT_STRATEGY_SPIKE][y] = spikes;
+        map->sums[AUDIT_STRATEGY_CUT][y] = cuts;
     }
     map->mean_square = squares / ((double)width * (double)height);
     if (!isfinite(image_exr_stored(map->brightest, map->pixel))) map->mean_square = INFINITY;
@@ -194,8 +203,8 @@ static void weigh_renders(struct audit_map *map, const struct audit_map_params *
 // The last of a strategy's running sums.
 static double whole_of(const struct audit_map *map, enum audit_strategy strategy)
 {
-    bool is_of_rows = strategy == AUDIT_STRATEGY_BRIGHT || strategy == AUDIT_STRATEGY_SPIKE;
-    size_t count = is_of_rows ? (size_t)map->image->height_px : (size_t)map->columns_count * (size_t)map->rows_count;
+    size_t blocks = (size_t)map->columns_count * (size_t)map->rows_count;
+    size_t count = is_of_pixels(strategy) ? (size_t)map->image->height_px : blocks;
 
     return map->sums[strategy] ? map->sums[strategy][count - 1] : 0.0;
 }
@@ -265,7 +274,7 @@ double audit_map_density(const struct audit_map *map, struct pixel point)
         double own;
 
         if (map->share[strategy] == 0.0) continue;
-        if (strategy == AUDIT_STRATEGY_BRIGHT || strategy == AUDIT_STRATEGY_SPIKE)
+        if (is_of_pixels((enum audit_strategy)strategy))
             own = weight_of(map, (enum audit_strategy)strategy, pixel);
         else
             own = step_at(map->sums[strategy], block) / pixels;
@@ -346,7 +355,7 @@ static int draw_between(int begin, int end, uint64_t *state)
     return at < end ? at : end - 1;
 }
 
-static struct pixel draw_bright(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
+static struct pixel draw_in_row(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
     const double *rows = map->sums[strategy];
     int width = map->image->width_px, row = find_step(rows, map->image->height_px, draw(state)), x = 0;
@@ -377,7 +386,8 @@ static struct pixel draw_point(const struct audit_map *map, enum audit_strategy 
     switch (strategy) {
     case AUDIT_STRATEGY_BRIGHT:
     case AUDIT_STRATEGY_SPIKE:
-        return draw_bright(map, strategy, state);
+    case AUDIT_STRATEGY_CUT:
+        return draw_in_row(map, strategy, state);
     case AUDIT_STRATEGY_HALVING:
     case AUDIT_STRATEGY_ODD:
         return draw_in_block(map, strategy, state);

@@ -27,6 +27,7 @@ enum audit_strategy {
     AUDIT_STRATEGY_UNIFORM,
     AUDIT_STRATEGY_BRIGHT,  // in proportion to the square of the frame's values
     AUDIT_STRATEGY_SPIKE,   // to the squared distance of a pixel's values from the range of the four two pixels away
+    AUDIT_STRATEGY_CUT,     // to the square of the throughput of the pixel's cut rays, if the image has it
     AUDIT_STRATEGY_HALVING, // to the squared difference of the two renders
     AUDIT_STRATEGY_ODD,     // to the squared distance of a block's mean from the finer render's values around it
     AUDIT_STRATEGY_COUNT
@@ -39,7 +40,8 @@ struct audit_map {
     double mean_square; // of the frame's values; INFINITY where some value cannot be encoded
     double change;      // RMS of the two renders' difference, relative to the RMS of the finer one; negative: not known
     double share[AUDIT_STRATEGY_COUNT];
-    // Owned; running sums: of rows for BRIGHT and SPIKE, of blocks for HALVING and ODD. NULL for strategies it lacks.
+    // Owned; running sums: of rows for BRIGHT, SPIKE and CUT, of blocks for HALVING and ODD. NULL for strategies it
+    // lacks.
     double *sums[AUDIT_STRATEGY_COUNT];
     int columns_count, rows_count; // of blocks: a block has the pixels that one pixel of the small renders shows
 };

@@ -51,6 +51,11 @@ double audit_weight_spike(const struct image *image, size_t pixel)
     return sum;
 }
 
+double audit_weight_cut(const struct image *image, size_t pixel)
+{
+    return image->cut ? (double)image->cut[pixel] * image->cut[pixel] : 0.0;
+}
+
 // The four values of a pixel, for which compilers use SIMD units; they make none of loops with least() and most().
 typedef float values __attribute__((vector_size(16)));
 typedef int mask __attribute__((vector_size(16)));
@@ -138,5 +143,7 @@ struct audit_weight_row audit_weight_row(const struct image *image, int y)
             row.brightest = most(sums.brightest[c], row.brightest);
         }
     }
+    for (x = 0; image->cut && x < width; x++)
+        row.cuts += audit_weight_cut(image, first + x);
     return row;
 }

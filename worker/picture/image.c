@@ -13,6 +13,12 @@
 
 static const float HALF_LARGEST = 65504.0f;
 
+static bool fail_memory(int width_px, int height_px, struct error *error)
+{
+    error_set(error, "image: no memory for %d x %d pixels", width_px, height_px);
+    return false;
+}
+
 bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
                 struct error *error)
 {
@@ -32,10 +38,17 @@ bool image_init(struct image *image, int width_px, int height_px, bool has_depth
     if (has_depth) image->depth = malloc(count * sizeof *image->depth);
     if (!image->rgba || (has_transmittance && !image->transmittance) || (has_depth && !image->depth)) {
         image_finish(image);
-        error_set(error, "image: no memory for %d x %d pixels", width_px, height_px);
-        return false;
+        return fail_memory(width_px, height_px, error);
     }
     return true;
+}
+
+bool image_ask_cut(struct image *image, struct error *error)
+{
+    size_t count = (size_t)image->width_px * (size_t)image->height_px;
+
+    if (!image->cut) image->cut = malloc(count * sizeof *image->cut);
+    return image->cut || fail_memory(image->width_px, image->height_px, error);
 }
 
 bool image_init_for_job(struct image *image, const struct job *job, struct error *error)
@@ -49,6 +62,7 @@ void image_finish(struct image *image)
     free(image->rgba);
     free(image->transmittance);
     free(image->depth);
+    free(image->cut);
     *image = (struct image){0};
 }
 

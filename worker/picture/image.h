@@ -16,14 +16,19 @@ struct image {
     float *rgba;          // owned; 4 a pixel, premultiplied
     float *transmittance; // owned; 4 a pixel (R, G, B, unused); NULL when not asked for
     float *depth;         // owned; 1 a pixel, camera-space metres; NULL when not asked for
+    // Owned; 1 a pixel: the summed throughput of its cut rays, per sample (ray_counts.h). NULL when not asked for; no
+    // file has it.
+    float *cut;
 };
 
 bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
                 struct error *error); // contents undefined
 // Makes an image with the size and channels of the job's frames.
 bool image_init_for_job(struct image *image, const struct job *job, struct error *error);
+// Asks for `cut`, whose contents are undefined.
+bool image_ask_cut(struct image *image, struct error *error);
 void image_finish(struct image *image);
-// Copies size, channels and values. `to` is empty or has the size and the channels of `from`.
+// Copies size, channels and values, without `cut`. `to` is empty or has the size and the channels of `from`.
 bool image_copy(struct image *to, const struct image *from, struct error *error);
 bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance);
 // Returns true if no value is NaN, infinite or, with `half`, over 65504 in magnitude (except depth, which is never

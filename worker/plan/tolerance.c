@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "worker/audit/audit.h"
 #include "worker/audit/truth.h"
+#include "worker/model/scene_features.h"
 #include "worker/picture/image.h"
 #include "worker/plan/finite_check.h"
 #include "worker/plan/miss.h"
@@ -191,6 +192,12 @@ static bool audit(const struct rendering *rendering, const struct plan *plan, co
     return audit_against_reference(rendering, planned);
 }
 
+// Only these have rays to cut, by which an audit draws some of its pixels.
+static bool has_paths(const struct job *job)
+{
+    return scene_features_of(job, NULL).has_paths;
+}
+
 static bool render_and_audit(struct rendering *rendering, const struct plan *plan)
 {
     const struct tolerance_params *params = rendering->params;
@@ -198,6 +205,10 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
     struct job planned = plan_apply(plan, params->job);
 
     result->quality = plan->quality;
+    if (has_paths(params->job) && !image_ask_cut(params->image, rendering->error)) {
+        result->render.fault = RENDERER_FAULT_FRAME;
+        return false;
+    }
     note_phase(params, FRAME_PHASE_RENDER);
     if (!renderer_render(rendering->tolerance->renderer,
                          &(struct renderer_frame){.job = &planned,

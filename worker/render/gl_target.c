@@ -9,6 +9,7 @@
 #include "worker/render/pixel_layout.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { TEXTURE_COUNT = 4, STRIP_ROWS = 16 };
 
@@ -151,8 +152,14 @@ static void read_texture(const struct gl_target *target, const struct pixel_layo
     free(drawn);
 }
 
+static void keep_cut(const float *paths, size_t count, float *cut)
+{
+    for (size_t i = 0; i < count; ++i)
+        cut[i] = paths[4 * i];
+}
+
 // Reads a few rows at a time: nothing keeps them, and all together take as much memory as the picture.
-static void count_frame(const struct gl_target *target, struct ray_counts *counts)
+static void count_frame(const struct gl_target *target, float *cut, struct ray_counts *counts)
 {
     size_t row_floats = 4 * (size_t)target->width_px;
     float *strip = xmalloc(STRIP_ROWS * row_floats * sizeof *strip);
@@ -163,36 +170,41 @@ static void count_frame(const struct gl_target *target, struct ray_counts *count
         read_rows(target, 3, GL_RGBA, y, rows, strip);
         for (int i = 0; i < rows; ++i)
             ray_counts_add_row(counts, strip + (size_t)i * row_floats, target->width_px, y + i);
+        if (cut) keep_cut(strip, (size_t)rows * (size_t)target->width_px, cut + (size_t)y * (size_t)target->width_px);
     }
     free(strip);
 }
 
-static void count_list(const struct gl_target *target, const struct pixel_layout *layout, struct ray_counts *counts)
+static void count_list(const struct gl_target *target, const struct pixel_layout *layout, float *cut,
+                       struct ray_counts *counts)
 {
     float *paths = xmalloc(4 * layout->count * sizeof *paths);
 
     read_texture(target, layout, 3, 4, paths);
     for (size_t i = 0; i < layout->count; ++i)
         ray_counts_add_pixel(counts, paths + 4 * i, layout->pixels[i].x, layout->pixels[i].y);
+    if (cut) keep_cut(paths, layout->count, cut);
     free(paths);
-}
-
-static void count_rays(const struct gl_target *target, const struct pixel_layout *layout, struct ray_counts *counts)
-{
-    int64_t pixels = layout ? (int64_t)layout->count : (int64_t)target->width_px * target->height_px;
-
-    *counts = (struct ray_counts){.is_known = true};
-    if (layout)
-        count_list(target, layout, counts);
-    else
-        count_frame(target, counts);
-    ray_counts_find_means(counts, pixels, target->pass_count);
 }
 
 static void divide(float *values, size_t count, int divisor)
 {
     for (size_t i = 0; i < count; ++i)
         values[i] /= (float)divisor;
+}
+
+static void count_rays(const struct gl_target *target, const struct pixel_layout *layout, float *cut,
+                       struct ray_counts *counts)
+{
+    int64_t pixels = layout ? (int64_t)layout->count : (int64_t)target->width_px * target->height_px;
+
+    *counts = (struct ray_counts){.is_known = true};
+    if (layout)
+        count_list(target, layout, cut, counts);
+    else
+        count_frame(target, cut, counts);
+    if (cut) divide(cut, (size_t)pixels, target->pass_count);
+    ray_counts_find_means(counts, pixels, target->pass_count);
 }
 
 static void find_means(const struct gl_target *target, struct image *image)
@@ -225,5 +237,8 @@ void gl_target_read(const struct gl_target *target, const struct pixel_layout *l
     else if (image->depth)
         read_texture(target, layout, 2, 1, image->depth);
     if (target->pass_count > 1) find_means(target, image);
-    if (target->has_paths) count_rays(target, layout, counts);
+    if (target->has_paths)
+        count_rays(target, layout, image->cut, counts);
+    else if (image->cut)
+        memset(image->cut, 0, (size_t)image->width_px * (size_t)image->height_px * sizeof *image->cut);
 }

@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/job/job.h"
+#include "tests/support/assert_near.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
 #include "tests/support/gl_stage.h"
@@ -54,10 +55,11 @@ static struct renderer_result render(struct renderer *renderer, const struct job
     bool ok = pixels ? image_init(image, (int)count, 1, job->output.has_depth, job->output.has_transmittance, &error)
                      : image_init_for_job(image, job, &error);
 
-    ok = ok && renderer_render(renderer,
-                               &(struct renderer_frame){
-                                   .job = job, .frame = 0, .pixels = pixels, .pixel_count = count, .image = image},
-                               &result, &error);
+    ok = ok && image_ask_cut(image, &error) &&
+         renderer_render(
+             renderer,
+             &(struct renderer_frame){.job = job, .frame = 0, .pixels = pixels, .pixel_count = count, .image = image},
+             &result, &error);
     if (!ok) fail_msg("%s", error.message);
     return result;
 }
@@ -70,7 +72,21 @@ static void assert_same(const struct image *frame, const struct image *list, con
         assert_memory_equal(&list->rgba[4 * i], &frame->rgba[4 * at], 4 * sizeof(float));
         assert_memory_equal(&list->transmittance[4 * i], &frame->transmittance[4 * at], 4 * sizeof(float));
         assert_memory_equal(&list->depth[i], &frame->depth[at], sizeof(float));
+        assert_memory_equal(&list->cut[i], &frame->cut[at], sizeof(float));
     }
+}
+
+// The cut throughputs of single pixels are those of the frame.
+static void assert_cuts(const struct image *frame, const struct ray_counts *counts)
+{
+    double sum = 0.0;
+
+    for (int i = 0; i < PIXELS; i++)
+        sum += frame->cut[i];
+    assert_near(sum / PIXELS, counts->cut_throughput, 1e-6);
+    if (!counts->is_known) return;
+    assert_true(counts->most_cut.value > 0.0);
+    assert_near(frame->cut[counts->most_cut.y_px * WIDTH_PX + counts->most_cut.x_px], counts->most_cut.value, 1e-6);
 }
 
 static void assert_lists_are_like_frames(struct renderer *renderer, const struct job *job)
@@ -89,6 +105,7 @@ static void assert_lists_are_like_frames(struct renderer *renderer, const struct
     list_all(pixels);
     all = render(renderer, job, pixels, PIXELS, &list);
     assert_same(&frame, &list, pixels, PIXELS);
+    assert_cuts(&frame, &whole.ray_counts);
     assert_int_equal(all.ray_counts.is_known, whole.ray_counts.is_known);
     assert_true(abs((int)(1e6 * (all.ray_counts.rays - whole.ray_counts.rays))) <= 1);
     assert_int_equal(all.ray_counts.most_cut.x_px, whole.ray_counts.most_cut.x_px);
