@@ -3,7 +3,9 @@
 
 #include "core/job/job.h"
 #include "worker/density/density_kind.h"
+#include "worker/glsl/frame_uniforms.h"
 #include "worker/glsl/texture_units.h"
+#include "worker/glsl/timeline_value.h"
 
 #include <assert.h>
 #include <math.h>
@@ -59,26 +61,44 @@ struct density_bake density_bake_of(const struct density_site *site)
     return bake;
 }
 
-static void write_vector(FILE *out, const char *name, const double vector[static 3], size_t medium)
+static void add(struct frame_uniforms *uniforms, size_t medium, const char *name, enum frame_value_type type,
+                const double numbers[static 3])
 {
-    fprintf(out, "const vec3 medium_%zu_%s = vec3(%.9e, %.9e, %.9e);\n", medium, name, vector[0], vector[1], vector[2]);
+    frame_uniforms_add(uniforms,
+                       (struct frame_value){.type = type,
+                                            .origin = FRAME_VALUE_GIVEN,
+                                            .given = {numbers[0], numbers[1], numbers[2]},
+                                            .min = value_range_not_negative.min,
+                                            .max = value_range_not_negative.max,
+                                            .meaning = "quality.density_grid"},
+                       "medium_%zu_grid_%s", medium, name);
 }
 
-void density_bake_write_lookup(FILE *out, const struct density_site *site)
+void density_bake_add_number(struct frame_uniforms *uniforms, size_t medium, const char *name, double number)
+{
+    add(uniforms, medium, name, FRAME_VALUE_FLOAT, (const double[3]){number});
+}
+
+void density_bake_add_values(struct frame_uniforms *uniforms, const struct density_site *site)
 {
     const struct density_bake bake = density_bake_of(site);
     double scale[3], first[3];
-    size_t i = site->medium;
 
     for (int axis = 0; axis < 3; ++axis) {
         scale[axis] = 1 / (bake.cell_m * bake.corners[axis]);
         first[axis] = bake.half_size[axis] * scale[axis] + 0.5 / bake.corners[axis];
     }
-    fprintf(out, "layout(binding = %u) uniform sampler3D medium_%zu_grid;\n", texture_unit_of_baked(i), i);
-    write_vector(out, "grid_scale", scale, i);
-    write_vector(out, "grid_first", first, i);
+    add(uniforms, site->medium, "scale", FRAME_VALUE_VEC3, scale);
+    add(uniforms, site->medium, "first", FRAME_VALUE_VEC3, first);
+}
+
+void density_bake_write_lookup(FILE *out, const struct density_site *site)
+{
+    size_t i = site->medium;
+
     fprintf(out,
+            "layout(binding = %u) uniform sampler3D medium_%zu_grid;\n"
             "float medium_%zu_baked(vec3 p)\n{\n"
             "    return textureLod(medium_%zu_grid, p * medium_%zu_grid_scale + medium_%zu_grid_first, 0.0).r;\n}\n",
-            i, i, i, i);
+            texture_unit_of_baked(i), i, i, i, i, i);
 }

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 struct density_site;
+struct frame_uniforms;
 struct job;
 
 // The grid of a density. Values stand at the corners of cells; the middle is the centre of the medium's bounds.
@@ -23,5 +24,10 @@ struct density_bake density_bake_of(const struct density_site *site); // the med
 // Finds half the sides of a box along the world's axes that holds the medium's bounds throughout the job. Returns false
 // where there is none.
 bool density_bake_find_bounds(double half_size[static 3], const struct density_site *site);
+// Adds a number that follows from density_grid, so that all grids share programs: the frame value
+// medium_I_grid_NAME.
+void density_bake_add_number(struct frame_uniforms *uniforms, size_t medium, const char *name, double number);
+// Adds the frame values that the lookup uses. The medium is baked.
+void density_bake_add_values(struct frame_uniforms *uniforms, const struct density_site *site);
 // Writes float medium_I_baked(vec3 p): the trilinear interpolation of the grid; p is as for density_kind.write_baked.
 void density_bake_write_lookup(FILE *out, const struct density_site *site);

@@ -35,17 +35,17 @@ static bool make_samples(struct scene_cache *cache, const struct density_site *s
     shader_assembly_add(&text, "region/span.glsl");
     shader_assembly_generate(&text);
     kind->add_baked_values(&cache->uniforms, site);
+    density_bake_add_number(&cache->uniforms, site->medium, "cell", bake.cell_m);
     frame_uniforms_declare(&cache->uniforms, text.out);
     density_modules_add(&text, site);
     shader_assembly_generate(&text);
     kind->write_baked(text.out, site);
-    fputs("void main()\n{\n", text.out);
-    if (cache->uniforms.size_bytes > 0) fputs("    frame_uniforms_read();\n", text.out);
     fprintf(text.out,
+            "void main()\n{\n    frame_uniforms_read();\n"
             "    ivec3 at;\n    if (!cache_find_invocation(at)) return;\n"
-            "    vec3 p = vec3(at - 1) * %.9e - vec3(%.9e, %.9e, %.9e);\n"
+            "    vec3 p = vec3(at - 1) * medium_%zu_grid_cell - vec3(%.9e, %.9e, %.9e);\n"
             "    imageStore(cache_image, at, vec4(medium_%zu_baked(p)));\n}\n",
-            bake.cell_m, bake.half_size[0], bake.half_size[1], bake.half_size[2], site->medium);
+            site->medium, bake.half_size[0], bake.half_size[1], bake.half_size[2], site->medium);
     return scene_cache_end(cache, &text);
 }
 

@@ -23,10 +23,16 @@ static bool is_zero(const struct scene_density *density)
 
 static void add_values(struct frame_uniforms *uniforms, const struct density_site *site)
 {
+    struct density_bake bake;
+
     frame_uniforms_add(
         uniforms,
         timeline_value(&site->source->density.glsl.scale, FRAME_VALUE_FLOAT, value_range_not_negative, "density.scale"),
         "medium_%zu_scale", site->medium);
+    if (!density_bake_find(&bake, site->job, site->medium)) return;
+    density_bake_add_values(uniforms, site);
+    // Values are means over corners, whose distance from the point averages at most half a cell's diagonal.
+    density_bake_add_number(uniforms, site->medium, "reach", 0.5 * sqrt(3) * bake.cell_m);
 }
 
 static const char *const *modules(const struct density_site *site)
@@ -202,9 +208,8 @@ static void write(FILE *out, const struct density_site *site)
         fprintf(out, "    return density_own_distance(medium_%zu_settings(), field);\n}\n", i);
         return;
     }
-    // Values are means over corners, whose distance from the point averages at most half a cell's diagonal.
     fprintf(out, "    float distance = density_own_distance(medium_%zu_settings(), field);\n", i);
-    fprintf(out, "    return distance < 0.0 ? distance : max(distance - %.9e, 0.0);\n}\n", 0.5 * sqrt(3) * bake.cell_m);
+    fprintf(out, "    return distance < 0.0 ? distance : max(distance - medium_%zu_grid_reach, 0.0);\n}\n", i);
 }
 
 static void evaluate_majorant(const void *source, double time, double value[static 9])

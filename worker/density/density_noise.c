@@ -244,7 +244,10 @@ static void add_values(struct frame_uniforms *uniforms, const struct density_sit
     int baked = count_baked(site);
 
     add_point_map(uniforms, site);
-    if (baked > 0) add_lattice(uniforms, site, is_rotated(noise));
+    if (baked > 0) {
+        density_bake_add_values(uniforms, site);
+        add_lattice(uniforms, site, is_rotated(noise));
+    }
     if (noise->octaves > 1 && baked < noise->octaves) add_octaves(uniforms, noise, site->medium);
     if (!timeline_value_is_zero(&noise->bias))
         frame_uniforms_add(uniforms,

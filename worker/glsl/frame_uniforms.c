@@ -72,6 +72,9 @@ static void evaluate(const struct frame_uniforms *uniforms, const struct frame_v
     case FRAME_VALUE_OF_PLAN:
         value->evaluate(value->source, moment->time, components);
         break;
+    case FRAME_VALUE_GIVEN:
+        memcpy(components, value->given, sizeof value->given);
+        break;
     case FRAME_VALUE_FRAME_SEED:
         components[0] = moment->frame_seed;
         break;

@@ -20,6 +20,7 @@ enum frame_value_type {
 enum frame_value_origin {
     FRAME_VALUE_OF_TIME, // evaluate()
     FRAME_VALUE_OF_PLAN, // evaluate(), at any time; no motion
+    FRAME_VALUE_GIVEN,   // `given`, which follows from a setting likewise
     FRAME_VALUE_FRAME_SEED,
     FRAME_VALUE_SAMPLE_INDEX
 };
@@ -40,6 +41,7 @@ struct frame_value {
     enum frame_value_origin origin;
     bool is_constant; // evaluated at time 0, or with seed and index 0
     frame_value_evaluate *evaluate;
+    double given[3];
     bool is_position;                      // a point of the world, m: the shader has it relative to the anchor
     frame_value_evaluate *evaluate_linear; // of a shift: the linear map that belongs to it; else NULL
     const void *source;                    // borrowed from the job, which outlives us

@@ -285,26 +285,36 @@ static void count_links(enum log_level level, const struct log_subject *subject,
 // Linking takes as long as a small picture: a plan, a chart or a user who tries numbers must not pay it each time.
 static void ten_settings_link_one_program(void **state)
 {
-    static const struct job_quality methods[] = {
-        {.method = JOB_METHOD_RIEMANN, .step = 0.4, .light_steps = 4, .samples = 1},
-        {.method = JOB_METHOD_MIDPOINT, .step = 0.4, .light_step = 0.4, .min_transmittance = 0.01, .samples = 1},
-        {.method = JOB_METHOD_ADAPTIVE, .step = 0.4, .light_step = 0.4, .depth_step = 2.0, .samples = 1},
-        {.method = JOB_METHOD_GAUSS, .order = 3, .step = 0.4, .light_step = 0.4, .samples = 1},
-        {.method = JOB_METHOD_CACHED, .step = 0.4, .light_grid = 4, .samples = 1},
+    // `programs` are linked for the first setting: a light's grid is filled by two of its own, and so is that of a
+    // density, unless a method before has linked them.
+    static const struct {
+        const char *job;
+        int programs;
+        struct job_quality quality;
+    } methods[] = {
+        {"cloud", 1, {.method = JOB_METHOD_RIEMANN, .step = 0.4, .light_steps = 4, .samples = 1}},
+        {"cloud",
+         1,
+         {.method = JOB_METHOD_MIDPOINT, .step = 0.4, .light_step = 0.4, .min_transmittance = 0.01, .samples = 1}},
+        {"cloud", 1, {.method = JOB_METHOD_ADAPTIVE, .step = 0.4, .light_step = 0.4, .depth_step = 2.0, .samples = 1}},
+        {"cloud", 1, {.method = JOB_METHOD_GAUSS, .order = 3, .step = 0.4, .light_step = 0.4, .samples = 1}},
+        {"cloud", 3, {.method = JOB_METHOD_CACHED, .step = 0.4, .light_grid = 4, .samples = 1}},
+        {"custom", 5, {.method = JOB_METHOD_CACHED, .step = 0.4, .light_grid = 4, .density_grid = 9, .samples = 1}},
+        {"noise", 4, {.method = JOB_METHOD_CACHED, .step = 0.4, .light_grid = 4, .density_grid = 40, .samples = 1}},
     };
     struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
-    struct job job;
 
     (void)state;
-    example_job_load(&job, "cloud");
-    example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, 2.0);
     log_set_level(LOG_DEBUG);
     log_set_sink(count_links);
     for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
         int first = 0;
+        struct job job;
 
+        example_job_load(&job, methods[i].job);
+        example_job_shrink(&job, WIDTH_PX, HEIGHT_PX, 2.0);
         link_count = 0;
-        job.quality = methods[i];
+        job.quality = methods[i].quality;
         for (int k = 0; k < 10; k++) {
             struct pixel pixels[16];
             struct image image;
@@ -317,16 +327,16 @@ static void ten_settings_link_one_program(void **state)
             job.quality.depth_step *= 0.9;
             job.quality.light_steps += 3;
             job.quality.light_grid += job.quality.light_grid > 0 ? 2 : 0;
+            job.quality.density_grid += job.quality.density_grid > 0 ? 1 : 0;
             job.quality.min_transmittance *= 0.7;
             if (k == 0) first = link_count;
         }
-        // A light's grid is filled by two programs of its own.
-        assert_int_equal(first, methods[i].method == JOB_METHOD_CACHED ? 3 : 1);
+        assert_int_equal(first, methods[i].programs);
         assert_int_equal(link_count, first);
+        job_finish(&job);
     }
     log_set_sink(NULL);
     log_set_level(LOG_INFO);
-    job_finish(&job);
     gl_stage_close(stage);
 }
 
