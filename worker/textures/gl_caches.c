@@ -182,6 +182,18 @@ static bool fill(struct gl_caches *caches, struct kept_program *program, const s
     return true;
 }
 
+// All textures of a pass are in GL at once, the intermediate ones included.
+static bool check_memory(const struct gl_caches_request *request, struct error *error)
+{
+    int64_t size_bytes = 0;
+
+    for (size_t i = 0; i < request->count; ++i)
+        size_bytes += (int64_t)scene_cache_size_bytes(&request->caches[i]);
+    if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
+    error_prefix(error, "quality: the grids of a frame");
+    return false;
+}
+
 static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_request *request, size_t i,
                                const char *key, int *index, struct error *error)
 {
@@ -195,7 +207,7 @@ static enum gl_caches_end make(struct gl_caches *caches, const struct gl_caches_
                                                     error);
     unsigned texture;
 
-    if (!program) return GL_CACHES_REFUSED;
+    if (!program || !check_memory(request, error)) return GL_CACHES_REFUSED;
     *index = lru_make_room(&caches->lru, size_bytes, drop, caches);
     if (!make_texture(caches->gl, cache, &texture, error)) return GL_CACHES_REFUSED;
     if (!fill(caches, program, request, i, texture)) {
@@ -254,25 +266,12 @@ static enum gl_caches_end bind_wanted(struct gl_caches *caches, const struct gl_
     return GL_CACHES_BOUND;
 }
 
-// All textures of a pass are in GL at once, the intermediate ones included.
-static bool check_memory(const struct gl_caches_request *request, struct error *error)
-{
-    int64_t size_bytes = 0;
-
-    for (size_t i = 0; i < request->count; ++i)
-        size_bytes += (int64_t)scene_cache_size_bytes(&request->caches[i]);
-    if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
-    error_prefix(error, "quality: the grids of a frame");
-    return false;
-}
-
 enum gl_caches_end gl_caches_bind(struct gl_caches *caches, const struct gl_caches_request *request,
                                   struct error *error)
 {
     char keys[SCENE_CACHE_LIMIT][HASH_TEXT_SIZE];
     enum gl_caches_end end;
 
-    if (!check_memory(request, error)) return GL_CACHES_REFUSED;
     lru_begin(&caches->lru);
     for (size_t i = 0; i < request->count; ++i) {
         find_key(request, i, keys);

@@ -131,7 +131,8 @@ static bool check_memory(const struct scene_inputs *inputs, struct error *error)
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
         if (inputs->textures[i].source && is_first_of_its_image(inputs, i))
             size_bytes += (int64_t)size_of(&inputs->textures[i]);
-    if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
+    // Finding the limit takes as long as drawing a hundred pixels.
+    if (size_bytes == 0 || volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
     error_prefix(error, "scene.objects: the textures");
     return false;
 }
