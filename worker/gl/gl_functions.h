@@ -44,6 +44,7 @@ struct gl_context;
     X(PFNGLFINISHPROC, Finish)                                                                                         \
     X(PFNGLGETERRORPROC, GetError)                                                                                     \
     X(PFNGLGETGRAPHICSRESETSTATUSPROC, GetGraphicsResetStatus)                                                         \
+    X(PFNGLGETFLOATVPROC, GetFloatv)                                                                                   \
     X(PFNGLGETINTEGERVPROC, GetIntegerv)                                                                               \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                                                   \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \

@@ -21,7 +21,7 @@ enum { IDLE_SLICE_LIMIT = 256 }; // slices in a row that finish no pixel of a ti
 bool drawing_tools_init(struct drawing_tools *tools, const struct gl_context *context, struct error *error)
 {
     *tools = (struct drawing_tools){0};
-    if (!gl_functions_load(&tools->gl, context, error)) {
+    if (!gl_functions_load(&tools->gl, context, error) || !gl_pixel_list_check(&tools->gl, error)) {
         *tools = (struct drawing_tools){0};
         return false;
     }
@@ -148,18 +148,13 @@ struct tile { // rows of the frame, or squares of the list
 static void draw(const struct drawing *drawing, const struct tile *tile)
 {
     const struct gl_functions *gl = &drawing->tools->gl;
-    const struct pixel_layout *layout = drawing->layout;
 
-    if (!layout) {
-        gl->Scissor(0, tile->first, drawing_target(drawing)->width_px, tile->count);
-        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    if (drawing->layout) {
+        gl_pixel_list_draw(gl, tile->first, tile->count);
+        return;
     }
-    for (int i = tile->first; layout && i < tile->first + tile->count; ++i) {
-        struct pixel corner = pixel_layout_square(layout, i);
-
-        gl->Scissor(corner.x, corner.y, layout->side, layout->side);
-        gl->DrawArrays(GL_TRIANGLES, 0, 3);
-    }
+    gl->Scissor(0, tile->first, drawing_target(drawing)->width_px, tile->count);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
 static bool check_rows(struct drawing *drawing, const struct tile *tile)
@@ -313,7 +308,7 @@ static bool begin_pass(struct drawing *drawing, int pass, struct error *error)
     drawing->done = (double)pass / drawing->passes->count;
     if (!bind_caches(drawing, pass, error)) return false;
     tools->gl.UseProgram(drawing->program->name);
-    gl_pixel_list_choose(&tools->gl, drawing->program->name, drawing->layout != NULL);
+    gl_pixel_list_choose(&tools->gl, drawing->program->name, drawing->layout);
     if (uniform_bytes > 0) {
         tools->gl.NamedBufferData(tools->uniform_buffer, (GLsizeiptr)uniform_bytes, passes_block(drawing->passes, pass),
                                   GL_STREAM_DRAW);

@@ -143,12 +143,17 @@ static void read_texture(const struct gl_target *target, const struct pixel_layo
                          float *values)
 {
     static const GLenum formats[] = {[1] = GL_RED, [2] = GL_RG, [4] = GL_RGBA};
-    float *drawn = values;
+    float *drawn;
 
-    if (layout) drawn = xmalloc(size * (size_t)target->width_px * (size_t)target->height_px * sizeof *drawn);
-    read_rows(target, index, formats[size], 0, target->height_px, drawn);
-    if (!layout) return;
-    pixel_layout_gather(layout, drawn, size, values);
+    if (!layout) {
+        read_rows(target, index, formats[size], 0, target->height_px, values);
+        return;
+    }
+    drawn = xmalloc(size * (size_t)target->width_px * (size_t)layout->side * sizeof *drawn);
+    for (int strip = 0; strip < pixel_layout_strip_count(layout); ++strip) {
+        read_rows(target, index, formats[size], pixel_layout_strip_y(strip), layout->side, drawn);
+        pixel_layout_gather(layout, strip, drawn, size, values);
+    }
     free(drawn);
 }
 

@@ -9,12 +9,13 @@
 enum {
     SIDE_MIN = 4,           // its 16 pixels fill the lanes of SIMD units
     SQUARES_PER_THREAD = 4, // a thread with cheap squares takes over others
-    COLUMNS = 16            // of squares
+    COLUMNS = 16,           // of squares
+    DIGIT_BITS = 8,
+    DIGIT_MASK = (1 << DIGIT_BITS) - 1
 };
 
 struct coded {
-    uint64_t code;
-    uint32_t index;
+    uint32_t code, index;
 };
 
 // Moves bit i to bit 2 i.
@@ -33,24 +34,39 @@ static uint64_t find_code(int x, int y)
            spread((uint64_t)y >> 8 & 0xffu) << 17;
 }
 
-static int compare(const void *a, const void *b)
+// Sorts by one digit of the code, which starts at bit `shift`; equal digits keep their order.
+static void sort_digit(const struct coded *from, struct coded *to, size_t count, int shift)
 {
-    const struct coded *one = a, *other = b;
+    size_t begins[1 << DIGIT_BITS] = {0}, begin = 0;
 
-    if (one->code != other->code) return one->code < other->code ? -1 : 1;
-    return one->index < other->index ? -1 : one->index > other->index;
+    for (size_t i = 0; i < count; i++)
+        begins[from[i].code >> shift & DIGIT_MASK]++;
+    for (size_t digit = 0; digit <= DIGIT_MASK; digit++) {
+        size_t end = begin + begins[digit];
+
+        begins[digit] = begin;
+        begin = end;
+    }
+    for (size_t i = 0; i < count; i++)
+        to[begins[from[i].code >> shift & DIGIT_MASK]++] = from[i];
 }
 
+// By digits, the last one first: lists of a frame's size are sorted, too, and comparing would take a fifth of a cheap
+// pixel's time.
 static uint32_t *sort(const struct pixel *pixels, size_t count)
 {
-    struct coded *coded = xmalloc(count * sizeof *coded);
+    struct coded *coded = xmalloc(count * sizeof *coded), *sorted = xmalloc(count * sizeof *sorted);
     uint32_t *order = xmalloc(count * sizeof *order);
 
     for (size_t i = 0; i < count; i++)
-        coded[i] = (struct coded){find_code(pixels[i].x, pixels[i].y), (uint32_t)i};
-    qsort(coded, count, sizeof *coded, compare);
+        coded[i] = (struct coded){(uint32_t)find_code(pixels[i].x, pixels[i].y), (uint32_t)i};
+    for (int shift = 0; shift < 32; shift += 2 * DIGIT_BITS) {
+        sort_digit(coded, sorted, count, shift);
+        sort_digit(sorted, coded, count, shift + DIGIT_BITS);
+    }
     for (size_t i = 0; i < count; i++)
         order[i] = coded[i].index;
+    free(sorted);
     free(coded);
     return order;
 }
@@ -85,9 +101,14 @@ void pixel_layout_finish(struct pixel_layout *layout)
     *layout = (struct pixel_layout){0};
 }
 
+static int count_columns(const struct pixel_layout *layout)
+{
+    return layout->width_px / PIXEL_LAYOUT_PITCH;
+}
+
 struct pixel pixel_layout_square(const struct pixel_layout *layout, int square)
 {
-    int columns = layout->width_px / PIXEL_LAYOUT_PITCH;
+    int columns = count_columns(layout);
 
     return (struct pixel){square % columns * PIXEL_LAYOUT_PITCH, square / columns * PIXEL_LAYOUT_PITCH};
 }
@@ -99,13 +120,25 @@ size_t pixel_layout_index(const struct pixel_layout *layout, int square, int x, 
     return layout->order[at < layout->count ? at : layout->count - 1];
 }
 
-void pixel_layout_gather(const struct pixel_layout *layout, const float *target, size_t size, float *list)
+int pixel_layout_strip_count(const struct pixel_layout *layout)
 {
-    for (int square = 0; square < layout->square_count; square++) {
-        struct pixel corner = pixel_layout_square(layout, square);
+    return layout->height_px / PIXEL_LAYOUT_PITCH;
+}
+
+int pixel_layout_strip_y(int strip)
+{
+    return strip * PIXEL_LAYOUT_PITCH;
+}
+
+void pixel_layout_gather(const struct pixel_layout *layout, int strip, const float *values, size_t size, float *list)
+{
+    int columns = count_columns(layout), end = (strip + 1) * columns;
+
+    for (int square = strip * columns; square < end && square < layout->square_count; square++) {
+        int left = pixel_layout_square(layout, square).x;
 
         for (int y = 0; y < layout->side; y++) {
-            const float *row = target + size * ((size_t)(corner.y + y) * (size_t)layout->width_px + (size_t)corner.x);
+            const float *row = values + size * ((size_t)y * (size_t)layout->width_px + (size_t)left);
 
             for (int x = 0; x < layout->side; x++)
                 memcpy(list + size * pixel_layout_index(layout, square, x, y), row + size * (size_t)x,

@@ -30,5 +30,9 @@ void pixel_layout_finish(struct pixel_layout *layout); // accepts an empty one
 struct pixel pixel_layout_square(const struct pixel_layout *layout, int square);
 // The index in the list of the pixel which is drawn in a square, `x` and `y` from its top left place.
 size_t pixel_layout_index(const struct pixel_layout *layout, int square, int x, int y);
-// Copies values of the target, `size` floats a pixel in rows of width_px, into the list's order.
-void pixel_layout_gather(const struct pixel_layout *layout, const float *target, size_t size, float *list);
+// A strip is the part of the target that a row of squares takes: `side` rows of width_px. Between strips is nothing of
+// the list, and far more than is in them where it is short.
+int pixel_layout_strip_count(const struct pixel_layout *layout);
+int pixel_layout_strip_y(int strip); // its first row in the target
+// Copies a strip's values, `size` floats a pixel, into the list's order.
+void pixel_layout_gather(const struct pixel_layout *layout, int strip, const float *values, size_t size, float *list);

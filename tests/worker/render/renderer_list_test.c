@@ -24,7 +24,7 @@
 
 #include <cmocka.h>
 
-enum { WIDTH_PX = 48, HEIGHT_PX = 27, PIXELS = WIDTH_PX * HEIGHT_PX };
+enum { WIDTH_PX = 48, HEIGHT_PX = 27, PIXELS = WIDTH_PX * HEIGHT_PX, LONGEST = 33000 };
 
 static uint32_t draw(uint32_t *state)
 {
@@ -50,9 +50,11 @@ static void list_all(struct pixel *pixels)
 static struct renderer_result render(struct renderer *renderer, const struct job *job, const struct pixel *pixels,
                                      size_t count, struct image *image)
 {
+    int rows = count == LONGEST ? 3 : 1; // an image has a longest side
     struct error error = {{0}};
     struct renderer_result result = {0};
-    bool ok = pixels ? image_init(image, (int)count, 1, job->output.has_depth, job->output.has_transmittance, &error)
+    bool ok = pixels ? image_init(image, (int)count / rows, rows, job->output.has_depth, job->output.has_transmittance,
+                                  &error)
                      : image_init_for_job(image, job, &error);
 
     ok = ok && image_ask_cut(image, &error) &&
@@ -91,8 +93,8 @@ static void assert_cuts(const struct image *frame, const struct ray_counts *coun
 
 static void assert_lists_are_like_frames(struct renderer *renderer, const struct job *job)
 {
-    static const size_t counts[] = {1, 7, 333, 5000};
-    struct pixel *pixels = xcalloc(5000, sizeof *pixels);
+    static const size_t counts[] = {1, 7, 333, 5000, LONGEST};
+    struct pixel *pixels = xcalloc(LONGEST, sizeof *pixels);
     struct image frame, list;
     struct renderer_result whole = render(renderer, job, NULL, 0, &frame), all;
 
