@@ -82,7 +82,7 @@ static int count_covered(struct job *job, const struct image *image, const struc
 
 static void lost_light_is_noticed(void **state)
 {
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_OSMESA, NULL);
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
     struct job job = mirrors_job(), planned = job;
     struct error error = {{0}};
     struct truth *truth;
