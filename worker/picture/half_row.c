@@ -5,10 +5,12 @@
 #include <Imath/half.h>
 #include <stdbool.h>
 
-static void convert(uint16_t *halves, const float *values, size_t count)
+// Converts from pixel `first` on.
+static void split(uint16_t *halves, const float *pixels, size_t count, size_t first)
 {
-    for (size_t i = 0; i < count; i++)
-        halves[i] = imath_float_to_half(values[i]);
+    for (size_t x = first; x < count; x++)
+        for (size_t i = 0; i < HALF_ROW_PLANES; i++)
+            halves[i * count + x] = imath_float_to_half(pixels[x * HALF_ROW_PLANES + i]);
 }
 
 #ifdef __x86_64__
@@ -20,15 +22,37 @@ static bool has_conversion(void)
     return __builtin_cpu_supports("avx2");
 }
 
-__attribute__((target("avx,f16c"))) static void convert_by_processor(uint16_t *halves, const float *values,
-                                                                     size_t count)
+// Two pixels.
+__attribute__((target("avx,f16c"))) static __m128i convert_two(const float *pixels)
 {
-    size_t i = 0;
+    return _mm256_cvtps_ph(_mm256_loadu_ps(pixels), _MM_FROUND_TO_NEAREST_INT);
+}
 
-    for (; i + 8 <= count; i += 8)
-        _mm_storeu_si128((__m128i *)(void *)(halves + i),
-                         _mm256_cvtps_ph(_mm256_loadu_ps(values + i), _MM_FROUND_TO_NEAREST_INT));
-    convert(halves + i, values + i, count - i);
+static void store(uint16_t *halves, __m128i eight)
+{
+    _mm_storeu_si128((__m128i *)(void *)halves, eight);
+}
+
+// Eight pixels at a time are a matrix of halves, which is transposed.
+__attribute__((target("avx,f16c"))) static void split_by_processor(uint16_t *halves, const float *pixels, size_t count)
+{
+    size_t x = 0;
+
+    for (; x + 8 <= count; x += 8) {
+        const float *from = pixels + x * HALF_ROW_PLANES;
+        __m128i p01 = convert_two(from), p23 = convert_two(from + 8);
+        __m128i p45 = convert_two(from + 16), p67 = convert_two(from + 24);
+        __m128i p02 = _mm_unpacklo_epi16(p01, p23), p13 = _mm_unpackhi_epi16(p01, p23);
+        __m128i p46 = _mm_unpacklo_epi16(p45, p67), p57 = _mm_unpackhi_epi16(p45, p67);
+        __m128i rg_low = _mm_unpacklo_epi16(p02, p13), ba_low = _mm_unpackhi_epi16(p02, p13);
+        __m128i rg_high = _mm_unpacklo_epi16(p46, p57), ba_high = _mm_unpackhi_epi16(p46, p57);
+
+        store(halves + x, _mm_unpacklo_epi64(rg_low, rg_high));
+        store(halves + count + x, _mm_unpackhi_epi64(rg_low, rg_high));
+        store(halves + 2 * count + x, _mm_unpacklo_epi64(ba_low, ba_high));
+        store(halves + 3 * count + x, _mm_unpackhi_epi64(ba_low, ba_high));
+    }
+    split(halves, pixels, count, x);
 }
 #else
 static bool has_conversion(void)
@@ -36,16 +60,16 @@ static bool has_conversion(void)
     return false;
 }
 
-static void convert_by_processor(uint16_t *halves, const float *values, size_t count)
+static void split_by_processor(uint16_t *halves, const float *pixels, size_t count)
 {
-    convert(halves, values, count);
+    split(halves, pixels, count, 0);
 }
 #endif
 
-void half_row_from_floats(uint16_t *halves, const float *values, size_t count)
+void half_row_split(uint16_t *halves, const float *pixels, size_t count)
 {
     if (has_conversion())
-        convert_by_processor(halves, values, count);
+        split_by_processor(halves, pixels, count);
     else
-        convert(halves, values, count);
+        split(halves, pixels, count, 0);
 }

@@ -231,25 +231,23 @@ struct packer {
     exr_encode_pipeline_t pipeline;
     struct image_exr_zip *zip; // owned; NULL: the library compresses, or nothing does
     char *lines;               // owned; the chunk before compression
-    uint16_t *halves;          // owned; a line's pixels
+    uint16_t *halves;          // owned; a line's pixels, channel by channel
     const void *bytes;         // the chunk as the file stores it; borrowed from the packer
     uint64_t size_bytes;
 };
 
-static void take_halves(uint16_t *to, const uint16_t *pixels, size_t count, size_t stride)
-{
-    for (size_t x = 0; x < count; x++)
-        to[x] = pixels[x * stride];
-}
-
 static void take_floats(char *to, const float *pixels, size_t count, size_t stride)
 {
+    if (stride == 1) {
+        memcpy(to, pixels, count * sizeof(float));
+        return;
+    }
     for (size_t x = 0; x < count; x++)
         memcpy(to + x * sizeof(float), pixels + x * stride, sizeof(float));
 }
 
 // A chunk is stored line by line, and a line channel by channel. Channels of the same pixels are neighbours, so their
-// pixels are converted to halves once.
+// pixels are converted to halves and taken apart once.
 static void pack_lines(const struct writer *writer, uint16_t *halves, size_t first_line, size_t line_count,
                        char *packed)
 {
@@ -267,9 +265,10 @@ static void pack_lines(const struct writer *writer, uint16_t *halves, size_t fir
                 packed += width * sizeof(float);
                 continue;
             }
-            if (converted != pixels) half_row_from_floats(halves, pixels, width * channel->stride);
+            assert(channel->stride == HALF_ROW_PLANES);
+            if (converted != pixels) half_row_split(halves, pixels, width);
             converted = pixels;
-            take_halves((uint16_t *)(void *)packed, halves + channel->index, width, channel->stride);
+            memcpy(packed, halves + channel->index * width, width * sizeof *halves);
             packed += width * sizeof(uint16_t);
         }
     }
@@ -341,7 +340,7 @@ static exr_result_t encode_chunk(struct writer *writer, struct packer *packer, i
     }
     if (result) return result;
     if (!packer->lines) packer->lines = malloc(chunk_bytes);
-    if (!packer->halves) packer->halves = malloc(writer->width * 4 * sizeof *packer->halves);
+    if (!packer->halves) packer->halves = malloc(writer->width * HALF_ROW_PLANES * sizeof *packer->halves);
     if (!packer->lines || !packer->halves) return EXR_ERR_OUT_OF_MEMORY;
     pipeline->packed_buffer = packer->lines;
     pipeline->packed_bytes = chunk.unpacked_size;

@@ -34,25 +34,26 @@ static float value_near_half(uint32_t index)
 
 static void assert_row(const float *values, size_t count)
 {
-    uint16_t halves[COUNT + 1];
+    uint16_t halves[HALF_ROW_PLANES * COUNT + 1];
 
-    halves[count] = 0x1234;
-    half_row_from_floats(halves, values, count);
-    for (size_t i = 0; i < count; i++) {
-        uint16_t expected = imath_float_to_half(values[i]);
+    halves[HALF_ROW_PLANES * count] = 0x1234;
+    half_row_split(halves, values, count);
+    for (size_t i = 0; i < HALF_ROW_PLANES * count; i++) {
+        uint16_t expected = imath_float_to_half(values[i]),
+                 got = halves[i % HALF_ROW_PLANES * count + i / HALF_ROW_PLANES];
         // Any NaN is right.
-        if ((expected & 0x7fff) > 0x7c00 ? (halves[i] & 0x7fff) <= 0x7c00 : halves[i] != expected)
-            fail_msg("%a: expected 0x%04x, got 0x%04x", (double)values[i], expected, halves[i]);
+        if ((expected & 0x7fff) > 0x7c00 ? (got & 0x7fff) <= 0x7c00 : got != expected)
+            fail_msg("%a: expected 0x%04x, got 0x%04x", (double)values[i], expected, got);
     }
-    assert_int_equal(halves[count], 0x1234);
+    assert_int_equal(halves[HALF_ROW_PLANES * count], 0x1234);
 }
 
 static void every_half_and_what_is_between_is_rounded_to_nearest_even(void **state)
 {
-    float values[COUNT] = {0};
+    float values[HALF_ROW_PLANES * COUNT] = {0};
 
-    for (uint32_t first = 0; first < 6 * 65536; first += COUNT) {
-        for (uint32_t i = 0; i < COUNT; i++)
+    for (uint32_t first = 0; first < 6 * 65536; first += HALF_ROW_PLANES * COUNT) {
+        for (uint32_t i = 0; i < HALF_ROW_PLANES * COUNT; i++)
             values[i] = value_near_half((first + i) % (6 * 65536));
         assert_row(values, COUNT);
     }
@@ -61,10 +62,10 @@ static void every_half_and_what_is_between_is_rounded_to_nearest_even(void **sta
 static void any_float_is_rounded_whatever_the_length(void **state)
 {
     struct random random = {5};
-    float values[COUNT] = {0};
+    float values[HALF_ROW_PLANES * 67] = {0};
 
     for (size_t count = 0; count <= 67; count++) {
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = 0; i < HALF_ROW_PLANES * count; i++)
             values[i] = float_of_bits((uint32_t)random_between(&random, 0, 4294967295.0));
         assert_row(values, count);
     }

@@ -56,6 +56,45 @@ static void a_chunk_is_packed_as_the_format_has_it(void **state)
     image_exr_zip_destroy(zip);
 }
 
+// A chunk's bytes follow from it alone: tables keep nothing of the chunks before it.
+static void a_chunk_is_packed_alike_each_time(void **state)
+{
+    struct image_exr_zip *fresh = image_exr_zip_create(LARGEST), *used = image_exr_zip_create(LARGEST);
+    uint8_t chunk[LARGEST], expected[LARGEST];
+
+    for (uint32_t seed = 0; seed < 50; seed++) {
+        const void *packed;
+        size_t packed_bytes, again_bytes;
+
+        fill(chunk, sizeof chunk, seed + 100);
+        image_exr_zip_pack(used, chunk, sizeof chunk, &packed);
+        fill(chunk, sizeof chunk, 1);
+        packed_bytes = image_exr_zip_pack(fresh, chunk, sizeof chunk, &packed);
+        assert_in_range(packed_bytes, 1, sizeof chunk - 1);
+        memcpy(expected, packed, packed_bytes);
+        again_bytes = image_exr_zip_pack(used, chunk, sizeof chunk, &packed);
+        assert_int_equal(again_bytes, packed_bytes);
+        assert_memory_equal(packed, expected, packed_bytes);
+    }
+    image_exr_zip_destroy(fresh);
+    image_exr_zip_destroy(used);
+}
+
+static void what_is_not_smaller_is_not_packed(void **state)
+{
+    struct image_exr_zip *zip = image_exr_zip_create(LARGEST);
+    struct random random = {7};
+    uint8_t chunk[LARGEST];
+    const void *packed;
+
+    for (size_t i = 0; i < sizeof chunk; i++)
+        chunk[i] = (uint8_t)random_between(&random, 0, 256);
+    for (size_t i = 0; i < SIZE_COUNT; i++)
+        assert_int_equal(image_exr_zip_pack(zip, chunk, sizes[i], &packed), 0);
+    assert_int_equal(image_exr_zip_pack(zip, chunk, LARGEST + 2, &packed), 0);
+    image_exr_zip_destroy(zip);
+}
+
 static void what_others_packed_is_unpacked(void **state)
 {
     struct image_exr_zip *zip = image_exr_zip_create(LARGEST);
@@ -99,6 +138,8 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_chunk_is_packed_as_the_format_has_it),
+        cmocka_unit_test(a_chunk_is_packed_alike_each_time),
+        cmocka_unit_test(what_is_not_smaller_is_not_packed),
         cmocka_unit_test(what_others_packed_is_unpacked),
         cmocka_unit_test(a_damaged_chunk_is_refused),
     };
