@@ -131,8 +131,7 @@ static bool check_memory(const struct scene_inputs *inputs, struct error *error)
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
         if (inputs->textures[i].source && is_first_of_its_image(inputs, i))
             size_bytes += (int64_t)size_of(&inputs->textures[i]);
-    // Finding the limit takes as long as drawing a hundred pixels.
-    if (size_bytes == 0 || volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
+    if (volume_memory_check(size_bytes, volume_memory_limit(), error)) return true;
     error_prefix(error, "scene.objects: the textures");
     return false;
 }
@@ -141,11 +140,13 @@ bool gl_textures_bind(struct gl_textures *textures, const struct scene_inputs *i
                       gl_textures_progress *on_progress, void *user, struct error *error)
 {
     const struct reading reading = {on_progress, user};
+    bool are_there = true;
 
-    if (!check_memory(inputs, error)) return false;
     lru_begin(&textures->lru);
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
-        if (inputs->textures[i].source) (void)lru_find(&textures->lru, inputs->textures[i].hash);
+        if (inputs->textures[i].source) are_there &= lru_find(&textures->lru, inputs->textures[i].hash) >= 0;
+    // Finding the limit takes as long as drawing a hundred pixels.
+    if (!are_there && !check_memory(inputs, error)) return false;
     for (size_t i = 0; i < SCENE_OBJECT_LIMIT; ++i)
         if (inputs->textures[i].source && !bind_object(textures, inputs, i, &reading, error)) return false;
     return true;
