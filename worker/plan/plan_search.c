@@ -4,7 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { STRIDE = 2 }; // rungs per refinement
+enum {
+    STRIDE = 2,     // rungs per refinement
+    STRIDE_MOST = 8 // rungs by which an axis is made coarser at once
+};
 
 // The least gain of a refinement: the fall of log(error) divided by the rise of log(work). Set by hand;
 // tests/worker/plan/tolerance_random_test and bench/predictions show its effect.
@@ -18,6 +21,7 @@ struct walk {
         double error; // INFINITY: it could not be measured
     } seen[PLAN_MEASURE_LIMIT];
     int seen_count;
+    int too_coarse[PLAN_AXIS_LIMIT]; // rungs by which the axis cannot become coarser; 0: not known
     bool is_stopped, is_over_limit;
 };
 
@@ -111,35 +115,66 @@ static bool refine(struct walk *walk, struct plan_point *point, double *error)
     return isfinite(*error);
 }
 
-// Moves to the neighbour with the least work that keeps the target: one axis coarser, or one coarser and another finer.
-static bool coarsen(struct walk *walk, struct plan_point *point, double *error)
+// By how many rungs a coarser axis may keep the target: an error of second order doubles with each.
+static int find_stride(const struct walk *walk, double error)
 {
-    int count = walk->search->axis_count;
-    double cheapest = work_of(walk, point);
-    struct plan_point best = *point;
+    double far = floor(log2(walk->search->target / error));
 
-    for (int by = STRIDE; by >= 1; by--) {
-        for (int axis = 0; axis < count; axis++) {
+    return (int)fmin(fmax(far, STRIDE), STRIDE_MOST);
+}
+
+// Moves to the point with the least work of those that are coarser in one axis, by so many rungs, and keep the target.
+// What was too coarse stays so while other axes become coarser.
+static bool coarsen_axis(struct walk *walk, struct plan_point *point, double *error, int by)
+{
+    for (;;) {
+        struct plan_point best = *point;
+        double least = work_of(walk, point);
+        int tried = -1;
+
+        for (int axis = 0; axis < walk->search->axis_count; axis++) {
             struct plan_point next = *point;
 
-            if (!move(walk, &next, axis, -by) || work_of(walk, &next) >= cheapest) continue;
-            if (error_at(walk, &next) > walk->search->target) continue;
+            if (walk->too_coarse[axis] > 0 && by >= walk->too_coarse[axis]) continue;
+            if (!move(walk, &next, axis, -by) || work_of(walk, &next) >= least) continue;
             best = next;
-            cheapest = work_of(walk, &next);
+            least = work_of(walk, &next);
+            tried = axis;
         }
-        if (!is_same(walk, &best, point)) break;
+        if (tried < 0) return false;
+        if (error_at(walk, &best) <= walk->search->target) {
+            *point = best;
+            *error = error_at(walk, &best);
+            return true;
+        }
+        walk->too_coarse[tried] = by;
     }
-    for (int k = 0; k < count * count && is_same(walk, &best, point); k++) {
+}
+
+// Makes one axis coarser and another finer, where that saves work.
+static bool exchange(struct walk *walk, struct plan_point *point, double *error)
+{
+    int count = walk->search->axis_count;
+
+    for (int k = 0; k < count * count; k++) {
         struct plan_point next = *point;
 
         if (k / count == k % count || !move(walk, &next, k / count, -1) || !move(walk, &next, k % count, 1)) continue;
-        if (work_of(walk, &next) >= cheapest || error_at(walk, &next) > walk->search->target) continue;
-        best = next;
+        if (work_of(walk, &next) >= work_of(walk, point) || error_at(walk, &next) > walk->search->target) continue;
+        *point = next;
+        *error = error_at(walk, &next);
+        memset(walk->too_coarse, 0, sizeof walk->too_coarse);
+        return true;
     }
-    if (is_same(walk, &best, point)) return false;
-    *point = best;
-    *error = error_at(walk, &best);
-    return true;
+    return false;
+}
+
+// Moves to a neighbour with less work that keeps the target; the farther below the target, the farther.
+static bool coarsen(struct walk *walk, struct plan_point *point, double *error)
+{
+    for (int by = find_stride(walk, *error); by >= 1; by /= 2)
+        if (coarsen_axis(walk, point, error, by)) return true;
+    return exchange(walk, point, error);
 }
 
 struct plan_finding plan_search_run(const struct plan_search *search)

@@ -84,6 +84,17 @@ static void the_cheapest_point_is_found_from_anywhere(void **state)
         }
 }
 
+static void few_points_are_measured_far_below_the_target(void **state)
+{
+    struct terrain terrain = {.shares = {1.0, 1.0}};
+    struct plan_finding finding = search(&terrain, (struct plan_point){{20, 20}}, INFINITY);
+
+    (void)state;
+    assert_true(finding.work <= 1.25 * least_work(&terrain));
+    print_message("%d points\n", finding.measured);
+    assert_in_range(finding.measured, 3, 15);
+}
+
 static void an_axis_that_does_nothing_is_left_coarse(void **state)
 {
     struct terrain terrain = {.shares = {1.0, 0.0}};
@@ -154,6 +165,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_cheapest_point_is_found_from_anywhere),
+        cmocka_unit_test(few_points_are_measured_far_below_the_target),
         cmocka_unit_test(an_axis_that_does_nothing_is_left_coarse),
         cmocka_unit_test(points_over_the_work_limit_are_not_measured),
         cmocka_unit_test(points_that_cannot_be_measured_are_avoided),
