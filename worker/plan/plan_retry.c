@@ -14,6 +14,8 @@ static const double GOAL = 0.5;                                      // of the t
 static const double FALL = 0.59460355750136051;                      // of an error by a rung: 2^(-1.5 / 2)
 static const double WORK_SO_FAR[PLAN_RETRY_LIMIT] = {2.0, 5.0, 8.0}; // after each rendering, relative to the first
 static const double DARK_DEPTH = 20.0;
+static const double SETTLED = 0.65; // of the tolerance: the error that later frames should have, as plan_make.c aims at
+static const double TINY = 1e-12;   // an error of 0 has no logarithm
 
 static double find_work(const struct plan_retry *retry, const struct plan *plan, const struct plan_point *point)
 {
@@ -188,4 +190,21 @@ bool plan_retry_change_family(const struct plan_retry *retry, struct plan *plan)
         return true;
     }
     return false;
+}
+
+void plan_retry_settle(const struct plan_retry *retry, const struct plan *missed, double missed_error,
+                       struct plan *found, double found_error)
+{
+    double wanted = SETTLED * retry->scene.job->quality.tolerance, share;
+    struct plan_point point = found->point;
+
+    if (missed->family != found->family || !(found_error < wanted) || !(missed_error > wanted) || isinf(missed_error))
+        return;
+    share = log(missed_error / wanted) / log(missed_error / fmax(found_error, TINY));
+    for (int i = 0; i < PLAN_AXIS_LIMIT; i++) {
+        int finer = found->point.rungs[i] - missed->point.rungs[i];
+
+        if (finer > 0) point.rungs[i] = missed->point.rungs[i] + (int)ceil(share * finer);
+    }
+    set_point(retry, found, &point);
 }

@@ -45,3 +45,9 @@ bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double
 // Moves to the next family that serves the scene, with the same rungs where they are within the allowance, else coarser
 // ones. False when there is none.
 bool plan_retry_change_family(const struct plan_retry *retry, struct plan *plan);
+
+// Turns a plan that keeps the tolerance into the one for later frames. Where it is finer than needed, it moves back
+// towards `missed`, a plan of the same family that does not keep it, to the rungs at which 0.65 of the tolerance is to
+// be expected: logarithms of errors fall evenly between the two.
+void plan_retry_settle(const struct plan_retry *retry, const struct plan *missed, double missed_error,
+                       struct plan *found, double found_error);

@@ -351,6 +351,8 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
         }
         if (is_within(rendering)) {
             *found = plan;
+            plan_retry_settle(retry, &rendering->best.plan, rendering->best.result.audit.error, found,
+                              rendering->result->audit.error);
             memcpy(found->reason, rendering->result->reason, sizeof found->reason);
             return true;
         }

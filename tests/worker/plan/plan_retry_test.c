@@ -190,6 +190,46 @@ static void the_next_family_is_as_fine_where_that_is_allowed(void **state)
     close_stage(&stage);
 }
 
+static void later_frames_are_no_finer_than_needed(void **state)
+{
+    struct stage stage;
+    struct plan missed, found;
+
+    (void)state;
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    missed = stage.plan;
+    found = stage.plan;
+    found.point = (struct plan_point){{10, 7, 3}};
+    // From 0.052 over 0.0065 to 0.0008125: half of the way, rounded up.
+    plan_retry_settle(&stage.retry, &missed, 0.052, &found, 0.0008125);
+    assert_memory_equal(&found.point, (&(struct plan_point){{7, 6, 3}}), sizeof found.point);
+    assert_true(found.quality.step == stage.plan.quality.step * exp2(-1.5));
+    close_stage(&stage);
+}
+
+static void a_plan_that_is_as_fine_as_needed_stays(void **state)
+{
+    static const double errors[][2] = {{0.052, 0.008}, {INFINITY, 0.001}, {0.006, 0.001}};
+    struct stage stage;
+    struct plan other;
+
+    (void)state;
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{4, 4, 3}});
+    for (size_t i = 0; i < sizeof errors / sizeof errors[0]; i++) {
+        struct plan found = stage.plan;
+
+        found.point = (struct plan_point){{10, 7, 3}};
+        plan_retry_settle(&stage.retry, &stage.plan, errors[i][0], &found, errors[i][1]);
+        assert_int_equal(found.point.rungs[0], 10);
+    }
+    other = stage.plan;
+    other.family = find_family(JOB_METHOD_GAUSS);
+    other.point = (struct plan_point){{10, 7, 3}};
+    plan_retry_settle(&stage.retry, &stage.plan, 0.052, &other, 0.001);
+    assert_int_equal(other.point.rungs[0], 10);
+    close_stage(&stage);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -201,6 +241,8 @@ int main(void)
         cmocka_unit_test(small_pictures_cost_little),
         cmocka_unit_test(an_axis_is_varied_towards_less_work),
         cmocka_unit_test(the_next_family_is_as_fine_where_that_is_allowed),
+        cmocka_unit_test(later_frames_are_no_finer_than_needed),
+        cmocka_unit_test(a_plan_that_is_as_fine_as_needed_stays),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
