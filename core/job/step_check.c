@@ -456,3 +456,17 @@ double step_longest_path(const struct job *job)
     }
     return longest;
 }
+
+double step_smallest_diameter(const struct job *job)
+{
+    const struct check check = {.job = job, .span = job_time_span(job)};
+    double smallest = INFINITY;
+
+    for (size_t i = 0; i < job->scene.medium_count; i++) {
+        const struct scene_medium *medium = &job->scene.media[i];
+
+        if (medium->density.kind != SCENE_DENSITY_GRID && !scene_density_is_even(&medium->density))
+            smallest = fmin(smallest, medium_diameter(&check, medium));
+    }
+    return smallest;
+}

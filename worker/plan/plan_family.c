@@ -3,6 +3,7 @@
 
 #include "core/job/step_check.h"
 #include "core/json/json_read.h"
+#include "worker/audit/truth_lengths.h"
 #include "worker/density/density_bake.h"
 #include "worker/model/scene_features.h"
 
@@ -16,6 +17,7 @@ enum {
     PATH_RUNGS = 8,
     TRANSMITTANCE_RUNGS = 9, // the last is 0: no ray ends early
     BAKED_OCTAVES = 3,
+    SMALL_LEVEL_LIMIT = 6,
     UNBAKED_RUNG = 9 // above 128 cells, where filling takes longer than it saves: the density itself is evaluated
 };
 
@@ -24,6 +26,7 @@ static const double VOXELS_FIRST = 8.0;       // a step
 static const double VOXELS_OF_A_PATH = 128.0; // the assumed length of a path
 static const double DEPTH_FIRST = 4.0;        // optical depth of a step
 static const double TRANSMITTANCE_FIRST = 0.02;
+static const double LIGHT_SHARE = 0.5; // of the longest path: a path towards a light, where it is not measured
 
 static const int points[] = {1, 2, 3, 4, 6, 8, 11, 16, 22, 32, 45, 64, 90, 128, 180, 256, 362, 512, 724, 1000};
 static const int grids[] = {8, 11, 16, 22, 32, 45, 64, 90, 128, 181, 256};
@@ -73,6 +76,17 @@ static bool serves_transfer(const struct plan_scene *scene)
     return serves_marched(scene) && has_transfer;
 }
 
+// The first steps are at most a quarter of the smallest medium whose density varies: two renders in steps that are
+// longer than it agree, whatever is in it.
+static int find_small_level(const struct plan_scene *scene)
+{
+    double first = scene->path_length / FIRST_STEPS, small = 0.25 * step_smallest_diameter(scene->job);
+    double level = ceil(log2(first / small));
+
+    if (scene->counts_voxels || !(level > 0.0)) return 0;
+    return (int)fmin(level, SMALL_LEVEL_LIMIT);
+}
+
 void plan_scene_init(struct plan_scene *scene, const struct job *job)
 {
     struct job marched = *job;
@@ -95,6 +109,20 @@ void plan_scene_init(struct plan_scene *scene, const struct job *job)
         scene->counts_voxels |= density->kind == SCENE_DENSITY_GRID;
     }
     scene->path_length = scene->counts_voxels ? VOXELS_OF_A_PATH : step_longest_path(job);
+    scene->camera_length = scene->path_length;
+    scene->light_length = LIGHT_SHARE * scene->path_length;
+    scene->small_level = find_small_level(scene);
+}
+
+void plan_scene_measure_lengths(struct plan_scene *scene, const int32_t *frames, int frame_count)
+{
+    static const double BALL = 1.5; // the diameter of a ball, relative to its mean chord
+    struct truth_lengths lengths;
+
+    if (scene->counts_voxels || !isfinite(scene->path_length)) return;
+    lengths = truth_lengths_find(scene->job, frames, frame_count);
+    if (lengths.camera > 0.0) scene->camera_length = fmin(scene->camera_length, BALL * lengths.camera);
+    if (lengths.light > 0.0) scene->light_length = fmin(scene->light_length, BALL * lengths.light);
 }
 
 // Families that usually need less work stand first.
@@ -297,14 +325,14 @@ static double sum_density_work(const struct job *job, const struct job_quality *
 static double light_work(const struct plan_scene *scene, const struct job_quality *quality, double density,
                          double depth)
 {
-    static const double PHASE = 0.5, LOOKUP = 1.5, SHARE_OF_PATH = 0.5;
+    static const double PHASE = 0.5, LOOKUP = 1.5;
     double light_step = scene->counts_voxels ? quality->light_step_voxels : quality->light_step, steps;
 
     if (!scene->has_lights) return 0.0;
     if (quality->method == JOB_METHOD_CACHED) return PHASE + LOOKUP;
     if (scene->is_even || light_step <= 0.0) return PHASE;
-    steps = SHARE_OF_PATH * scene->path_length / light_step;
-    if (quality->method == JOB_METHOD_ADAPTIVE) steps += SHARE_OF_PATH * depth / quality->depth_step;
+    steps = scene->light_length / light_step;
+    if (quality->method == JOB_METHOD_ADAPTIVE) steps += LIGHT_SHARE * depth / quality->depth_step;
     if (quality->method == JOB_METHOD_GAUSS) steps *= quality->order;
     return PHASE + steps * density;
 }
@@ -316,7 +344,7 @@ static double ray_work(const struct plan_scene *scene, const struct job_quality 
     double lights = (double)scene->job->scene.light_count;
 
     if (quality->min_transmittance > 0.0 && depth > 0.0) share = fmin(1.0, -log(quality->min_transmittance) / depth);
-    steps = share * scene->path_length / step;
+    steps = share * scene->camera_length / step;
     if (quality->method == JOB_METHOD_ADAPTIVE || (quality->method == JOB_METHOD_CACHED && quality->depth_step > 0.0))
         steps += share * depth / quality->depth_step;
     if (quality->method == JOB_METHOD_GAUSS) steps *= quality->order;

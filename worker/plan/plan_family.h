@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum plan_axis {
     PLAN_AXIS_STEP,
@@ -24,7 +25,11 @@ struct plan_scene {
     const struct job *job; // borrowed
     bool counts_voxels;    // steps are in voxels, because there is a grid
     double path_length;    // of the longest path that is marched, in metres, or in voxels where these are counted
-    bool is_even;          // all media are homogeneous without falloff
+    // Of the paths by which work is counted, in the same unit: a ball's diameter where a ball is all that there is, and
+    // half of it towards lights.
+    double camera_length, light_length;
+    int small_level; // by how many halvings steps for the smallest medium are shorter than those for the longest path
+    bool is_even;    // all media are homogeneous without falloff
     bool has_media, has_lights, has_extinction, has_paths, has_roughness;
     const float *depths; // borrowed; optical depths, one for each measured ray that meets a medium
     size_t depth_count;
@@ -41,8 +46,10 @@ struct plan_family {
     int axis_count;
 };
 
-// Leaves the depths empty, which a pilot measures. `job` outlives the scene.
+// Leaves the depths empty, which a pilot measures, and takes all paths for the longest. `job` outlives the scene.
 void plan_scene_init(struct plan_scene *scene, const struct job *job);
+// Finds how long the paths in these frames are.
+void plan_scene_measure_lengths(struct plan_scene *scene, const int32_t *frames, int frame_count);
 
 extern const struct plan_family plan_families[];
 extern const size_t plan_family_count;

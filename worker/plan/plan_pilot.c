@@ -46,6 +46,7 @@ struct plan_pilot {
     bool has_truth;
     struct job_quality fine_quality; // of the finest renders
     int pixel_limit;                 // of the lattice
+    int first_level;                 // of the steps' halvings
     int start_level, render_count;
     double evaluations;
     // The light grids that measurements have filled: another one with the same grid does not fill it again.
@@ -111,7 +112,8 @@ static const struct plan_family *find_finest(const struct plan_pilot *pilot)
     return NULL;
 }
 
-// All axes halved `level` times, and the thresholds so low that next to nothing is cut.
+// All axes halved `level` times, steps further than that by the pilot's first level, and the thresholds so low that
+// next to nothing is cut.
 static struct job_quality quality_at(const struct plan_pilot *pilot, const struct plan_family *family, int level)
 {
     enum { POINTS_FIRST = 5, GRID_FIRST = 2, GRID_ENOUGH = 8, PATHS = 4 };
@@ -123,7 +125,9 @@ static struct job_quality quality_at(const struct plan_pilot *pilot, const struc
 
     for (int i = 0; i < count; i++) {
         int last = plan_axis_last_rung(axes[i], &pilot->scene), rung = 2 * level;
+        bool is_step = axes[i] == PLAN_AXIS_STEP || axes[i] == PLAN_AXIS_LIGHT_STEP;
 
+        if (is_step) rung += 2 * pilot->first_level;
         if (axes[i] == PLAN_AXIS_POINTS) rung += POINTS_FIRST;
         // 128 cells leave a smaller error than is asked about, unless the tolerance is strict.
         if (axes[i] == PLAN_AXIS_LIGHT_GRID) {
@@ -223,18 +227,28 @@ static double count_evaluations(const struct plan_pilot *pilot, const struct job
     return plan_family_work(&scene, quality) * scene.pixels;
 }
 
-// As many pixels as a usual halving of rays that nothing ends may draw for that work.
-static void choose_pixels(struct plan_pilot *pilot, const struct plan_family *family, double most)
+// As many pixels of each frame as a halving of rays that nothing ends may draw for that work.
+static double affordable_pixels(const struct plan_pilot *pilot, const struct plan_family *family, int level,
+                                double most)
 {
     static const float CLEAR = 0.0f;
     struct plan_scene scene = pilot->scene;
-    struct job_quality quality = quality_at(pilot, family, LEVEL_USUAL);
-    double affordable;
+    struct job_quality quality = quality_at(pilot, family, level);
 
     scene.depths = &CLEAR;
     scene.depth_count = 1;
     scene.hit_share = 1.0;
-    affordable = most / (pilot->frame_count * plan_family_work(&scene, &quality));
+    return most / (pilot->frame_count * plan_family_work(&scene, &quality));
+}
+
+static void choose_pixels(struct plan_pilot *pilot, const struct plan_family *family, double most)
+{
+    double affordable;
+
+    pilot->first_level = pilot->scene.small_level;
+    while (pilot->first_level > 0 && affordable_pixels(pilot, family, LEVEL_MIN, most) < PIXELS_MIN)
+        pilot->first_level--;
+    affordable = affordable_pixels(pilot, family, LEVEL_USUAL, most);
     pilot->pixel_limit = (int)fmin(fmax(affordable, PIXELS_MIN), PIXELS_MAX);
     plan_lattice_init(&pilot->lattice, pilot->params->job, pilot->pixel_limit);
 }
@@ -273,6 +287,7 @@ static bool make_fine(struct plan_pilot *pilot)
         error_set(&pilot->error, "quality.tolerance: no method renders this scene");
         return false;
     }
+    plan_scene_measure_lengths(&pilot->scene, pilot->params->segment.pilot, pilot->params->segment.pilot_count);
     choose_pixels(pilot, family, most);
     pilot->start_level = -1;
     for (; level < LEVEL_LIMIT; level++) {
@@ -298,6 +313,7 @@ static bool make_fine(struct plan_pilot *pilot)
         if (level >= LEVEL_MIN && change <= enough) break;
     }
     if (pilot->start_level < 0) pilot->start_level = level > 0 ? level - 1 : 0;
+    pilot->start_level += pilot->first_level;
     pilot->fault = RENDERER_FAULT_NONE;
     return true;
 }
