@@ -10,8 +10,10 @@
 #include <stdlib.h>
 
 enum {
-    BATCH = 64,         // pixels that are measured at once, at most
-    RAY_MAX_FACTOR = 16 // the most pixels, relative to the least
+    BATCH = 64,             // pixels that are measured at once, at most
+    RAY_MAX_FACTOR = 16,    // the most pixels, relative to the least,
+    REPLACEABLE_FACTOR = 4, // and of a picture that can be replaced;
+    BELIEVED_FACTOR = 2     // so many tell that such a picture is over the tolerance
 };
 
 // docs/rendering.md has the table of accuracies and times by which these were chosen.
@@ -42,7 +44,8 @@ static size_t find_least(const struct audit_params *params)
 
 static size_t find_most(const struct audit_params *params)
 {
-    return params->ray_max > 0 ? (size_t)params->ray_max : RAY_MAX_FACTOR * find_least(params);
+    if (params->ray_max > 0) return (size_t)params->ray_max;
+    return (params->is_replaceable ? REPLACEABLE_FACTOR : RAY_MAX_FACTOR) * find_least(params);
 }
 
 // Nobody knows how many pixels it will take: the share grows towards 1.
@@ -100,6 +103,9 @@ static struct audit_verdict judge(const struct audit *audit)
 // time.
 static bool is_clear(const struct audit *audit, const struct audit_verdict *verdict)
 {
+    if (audit->params->is_replaceable && verdict->error > audit->params->tolerance &&
+        verdict->ray_count >= BELIEVED_FACTOR * find_least(audit->params))
+        return true;
     return fabs(verdict->error - audit->params->tolerance) >= verdict->spread;
 }
 

@@ -39,6 +39,9 @@ struct audit_params {
     struct audit_pool *gathered;   // NULL, or the pool to which this frame's samples are added
     double tolerance;
     int ray_min, ray_max; // pixels at least and at most; 0: AUDIT_RAYS_MIN, and 16 times ray_min
+    // A finer picture takes this one's place where it is not clearly within: that costs less than being sure. At most 4
+    // times ray_min are measured, and an error over the tolerance by twice ray_min is believed.
+    bool is_replaceable;
     int thread_count;     // 0: a thread for each core
     // NULL: none; `done` grows with the number of pixels, towards 1; false stops it
     bool (*on_progress)(void *user, double done);

@@ -86,6 +86,7 @@ struct rendering {
     struct plan_kept *kept;
     struct tolerance_result *result;
     struct error *error;
+    bool is_only;   // no other setting is left to try: its audit goes on until it is sure
     bool is_finer;  // finer than the segment's plan: its audit shares no samples with other frames
     double seconds; // of all renderings so far
     struct plan_retry retry;
@@ -130,6 +131,8 @@ static bool audit_against_reference(const struct rendering *rendering, const str
                                  .image = params->image,
                                  .pool = is_pooled ? &kept->evidence.pool : NULL,
                                  .tolerance = params->job->quality.tolerance,
+                                 .is_replaceable =
+                                     rendering->retry.count == 0 && !rendering->is_only && !params->repeated,
                                  .on_progress = params->on_progress,
                                  .user = params->user};
 
@@ -329,6 +332,16 @@ static bool miss(struct rendering *rendering)
     return false;
 }
 
+// Audits the first rendering anew, as the only one that there is. False where it is over the tolerance.
+static bool is_within_surely(struct rendering *rendering, const struct plan *first)
+{
+    struct job planned = plan_apply(first, rendering->params->job);
+
+    if (rendering->result->audit.kind != AUDIT_REFERENCE) return false;
+    rendering->is_only = true;
+    return audit(rendering, first, &planned) && is_within(rendering);
+}
+
 // `found` becomes the plan that keeps the tolerance, if one does.
 static bool render_again(struct rendering *rendering, const struct plan *first, struct plan *found)
 {
@@ -357,6 +370,10 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
             return true;
         }
         if (!keep_if_best(rendering, &plan)) return false;
+    }
+    if (retry->count == 0) {
+        if (is_within_surely(rendering, first)) return true;
+        if (is_over_for_good(rendering->result->render.fault) || !keep_if_best(rendering, first)) return false;
     }
     return miss(rendering);
 }
@@ -395,7 +412,7 @@ static bool render_planned(struct rendering *rendering)
     }
     ok = render_again(rendering, &plan, &found);
     image_finish(&rendering->best.image);
-    return ok && (result->audit.is_missed || replace_plan(rendering, &found));
+    return ok && (result->audit.is_missed || rendering->retry.count == 0 || replace_plan(rendering, &found));
 }
 
 static bool render_repeated(struct rendering *rendering)

@@ -253,14 +253,24 @@ static void the_most_pixels_end_an_audit(void **state)
     struct audit_result result;
     struct audit_params params;
     struct shot shot;
+    double error;
 
     take_shot(&shot, 32);
     params = params_of(&shot);
     assert_true(audit_frame(&params, &result));
-    params.tolerance = result.error; // so that it stays open on which side it is
-    assert_true(audit_frame(&params, &result));
+    error = result.error;
+    // A tolerance at which it stays open for long on which side it is.
+    for (int i = 0; i < 40 && result.ray_count <= 4 * AUDIT_RAYS_MIN; i++) {
+        params.tolerance = error * (0.6 + 0.02 * i);
+        assert_true(audit_frame(&params, &result));
+    }
     print_message("error %.2e, at most %.2e by %d rays\n", result.error, result.error95, result.ray_count);
-    assert_true(result.ray_count > AUDIT_RAYS_MIN);
+    assert_true(result.ray_count > 4 * AUDIT_RAYS_MIN);
+    // A picture that can be replaced is given up sooner, and sooner yet where its error is over the tolerance.
+    params.is_replaceable = true;
+    assert_true(audit_frame(&params, &result));
+    print_message("replaceable: error %.2e by %d rays\n", result.error, result.ray_count);
+    assert_int_equal(result.ray_count, result.error > params.tolerance ? 2 * AUDIT_RAYS_MIN : 4 * AUDIT_RAYS_MIN);
     params.ray_max = AUDIT_RAYS_MIN;
     assert_true(audit_frame(&params, &result));
     assert_int_equal(result.ray_count, AUDIT_RAYS_MIN);

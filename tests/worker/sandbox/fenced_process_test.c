@@ -338,7 +338,7 @@ static void source_that_grows_without_end_ends_the_worker(void **state)
     assert_true(ended_processes_s() - began_s < 60.0);
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_grid_is_shown),
@@ -354,5 +354,6 @@ int main(void)
         cmocka_unit_test(source_that_grows_without_end_ends_the_worker),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
