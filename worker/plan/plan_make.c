@@ -307,23 +307,6 @@ static void note_frames(struct plan *plan, const struct plan_params *params, con
     memcpy(plan->scouting.error, errors->each, sizeof errors->each);
 }
 
-static bool finish(struct plan *plan, const struct plan_params *params, struct plan_pilot *pilot,
-                   const struct choice *choice)
-{
-    const struct plan_scene *scene = plan_pilot_scene(pilot);
-    struct plan_errors errors;
-
-    *plan = (struct plan){.family = choice->family, .point = choice->finding.point};
-    plan->quality = plan_family_quality(&plan_families[plan->family], scene, &plan->point);
-    describe(plan, params->job, choice);
-    force(plan, params, scene);
-    if (plan_pilot_measure(pilot, &plan->quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) return false;
-    plan->predicted_error = errors.mean;
-    note_frames(plan, params, &errors);
-    if (params->evidence) plan_pilot_give(pilot, params->evidence);
-    return true;
-}
-
 // The work of each frame is counted by the pilot's rays.
 static void find_work_ratio(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene)
 {
@@ -340,6 +323,47 @@ static void find_work_ratio(struct plan *plan, const struct plan_params *params,
     plan->work_ratio = sum / (double)(scouting->last - scouting->first + 1);
 }
 
+static void begin(struct plan *plan, const struct plan_params *params, const struct plan_scene *scene,
+                  const struct choice *choice)
+{
+    *plan = (struct plan){.family = choice->family, .point = choice->finding.point};
+    plan->quality = plan_family_quality(&plan_families[plan->family], scene, &plan->point);
+    describe(plan, params->job, choice);
+    force(plan, params, scene);
+}
+
+// Measures the plan in the pilot's frames, and scouts others.
+static bool measure_frames(struct plan *plan, const struct plan_params *params, struct plan_pilot *pilot,
+                           enum renderer_fault *fault, struct error *error)
+{
+    struct plan_errors errors;
+
+    if (plan_pilot_measure(pilot, &plan->quality, PLAN_ALL_FRAMES, &errors) != PLAN_MEASURED) {
+        *fault = plan_pilot_fault(pilot, error);
+        return false;
+    }
+    plan->predicted_error = errors.mean;
+    note_frames(plan, params, &errors);
+    if (params->choice == PLAN_CHOICE_CHEAPEST &&
+        !plan_scout_measure(plan, params, plan_pilot_scene(pilot), fault, error))
+        return false;
+    find_work_ratio(plan, params, plan_pilot_scene(pilot));
+    return true;
+}
+
+static bool finish(struct plan *plan, const struct plan_params *params, struct plan_pilot *pilot,
+                   enum renderer_fault *fault, struct error *error)
+{
+    bool is_finer;
+
+    if (!measure_frames(plan, params, pilot, fault, error)) return false;
+    if (!plan_scout_settle(plan, params, plan_pilot_scene(pilot), &is_finer, fault, error)) return false;
+    if (is_finer && !measure_frames(plan, params, pilot, fault, error)) return false;
+    plan->predicted_error = with_rounding(plan->predicted_error, params->job->output.pixel == JOB_PIXEL_HALF);
+    if (params->evidence) plan_pilot_give(pilot, params->evidence);
+    return true;
+}
+
 static bool choose_plan(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
                         struct error *error)
 {
@@ -348,23 +372,22 @@ static bool choose_plan(struct plan *plan, const struct plan_params *params, enu
     bool ok;
 
     if (!pilot) return false;
-    ok = choose(pilot, params, &choice) && choice.family < plan_family_count && finish(plan, params, pilot, &choice);
+    ok = choose(pilot, params, &choice) && choice.family < plan_family_count;
     if (!ok) *fault = plan_pilot_fault(pilot, error);
+    if (ok) {
+        begin(plan, params, plan_pilot_scene(pilot), &choice);
+        ok = finish(plan, params, pilot, fault, error);
+    }
     if (!ok && *fault == RENDERER_FAULT_NONE) {
         *fault = RENDERER_FAULT_MISSED;
         error_set(error, "quality.tolerance: no method's light is finite in small pictures of the segment; expected "
                          "densities, numbers and files without NaN and infinity");
     }
-    ok = ok && (params->choice != PLAN_CHOICE_CHEAPEST ||
-                plan_scout_measure(plan, params, plan_pilot_scene(pilot), fault, error));
-    if (ok) {
-        plan->predicted_error = with_rounding(plan->predicted_error, params->job->output.pixel == JOB_PIXEL_HALF);
-        find_work_ratio(plan, params, plan_pilot_scene(pilot));
+    if (ok)
         log_debug("plan: segment %d: %s; predicted error %.2e of %g, %.2f times the work with frames that are finer, "
                   "%d small renders",
                   (int)params->segment.index, plan->reason, plan->predicted_error, params->job->quality.tolerance,
                   plan->work_ratio, plan_pilot_count_renders(pilot));
-    }
     plan_pilot_destroy(pilot);
     return ok;
 }

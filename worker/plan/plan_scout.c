@@ -28,6 +28,9 @@ enum {
 // docs/rendering.md.
 static const double SCALE_LEAST = 0.75, SCALE_MOST = 1.25;
 static const double BUDGET_SHARE = 0.1; // of the plan's budget: what the scouts may take
+static const double SHARE_WANTED = 0.6; // of the tolerance: the error of the worst frame, where the whole plan is finer
+// Limits of the fall of an error by a rung, which is measured: by orders of 3 and 1.5 in the step.
+static const double FALL_LEAST = 0.35355339059327379, FALL_MOST = 0.59460355750136051;
 
 struct scout {
     struct plan *plan;
@@ -143,6 +146,124 @@ bool plan_scout_measure(struct plan *plan, const struct plan_params *params, con
         plan->scouting = scouting;
     } else {
         *fault = scout.result.fault;
+    }
+    image_finish(&scout.fine);
+    image_finish(&scout.coarse);
+    plan_lattice_finish(&scout.lattice);
+    return ok;
+}
+
+// The index of the scout with the largest error.
+static int find_worst(const struct plan_scouting *scouting)
+{
+    int worst = 0;
+
+    for (int i = 1; i < scouting->count; i++)
+        if (scouting->error[i] > scouting->error[worst]) worst = i;
+    return worst;
+}
+
+static void refine_axis(struct plan *plan, const struct plan_scene *rays, int axis)
+{
+    plan->point.rungs[axis]++;
+    plan->quality = plan_family_quality(&plan_families[plan->family], rays, &plan->point);
+}
+
+// Shares out the error of a frame among the axes: squared errors add up. An axis at its finest has none. False:
+// scouting ends.
+static bool blame_axes(struct scout *scout, const struct plan_scene *rays, int32_t frame, double frame_error,
+                       double errors[static PLAN_AXIS_LIMIT], struct error *error)
+{
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_family_axes(&plan_families[scout->plan->family], rays, axes);
+    double sum = 0.0;
+
+    for (int i = 0; i < PLAN_AXIS_LIMIT; i++)
+        errors[i] = 0.0;
+    for (int i = 0; i < count; i++) {
+        struct plan finer = *scout->plan;
+
+        if (finer.point.rungs[i] >= plan_axis_last_rung(axes[i], rays)) continue;
+        refine_axis(&finer, rays, i);
+        scout->finer = plan_apply(&finer, scout->params->job);
+        if (!measure_change(scout, frame, &errors[i], error)) return false;
+        sum += errors[i] * errors[i];
+    }
+    for (int i = 0; i < count && sum > 0.0; i++)
+        errors[i] *= frame_error / sqrt(sum);
+    return true;
+}
+
+// Finds the factor by which a rung in all axes lowers the frame's error. False: scouting ends.
+static bool find_fall(struct scout *scout, int32_t frame, double *fall, struct error *error)
+{
+    const struct job planned = scout->coarser;
+    struct plan finer = *scout->plan;
+    double first, second;
+    bool ok;
+
+    (void)plan_refine(&finer, scout->params->job, FINER_RUNGS);
+    scout->finer = plan_apply(&finer, scout->params->job);
+    ok = measure_change(scout, frame, &first, error);
+    scout->coarser = scout->finer;
+    (void)plan_refine(&finer, scout->params->job, FINER_RUNGS);
+    scout->finer = plan_apply(&finer, scout->params->job);
+    ok = ok && measure_change(scout, frame, &second, error);
+    scout->coarser = planned;
+    *fall = ok && first > 0.0 ? fmin(fmax(second / first, FALL_LEAST), FALL_MOST) : FALL_MOST;
+    return ok;
+}
+
+// Refines the axes that are most to blame until the frame is expected to keep its tolerance.
+static void refine_blamed(struct plan *plan, const struct plan_scene *rays, double errors[static PLAN_AXIS_LIMIT],
+                          double fall, double wanted)
+{
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_family_axes(&plan_families[plan->family], rays, axes);
+
+    for (;;) {
+        double sum = 0.0;
+        int worst = -1;
+
+        for (int i = 0; i < count; i++) {
+            sum += errors[i] * errors[i];
+            if (plan->point.rungs[i] >= plan_axis_last_rung(axes[i], rays) || !(errors[i] > 0.0)) continue;
+            if (worst < 0 || errors[i] > errors[worst]) worst = i;
+        }
+        if (worst < 0 || sqrt(sum) <= wanted) return;
+        refine_axis(plan, rays, worst);
+        errors[worst] *= fall;
+    }
+}
+
+bool plan_scout_settle(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
+                       bool *is_finer, enum renderer_fault *fault, struct error *error)
+{
+    struct scout scout = {.plan = plan, .params = params};
+    double errors[PLAN_AXIS_LIMIT], frame_error, fall;
+    struct plan finer = *plan;
+    int32_t frame;
+    int worst;
+    bool ok;
+
+    *is_finer = false;
+    if (plan->scouting.count == 0 || plan->work_ratio <= 1.0) return true;
+    plan_lattice_init(&scout.lattice, params->job, PIXELS);
+    scout.coarser = plan_apply(plan, params->job);
+    worst = find_worst(&plan->scouting);
+    frame = frame_range_at(&params->job->frames, plan_scouting_index(&plan->scouting, worst));
+    frame_error = plan->scouting.error[worst];
+    ok = find_fall(&scout, frame, &fall, error) && blame_axes(&scout, rays, frame, frame_error, errors, error);
+    if (ok) {
+        refine_blamed(&finer, rays, errors, fall, SHARE_WANTED * params->job->quality.tolerance);
+        finer.work = plan_family_work(rays, &finer.quality);
+        *is_finer = finer.work > plan->work && finer.work < plan->work_ratio * plan->work;
+    } else {
+        *fault = scout.result.fault;
+    }
+    if (*is_finer) {
+        *plan = finer;
+        plan->scouting.count = 0;
     }
     image_finish(&scout.fine);
     image_finish(&scout.coarse);

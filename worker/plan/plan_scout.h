@@ -18,3 +18,9 @@ struct plan_scene;
 // one of the renderer's.
 bool plan_scout_measure(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
                         enum renderer_fault *fault, struct error *error);
+
+// Makes the whole plan finer in what is to blame for the error of the worst frame, where that takes less work than the
+// frames that plan_of_frame refines in everything. `is_finer` says so; then the plan has no scouting, and what is
+// measured of it no longer holds. `plan` has its work_ratio. On failure `fault` is one of the renderer's.
+bool plan_scout_settle(struct plan *plan, const struct plan_params *params, const struct plan_scene *rays,
+                       bool *is_finer, enum renderer_fault *fault, struct error *error);

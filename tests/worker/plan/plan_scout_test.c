@@ -14,6 +14,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,30 +50,47 @@ static void other_frames_are_as_planned(void **state)
     assert_true(plan_scouting_find_rungs(&scouting, 11, TOLERANCE) > 0);
 }
 
-// Fine structure from 0.5 to 0.9 s, between the pilot's frames at 0, 0.96 and 1.96 s.
-static void frames_between_the_pilots_are_measured(void **state)
+// A ball of fine structure while `when` holds of the time t, for 48 frames. The pilot's are at 0, 0.96 and 1.96 s.
+static struct job glow_job(const char *when)
 {
-    static const char text[] =
+    static const char format[] =
         "{\"version\":1,\"name\":\"glow\",\"frames\":\"0-47\",\"fps\":24,\"resolution\":[320,180],"
         "\"camera\":{\"position\":[0,0.3,-3],\"target\":[0,0,0],\"fov\":45},\"scene\":{\"media\":[{\"sigma_a\":2,"
         "\"emission\":1,\"density\":{\"kind\":\"glsl\",\"source\":\"float density(vec3 p, float t) {"
         " float f = sin(9.0 * p.x) * sin(9.0 * p.y) * sin(9.0 * p.z);"
-        " return t > 0.5 && t < 0.9 ? 8.0 * max(f, 0.0) : 1.0 + 0.1 * f; }\","
+        " return %s ? 8.0 * max(f, 0.0) : 1.0 + 0.1 * f; }\","
         "\"bounds\":{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}}}]},"
         "\"output\":{\"path\":\"glow.####.exr\"},\"quality\":{\"tolerance\":0.01}}";
-    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
-    struct plan_segment segment;
-    struct plan plan, within, beyond;
-    double weight = 0.0;
     struct error error = {{0}};
-    enum renderer_fault fault;
+    char text[1024];
     struct job job;
 
+    assert_in_range(snprintf(text, sizeof text, format, when), 1, sizeof text - 1);
     if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
+    return job;
+}
+
+static struct plan make_plan(struct gl_stage stage, const struct job *job)
+{
+    struct error error = {{0}};
+    enum renderer_fault fault;
+    struct plan plan;
+
     if (!plan_make(&plan,
-                   &(struct plan_params){.renderer = stage.renderer, .job = &job, .segment = plan_segment_of(&job, 0)},
+                   &(struct plan_params){.renderer = stage.renderer, .job = job, .segment = plan_segment_of(job, 0)},
                    &fault, &error))
         fail_msg("%s", error.message);
+    return plan;
+}
+
+static void frames_between_the_pilots_are_measured(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
+    struct job job = glow_job("t > 0.5 && t < 0.9");
+    struct plan plan = make_plan(stage, &job), within, beyond;
+    struct plan_segment segment;
+    double weight = 0.0;
+
     within = plan_of_frame(&plan, &job, 17);
     beyond = plan_of_frame(&plan, &job, 40);
     print_message("%s: step %g, of frame 17 %g, of frame 40 %g, %g of the work\n", plan.reason, plan.quality.step,
@@ -92,12 +110,31 @@ static void frames_between_the_pilots_are_measured(void **state)
     gl_stage_close(stage);
 }
 
+static void a_plan_that_few_frames_could_have_is_finer(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, NULL);
+    struct job few = glow_job("t > 0.5 && t < 0.9"), most = glow_job("fract(t / 0.96) > 0.05 && t < 1.9");
+    struct plan of_few = make_plan(stage, &few), of_most = make_plan(stage, &most), of_frame;
+
+    of_frame = plan_of_frame(&of_most, &most, 17);
+    print_message("step %g, where most frames need more %g, of frame 17 %g, %g of the work\n", of_few.quality.step,
+                  of_most.quality.step, of_frame.quality.step, of_most.work_ratio);
+    assert_true(of_most.quality.step < 0.75 * of_few.quality.step);
+    assert_true(of_frame.quality.step > 0.75 * of_most.quality.step);
+    assert_true(of_most.work_ratio < 1.5);
+    assert_true(of_most.predicted_error <= TOLERANCE);
+    job_finish(&few);
+    job_finish(&most);
+    gl_stage_close(stage);
+}
+
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_over_the_tolerance_are_finer),
         cmocka_unit_test(other_frames_are_as_planned),
         cmocka_unit_test(frames_between_the_pilots_are_measured),
+        cmocka_unit_test(a_plan_that_few_frames_could_have_is_finer),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);
