@@ -3,11 +3,13 @@
 #pragma once
 
 struct plan_params;
+struct plan_scene;
 
 // Linking a program and making machine code of it, counted in evaluations. Linking takes 0.05 to 0.7 s of processor
 // time for the examples (bench/pixel_list_bench), mostly 0.2 s, and an evaluation 2 to 5 ns.
 static const double PLAN_LINK_WORK = 6e7;
 
-// In evaluations of density, as plan_family_work counts them: 5 % of what the frames of the segment take at the least,
-// or what two processors do in about a second, whichever is more. Equal jobs have equal budgets.
-double plan_budget_find(const struct plan_params *params);
+// In evaluations of density, as plan_family_work counts them: 5 % of what the frames of the segment take with the
+// settings at which the cheapest family's search may begin, where nothing ends a ray, or what two processors do in about
+// a second, whichever is more. The lengths of `scene` are measured. Equal jobs have equal budgets.
+double plan_budget_find(const struct plan_params *params, const struct plan_scene *scene);

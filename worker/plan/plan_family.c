@@ -289,6 +289,43 @@ bool plan_family_serves(const struct plan_family *family, const struct plan_scen
     return step_check(&planned, &nowhere, NULL);
 }
 
+// The rung at which a walk begins: steps that would keep the tolerance if all axes had equal steps.
+static int start_rung(enum plan_axis axis, int level)
+{
+    switch (axis) {
+    case PLAN_AXIS_STEP:
+    case PLAN_AXIS_LIGHT_STEP:
+        return 2 * level;
+    case PLAN_AXIS_DEPTH_STEP:
+        return 6;
+    case PLAN_AXIS_POINTS:
+        return 2 * level + 3;
+    case PLAN_AXIS_LIGHT_GRID:
+        return 4;
+    case PLAN_AXIS_DENSITY_GRID:
+        return 8;
+    case PLAN_AXIS_MIN_TRANSMITTANCE:
+        return 3;
+    case PLAN_AXIS_PATHS:
+        break;
+    }
+    return 0;
+}
+
+struct plan_point plan_family_start(const struct plan_family *family, const struct plan_scene *scene, int level)
+{
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_family_axes(family, scene, axes);
+    struct plan_point start = {{0}};
+
+    for (int i = 0; i < count; i++) {
+        int rung = start_rung(axes[i], level), last = plan_axis_last_rung(axes[i], scene);
+
+        start.rungs[i] = rung < last ? rung : last;
+    }
+    return start;
+}
+
 // Work of one evaluation of a density, relative to a fractal of eight folds. These weights and those below were set by
 // hand from timings on software GL; docs/rendering.md says how far off they are.
 static double density_work(const struct scene_density *density)

@@ -64,5 +64,8 @@ int plan_axis_last_rung(enum plan_axis axis, const struct plan_scene *scene);
 struct job_quality plan_family_quality(const struct plan_family *family, const struct plan_scene *scene,
                                        const struct plan_point *point);
 
+// The point at which a search begins whose pilot agrees after `level` halvings of all steps.
+struct plan_point plan_family_start(const struct plan_family *family, const struct plan_scene *scene, int level);
+
 // Evaluations of density per pixel, counted from the numbers alone; a lookup in a texture counts as part of one.
 double plan_family_work(const struct plan_scene *scene, const struct job_quality *quality);

@@ -90,42 +90,9 @@ static enum plan_measured measure(void *user, const struct plan_point *point, do
     return measured;
 }
 
-// The rung at which a walk begins: steps that would keep the tolerance if all axes had equal steps.
-static int start_rung(enum plan_axis axis, int level)
-{
-    switch (axis) {
-    case PLAN_AXIS_STEP:
-    case PLAN_AXIS_LIGHT_STEP:
-        return 2 * level;
-    case PLAN_AXIS_DEPTH_STEP:
-        return 6;
-    case PLAN_AXIS_POINTS:
-        return 2 * level + 3;
-    case PLAN_AXIS_LIGHT_GRID:
-        return 4;
-    case PLAN_AXIS_DENSITY_GRID:
-        return 8;
-    case PLAN_AXIS_MIN_TRANSMITTANCE:
-        return 3;
-    case PLAN_AXIS_PATHS:
-        break;
-    }
-    return 0;
-}
-
 static struct plan_point find_start(const struct attempt *attempt)
 {
-    enum plan_axis axes[PLAN_AXIS_LIMIT];
-    int count = plan_family_axes(attempt->family, attempt->scene, axes);
-    struct plan_point start = {{0}};
-
-    for (int i = 0; i < count; i++) {
-        int rung = start_rung(axes[i], plan_pilot_start_level(attempt->pilot));
-        int last = plan_axis_last_rung(axes[i], attempt->scene);
-
-        start.rungs[i] = rung < last ? rung : last;
-    }
-    return start;
+    return plan_family_start(attempt->family, attempt->scene, plan_pilot_start_level(attempt->pilot));
 }
 
 // The start is measured in all frames; the walk then measures only the worst of them.
@@ -248,7 +215,7 @@ static bool choose(struct plan_pilot *pilot, const struct plan_params *params, s
                                   .is_half = job->output.pixel == JOB_PIXEL_HALF,
                                   .target = SHARE * job->quality.tolerance,
                                   .first_evaluations = plan_pilot_count_evaluations(pilot),
-                                  .budget = plan_budget_find(params),
+                                  .budget = plan_budget_find(params, plan_pilot_scene(pilot)),
                                   .is_found = choice->is_found};
         struct plan_finding finding;
 

@@ -278,8 +278,7 @@ static bool make_fine(struct plan_pilot *pilot)
     const struct plan_family *family = find_finest(pilot);
     double tolerance = pilot->params->job->quality.tolerance;
     double enough = (pilot->has_truth ? AGREEMENT : AGREEMENT_ALONE) * tolerance;
-    double most = (pilot->has_truth ? LEVEL_SHARE : LEVEL_SHARE_ALONE) * plan_budget_find(pilot->params);
-    double spent = 0.0;
+    double most = pilot->has_truth ? LEVEL_SHARE : LEVEL_SHARE_ALONE, spent = 0.0; // most: of the budget, at first
     int level = 0;
 
     if (!family) {
@@ -288,6 +287,7 @@ static bool make_fine(struct plan_pilot *pilot)
         return false;
     }
     plan_scene_measure_lengths(&pilot->scene, pilot->params->segment.pilot, pilot->params->segment.pilot_count);
+    most *= plan_budget_find(pilot->params, &pilot->scene);
     choose_pixels(pilot, family, most);
     pilot->start_level = -1;
     for (; level < LEVEL_LIMIT; level++) {

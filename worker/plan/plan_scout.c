@@ -107,7 +107,7 @@ static int count_scouts(const struct plan *plan, const struct plan *finer, const
 {
     struct plan_scene scene = *rays;
     int64_t count = params->segment.count < PLAN_SCOUT_LIMIT ? params->segment.count : PLAN_SCOUT_LIMIT;
-    double affordable = BUDGET_SHARE * plan_budget_find(params), each;
+    double affordable = BUDGET_SHARE * plan_budget_find(params, rays), each;
 
     scene.pixels = fmin((double)params->job->width_px * params->job->height_px, PIXELS);
     each = scene.pixels * (plan_family_work(&scene, &plan->quality) + plan_family_work(&scene, &finer->quality));
