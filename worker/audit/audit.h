@@ -42,7 +42,7 @@ struct audit_params {
     // A finer picture takes this one's place where it is not clearly within: that costs less than being sure. At most 4
     // times ray_min are measured, and an error over the tolerance by twice ray_min is believed.
     bool is_replaceable;
-    int thread_count;     // 0: a thread for each core
+    int thread_count; // 0: a thread for each core
     // NULL: none; `done` grows with the number of pixels, towards 1; false stops it
     bool (*on_progress)(void *user, double done);
     void *user;
