@@ -85,7 +85,7 @@ static void paths_end_at_what_is_opaque_and_at_the_clip_distance(void **state)
 {
     static const char GLASS[] = "{\"kind\":\"box\",\"size\":[100,100,1],\"center\":[0,0,10],"
                                 "\"material\":{\"kind\":\"dielectric\",\"ior\":1.5}}";
-    static const char MATT[] = "{\"kind\":\"plane\",\"point\":[0,0,5],\"normal\":[0,0,1],"
+    static const char MATT[] = "{\"kind\":\"box\",\"size\":[100,100,1],\"center\":[0,0,4.5],"
                                "\"material\":{\"kind\":\"diffuse\",\"albedo\":0.5}}";
     char both[512];
 
