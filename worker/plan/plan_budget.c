@@ -12,14 +12,10 @@ static const double SHARE = 0.05, SECOND = 8e8;
 
 double plan_budget_find(const struct plan_params *params, const struct plan_scene *scene)
 {
-    static const float CLEAR = 0.0f;
     struct plan_scene rays = *scene;
     double least = INFINITY;
 
     rays.pixels = (double)params->job->width_px * params->job->height_px;
-    rays.depths = &CLEAR;
-    rays.depth_count = 1;
-    rays.hit_share = 1.0;
     for (size_t i = 0; i < plan_family_count; i++) {
         const struct plan_family *family = &plan_families[i];
         struct plan_point start;
@@ -30,6 +26,6 @@ double plan_budget_find(const struct plan_params *params, const struct plan_scen
         quality = plan_family_quality(family, &rays, &start);
         least = fmin(least, plan_family_work(&rays, &quality));
     }
-    if (isinf(least)) return SECOND;
+    if (isinf(least) || rays.depth_count == 0) return SECOND;
     return fmax(SHARE * least * rays.pixels * (double)params->segment.count, SECOND);
 }

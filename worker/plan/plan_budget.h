@@ -10,6 +10,6 @@ struct plan_scene;
 static const double PLAN_LINK_WORK = 6e7;
 
 // In evaluations of density, as plan_family_work counts them: 5 % of what the frames of the segment take with the
-// settings at which the cheapest family's search may begin, where nothing ends a ray; or what two processors do in about
-// a second, if that is more. The lengths of `scene` are measured. Equal jobs have equal budgets.
+// settings at which the cheapest family's search may begin; or what two processors do in about a second, if that is
+// more, or before the rays of `scene` are known. Equal jobs have equal budgets.
 double plan_budget_find(const struct plan_params *params, const struct plan_scene *scene);

@@ -278,7 +278,7 @@ static bool make_fine(struct plan_pilot *pilot)
     const struct plan_family *family = find_finest(pilot);
     double tolerance = pilot->params->job->quality.tolerance;
     double enough = (pilot->has_truth ? AGREEMENT : AGREEMENT_ALONE) * tolerance;
-    double most = pilot->has_truth ? LEVEL_SHARE : LEVEL_SHARE_ALONE, spent = 0.0; // most: of the budget, at first
+    double share = pilot->has_truth ? LEVEL_SHARE : LEVEL_SHARE_ALONE, most, spent = 0.0;
     int level = 0;
 
     if (!family) {
@@ -287,7 +287,7 @@ static bool make_fine(struct plan_pilot *pilot)
         return false;
     }
     plan_scene_measure_lengths(&pilot->scene, pilot->params->segment.pilot, pilot->params->segment.pilot_count);
-    most *= plan_budget_find(pilot->params, &pilot->scene);
+    most = share * plan_budget_find(pilot->params, &pilot->scene);
     choose_pixels(pilot, family, most);
     pilot->start_level = -1;
     for (; level < LEVEL_LIMIT; level++) {
@@ -303,6 +303,7 @@ static bool make_fine(struct plan_pilot *pilot)
         if (measured == PLAN_CANNOT) break;
         pilot->fine_quality = quality;
         note_depths(pilot);
+        most = share * plan_budget_find(pilot->params, &pilot->scene);
         spent += pilot->frame_count * count_evaluations(pilot, &quality);
         plan_progress_note(pilot->params, PLAN_STAGE_HALVING, spent / most);
         if (level == 0) continue;
