@@ -96,7 +96,9 @@ void finite_check_tell(struct renderer *renderer, const struct job *job, int32_t
 {
     struct trial trial = {.renderer = renderer, .job = *job, .frame = frame, .pixel = pixel};
 
+    // One sample of many may meet none of it.
     trial.job.quality.samples = 1;
+    if (is_finite(&trial)) trial.job.quality.samples = job->quality.samples;
     for (size_t i = 0; i < trial.job.scene.medium_count; i++) {
         struct scene_density *density = &trial.job.scene.media[i].density;
         int line;
@@ -143,4 +145,16 @@ bool finite_check_frame(const struct plan_params *params, int32_t frame, enum re
     image_finish(&image);
     plan_lattice_finish(&lattice);
     return *fault == RENDERER_FAULT_NONE;
+}
+
+bool finite_check_picture(struct renderer *renderer, const struct job *job, int32_t frame, const struct image *image,
+                          struct error *error)
+{
+    int width_px = image->width_px;
+    size_t index;
+
+    if (!finite_check_find(image, &index)) return image_is_finite(image, job->output.pixel == JOB_PIXEL_HALF, error);
+    finite_check_tell(renderer, job, frame,
+                      (struct pixel){(int)(index % (size_t)width_px), (int)(index / (size_t)width_px)}, error);
+    return false;
 }

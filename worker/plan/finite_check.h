@@ -27,3 +27,8 @@ bool finite_check_frame(const struct plan_params *params, int32_t frame, enum re
 // quality, which is of no method auto.
 void finite_check_tell(struct renderer *renderer, const struct job *job, int32_t frame, struct pixel pixel,
                        struct error *error);
+
+// Checks a whole frame that was rendered with the job's quality. A pixel whose light is not finite is told as above. A
+// value that is finite and too large for the job's half is told as image_is_finite tells it: no code is at fault there.
+bool finite_check_picture(struct renderer *renderer, const struct job *job, int32_t frame, const struct image *image,
+                          struct error *error);

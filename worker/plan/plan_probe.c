@@ -3,6 +3,7 @@
 
 #include "worker/audit/audit.h"
 #include "worker/picture/image.h"
+#include "worker/plan/finite_check.h"
 #include "worker/plan/miss.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_evidence.h"
@@ -103,6 +104,7 @@ bool plan_probe_render_truth(const struct plan_params *params, const struct plan
 {
     struct plan halved = *plan;
     struct job job;
+    size_t index;
 
     (void)plan_refine(&halved, params->job, PLAN_HALVING_RUNGS);
     job = plan_apply(&halved, params->job);
@@ -110,8 +112,12 @@ bool plan_probe_render_truth(const struct plan_params *params, const struct plan
         if (miss_has_promise(&job.scene.media[i].density)) job.scene.media[i].density.glsl.lipschitz = 0.0;
     job.quality.max_depth = JOB_DEPTH_LIMIT;
     job.quality.min_throughput *= LEAST_THROUGHPUT;
-    return plan_list_render(params, &job, frame, lattice->pixels, lattice->columns, lattice->rows, image, result,
-                            error);
+    if (!plan_list_render(params, &job, frame, lattice->pixels, lattice->columns, lattice->rows, image, result, error))
+        return false;
+    if (!finite_check_find(image, &index)) return true;
+    finite_check_tell(params->renderer, &job, frame, lattice->pixels[index], error);
+    result->fault = RENDERER_FAULT_FRAME;
+    return false;
 }
 
 bool plan_probe_audit(const struct plan_probe *probe, const struct plan_view *view, struct audit_result *audit,

@@ -38,7 +38,8 @@ bool plan_probe_axes(const struct plan_probe *probe, struct plan_retry *retry, d
 // The pixels of an audit by step halving: about as many rays as one for each pixel of the view.
 void plan_probe_init_audit(struct plan_lattice *lattice, const struct job *job, const struct plan_view *view);
 // Renders a list of the frame's pixels in half the plan's steps, and lets it stand for the truth: paths are followed
-// further, and the user's code is evaluated even where its lipschitz promises empty space.
+// further, and the user's code is evaluated even where its lipschitz promises empty space. Light that is not finite is
+// told as finite_check_tell does, with RENDERER_FAULT_FRAME.
 bool plan_probe_render_truth(const struct plan_params *params, const struct plan *plan, int32_t frame,
                              const struct plan_lattice *lattice, struct image *image, struct renderer_result *result,
                              struct error *error);

@@ -223,6 +223,11 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
         return false;
     rendering->seconds += result->render.seconds;
     result->render.seconds = rendering->seconds;
+    if (!finite_check_picture(rendering->tolerance->renderer, &planned, params->frame, params->image,
+                              rendering->error)) {
+        result->render.fault = RENDERER_FAULT_FRAME;
+        return false;
+    }
     note_phase(params, FRAME_PHASE_AUDIT);
     if (!audit(rendering, plan, &planned)) return false;
     log_debug("tolerance: frame %d: %s error %.2e, at most %.2e, of %g, by %d pixels in %.3f s", (int)params->frame,

@@ -20,22 +20,27 @@
 
 #include <cmocka.h>
 
-static struct job make_job(const char *source)
+static struct job make_job_of(const char *medium, const char *source)
 {
     struct error error = {{0}};
     struct job job;
     char *text =
-        xasprintf("{\"version\": 1, \"name\": \"broken\", \"frames\": \"0\", \"fps\": 24, \"resolution\": [64, 36],"
+        xasprintf("{\"version\": 1, \"name\": \"broken\", \"frames\": \"0-47\", \"fps\": 24, \"resolution\": [64, 36],"
                   " \"camera\": {\"position\": [0, 0, -2], \"target\": [0, 0, 0], \"fov\": 50},"
                   " \"lights\": [{\"kind\": \"point\", \"intensity\": 60, \"position\": [1.5, 1, 0]}],"
-                  " \"scene\": {\"media\": [{\"sigma_s\": 8, \"density\": {\"kind\": \"glsl\", \"source\": \"%s\","
+                  " \"scene\": {\"media\": [{%s, \"density\": {\"kind\": \"glsl\", \"source\": \"%s\","
                   " \"bounds\": {\"kind\": \"sphere\", \"radius\": 1}}}]},"
                   " \"quality\": {\"tolerance\": 0.05}, \"output\": {\"path\": \"broken.####.exr\"}}",
-                  source);
+                  medium, source);
 
     if (!job_parse(&job, text, strlen(text), NULL, &error)) fail_msg("%s", error.message);
     free(text);
     return job;
+}
+
+static struct job make_job(const char *source)
+{
+    return make_job_of("\"sigma_s\": 8", source);
 }
 
 // Plans, which meets the light first.
@@ -99,6 +104,83 @@ static void stated_methods_look_first(void **state)
     tolerance_stage_close(stage);
 }
 
+static bool on_no_audit(void *user, double done)
+{
+    (void)done;
+    return *(enum frame_phase *)user != FRAME_PHASE_AUDIT;
+}
+
+static void on_phase(void *user, enum frame_phase phase)
+{
+    *(enum frame_phase *)user = phase;
+}
+
+// Renders a frame that fails before an audit begins, once.
+static void assert_fails_at_once(struct tolerance_stage stage, const struct job *job, int32_t frame, const char *told)
+{
+    enum frame_phase phase = FRAME_PHASE_PLAN;
+    struct image image = tolerance_stage_make_image(job);
+    struct tolerance_result result;
+    struct error error = {{0}};
+
+    assert_false(tolerance_render(stage.tolerance,
+                                  &(struct tolerance_params){.job = job,
+                                                             .serial = 1,
+                                                             .frame = frame,
+                                                             .image = &image,
+                                                             .on_progress = on_no_audit,
+                                                             .on_phase = on_phase,
+                                                             .user = &phase},
+                                  &result, &error));
+    print_message("%s\n", error.message);
+    if (!strstr(error.message, told)) fail_msg("expected %s, got %s", told, error.message);
+    assert_int_equal(result.render.fault, RENDERER_FAULT_FRAME);
+    assert_int_equal(result.retry_count, 0);
+    assert_int_equal(phase, FRAME_PHASE_RENDER);
+    image_finish(&image);
+}
+
+static void assert_is_within(struct tolerance_stage stage, const struct job *job, int32_t frame)
+{
+    struct tolerance_result result;
+    struct error error = {{0}};
+    struct image image;
+
+    if (!tolerance_stage_render(stage, job, frame, &image, &result, &error)) fail_msg("%s", error.message);
+    assert_true(result.audit.error <= job->quality.tolerance);
+    image_finish(&image);
+}
+
+// The pilot's frames know nothing of it.
+static void light_that_ends_between_the_pilots_frames_is_told(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(test_shader_dir());
+    struct job job = make_job("float density(vec3 p, float t)\\n{\\n"
+                              "    float k = t > 0.2 && t < 0.3 ? sqrt(p.x) : 1.0;\\n    return k;\\n}");
+
+    (void)state;
+    job.quality.samples = 2;
+    assert_fails_at_once(stage, &job, 6, "density.source:3 gives a value that is not finite (frame 6, pixel (");
+    assert_is_within(stage, &job, 9);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+// A half cannot hold it, a float can.
+static void light_over_the_largest_half_is_told_as_such(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(test_shader_dir());
+    struct job job = make_job_of("\"sigma_a\": 1, \"emission\": 1e6",
+                                 "float density(vec3 p, float t) { return t > 0.2 && t < 0.3 ? 1.0 : 1e-3; }");
+
+    (void)state;
+    assert_fails_at_once(stage, &job, 6, "half holds at most 65504");
+    job.output.pixel = JOB_PIXEL_FLOAT;
+    assert_is_within(stage, &job, 6);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
 static void finite_pictures_pass(void **state)
 {
     struct image image;
@@ -121,6 +203,8 @@ int main(int argument_count, char **arguments)
         cmocka_unit_test(the_line_is_found),
         cmocka_unit_test(other_types_leave_the_return),
         cmocka_unit_test(stated_methods_look_first),
+        cmocka_unit_test(light_that_ends_between_the_pilots_frames_is_told),
+        cmocka_unit_test(light_over_the_largest_half_is_told_as_such),
         cmocka_unit_test(finite_pictures_pass),
     };
 
