@@ -14,15 +14,15 @@ const double DRAFT_EVALUATIONS = 600.0;
 // An optical depth at which no ray ends early: the count is then an upper bound.
 static const float CLEAR = 1.0f;
 
-// The rungs at which methods are compared: 64 steps along the longest path, half as many towards lights, and grids
-// whose cells are about as long as these steps.
-static int middle_rung(enum plan_axis axis)
+// The rungs at which methods are compared: 64 steps along the longest path, or more where a medium is small beside it,
+// half as many towards lights, and grids whose cells are about as long as these steps.
+static int middle_rung(enum plan_axis axis, const struct plan_scene *scene)
 {
     switch (axis) {
     case PLAN_AXIS_STEP:
-        return 4;
+        return 4 + 2 * scene->small_level;
     case PLAN_AXIS_LIGHT_STEP:
-        return 2;
+        return 2 + 2 * scene->small_level;
     case PLAN_AXIS_DEPTH_STEP:
         return 4;
     case PLAN_AXIS_POINTS:
@@ -41,9 +41,12 @@ static int middle_rung(enum plan_axis axis)
 
 static struct plan_scene scene_of(const struct job *job)
 {
+    int32_t first = frame_range_at(&job->frames, 0);
     struct plan_scene scene;
 
     plan_scene_init(&scene, job);
+    // Beside a path that is far longer than all that is dense, most of its steps are never taken.
+    if (scene.small_level > 0) plan_scene_measure_lengths(&scene, &first, 1);
     scene.depths = &CLEAR;
     scene.depth_count = 1;
     scene.hit_share = 1.0;
@@ -64,7 +67,8 @@ static struct job_quality settings_at(const struct plan_family *family, const st
     struct plan_point point = {{0}};
 
     for (int i = 0; i < count; i++) {
-        int last = plan_axis_last_rung(axes[i], scene), rung = middle_rung(axes[i]) + (is_free(axes[i]) ? 0 : finer);
+        int last = plan_axis_last_rung(axes[i], scene),
+            rung = middle_rung(axes[i], scene) + (is_free(axes[i]) ? 0 : finer);
 
         point.rungs[i] = rung < 0 ? 0 : rung > last ? last : rung;
     }

@@ -69,6 +69,16 @@ static void the_count_is_used(void **state)
     job_finish(&job);
 }
 
+// The mist of globe reaches 60 m; the smoke in its ball of glass is 1.8 m wide.
+static void small_media_in_wide_scenes_are_resolved(void **state)
+{
+    struct job job;
+
+    load(&job, "globe");
+    assert_true(choose(&job).quality.step < 0.25);
+    job_finish(&job);
+}
+
 static void the_method_with_the_least_work_is_taken(void **state)
 {
     struct job job;
@@ -124,6 +134,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_example_has_a_draft_within_the_count),
         cmocka_unit_test(the_count_is_used),
+        cmocka_unit_test(small_media_in_wide_scenes_are_resolved),
         cmocka_unit_test(the_method_with_the_least_work_is_taken),
         cmocka_unit_test(a_small_picture_has_coarser_grids),
         cmocka_unit_test(only_drafts_are_settled),
