@@ -4,7 +4,9 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "worker/picture/audit_result.h"
+#include "worker/plan/plan_family.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -47,17 +49,29 @@ static bool promises(const struct scene *scene)
     return false;
 }
 
+void miss_describe_retry(const struct plan *before, double error, const struct plan *plan,
+                         char reason[static PLAN_REASON_SIZE])
+{
+    const char *name = plan_families[plan->family].name, *name_before = plan_families[before->family].name;
+
+    if (isinf(error))
+        snprintf(reason, PLAN_REASON_SIZE, "%s, rendered again: GL cut the loops of %s", name, name_before);
+    else
+        snprintf(reason, PLAN_REASON_SIZE, "%s, rendered again: by %s, the error was %.2e", name, name_before, error);
+}
+
 void miss_describe(const struct miss *miss, struct error *error)
 {
-    char settings[SETTINGS_SIZE];
+    char settings[SETTINGS_SIZE], first[32] = "was cut by GL";
 
+    if (!isinf(miss->first_error)) snprintf(first, sizeof first, "had %.3g", miss->first_error);
     format_settings(miss->job, miss->quality, settings);
     error_set(error,
               "quality.tolerance: expected an error of at most %g, got %.3g (give or take %.2g, with confidence below "
               "%.3g) at best, by %s; "
-              "the first of %d renderings had %.3g, and all took %.3g times its work%s; expected a larger tolerance, a "
+              "the first of %d renderings %s, and all took %.3g times its work%s; expected a larger tolerance, a "
               "method with finer numbers, or \"on_miss\": \"publish\"",
               miss->job->quality.tolerance, miss->audit->error, miss->audit->spread, miss->audit->error95, settings,
-              miss->rendering_count, miss->first_error, miss->work,
+              miss->rendering_count, first, miss->work,
               promises(&miss->job->scene) ? " (is a density.lipschitz too low?)" : "");
 }

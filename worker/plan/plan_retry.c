@@ -27,11 +27,12 @@ static double find_work(const struct plan_retry *retry, const struct plan *plan,
 void plan_retry_init(struct plan_retry *retry, const struct job *job, const struct image *image,
                      const struct plan *plan)
 {
-    size_t pixels = (size_t)image->width_px * (size_t)image->height_px, hits = 0;
+    size_t pixels = image ? (size_t)image->width_px * (size_t)image->height_px : 0, hits = 0;
     size_t stride = pixels / PLAN_RETRY_DEPTHS + 1, seen = 0;
 
     *retry = (struct plan_retry){0};
     plan_scene_init(&retry->scene, job);
+    if (!image) retry->depths[hits++] = (float)(seen = 1);
     for (size_t i = 0; i < pixels; i += stride, seen++) {
         double through = 1.0 - image->rgba[4 * i + 3];
 
@@ -76,6 +77,27 @@ void plan_retry_vary(const struct plan_retry *retry, struct plan *plan, int axis
 
     point.rungs[axis] += point.rungs[axis] >= PLAN_HALVING_RUNGS ? -PLAN_HALVING_RUNGS : PLAN_HALVING_RUNGS;
     set_point(retry, plan, &point);
+}
+
+// Loops towards lights come first: they are within the others.
+bool plan_retry_shorten(const struct plan_retry *retry, struct plan *plan, int rungs)
+{
+    enum plan_axis axes[PLAN_AXIS_LIMIT];
+    int count = plan_retry_axes(retry, plan, axes);
+    struct plan_point point = plan->point;
+    bool moved = false;
+
+    for (int outer = 0; outer < 2 && !moved; outer++)
+        for (int i = 0; i < count; i++) {
+            bool is_inner = axes[i] == PLAN_AXIS_LIGHT_STEP || axes[i] == PLAN_AXIS_DEPTH_STEP;
+            bool is_outer = axes[i] == PLAN_AXIS_STEP || axes[i] == PLAN_AXIS_POINTS;
+
+            if (!(outer ? is_outer : is_inner) || point.rungs[i] == 0) continue;
+            point.rungs[i] -= rungs < point.rungs[i] ? rungs : point.rungs[i];
+            moved = true;
+        }
+    if (moved) set_point(retry, plan, &point);
+    return moved;
 }
 
 // Squared errors add up; what the changes leave unexplained is blamed on the axes in the same proportion.

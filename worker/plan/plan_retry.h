@@ -22,7 +22,8 @@ struct plan_retry {
     int count;                     // of renderings after the first
 };
 
-// Counts the rays of the first rendering, which was made with `plan`. `job` outlives the account, which keeps its
+// Counts the rays of the first rendering, which was made with `plan`. Where that has no image (NULL), one of optical
+// depth 1 stands for all. `job` outlives the account, which keeps its
 // address.
 void plan_retry_init(struct plan_retry *retry, const struct job *job, const struct image *image,
                      const struct plan *plan);
@@ -42,6 +43,9 @@ void plan_retry_vary(const struct plan_retry *retry, struct plan *plan, int axis
 // steps to the power of 1.5. All axes are to blame where no change is known. False when nothing can be refined.
 bool plan_retry_refine(const struct plan_retry *retry, struct plan *plan, double changes[static PLAN_AXIS_LIMIT],
                        double error);
+// Makes loops shorter that GL cut: the steps of rays towards lights coarser by `rungs`, or else those of the camera's.
+// False when nothing can be coarser.
+bool plan_retry_shorten(const struct plan_retry *retry, struct plan *plan, int rungs);
 // Moves to the next family that serves the scene, with the same rungs where they are within the allowance, else coarser
 // ones. False when there is none.
 bool plan_retry_change_family(const struct plan_retry *retry, struct plan *plan);

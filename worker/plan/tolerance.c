@@ -87,7 +87,8 @@ struct rendering {
     struct tolerance_result *result;
     struct error *error;
     bool is_only;   // no other setting is left to try: its audit goes on until it is sure
-    bool is_finer;  // finer than the segment's plan: its audit shares no samples with other frames
+    bool is_finer;  // or otherwise not the segment's plan: its audit shares no samples with other frames
+    bool is_cut;    // a rendering needed longer loops than GL runs: none is finer from then on
     double seconds; // of all renderings so far
     struct plan_retry retry;
     double changes[PLAN_AXIS_LIMIT]; // of the frame's pixels, with each axis of the latest plan; all 0: not known
@@ -236,6 +237,18 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
     return true;
 }
 
+// A rendering that GL cut is no reason to give up: its error is infinite.
+static bool render_and_judge(struct rendering *rendering, const struct plan *plan)
+{
+    struct tolerance_result *result = rendering->result;
+
+    if (render_and_audit(rendering, plan)) return true;
+    if (result->render.fault != RENDERER_FAULT_ENDLESS) return false;
+    rendering->is_cut = true;
+    result->audit = (struct audit_result){.error = INFINITY, .error95 = INFINITY};
+    return true;
+}
+
 // False for NaN, and for an error that is not a standard error within the tolerance.
 static bool is_within(const struct rendering *rendering)
 {
@@ -287,24 +300,25 @@ static bool change_family(struct rendering *rendering, struct plan *plan)
     return plan_retry_change_family(&rendering->retry, plan);
 }
 
-// Chooses the setting of the next rendering. False when there is none.
+static bool choose_shorter(const struct rendering *rendering, struct plan *plan)
+{
+    const struct plan_retry *retry = &rendering->retry;
+    bool is_cut = rendering->result->render.fault == RENDERER_FAULT_ENDLESS;
+
+    return (is_cut && retry->count + 1 < PLAN_RETRY_LIMIT && plan_retry_shorten(retry, plan, 1 + retry->count)) ||
+           plan_retry_change_family(retry, plan);
+}
+
+// Chooses the setting of the next rendering. `plan` has the last one's. False when there is none.
 static bool choose_next(struct rendering *rendering, double error_before, struct plan *plan)
 {
     double error = rendering->best.result.audit.error;
 
+    if (rendering->is_cut) return choose_shorter(rendering, plan);
     if (rendering->retry.count > 0 && !(error <= GAIN * error_before) && change_family(rendering, plan)) return true;
     *plan = rendering->best.plan;
     memcpy(rendering->changes, rendering->best.changes, sizeof rendering->changes);
     return plan_retry_refine(&rendering->retry, plan, rendering->changes, error) || change_family(rendering, plan);
-}
-
-static void describe_retry(const struct rendering *rendering, const struct plan *plan)
-{
-    struct tolerance_result *result = rendering->result;
-
-    snprintf(result->reason, sizeof result->reason, "%s, rendered again: by %s, the error was %.2e",
-             plan_families[plan->family].name, plan_families[rendering->best.plan.family].name,
-             rendering->best.result.audit.error);
 }
 
 // Publishes the rendering with the least error, if the job asks for that and an error is known; else fails. An error
@@ -319,6 +333,7 @@ static bool miss(struct rendering *rendering)
 
     *result = rendering->best.result;
     result->retry_count = retry->count;
+    if (result->render.fault == RENDERER_FAULT_ENDLESS) return false;
     result->render.seconds = rendering->seconds;
     memcpy(tolerance->shader_hash, rendering->best.shader_hash, sizeof tolerance->shader_hash);
     result->render.shader_hash = tolerance->shader_hash;
@@ -354,16 +369,17 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
     double error_before = INFINITY;
     struct plan plan = *first;
 
-    plan_retry_init(retry, rendering->params->job, rendering->params->image, first);
-    if (!keep_if_best(rendering, first) || !find_changes(rendering, first)) return false;
+    plan_retry_init(retry, rendering->params->job, rendering->is_cut ? NULL : rendering->params->image, first);
+    if (!keep_if_best(rendering, first) || (!rendering->is_cut && !find_changes(rendering, first))) return false;
     memcpy(rendering->best.changes, rendering->changes, sizeof rendering->changes);
     while (retry->count < PLAN_RETRY_LIMIT && choose_next(rendering, error_before, &plan)) {
-        describe_retry(rendering, &plan);
-        plan_retry_spend(retry, &plan, rendering->params->image->width_px, rendering->params->image->height_px);
+        miss_describe_retry(&rendering->best.plan, rendering->best.result.audit.error, &plan,
+                            rendering->result->reason);
+        plan_retry_spend(retry, &plan, rendering->params->job->width_px, rendering->params->job->height_px);
         rendering->result->retry_count = ++retry->count;
         rendering->is_finer = true;
         error_before = rendering->best.result.audit.error;
-        if (!render_and_audit(rendering, &plan)) {
+        if (!render_and_judge(rendering, &plan)) {
             if (is_over_for_good(rendering->result->render.fault)) return false;
             break;
         }
@@ -386,11 +402,10 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
 static bool replace_plan(struct rendering *rendering, const struct plan *found)
 {
     const struct tolerance_params *params = rendering->params;
-    struct tolerance_result *result = rendering->result;
     const struct plan_shelf_params shelf_params = find_shelf_params(rendering->tolerance, params);
 
     return plan_shelf_replace(&rendering->tolerance->shelf, &shelf_params, rendering->kept, params->frame, found,
-                              &result->render.fault, rendering->error);
+                              &rendering->result->render.fault, rendering->error);
 }
 
 static bool render_planned(struct rendering *rendering)
@@ -409,7 +424,7 @@ static bool render_planned(struct rendering *rendering)
     result->plan_number = rendering->kept->number;
     result->weight = plan_frame_weight(&rendering->kept->plan, params->job, &shelf_params.plan.segment, params->frame);
     memcpy(result->reason, plan.reason, sizeof result->reason);
-    if (!render_and_audit(rendering, &plan)) return false;
+    if (!render_and_judge(rendering, &plan)) return false;
     result->first_error = result->audit.error;
     if (is_within(rendering)) {
         note_shown(rendering);

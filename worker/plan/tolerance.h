@@ -47,14 +47,16 @@ struct tolerance_result {
     int64_t plan_number;           // of the plan with which the frame began; 0: none
     double weight;                 // of the frame, as plan_frame_weight has it; 0: the job names its method
     int retry_count;               // renderings after the first, which was over the tolerance
-    double first_error;            // the audited error of the first rendering
+    double first_error;            // the audited error of the first rendering; infinite: GL cut its loops
 };
 
 // Renders a frame of a job of any method, as renderer_render does, with the same faults. The frame follows from its
 // job, its plan and its own pixels, never from the frames before it. A frame over its tolerance is rendered up to
 // PLAN_RETRY_LIMIT times more, for at most PLAN_RETRY_WORK times the first one's work: finer in what is to blame, or by
-// the next family where that gains little. What keeps the tolerance makes the segment's next plan, which later frames
-// have. If nothing does, the frame fails with RENDERER_FAULT_MISSED and the numbers. If the job has misses published,
-// the rendering with the least error is in the image instead, and its audit says is_missed.
+// the next family where that gains little. One whose loops GL cut is rendered in longer steps instead. What keeps the
+// tolerance makes the segment's next plan, which later frames have. If nothing does, the frame fails with
+// RENDERER_FAULT_MISSED and the numbers; with RENDERER_FAULT_ENDLESS where all renderings were cut. If the job has
+// misses published, the rendering with the least error is in the image instead, and its audit says is_missed where that
+// error is over the tolerance. Light that is not finite fails the frame with RENDERER_FAULT_FRAME before an audit.
 bool tolerance_render(struct tolerance *tolerance, const struct tolerance_params *params,
                       struct tolerance_result *result, struct error *error);

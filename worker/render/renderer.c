@@ -103,6 +103,7 @@ static void set_cut_error(const struct renderer *renderer, const struct renderin
     const struct job *job = rendering->frame->job;
     const char *code = scene_find_code(&job->scene);
     const char *longer_steps = job->scene.medium_count == 0               ? ""
+                               : job->quality.tolerance > 0.0             ? "a larger tolerance, "
                                : job_quality_has_majorants(&job->quality) ? "thinner media, "
                                                                           : "longer steps, ";
     const char *fewer_paths =

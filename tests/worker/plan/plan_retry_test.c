@@ -91,6 +91,27 @@ static void only_what_is_to_blame_is_refined(void **state)
     }
 }
 
+// Two rungs double the steps towards lights; where these are the coarsest, those along camera rays.
+static void loops_that_are_cut_become_shorter(void **state)
+{
+    struct stage stage;
+    struct plan plan;
+
+    (void)state;
+    open_stage(&stage, JOB_METHOD_MIDPOINT, (struct plan_point){{3, 4, 3}});
+    plan = stage.plan;
+    assert_true(plan_retry_shorten(&stage.retry, &plan, 2));
+    assert_float_equal(plan.quality.light_step, 2.0 * stage.plan.quality.light_step, 1e-9);
+    assert_true(plan.quality.step == stage.plan.quality.step);
+    assert_true(plan_retry_shorten(&stage.retry, &plan, 5) && plan_retry_shorten(&stage.retry, &plan, 1));
+    assert_int_equal(plan.point.rungs[0], 2);
+    assert_int_equal(plan.point.rungs[1], 0);
+    assert_int_equal(plan.point.rungs[2], 3);
+    assert_true(plan_retry_shorten(&stage.retry, &plan, 2));
+    assert_false(plan_retry_shorten(&stage.retry, &plan, 1));
+    close_stage(&stage);
+}
+
 static void nothing_is_refined_where_the_finest_is_to_blame(void **state)
 {
     double changes[PLAN_AXIS_LIMIT] = {0.0, 0.0, 0.3};
@@ -235,6 +256,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_frame_itself_says_how_deep_its_rays_are),
         cmocka_unit_test(only_what_is_to_blame_is_refined),
+        cmocka_unit_test(loops_that_are_cut_become_shorter),
         cmocka_unit_test(nothing_is_refined_where_the_finest_is_to_blame),
         cmocka_unit_test(all_axes_are_refined_where_none_is_known_to_blame),
         cmocka_unit_test(all_renderings_together_stay_within_the_limit),
