@@ -321,8 +321,13 @@ static bool choose_next(struct rendering *rendering, double error_before, struct
     return plan_retry_refine(&rendering->retry, plan, rendering->changes, error) || change_family(rendering, plan);
 }
 
-// Publishes the rendering with the least error, if the job asks for that and an error is known; else fails. An error
-// within the tolerance by less than its standard error is told as it is, and no miss.
+// What marks a published frame as missed. An error within the tolerance by less than its standard error does not.
+static bool is_over(const struct tolerance_result *result)
+{
+    return !(result->audit.error <= result->audit.tolerance);
+}
+
+// Publishes the rendering with the least error, if the job asks for that and an error is known; else fails.
 static bool miss(struct rendering *rendering)
 {
     const struct tolerance_params *params = rendering->params;
@@ -339,7 +344,7 @@ static bool miss(struct rendering *rendering)
     result->render.shader_hash = tolerance->shader_hash;
     is_published = params->job->quality.on_miss == JOB_ON_MISS_PUBLISH && isfinite(result->audit.error) &&
                    isfinite(result->audit.error95);
-    result->audit.is_missed = is_published && result->audit.error > params->job->quality.tolerance;
+    result->audit.is_missed = is_published && is_over(result);
     if (is_published) return image_copy(params->image, &rendering->best.image, rendering->error);
     result->render.fault = RENDERER_FAULT_MISSED;
     miss_describe(&(struct miss){.job = params->job,
@@ -457,7 +462,7 @@ static bool render_repeated(struct rendering *rendering)
              params->repeated_number);
     ok = render_and_audit(rendering, &plan);
     result->first_error = result->audit.error;
-    result->audit.is_missed = ok && !is_within(rendering);
+    result->audit.is_missed = ok && is_over(result);
     truth_close(kept.truth);
     rendering->kept = NULL;
     return ok;

@@ -209,6 +209,13 @@ static void stated_settings_make_the_same_frame(void **state)
     params.repeated = &coarsest.quality;
     assert_true(tolerance_render(second.tolerance, &params, &result, NULL));
     assert_true(result.audit.is_missed && result.retry_count == 0 && result.audit.error > 0.02);
+    // An error within the tolerance by less than its standard error is no miss, as where misses are published.
+    for (int i = 0; i < 3; i++) {
+        job.quality.tolerance = coarsest.quality.tolerance = result.audit.error + 0.5 * result.audit.spread;
+        assert_true(tolerance_render(second.tolerance, &params, &result, NULL));
+    }
+    assert_true(result.audit.error + result.audit.spread > job.quality.tolerance);
+    assert_true(!result.audit.is_missed && result.audit.error <= job.quality.tolerance);
     // One that no plan chooses has nothing to be compared with.
     coarsest.quality.step *= 1.1;
     assert_false(tolerance_render(second.tolerance, &params, &result, NULL));
