@@ -217,6 +217,10 @@ static void print_end(struct telling *telling, const char *root)
 static bool find_plan_of(const struct options *options, char **path, struct error *error)
 {
     if (!options->plan_of) return true;
+    if (options->draft) {
+        error_set(error, "--plan-of: expected no --draft beside it: a draft has settings of its own");
+        return false;
+    }
     *path = realpath(options->plan_of, NULL);
     if (*path) return true;
     error_set_errno(error, errno, "--plan-of: %s", options->plan_of);

@@ -37,6 +37,8 @@ expect 0 render --set 'quality={"method":"midpoint","step":0.05,"light_step":0.0
 expect 1 render --draft --out q/quick.####.exr
 grep -q "no draft, which a draft does not replace" err || fail "a draft does not replace a frame"
 expect 0 render --draft --out q/quick.####.exr --set output.existing=overwrite
+expect 2 render --draft --plan-of q/quick.0048.exr
+grep -q -- '--plan-of: expected no --draft beside it' err || fail "a draft repeats no plan"
 expect 2 march render "$cloud" --set quality=quick --frames 48
 grep -q 'quality: expected one of "draft", got "quick"' err || fail "the one word is draft"
 
