@@ -2,6 +2,7 @@
 #include "worker/process/library_versions.h"
 
 #include <OpenEXR/openexr.h>
+#include <isa-l.h>
 #include <libdeflate.h>
 #include <png.h>
 #include <seccomp.h>
@@ -14,7 +15,9 @@ void library_versions_print(FILE *out)
 
     exr_get_library_version(&major, &minor, &patch, NULL);
     fprintf(out, "OpenEXR %d.%d.%d\n", major, minor, patch);
-    fprintf(out, "libdeflate %s (compiled with)\n", LIBDEFLATE_VERSION_STRING); // it has no call that tells
+    // These two have no call that tells.
+    fprintf(out, "libisal %d.%d.%d (compiled with)\n", ISAL_MAJOR_VERSION, ISAL_MINOR_VERSION, ISAL_PATCH_VERSION);
+    fprintf(out, "libdeflate %s (compiled with)\n", LIBDEFLATE_VERSION_STRING);
     fprintf(out, "zlib %s\nlibpng %s\n", zlibVersion(), png_get_libpng_ver(NULL));
     fprintf(out, "libseccomp %u.%u.%u\n", seccomp->major, seccomp->minor, seccomp->micro);
 }
