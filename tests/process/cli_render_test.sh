@@ -43,7 +43,7 @@ grep -q link err || fail "a link on the way is named"
 # A killed worker is replaced, and its frames are tried again.
 march render "$cloud" $stated --frames 48-50 --set 'resolution=[480,270]' --out killed/k.####.exr >out 2>err &
 pid=$!
-until ls killed/*.part >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done
+until ls killed/* >/dev/null 2>&1 || ! kill -0 "$pid"; do sleep 0.05; done
 worker=$(cat "/proc/$pid/task/$pid/children")
 # shellcheck disable=SC2086 # one child
 kill -KILL $worker
