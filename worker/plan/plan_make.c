@@ -371,8 +371,8 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
     ok = choose_plan(plan, &chosen, fault, error);
     if (ok) plan->plan_s = clock_now_s() - start_s;
     if (params->is_timed)
-        ok = ok && plan_time_predict(plan, params, fault, error) &&
-             plan_overhead_predict(plan, params, chosen.evidence, fault, error);
+        ok = ok && plan_time_predict(plan, &chosen, fault, error) &&
+             plan_overhead_predict(plan, &chosen, chosen.evidence, fault, error);
     plan_evidence_finish(&evidence);
     return ok;
 }

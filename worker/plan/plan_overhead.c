@@ -13,6 +13,7 @@
 #include "worker/plan/plan_lattice.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_probe.h"
+#include "worker/plan/plan_progress.h"
 #include "worker/plan/plan_small.h"
 #include "worker/render/renderer.h"
 
@@ -136,6 +137,7 @@ bool plan_overhead_predict(struct plan *plan, const struct plan_params *params, 
     bool ok;
 
     init(&overhead);
+    plan_progress_note(params, PLAN_STAGE_OVERHEAD, 0.0);
     ok = render(&overhead, &overhead.job, &overhead.image) && time_file(&overhead, &plan->predicted_encode_s) &&
          (truth_has_twin(params->job) ? time_audit : time_halving)(&overhead, &plan->predicted_audit_s);
     if (ok) {

@@ -10,6 +10,8 @@ enum plan_stage {
     PLAN_STAGE_TRUTH,   // pixels that reference/ measures
     PLAN_STAGE_SEARCH,
     PLAN_STAGE_SCOUTS,
+    PLAN_STAGE_TIMING,   // larger renders; this and the next only of plans that are timed
+    PLAN_STAGE_OVERHEAD, // the audit and the file of one
     PLAN_STAGE_COUNT
 };
 

@@ -6,6 +6,7 @@
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
 #include "worker/plan/plan_params.h"
+#include "worker/plan/plan_progress.h"
 #include "worker/plan/plan_small.h"
 #include "worker/render/renderer.h"
 
@@ -32,6 +33,7 @@ struct timing {
     bool keeps_grids; // light grids stay from frame to frame
     double shown;     // share of the segment's frames that are rendered; the others are copies of the frame before
     double parallel;  // processor seconds per second, in the least disturbed render
+    int render_count; // so far
 };
 
 static double pixels_at(const struct timing *timing, double scale)
@@ -39,6 +41,19 @@ static double pixels_at(const struct timing *timing, double scale)
     struct job small = plan_small_job(timing->params->job, scale);
 
     return (double)small.width_px * small.height_px;
+}
+
+static int count_frames(const struct timing *timing)
+{
+    return timing->params->segment.count < FRAMES ? (int)timing->params->segment.count : FRAMES;
+}
+
+static void note_render(struct timing *timing)
+{
+    // Each timing of all frames also finds the fixed part by two renders; two come before them all.
+    double most = 2.0 + REPEATS * (count_frames(timing) + 2.0);
+
+    plan_progress_note(timing->params, PLAN_STAGE_TIMING, ++timing->render_count / most);
 }
 
 static bool render(struct timing *timing, int32_t frame, double scale, struct renderer_result *result)
@@ -49,6 +64,7 @@ static bool render(struct timing *timing, int32_t frame, double scale, struct re
 
     if (!ok) *timing->fault = result->fault;
     image_finish(&image);
+    note_render(timing);
     return ok;
 }
 
@@ -90,7 +106,7 @@ static bool time_frames(struct timing *timing, double *seconds)
     const struct plan_segment *segment = &timing->params->segment;
     const struct job *job = timing->params->job;
     double ratio = (double)job->width_px * job->height_px / pixels_at(timing, timing->scale), sum = 0.0;
-    int count = segment->count < FRAMES ? (int)segment->count : FRAMES;
+    int count = count_frames(timing);
     struct fixed fixed = {0};
 
     for (int i = 0; i < count; i++) {
