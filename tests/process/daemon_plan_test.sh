@@ -29,7 +29,8 @@ expect "no plan yet" "$(made)" 0
 wait_state "$id" succeeded
 expect "plans" "$(made) $(told) $(kept)" "1 2 1|1"
 
-# The next job with the same scene has its plan; after a restart, too.
+# The next job of the same scene has the plan of the same segment; after a restart, too. These workers give every segment
+# one name, whatever its frames are.
 id=$(submit "$(job 2-9 ".output.path = \"b/b.####.exr\" | $tolerant")")
 wait_state "$id" succeeded
 expect "plans for the next job" "$(made) $(told) $(kept)" "1 2 1|1"
@@ -59,7 +60,8 @@ reason=$(ask job.frames "{\"id\":$id}" | jq -r '.result.frames[0].error')
 expect "plans that were refused" "$(kept)" "2|2"
 stop_daemon
 
-# Real workers: two segments, two plans; each frame is repeated alone from its header.
+# Real workers: a later job with the same frames shares the plan, one with others has its own, because the name of a segment
+# follows from each frame's number. Each frame is repeated alone from its header.
 start_daemon --backend software
 cd "$scratch" || exit 1
 before=$(made)
@@ -69,6 +71,9 @@ expect "frames that tell their plan" "$(ask job.frames "{\"id\":$id}" | jq '[.re
 again=$(submit "$(job 40-55 ".output.path = \"again/r.####.exr\" | $tolerant")")
 wait_state "$again" succeeded
 expect "plans of a segment" "$(($(made) - before))" 1
+id=$(submit "$(job 40-54 ".output.path = \"others/r.####.exr\" | $tolerant")")
+wait_state "$id" succeeded
+expect "plans of two segments" "$(($(made) - before))" 2
 stop_daemon
 job 40-55 ".output.path = \"alone/r.####.exr\" | $tolerant" >alone.json
 for frame in 55 40 47; do
