@@ -6,11 +6,11 @@
 #include <stdbool.h>
 
 // Converts from pixel `first` on.
-static void split(uint16_t *halves, const float *pixels, size_t count, size_t first)
+static void split(uint16_t *const planes[HALF_ROW_PLANES], const float *pixels, size_t count, size_t first)
 {
     for (size_t x = first; x < count; x++)
         for (size_t i = 0; i < HALF_ROW_PLANES; i++)
-            halves[i * count + x] = imath_float_to_half(pixels[x * HALF_ROW_PLANES + i]);
+            if (planes[i]) planes[i][x] = imath_float_to_half(pixels[x * HALF_ROW_PLANES + i]);
 }
 
 #ifdef __x86_64__
@@ -28,13 +28,14 @@ __attribute__((target("avx,f16c"))) static __m128i convert_two(const float *pixe
     return _mm256_cvtps_ph(_mm256_loadu_ps(pixels), _MM_FROUND_TO_NEAREST_INT);
 }
 
-static void store(uint16_t *halves, __m128i eight)
+static void store(uint16_t *plane, size_t x, __m128i eight)
 {
-    _mm_storeu_si128((__m128i *)(void *)halves, eight);
+    if (plane) _mm_storeu_si128((__m128i *)(void *)(plane + x), eight);
 }
 
 // Eight pixels at a time are a matrix of halves, which is transposed.
-__attribute__((target("avx,f16c"))) static void split_by_processor(uint16_t *halves, const float *pixels, size_t count)
+__attribute__((target("avx,f16c"))) static void split_by_processor(uint16_t *const planes[HALF_ROW_PLANES],
+                                                                   const float *pixels, size_t count)
 {
     size_t x = 0;
 
@@ -47,12 +48,12 @@ __attribute__((target("avx,f16c"))) static void split_by_processor(uint16_t *hal
         __m128i rg_low = _mm_unpacklo_epi16(p02, p13), ba_low = _mm_unpackhi_epi16(p02, p13);
         __m128i rg_high = _mm_unpacklo_epi16(p46, p57), ba_high = _mm_unpackhi_epi16(p46, p57);
 
-        store(halves + x, _mm_unpacklo_epi64(rg_low, rg_high));
-        store(halves + count + x, _mm_unpackhi_epi64(rg_low, rg_high));
-        store(halves + 2 * count + x, _mm_unpacklo_epi64(ba_low, ba_high));
-        store(halves + 3 * count + x, _mm_unpackhi_epi64(ba_low, ba_high));
+        store(planes[0], x, _mm_unpacklo_epi64(rg_low, rg_high));
+        store(planes[1], x, _mm_unpackhi_epi64(rg_low, rg_high));
+        store(planes[2], x, _mm_unpacklo_epi64(ba_low, ba_high));
+        store(planes[3], x, _mm_unpackhi_epi64(ba_low, ba_high));
     }
-    split(halves, pixels, count, x);
+    split(planes, pixels, count, x);
 }
 #else
 static bool has_conversion(void)
@@ -60,16 +61,16 @@ static bool has_conversion(void)
     return false;
 }
 
-static void split_by_processor(uint16_t *halves, const float *pixels, size_t count)
+static void split_by_processor(uint16_t *const planes[HALF_ROW_PLANES], const float *pixels, size_t count)
 {
-    split(halves, pixels, count, 0);
+    split(planes, pixels, count, 0);
 }
 #endif
 
-void half_row_split(uint16_t *halves, const float *pixels, size_t count)
+void half_row_split(uint16_t *const planes[static HALF_ROW_PLANES], const float *pixels, size_t count)
 {
     if (has_conversion())
-        split_by_processor(halves, pixels, count);
+        split_by_processor(planes, pixels, count);
     else
-        split(halves, pixels, count, 0);
+        split(planes, pixels, count, 0);
 }

@@ -7,5 +7,6 @@
 
 enum { HALF_ROW_PLANES = 4 }; // channels of a pixel
 
-// Converts `count` pixels, whose channels are neighbours, and takes them apart: channel i is at halves + i * count.
-void half_row_split(uint16_t *halves, const float *pixels, size_t count);
+// Converts `count` pixels, whose channels are neighbours, and takes them apart: planes[i] gets channel i, unless it is
+// NULL.
+void half_row_split(uint16_t *const planes[static HALF_ROW_PLANES], const float *pixels, size_t count);

@@ -186,3 +186,26 @@ bool image_is_finite(const struct image *image, bool half, struct error *error)
     report(&faults, error);
     return false;
 }
+
+// Compares each pixel with the next one. Sets `bits` to those of the first.
+static bool are_equal(const float *pixels, size_t count, size_t components, uint32_t *bits)
+{
+    if (!pixels) return true;
+    memcpy(bits, pixels, components * sizeof *pixels);
+    return memcmp(pixels, pixels + components, (count - 1) * components * sizeof *pixels) == 0;
+}
+
+static const float *skip(const float *plane, size_t count)
+{
+    return plane ? plane + count : NULL;
+}
+
+bool image_rows_are_constant(const struct image *image, int first_row, int row_count, struct image_pixel *pixel)
+{
+    size_t first = (size_t)first_row * (size_t)image->width_px, count = (size_t)row_count * (size_t)image->width_px;
+
+    *pixel = (struct image_pixel){0};
+    return are_equal(skip(image->rgba, 4 * first), count, 4, pixel->rgba) &&
+           are_equal(skip(image->transmittance, 4 * first), count, 4, pixel->transmittance) &&
+           are_equal(skip(image->depth, first), count, 1, &pixel->depth);
+}

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct error;
 struct job;
@@ -34,3 +35,11 @@ bool image_fits(const struct image *image, int width_px, int height_px, bool has
 // Returns true if no value is NaN, infinite or, with `half`, over 65504 in magnitude (except depth, which is never
 // written as half). Else `error` has the number of each and names the first by channel and pixel.
 bool image_is_finite(const struct image *image, bool half, struct error *error);
+
+// The bits of a pixel's values; 0 in channels that the image does not have.
+struct image_pixel {
+    uint32_t rgba[4], transmittance[4], depth;
+};
+
+// Returns true if all pixels of some rows are the same, to the bit. `pixel` is the first of them then.
+bool image_rows_are_constant(const struct image *image, int first_row, int row_count, struct image_pixel *pixel);

@@ -3,8 +3,8 @@
 
 #include "core/base/error.h"
 #include "worker/picture/audit_result.h"
-#include "worker/picture/half_row.h"
 #include "worker/picture/image.h"
+#include "worker/picture/image_exr_line.h"
 #include "worker/picture/image_exr_zip.h"
 
 #define IMATH_HALF_NO_LOOKUP_TABLE
@@ -20,24 +20,14 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { CHANNEL_LIMIT = 8, THREAD_LIMIT = 64 };
-
-struct channel {
-    const char *name;
-    exr_pixel_type_t type;
-    const float *pixels; // borrowed from the image; the first channel's value of its first pixel
-    size_t index;        // of the channel in a pixel
-    size_t stride;       // in floats, from pixel to pixel
-};
+enum { THREAD_LIMIT = 64 };
 
 struct writer {
     exr_context_t context;
     int fd;
-    struct channel channels[CHANNEL_LIMIT]; // in the file's order: sorted by name
-    size_t channel_count;
-    size_t width, height;
+    const struct image *image; // borrowed
     size_t line_bytes;
-    bool is_zip;
+    bool is_zip, is_half; // of the header
     int lines_per_chunk, chunk_count;
 
     pthread_mutex_t lock; // guards all that follows, and the library's calls that write
@@ -72,23 +62,21 @@ static void on_library_error(exr_const_context_t context, exr_result_t code, con
 {
 }
 
-static void add_channel(struct writer *writer, const struct channel *channel)
+static exr_result_t add_channels(const struct writer *writer, int part)
 {
-    writer->channels[writer->channel_count++] = *channel;
-    writer->line_bytes += writer->width * (channel->type == EXR_PIXEL_HALF ? 2 : 4);
-}
+    static const char *const names[] = {
+        "A", "B", "G", "R", "Z", "transmittance.B", "transmittance.G", "transmittance.R"};
+    enum { Z = 4, END = sizeof names / sizeof names[0] };
+    const struct image *image = writer->image;
+    exr_result_t result = EXR_ERR_SUCCESS;
 
-static void add_channels(struct writer *writer, const struct image *image, enum job_pixel pixel)
-{
-    exr_pixel_type_t type = pixel == JOB_PIXEL_HALF ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
-    static const char *const rgba[] = {"R", "G", "B", "A"};
-    static const char *const transmittance[] = {"transmittance.R", "transmittance.G", "transmittance.B"};
+    for (int i = 0; i < END && !result; i++) {
+        exr_pixel_type_t type = i != Z && writer->is_half ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
 
-    for (size_t i = 4; i-- > 0;)
-        add_channel(writer, &(struct channel){rgba[i], type, image->rgba, i, 4});
-    if (image->depth) add_channel(writer, &(struct channel){"Z", EXR_PIXEL_FLOAT, image->depth, 0, 1});
-    for (size_t i = image->transmittance ? 3 : 0; i-- > 0;)
-        add_channel(writer, &(struct channel){transmittance[i], type, image->transmittance, i, 4});
+        if ((i == Z && !image->depth) || (i > Z && !image->transmittance)) continue;
+        result = exr_add_channel(writer->context, part, names[i], type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    }
+    return result;
 }
 
 static exr_result_t set_matrix(exr_context_t context, const char *name, const double values[16])
@@ -211,11 +199,9 @@ static exr_result_t write_header(struct writer *writer, const struct image_exr_h
     exr_result_t result = exr_add_part(context, NULL, EXR_STORAGE_SCANLINE, &part);
 
     if (!result)
-        result = exr_initialize_required_attr_simple(context, part, (int32_t)writer->width, (int32_t)writer->height,
+        result = exr_initialize_required_attr_simple(context, part, writer->image->width_px, writer->image->height_px,
                                                      compressions[header->compression]);
-    for (size_t i = 0; i < writer->channel_count && !result; i++)
-        result = exr_add_channel(context, part, writer->channels[i].name, writer->channels[i].type,
-                                 EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+    if (!result) result = add_channels(writer, part);
     if (!result) result = set_standard_attributes(context, header);
     if (!result) result = set_own_attributes(context, header);
     if (!result) result = set_rays(context, &header->rays);
@@ -228,65 +214,41 @@ static exr_result_t write_header(struct writer *writer, const struct image_exr_h
 
 // The state of one thread that packs chunks.
 struct packer {
-    exr_encode_pipeline_t pipeline;
-    struct image_exr_zip *zip; // owned; NULL: the library compresses, or nothing does
-    char *lines;               // owned; the chunk before compression
-    uint16_t *halves;          // owned; a line's pixels, channel by channel
-    const void *bytes;         // the chunk as the file stores it; borrowed from the packer
+    exr_encode_pipeline_t pipeline; // of the library, where that compresses or nothing does
+    struct image_exr_zip *zip;      // owned; NULL until it packs
+    struct image_pixel pixel;       // all pixels of the last chunk that zip packed, if its `line_count` is not 0
+    int line_count;
+    char *lines;       // owned; the chunk before compression, of which zip needs only a line
+    const void *bytes; // the chunk as the file stores it; borrowed from the packer
     uint64_t size_bytes;
 };
 
-static void take_floats(char *to, const float *pixels, size_t count, size_t stride)
+// True when the chunk's pixels are all those of the one before. `packer` notes what the chunk is.
+static bool is_repeated(const struct writer *writer, struct packer *packer, int y, int line_count)
 {
-    if (stride == 1) {
-        memcpy(to, pixels, count * sizeof(float));
-        return;
-    }
-    for (size_t x = 0; x < count; x++)
-        memcpy(to + x * sizeof(float), pixels + x * stride, sizeof(float));
+    struct image_pixel before = packer->pixel;
+    int before_count = packer->line_count;
+
+    packer->line_count = image_rows_are_constant(writer->image, y, line_count, &packer->pixel) ? line_count : 0;
+    return packer->line_count > 0 && before_count == line_count && memcmp(&before, &packer->pixel, sizeof before) == 0;
 }
 
-// A chunk is stored line by line, and a line channel by channel. Channels of the same pixels are neighbours, so their
-// pixels are converted to halves and taken apart once.
-static void pack_lines(const struct writer *writer, uint16_t *halves, size_t first_line, size_t line_count,
-                       char *packed)
+// The bytes of the chunk before are still there: an equal one costs no more than reading its pixels once.
+static exr_result_t zip_chunk(const struct writer *writer, struct packer *packer, int y, int line_count)
 {
-    size_t width = writer->width;
-
-    for (size_t y = first_line; y < first_line + line_count; y++) {
-        const float *converted = NULL;
-
-        for (size_t i = 0; i < writer->channel_count; i++) {
-            const struct channel *channel = &writer->channels[i];
-            const float *pixels = channel->pixels + y * width * channel->stride;
-
-            if (channel->type != EXR_PIXEL_HALF) {
-                take_floats(packed, pixels + channel->index, width, channel->stride);
-                packed += width * sizeof(float);
-                continue;
-            }
-            assert(channel->stride == HALF_ROW_PLANES);
-            if (converted != pixels) half_row_split(halves, pixels, width);
-            converted = pixels;
-            memcpy(packed, halves + channel->index * width, width * sizeof *halves);
-            packed += width * sizeof(uint16_t);
-        }
-    }
-}
-
-static exr_result_t compress_zip(const struct writer *writer, struct packer *packer)
-{
-    const exr_encode_pipeline_t *pipeline = &packer->pipeline;
-    const void *zipped;
     size_t size_bytes;
 
+    if (is_repeated(writer, packer, y, line_count)) return EXR_ERR_SUCCESS;
     if (!packer->zip) packer->zip = image_exr_zip_create(writer->line_bytes * (size_t)writer->lines_per_chunk);
-    if (!packer->zip) return EXR_ERR_OUT_OF_MEMORY;
-    size_bytes = image_exr_zip_pack(packer->zip, pipeline->packed_buffer, pipeline->packed_bytes, &zipped);
-    if (size_bytes > 0) {
-        packer->bytes = zipped;
-        packer->size_bytes = size_bytes;
+    if (!packer->lines) packer->lines = malloc(writer->line_bytes);
+    if (!packer->zip || !packer->lines) return EXR_ERR_OUT_OF_MEMORY;
+    image_exr_zip_begin(packer->zip, writer->line_bytes * (size_t)line_count);
+    for (int line = y; line < y + line_count; line++) {
+        image_exr_line_pack(writer->image, writer->is_half, line, packer->lines);
+        image_exr_zip_add(packer->zip, packer->lines, writer->line_bytes);
     }
+    packer->bytes = image_exr_zip_end(packer->zip, &size_bytes);
+    packer->size_bytes = size_bytes;
     return EXR_ERR_SUCCESS;
 }
 
@@ -311,7 +273,6 @@ static exr_result_t compress(const struct writer *writer, struct packer *packer)
 
     packer->bytes = pipeline->packed_buffer;
     packer->size_bytes = pipeline->packed_bytes;
-    if (writer->is_zip) return compress_zip(writer, packer);
     if (!pipeline->compress_fn) return EXR_ERR_SUCCESS;
     if (!has_room_to_compress(pipeline, writer->line_bytes * (size_t)writer->lines_per_chunk))
         return EXR_ERR_OUT_OF_MEMORY;
@@ -322,9 +283,9 @@ static exr_result_t compress(const struct writer *writer, struct packer *packer)
     return EXR_ERR_SUCCESS;
 }
 
-// Packs the chunk that starts at line `y`. exr_encoding_run would do the same but packs under the
-// context's lock, which serializes the threads, so its stages are called one by one.
-static exr_result_t encode_chunk(struct writer *writer, struct packer *packer, int y)
+// exr_encoding_run would do the same but packs under the context's lock, which serializes the threads, so its stages
+// are called one by one.
+static exr_result_t compress_chunk(const struct writer *writer, struct packer *packer, int y)
 {
     exr_encode_pipeline_t *pipeline = &packer->pipeline;
     size_t chunk_bytes = writer->line_bytes * (size_t)writer->lines_per_chunk;
@@ -340,13 +301,23 @@ static exr_result_t encode_chunk(struct writer *writer, struct packer *packer, i
     }
     if (result) return result;
     if (!packer->lines) packer->lines = malloc(chunk_bytes);
-    if (!packer->halves) packer->halves = malloc(writer->width * HALF_ROW_PLANES * sizeof *packer->halves);
-    if (!packer->lines || !packer->halves) return EXR_ERR_OUT_OF_MEMORY;
+    if (!packer->lines) return EXR_ERR_OUT_OF_MEMORY;
     pipeline->packed_buffer = packer->lines;
     pipeline->packed_bytes = chunk.unpacked_size;
     assert(pipeline->packed_bytes <= chunk_bytes);
-    pack_lines(writer, packer->halves, (size_t)y, (size_t)chunk.height, packer->lines);
+    for (int line = 0; line < chunk.height; line++)
+        image_exr_line_pack(writer->image, writer->is_half, y + line,
+                            packer->lines + (size_t)line * writer->line_bytes);
     return compress(writer, packer);
+}
+
+// Packs the chunk that starts at line `y`.
+static exr_result_t encode_chunk(const struct writer *writer, struct packer *packer, int y)
+{
+    int lines_left = writer->image->height_px - y;
+
+    if (!writer->is_zip) return compress_chunk(writer, packer, y);
+    return zip_chunk(writer, packer, y, lines_left < writer->lines_per_chunk ? lines_left : writer->lines_per_chunk);
 }
 
 static void fail_chunk(struct writer *writer, exr_result_t result, int y)
@@ -386,7 +357,6 @@ static void *write_chunks(void *user)
     if (packer.pipeline.context) exr_encoding_destroy(writer->context, &packer.pipeline);
     image_exr_zip_destroy(packer.zip);
     free(packer.lines);
-    free(packer.halves);
     return NULL;
 }
 
@@ -440,13 +410,16 @@ static bool write_file(struct writer *writer, const struct image_exr_header *hea
 bool image_exr_write(int fd, const struct image *image, const struct image_exr_header *header, int thread_count,
                      struct error *error)
 {
-    struct writer writer = {.fd = fd, .width = (size_t)image->width_px, .height = (size_t)image->height_px};
+    struct writer writer = {.fd = fd,
+                            .image = image,
+                            .is_zip = header->compression == JOB_COMPRESSION_ZIP ||
+                                      header->compression == JOB_COMPRESSION_ZIPS,
+                            .line_bytes = image_exr_line_bytes(image, header->pixel == JOB_PIXEL_HALF),
+                            .is_half = header->pixel == JOB_PIXEL_HALF};
     bool ok;
 
     pthread_mutex_init(&writer.lock, NULL);
     pthread_cond_init(&writer.written, NULL);
-    writer.is_zip = header->compression == JOB_COMPRESSION_ZIP || header->compression == JOB_COMPRESSION_ZIPS;
-    add_channels(&writer, image, header->pixel);
     ok = write_file(&writer, header, thread_count, error);
     // Finishing writes nothing, because the table of chunks was written with the last chunk.
     exr_finish(&writer.context);

@@ -35,9 +35,10 @@ static float value_near_half(uint32_t index)
 static void assert_row(const float *values, size_t count)
 {
     uint16_t halves[HALF_ROW_PLANES * COUNT + 1];
+    uint16_t *const planes[] = {halves, halves + count, halves + 2 * count, halves + 3 * count};
 
     halves[HALF_ROW_PLANES * count] = 0x1234;
-    half_row_split(halves, values, count);
+    half_row_split(planes, values, count);
     for (size_t i = 0; i < HALF_ROW_PLANES * count; i++) {
         uint16_t expected = imath_float_to_half(values[i]),
                  got = halves[i % HALF_ROW_PLANES * count + i / HALF_ROW_PLANES];
