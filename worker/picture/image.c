@@ -90,20 +90,19 @@ static bool is_within(float value, float largest)
 }
 
 // Has no early exit and compares magnitudes as integers, so that it vectorizes. The bits of positive floats are in the
-// order of their values; infinity and NaN are the largest.
+// order of their values; infinity and NaN are the largest. The difference to the limit is negative for what exceeds it.
 static bool row_is_within(const float *row, size_t count, float largest)
 {
-    int32_t worst = 0, limit;
+    int32_t signs = 0, limit;
 
     memcpy(&limit, &largest, sizeof limit);
     for (size_t i = 0; i < count; i++) {
         int32_t bits;
 
         memcpy(&bits, row + i, sizeof bits);
-        bits &= INT32_MAX;
-        worst = bits > worst ? bits : worst;
+        signs |= limit - (bits & INT32_MAX);
     }
-    return worst <= limit;
+    return signs >= 0;
 }
 
 struct plane {
@@ -137,21 +136,18 @@ static void count_fault(struct faults *faults, const char *channel, size_t x, si
     faults->value = value;
 }
 
-static void count_plane(struct faults *faults, const struct plane *plane, size_t width, size_t height)
+static void count_row(struct faults *faults, const struct plane *plane, size_t width, size_t y)
 {
     float largest = plane->half ? HALF_LARGEST : 3.40282347e38f;
+    const float *row = plane->values + y * width * plane->components;
 
-    for (size_t y = 0; y < height; y++) {
-        const float *row = plane->values + y * width * plane->components;
+    // A value that belongs to no channel only causes a second check of the row.
+    if (row_is_within(row, width * plane->components, largest)) return;
+    for (size_t i = 0; i < width * plane->components; i++) {
+        size_t component = i % plane->components;
 
-        // A value that belongs to no channel only causes a second check of the row.
-        if (row_is_within(row, width * plane->components, largest)) continue;
-        for (size_t i = 0; i < width * plane->components; i++) {
-            size_t component = i % plane->components;
-
-            if (component < plane->used && !is_within(row[i], largest))
-                count_fault(faults, plane->names[component], i / plane->components, y, row[i]);
-        }
+        if (component < plane->used && !is_within(row[i], largest))
+            count_fault(faults, plane->names[component], i / plane->components, y, row[i]);
     }
 }
 
@@ -171,9 +167,9 @@ static void report(const struct faults *faults, struct error *error)
                   faults->x, faults->y, isnan(faults->value) ? "NaN" : "infinite", counts);
 }
 
-bool image_is_finite(const struct image *image, bool half, struct error *error)
+static struct faults find_faults(const struct image *image, bool half, int first_row, int row_count)
 {
-    struct plane planes[] = {
+    const struct plane planes[] = {
         {image->rgba, 4, 4, {"R", "G", "B", "A"}, half},
         {image->transmittance, 4, 3, {"transmittance.R", "transmittance.G", "transmittance.B"}, half},
         {image->depth, 1, 1, {"Z"}, false},
@@ -181,10 +177,23 @@ bool image_is_finite(const struct image *image, bool half, struct error *error)
     struct faults faults = {0};
 
     for (size_t i = 0; i < sizeof planes / sizeof planes[0]; i++)
-        if (planes[i].values) count_plane(&faults, &planes[i], (size_t)image->width_px, (size_t)image->height_px);
+        for (int y = first_row; planes[i].values && y < first_row + row_count; y++)
+            count_row(&faults, &planes[i], (size_t)image->width_px, (size_t)y);
+    return faults;
+}
+
+bool image_is_finite(const struct image *image, bool half, struct error *error)
+{
+    struct faults faults = find_faults(image, half, 0, image->height_px);
+
     if (!faults.channel) return true;
     report(&faults, error);
     return false;
+}
+
+bool image_rows_are_finite(const struct image *image, bool half, int first_row, int row_count)
+{
+    return !find_faults(image, half, first_row, row_count).channel;
 }
 
 // Compares each pixel with the next one. Sets `bits` to those of the first.

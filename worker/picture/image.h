@@ -35,6 +35,8 @@ bool image_fits(const struct image *image, int width_px, int height_px, bool has
 // Returns true if no value is NaN, infinite or, with `half`, over 65504 in magnitude (except depth, which is never
 // written as half). Else `error` has the number of each and names the first by channel and pixel.
 bool image_is_finite(const struct image *image, bool half, struct error *error);
+// The same of some rows, without a reason.
+bool image_rows_are_finite(const struct image *image, bool half, int first_row, int row_count);
 
 // The bits of a pixel's values; 0 in channels that the image does not have.
 struct image_pixel {

@@ -50,6 +50,7 @@ struct image_exr_header {
     const char *quality;       // the settings of a planned frame, as JSON; NULL or empty: none
     bool is_draft;             // a quick look, which promises no accuracy
     int64_t captured;          // Unix time, s
+    bool is_checked;           // not written: a value that is not finite, or too large for the pixels, fails the write
 };
 
 // Writes the image to `fd` (empty, open for reading and writing) with `thread_count` compressing threads, and syncs it.

@@ -27,7 +27,7 @@ struct writer {
     int fd;
     const struct image *image; // borrowed
     size_t line_bytes;
-    bool is_zip, is_half; // of the header
+    bool is_zip, is_half, is_checked; // of the header
     int lines_per_chunk, chunk_count;
 
     pthread_mutex_t lock; // guards all that follows, and the library's calls that write
@@ -223,6 +223,14 @@ struct packer {
     uint64_t size_bytes;
 };
 
+// A line is checked right before it is packed, while the processor's cache has it.
+static bool pack_line(const struct writer *writer, int y, char *line)
+{
+    if (writer->is_checked && !image_rows_are_finite(writer->image, writer->is_half, y, 1)) return false;
+    image_exr_line_pack(writer->image, writer->is_half, y, line);
+    return true;
+}
+
 // True when the chunk's pixels are all those of the one before. `packer` notes what the chunk is.
 static bool is_repeated(const struct writer *writer, struct packer *packer, int y, int line_count)
 {
@@ -244,7 +252,7 @@ static exr_result_t zip_chunk(const struct writer *writer, struct packer *packer
     if (!packer->zip || !packer->lines) return EXR_ERR_OUT_OF_MEMORY;
     image_exr_zip_begin(packer->zip, writer->line_bytes * (size_t)line_count);
     for (int line = y; line < y + line_count; line++) {
-        image_exr_line_pack(writer->image, writer->is_half, line, packer->lines);
+        if (!pack_line(writer, line, packer->lines)) return EXR_ERR_INVALID_ARGUMENT;
         image_exr_zip_add(packer->zip, packer->lines, writer->line_bytes);
     }
     packer->bytes = image_exr_zip_end(packer->zip, &size_bytes);
@@ -306,8 +314,8 @@ static exr_result_t compress_chunk(const struct writer *writer, struct packer *p
     pipeline->packed_bytes = chunk.unpacked_size;
     assert(pipeline->packed_bytes <= chunk_bytes);
     for (int line = 0; line < chunk.height; line++)
-        image_exr_line_pack(writer->image, writer->is_half, y + line,
-                            packer->lines + (size_t)line * writer->line_bytes);
+        if (!pack_line(writer, y + line, packer->lines + (size_t)line * writer->line_bytes))
+            return EXR_ERR_INVALID_ARGUMENT;
     return compress(writer, packer);
 }
 
@@ -415,7 +423,8 @@ bool image_exr_write(int fd, const struct image *image, const struct image_exr_h
                             .is_zip = header->compression == JOB_COMPRESSION_ZIP ||
                                       header->compression == JOB_COMPRESSION_ZIPS,
                             .line_bytes = image_exr_line_bytes(image, header->pixel == JOB_PIXEL_HALF),
-                            .is_half = header->pixel == JOB_PIXEL_HALF};
+                            .is_half = header->pixel == JOB_PIXEL_HALF,
+                            .is_checked = header->is_checked};
     bool ok;
 
     pthread_mutex_init(&writer.lock, NULL);

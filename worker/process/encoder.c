@@ -49,6 +49,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .quality = picture->quality,
         .is_draft = job->quality.is_draft,
         .captured = (int64_t)time(NULL),
+        .is_checked = true,
     };
 
     memcpy(header.world_to_camera, picture->world_to_camera, sizeof header.world_to_camera);
@@ -56,11 +57,28 @@ static struct image_exr_header make_header(const struct worker *worker, const st
     return header;
 }
 
+static bool is_finite(const struct picture *picture, struct error *error)
+{
+    return image_is_finite(&picture->image, picture->frame->job->job.output.pixel == JOB_PIXEL_HALF, error);
+}
+
+// Writing checks each line while it packs it. Only a picture that it refuses is read again, to say which value is bad.
+static bool write_file(const struct worker *worker, const struct picture *picture, int fd, enum report_fault *fault,
+                       struct error *error)
+{
+    const struct image_exr_header header = make_header(worker, picture);
+
+    *fault = REPORT_FAULT_OUTPUT;
+    if (image_exr_write(fd, &picture->image, &header, worker->options->encode_threads, error)) return true;
+    if (errno == 0) *fault = REPORT_FAULT_FRAME;
+    if (errno != 0 || is_finite(picture, error)) error_prefix(error, "cannot write the frame's file");
+    return false;
+}
+
 // Writes the part file and gates it. On failure no file is left.
 static bool write_part(struct worker *worker, const struct picture *picture, struct gate_result *result,
                        enum report_fault *fault, struct error *error)
 {
-    struct image_exr_header header = make_header(worker, picture);
     int fd = part_file_create(picture->frame, picture->folder_fd, error);
     bool ok;
 
@@ -71,9 +89,7 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
         if (errno == EEXIST) *fault = REPORT_FAULT_FRAME;
         return false;
     }
-    ok = image_exr_write(fd, &picture->image, &header, worker->options->encode_threads, error);
-    if (!ok && errno == 0) *fault = REPORT_FAULT_FRAME;
-    if (!ok) error_prefix(error, "cannot write the frame's file");
+    ok = write_file(worker, picture, fd, fault, error);
     worker_advance(worker);
     if (ok) {
         *fault = REPORT_FAULT_FRAME;
@@ -91,15 +107,14 @@ static bool write_part(struct worker *worker, const struct picture *picture, str
     return ok;
 }
 
-// Refuses pictures before they are encoded: values that are not finite, or too large a share of cut light.
-static bool check_picture(const struct picture *picture, enum report_fault *fault, struct error *error)
+// Refuses pictures with too large a share of cut light before they are encoded. The share of a picture that is not
+// finite means nothing.
+static bool check_rays(const struct picture *picture, enum report_fault *fault, struct error *error)
 {
-    const struct job *job = &picture->frame->job->job;
-
-    *fault = REPORT_FAULT_FRAME;
-    if (!image_is_finite(&picture->image, job->output.pixel == JOB_PIXEL_HALF, error)) return false;
     *fault = REPORT_FAULT_CUT;
-    return ray_counts_check(&picture->ray_counts, &job->quality, error);
+    if (ray_counts_check(&picture->ray_counts, &picture->frame->job->job.quality, error)) return true;
+    if (!is_finite(picture, error)) *fault = REPORT_FAULT_FRAME;
+    return false;
 }
 
 static struct frame_accuracy find_accuracy(const struct picture *picture)
@@ -125,7 +140,7 @@ static void encode(struct worker *worker, struct picture *picture)
         worker_drop_frame(worker, frame);
         return;
     }
-    if (!check_picture(picture, &fault, &error) || !write_part(worker, picture, &result, &fault, &error)) {
+    if (!check_rays(picture, &fault, &error) || !write_part(worker, picture, &result, &fault, &error)) {
         report_frame_failed(&worker->connection, frame, fault, error.message);
         worker_end_frame(worker, frame);
         return;

@@ -4,6 +4,8 @@
 #include "worker/picture/image.h"
 #include "worker/picture/image_exr.h"
 
+#include <errno.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -104,10 +106,58 @@ static void chunks_of_one_value_come_back_to_the_bit(void **state)
     }
 }
 
+static void assert_refused(const struct image *image, const struct image_exr_header *header)
+{
+    for (int threads = 1; threads <= 2; threads++) {
+        struct error error = {0};
+        int fd = memfd_create("frame", MFD_CLOEXEC);
+
+        assert_false(image_exr_write(fd, image, header, threads, &error));
+        assert_int_equal(errno, 0);
+        assert_true(error.message[0]);
+        close(fd);
+    }
+}
+
+static void assert_checked(struct image *image, enum job_pixel pixel, enum job_compression compression)
+{
+    struct image_exr_header header = {
+        .pixel = pixel, .compression = compression, .fps_denominator = 1, .is_checked = true};
+    size_t count = (size_t)image->width_px * (size_t)image->height_px;
+    float *const last[] = {&image->rgba[4 * count - 1], &image->transmittance[4 * count - 2], &image->depth[count - 1]};
+
+    fill_rows(image, 0, image->height_px, 0.5f, 1.0f, 7e4f); // depth is never written as half
+    image->transmittance[3] = NAN;                           // belongs to no channel
+    close(write_image(image, &header, 2));
+    for (size_t i = 0; i < sizeof last / sizeof last[0]; i++) {
+        float before = *last[i];
+
+        *last[i] = i == 1 ? -INFINITY : NAN;
+        assert_refused(image, &header);
+        *last[i] = before;
+    }
+    image->rgba[4 * (count / 2)] = 65505.0f;
+    if (pixel == JOB_PIXEL_HALF) assert_refused(image, &header);
+    if (pixel == JOB_PIXEL_FLOAT) close(write_image(image, &header, 2));
+}
+
+static void values_are_checked_while_they_are_packed(void **state)
+{
+    struct image image;
+
+    assert_true(image_init(&image, 19, 37, true, true, NULL));
+    for (int i = JOB_COMPRESSION_NONE; i <= JOB_COMPRESSION_PIZ; i++) {
+        assert_checked(&image, JOB_PIXEL_HALF, (enum job_compression)i);
+        assert_checked(&image, JOB_PIXEL_FLOAT, (enum job_compression)i);
+    }
+    image_finish(&image);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(chunks_of_one_value_come_back_to_the_bit),
+        cmocka_unit_test(values_are_checked_while_they_are_packed),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);
