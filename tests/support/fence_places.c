@@ -55,17 +55,31 @@ int fence_places_make(void **state)
     return 0;
 }
 
+static struct fence_job make_job(const char *folder, const char *name, const char *output)
+{
+    struct fence_job job = {.output_root = strdup(fence_places_at("out")), .output_folder = strdup(output)};
+
+    job.inputs = calloc(1, sizeof job.inputs[0]);
+    job.input_count = 1;
+    job.inputs[0] = (struct fence_input){strdup("the file"), strdup(fence_places_at("in")), strdup(folder), NULL};
+    assert_true(asprintf(&job.inputs[0].path, "%s/%s%s%s", fence_places_at("in"), folder, *folder ? "/" : "", name) >
+                0);
+    return job;
+}
+
 struct fence fence_places_job(const char *folder, const char *name, const char *output)
 {
-    struct fence fence = {.output_root = strdup(fence_places_at("out")), .output_folder = strdup(output)};
+    struct fence fence = {.job = make_job(folder, name, output)};
 
-    fence.inputs = calloc(1, sizeof fence.inputs[0]);
-    fence.input_count = 1;
-    fence.inputs[0] = (struct fence_input){strdup("the file"), strdup(fence_places_at("in")), strdup(folder), NULL};
-    assert_true(asprintf(&fence.inputs[0].path, "%s/%s%s%s", fence_places_at("in"), folder, *folder ? "/" : "", name) >
-                0);
     path_list_add(&fence.closed, strdup(fence_places_at("state")));
     return fence;
+}
+
+void fence_places_add_job(struct fence *fence, const char *folder, const char *name, const char *output)
+{
+    fence->others = realloc(fence->others, (fence->other_count + 1) * sizeof fence->others[0]);
+    assert_non_null(fence->others);
+    fence->others[fence->other_count++] = make_job(folder, name, output);
 }
 
 bool fence_places_has_landlock(void)

@@ -18,6 +18,7 @@ void fence_places_write_file(const char *path);
 
 // The job whose only input is that file, in that folder below in/.
 struct fence fence_places_job(const char *folder, const char *name, const char *output);
+void fence_places_add_job(struct fence *fence, const char *folder, const char *name, const char *output);
 bool fence_places_has_landlock(void);
 void fence_places_skip_without_landlock(void);
 // Finishes the fence.

@@ -17,7 +17,7 @@ struct options {
     const char *shader_dir; // borrowed from argv; NULL: the shaders built in
     int encode_threads;
     bool has_sandbox;     // enters the sandbox
-    bool is_fenced;       // serves one job, named by worker.fence
+    bool is_fenced;       // serves the jobs of one owner whose files worker.fence names
     int64_t memory_bytes; // allowed to be allocated; 0: any amount
     bool wants_version;   // then the socket may be missing
 };

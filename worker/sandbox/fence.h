@@ -1,4 +1,4 @@
-// The files that a worker for one job may access, from the message worker.fence.
+// The files that a worker for the jobs of one owner may access, from the message worker.fence.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -15,12 +15,18 @@ struct fence_input {
     char *place, *root, *folder, *path; // owned
 };
 
-// The zero value is empty.
-struct fence {
+struct fence_job {
     struct fence_input *inputs; // owned
     size_t input_count, input_capacity;
-    char *output_root;       // owned; absolute
-    char *output_folder;     // owned; relative to the root, "" for the root itself
+    char *output_root;   // owned; absolute
+    char *output_folder; // owned; relative to the root, "" for the root itself
+};
+
+// The zero value is empty.
+struct fence {
+    struct fence_job job;     // the job that the worker is started for
+    struct fence_job *others; // owned; of the same owner
+    size_t other_count, other_capacity;
     struct path_list closed; // the daemon's own paths, which no opened folder may contain
     bool has_converter;      // the job runs nanovdb_convert
 };

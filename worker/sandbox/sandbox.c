@@ -72,6 +72,22 @@ static bool give_up_privileges(struct error *error)
     return drop_capabilities(error);
 }
 
+static bool allow_inputs(const struct sandbox_landlock *landlock, const struct fence *fence,
+                         const struct fence_job *job, size_t *files_left, struct error *error)
+{
+    for (size_t i = 0; i < job->input_count; i++)
+        if (!sandbox_folders_allow_input(landlock, fence, &job->inputs[i], files_left, error)) return false;
+    return true;
+}
+
+// What cannot be opened stays closed: a worker of its own tells what is wrong with the job.
+static void allow_other(const struct sandbox_landlock *landlock, const struct fence *fence,
+                        const struct fence_job *other, size_t *files_left)
+{
+    if (allow_inputs(landlock, fence, other, files_left, NULL))
+        (void)sandbox_folders_allow_output(landlock, fence, other, false, NULL);
+}
+
 static bool allow_job(const struct sandbox_landlock *landlock, const struct sandbox_job *job, enum sandbox_fault *fault,
                       struct error *error)
 {
@@ -79,10 +95,11 @@ static bool allow_job(const struct sandbox_landlock *landlock, const struct sand
     size_t files_left = SANDBOX_FILE_LIMIT;
 
     *fault = SANDBOX_FAULT_JOB;
-    for (size_t i = 0; i < fence->input_count; i++)
-        if (!sandbox_folders_allow_input(landlock, fence, &fence->inputs[i], &files_left, error)) return false;
+    if (!allow_inputs(landlock, fence, &fence->job, &files_left, error)) return false;
     *fault = SANDBOX_FAULT_OUTPUT;
-    if (!sandbox_folders_allow_output(landlock, fence, error)) return false;
+    if (!sandbox_folders_allow_output(landlock, fence, &fence->job, true, error)) return false;
+    for (size_t i = 0; i < fence->other_count; i++)
+        allow_other(landlock, fence, &fence->others[i], &files_left);
     *fault = SANDBOX_FAULT_WORKER;
     return sandbox_system_allow(landlock, job->shader_folder, error);
 }

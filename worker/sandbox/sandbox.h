@@ -28,9 +28,9 @@ struct sandbox_job {
     const char *shader_folder; // borrowed for the call; NULL: none is read
 };
 
-// Confines a worker for one job, before it has threads. Afterwards it can open the job's inputs, its output folder and
-// what drivers need, makes no sockets and reaches no other process. `holds` receives the names of what the kernel
-// enforces.
+// Confines a worker for one owner's jobs, before it has threads. Afterwards it can open their inputs, their output
+// folders and what drivers need, makes no sockets and reaches no other process. `holds` receives the names of what the
+// kernel enforces. Errors are of the fence's first job alone: what the others lack stays closed.
 bool sandbox_enter_job(const struct sandbox_job *job, char holds[static SANDBOX_TEXT_SIZE], enum sandbox_fault *fault,
                        struct error *error);
 

@@ -153,10 +153,10 @@ bool sandbox_folders_allow_input(const struct sandbox_landlock *landlock, const 
 }
 
 bool sandbox_folders_allow_output(const struct sandbox_landlock *landlock, const struct fence *fence,
-                                  struct error *error)
+                                  const struct fence_job *job, bool create, struct error *error)
 {
-    const struct output_path path = {.folder = fence->output_folder};
-    int fd = output_path_open_folder(&path, fence->output_root, true, error);
+    const struct output_path path = {.folder = job->output_folder};
+    int fd = output_path_open_folder(&path, job->output_root, create, error);
     const char *closed;
     bool ok = false;
 
@@ -164,7 +164,7 @@ bool sandbox_folders_allow_output(const struct sandbox_landlock *landlock, const
     closed = find_closed_in(fence, fd);
     if (closed)
         error_set(error, "\"%s\" below \"%s\" holds %s, which is the daemon's: expected a folder beside it",
-                  fence->output_folder, fence->output_root, closed);
+                  job->output_folder, job->output_root, closed);
     else
         ok = sandbox_landlock_allow(landlock, fd, SANDBOX_READ | SANDBOX_WRITE, error);
     close(fd);

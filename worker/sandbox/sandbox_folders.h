@@ -11,6 +11,7 @@ enum { SANDBOX_FILE_LIMIT = 32768 };
 struct error;
 struct fence;
 struct fence_input;
+struct fence_job;
 struct sandbox_landlock;
 
 // Allows the folder of the input's file, so that files beside it can be read and a file can be replaced. Where the
@@ -19,6 +20,6 @@ struct sandbox_landlock;
 // it, a folder that does not exist, and more single files than `*files_left`, which counts down, are errors.
 bool sandbox_folders_allow_input(const struct sandbox_landlock *landlock, const struct fence *fence,
                                  const struct fence_input *input, size_t *files_left, struct error *error);
-// Allows the output folder, made if it is missing. A folder that contains a closed path is an error.
+// Allows the job's output folder, made if it is missing and `create`. A folder that contains a closed path is an error.
 bool sandbox_folders_allow_output(const struct sandbox_landlock *landlock, const struct fence *fence,
-                                  struct error *error);
+                                  const struct fence_job *job, bool create, struct error *error);

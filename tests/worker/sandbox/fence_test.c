@@ -36,16 +36,33 @@ static void all_of_it_is_read(void **state)
 
     assert_true(read_line(&fence, "worker.fence",
                           "{\"inputs\":[" INPUT "]," OUTPUT ",\"closed\":[\"/s\",\"/t\"],\"converter\":true}", NULL));
-    assert_int_equal(fence.input_count, 1);
-    assert_string_equal(fence.inputs[0].place, "p");
-    assert_string_equal(fence.inputs[0].root, "/srv/in");
-    assert_string_equal(fence.inputs[0].folder, "b");
-    assert_string_equal(fence.inputs[0].path, "/srv/in/b/c.raw");
-    assert_string_equal(fence.output_root, "/srv/out");
-    assert_string_equal(fence.output_folder, "a");
+    assert_int_equal(fence.job.input_count, 1);
+    assert_string_equal(fence.job.inputs[0].place, "p");
+    assert_string_equal(fence.job.inputs[0].root, "/srv/in");
+    assert_string_equal(fence.job.inputs[0].folder, "b");
+    assert_string_equal(fence.job.inputs[0].path, "/srv/in/b/c.raw");
+    assert_string_equal(fence.job.output_root, "/srv/out");
+    assert_string_equal(fence.job.output_folder, "a");
     assert_int_equal(fence.closed.count, 2);
     assert_string_equal(fence.closed.paths[1], "/t");
     assert_true(fence.has_converter);
+    fence_finish(&fence);
+}
+
+static void other_jobs_are_read(void **state)
+{
+    struct fence fence;
+
+    assert_true(read_line(&fence, "worker.fence",
+                          "{\"inputs\":[]," OUTPUT ",\"others\":[{\"inputs\":[" INPUT
+                          "],\"output\":{\"root\":\"/srv/out\","
+                          "\"folder\":\"b\"}},{\"inputs\":[]," OUTPUT "}],\"closed\":[],\"converter\":false}",
+                          NULL));
+    assert_int_equal(fence.other_count, 2);
+    assert_string_equal(fence.others[0].inputs[0].path, "/srv/in/b/c.raw");
+    assert_string_equal(fence.others[0].output_folder, "b");
+    assert_int_equal(fence.others[1].input_count, 0);
+    assert_string_equal(fence.others[1].output_folder, "a");
     fence_finish(&fence);
 }
 
@@ -56,8 +73,8 @@ static void assert_refused(const char *method, const char *params, const char *w
 
     assert_false(read_line(&fence, method, params, &error));
     if (!strstr(error.message, words)) fail_msg("expected \"%s\" in \"%s\"", words, error.message);
-    assert_int_equal(fence.input_count, 0);
-    assert_null(fence.output_root);
+    assert_int_equal(fence.job.input_count, 0);
+    assert_null(fence.job.output_root);
 }
 
 static void what_is_no_fence_is_refused(void **state)
@@ -65,6 +82,9 @@ static void what_is_no_fence_is_refused(void **state)
     assert_refused("worker.job", "{}", "expected worker.fence, got worker.job");
     assert_refused("worker.fence", "{}", "inputs");
     assert_refused("worker.fence", "{\"inputs\":[]," OUTPUT ",\"closed\":[]}", "converter");
+    assert_refused("worker.fence",
+                   "{\"inputs\":[]," OUTPUT ",\"others\":[{\"inputs\":[]}],\"closed\":[],\"converter\":false}",
+                   "others[0].output");
     assert_refused("worker.fence",
                    "{\"inputs\":[{\"place\":\"p\",\"root\":\"in\",\"folder\":\"\",\"path\":\"/x\"}]," OUTPUT
                    ",\"closed\":[],\"converter\":false}",
@@ -78,6 +98,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_of_it_is_read),
+        cmocka_unit_test(other_jobs_are_read),
         cmocka_unit_test(what_is_no_fence_is_refused),
     };
 

@@ -83,6 +83,74 @@ static void nobody_elses_files_are_there(void **state)
     fence_places_run(fence_places_job("ann", "a.raw", "ann"), reach_for_files);
 }
 
+static int use_files_of_two_jobs(void)
+{
+    if (!fence_places_can_open(fence_places_at("in/ann/a.raw"), O_RDONLY)) return 31;
+    if (!fence_places_can_open(fence_places_at("in/two/a.raw"), O_RDONLY)) return 32;
+    if (!fence_places_can_open(fence_places_at("out/ann/x.part"), O_RDWR | O_CREAT | O_EXCL)) return 33;
+    if (!fence_places_can_open(fence_places_at("out/two/x.part"), O_RDWR | O_CREAT | O_EXCL)) return 34;
+    if (unlink(fence_places_at("out/ann/x.part")) != 0 || unlink(fence_places_at("out/two/x.part")) != 0) return 35;
+    if (fence_places_can_open(fence_places_at("in/two/a.raw"), O_WRONLY)) return 36;
+    if (fence_places_can_open(fence_places_at("out/x.part"), O_RDWR | O_CREAT | O_EXCL)) return 37;
+    return reach_for_files();
+}
+
+// The fence of several jobs opens what the fence of each opens, and nothing between.
+static void files_of_the_owners_other_jobs_are_there(void **state)
+{
+    struct fence fence = fence_places_job("ann", "a.raw", "ann");
+
+    fence_places_skip_without_landlock();
+    assert_int_equal(mkdir(fence_places_at("in/two"), 0700), 0);
+    assert_int_equal(mkdir(fence_places_at("out/two"), 0700), 0);
+    fence_places_write_file(fence_places_at("in/two/a.raw"));
+    fence_places_add_job(&fence, "two", "a.raw", "two");
+    fence_places_run(fence, use_files_of_two_jobs);
+}
+
+static int use_files_beside_faulty_jobs(void)
+{
+    if (fence_places_can_open(fence_places_at("out/two/x.part"), O_RDWR | O_CREAT | O_EXCL)) return 31;
+    if (fence_places_can_open(fence_places_at("state/x.part"), O_RDWR | O_CREAT | O_EXCL)) return 32;
+    if (access(fence_places_at("out/three"), F_OK) == 0) return 33;
+    return use_own_files() ? 34 : reach_for_files();
+}
+
+// Another job's faults are told by a worker of its own.
+static void what_other_jobs_lack_stays_closed(void **state)
+{
+    struct fence fence = fence_places_job("ann", "a.raw", "ann");
+
+    fence_places_skip_without_landlock();
+    assert_int_equal(symlink("../state", fence_places_at("in/away")), 0);
+    assert_int_equal(symlink("../state", fence_places_at("out/away")), 0);
+    assert_int_equal(mkdir(fence_places_at("out/two"), 0700), 0);
+    fence_places_add_job(&fence, "away", "store", "two");
+    fence_places_add_job(&fence, "none", "a.raw", "two");
+    fence_places_add_job(&fence, "ann", "a.raw", "away");
+    fence_places_add_job(&fence, "ann", "a.raw", "three");
+    fence_places_run(fence, use_files_beside_faulty_jobs);
+}
+
+static int held_folder; // the descriptor of a folder that the fence does not open
+
+static int open_from_a_held_folder(void)
+{
+    int fd = openat(held_folder, "b.exr", O_RDONLY);
+
+    return fd >= 0 ? 1 : errno == EACCES ? 0 : 2;
+}
+
+// Therefore a worker that runs cannot be given further folders.
+static void folder_that_was_opened_before_opens_nothing(void **state)
+{
+    fence_places_skip_without_landlock();
+    held_folder = open(fence_places_at("out/bob"), O_RDONLY | O_DIRECTORY);
+    assert_true(held_folder >= 0);
+    fence_places_run(fence_places_job("ann", "a.raw", "ann"), open_from_a_held_folder);
+    close(held_folder);
+}
+
 static int read_the_one_file(void)
 {
     if (!fence_places_can_open(fence_places_at("in/top.raw"), O_RDONLY)) return 1;
@@ -176,9 +244,9 @@ static struct fence fence_with_store(const char *folder, const char *name)
     struct fence fence = fence_places_job(folder, name, "ann"), other = fence_places_job("ann", "b.raw", "ann");
 
     // Both files are the job's.
-    fence.inputs = realloc(fence.inputs, 2 * sizeof fence.inputs[0]);
-    fence.inputs[fence.input_count++] = other.inputs[0];
-    other.input_count = 0;
+    fence.job.inputs = realloc(fence.job.inputs, 2 * sizeof fence.job.inputs[0]);
+    fence.job.inputs[fence.job.input_count++] = other.job.inputs[0];
+    other.job.input_count = 0;
     fence_finish(&other);
     path_list_add(&fence.closed, strdup(fence_places_at("in/state")));
     return fence;
@@ -329,12 +397,15 @@ static void memory_has_a_limit(void **state)
     assert_int_equal(WEXITSTATUS(status), 0);
 }
 
-int main(void)
+int main(int argc, char *argv[])
 {
 #define IN_PLACES(test) cmocka_unit_test_setup_teardown(test, fence_places_make, temp_folder_destroy)
     const struct CMUnitTest tests[] = {
         IN_PLACES(own_files_are_there),
         IN_PLACES(nobody_elses_files_are_there),
+        IN_PLACES(files_of_the_owners_other_jobs_are_there),
+        IN_PLACES(what_other_jobs_lack_stays_closed),
+        IN_PLACES(folder_that_was_opened_before_opens_nothing),
         IN_PLACES(file_in_the_root_itself_opens_no_more_than_itself),
         IN_PLACES(sequence_in_the_root_opens_files_of_its_name),
         IN_PLACES(folder_that_holds_the_store_is_not_opened),
@@ -346,5 +417,6 @@ int main(void)
         cmocka_unit_test(memory_has_a_limit),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
