@@ -14,6 +14,7 @@
 //   lie:MS       like write, but reports a wrong file, and frames that it was not given as finished
 //   fail:FAULT   answers frame.failed with that fault
 //   crash        dies when it begins a frame
+//   loyal        like write at once, for the first job that it serves; dies when it begins a frame of another
 //   hang         begins a frame and sends nothing more
 //   garbage      begins a frame and sends bytes that are no message
 //   nocontext    sends worker.failed and exits 1
@@ -63,6 +64,7 @@ struct stub {
     size_t next, count, capacity;
     bool is_begun, is_exiting;
     int64_t due_ms, beat_ms;
+    int64_t first_job;   // that it served; 0: none yet
     enum stub_plan plan; // of the frame that is begun
     double progress;
     struct stub_job *jobs;
@@ -85,7 +87,8 @@ static bool has_mode(const struct stub *stub, const char *mode)
 static bool writes_files(const struct stub *stub)
 {
     return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "plan") || has_mode(stub, "phase") ||
-           has_mode(stub, "lie") || has_mode(stub, "share") || has_mode(stub, "misplan") || has_mode(stub, "intrude");
+           has_mode(stub, "lie") || has_mode(stub, "loyal") || has_mode(stub, "share") || has_mode(stub, "misplan") ||
+           has_mode(stub, "intrude");
 }
 
 static bool shares_plans(const struct stub *stub)
@@ -243,7 +246,8 @@ static void begin_frame(struct stub *stub)
     }
     if (shares_plans(stub)) ask_for_plan(stub, frame);
     if (has_mode(stub, "garbage")) json_write_raw(&stub->out, "what?\n", 6);
-    if (has_mode(stub, "crash")) {
+    if (!stub->first_job) stub->first_job = frame->job;
+    if (has_mode(stub, "crash") || (has_mode(stub, "loyal") && frame->job != stub->first_job)) {
         flush(stub);
         fprintf(stderr, "stub: crashing on frame %d\n", frame->frame);
         signal(SIGSEGV, SIG_DFL);

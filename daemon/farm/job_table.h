@@ -36,6 +36,7 @@ struct job_record {
     int frames_in_flight;                    // frames that workers hold or that are being published
     int failed_starts;                       // consecutive workers for it that ended before they were ready
     bool is_last_start;                      // workers for other jobs do start: one more failed start pauses the job
+    bool needs_own_worker;                   // a frame of it failed in a worker that was started for another job
     int holds;                               // users that keep it alive after its removal
     bool is_removed;                         // from the table
     bool is_deleting;                        // a deletion is under way

@@ -28,8 +28,9 @@ struct attempt_end {
     struct queue_ticket ticket;
     enum retry_fault fault;
     bool is_started;
-    bool is_lost; // the worker is gone
-    bool has_row; // the store holds a publish intent for it
+    bool is_lost;   // the worker is gone
+    bool is_hosted; // the worker was started for another job
+    bool has_row;   // the store holds a publish intent for it
     int worker;
     const char *error;
     const char *log;
@@ -88,11 +89,21 @@ static bool is_hopeless(const struct queue_job *queued)
                               queued->counts[FRAME_SUCCEEDED] + queued->counts[FRAME_SKIPPED]);
 }
 
+static enum retry_action decide(const struct farm *farm, const struct attempt_end *end)
+{
+    int tries = end->record->queued->states[end->ticket.index].tries;
+
+    if (end->is_hosted && retry_blames_host(end->fault)) {
+        if (end->is_started) end->record->needs_own_worker = true;
+        return RETRY_FREE;
+    }
+    return retry_decide(end->fault, end->is_started, tries, farm->options->max_attempts);
+}
+
 // The ticket must own its frame.
 static void end_attempt(struct farm *farm, const struct attempt_end *end)
 {
-    int tries = end->record->queued->states[end->ticket.index].tries;
-    enum retry_action action = retry_decide(end->fault, end->is_started, tries, farm->options->max_attempts);
+    enum retry_action action = decide(farm, end);
     enum frame_state state;
 
     switch (action) {
@@ -222,6 +233,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
                               .ticket = ticket,
                               .fault = report->fault,
                               .is_started = true,
+                              .is_hosted = worker_process_is_host(worker, ticket.job),
                               .worker = worker->id,
                               .error = error,
                               .log = log};
@@ -325,6 +337,7 @@ void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, co
                                   .fault = is_suspect(worker, &frame) ? RETRY_FAULT_ENDLESS : RETRY_FAULT_LOST,
                                   .is_started = frame.is_started,
                                   .is_lost = true,
+                                  .is_hosted = worker_process_is_host(worker, frame.ticket.job),
                                   .worker = worker->id,
                                   .error = is_suspect(worker, &frame) ? suspicion : reason,
                                   .log = log};

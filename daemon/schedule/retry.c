@@ -29,6 +29,11 @@ enum retry_action retry_decide(enum retry_fault fault, bool is_started, int trie
     return tries < max_attempts ? RETRY_FRAME : RETRY_FAIL_FRAME;
 }
 
+bool retry_blames_host(enum retry_fault fault)
+{
+    return fault != RETRY_FAULT_ENDLESS && fault != RETRY_FAULT_CUT && fault != RETRY_FAULT_MISSED;
+}
+
 bool retry_gives_up_job(int64_t failed, int64_t done)
 {
     return failed >= RETRY_HOPELESS_LIMIT && done == 0;

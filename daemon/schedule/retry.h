@@ -34,6 +34,10 @@ enum retry_action {
 // attempt that failed (struct queue_frame).
 enum retry_action retry_decide(enum retry_fault fault, bool is_started, int tries, int max_attempts);
 
+// Whether a fault in a worker that was started for another job says nothing of this job: the worker's fence, or what
+// the other job left in it, may be the cause. Then the frame is tried again in a worker of its own, as by RETRY_FREE.
+bool retry_blames_host(enum retry_fault fault);
+
 enum { RETRY_HOPELESS_LIMIT = 3 };
 
 // Whether a job is failed as a whole after a frame was failed for RETRY_FAULT_LOST or a later fault of the enum: when

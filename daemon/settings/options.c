@@ -31,7 +31,7 @@ const char options_help[] =
     "  --backend NAME          auto, egl, osmesa or software (auto)\n"
     "  --worker-memory BYTES   memory of one worker: auto, none, or a size like 4G\n"
     "                          (auto: 90 % of the machine's memory, divided by the workers)\n"
-    "  --sandbox yes|no        workers reach only the files of the job that they render (yes)\n"
+    "  --sandbox yes|no        a worker reaches only the files of one user's jobs (yes)\n"
     "  --worker-program PATH   program of the worker (march-worker beside marchd)\n"
     "  --shader-dir DIR        folder of shaders, instead of those inside the worker\n"
     "  --max-attempts N        attempts at a frame before it is failed (3)\n"

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/workers/job_fence.h"
 
+#include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/base/path_list.h"
 #include "core/job/input_roots.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
@@ -15,6 +17,130 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+// A fence is made on the daemon's loop.
+enum {
+    JOB_LIMIT = 64,
+    INPUT_LIMIT = 512,        // of all its jobs; the first job may have more
+    DOCUMENT_LIMIT = 1 << 20, // bytes, likewise
+    SEARCH_LIMIT = 4096       // jobs of the queue that are looked at
+};
+
+struct fenced_job {
+    struct job_inputs inputs;
+    char *root, *folder; // owned; of its output
+    bool has_converter;
+};
+
+struct job_fence {
+    int64_t owner_uid;
+    struct fenced_job *jobs; // owned; the first is the job that the worker is started for
+    size_t count, capacity;
+    // The latest answer of job_fence_opens; 0: none.
+    int64_t asked_job;
+    bool does_open;
+};
+
+static bool needs_converter(const struct job_inputs *inputs)
+{
+    for (size_t i = 0; i < inputs->count; i++) {
+        const struct file_format *format = file_format_find(inputs->inputs[i].path);
+
+        if (format && format->needs_converter) return true;
+    }
+    return false;
+}
+
+static bool find_files(struct fenced_job *files, const struct farm *farm, const struct job_record *record,
+                       const char *document, struct error *error)
+{
+    struct job job = {0};
+    struct cJSON *tree = NULL;
+    struct json_node root;
+    bool ok = false;
+
+    if (!json_parse(&tree, document, strlen(document), error)) return false;
+    root = json_node_root(tree);
+    if (job_from_json(&job, &root, record->root, error) &&
+        input_roots_find(&files->inputs, &job, &farm->options->input_roots, error)) {
+        files->root = xstrdup(record->root);
+        files->folder = xstrdup(record->path.folder);
+        files->has_converter = needs_converter(&files->inputs);
+        ok = true;
+    }
+    job_finish(&job);
+    json_delete(tree);
+    return ok;
+}
+
+static void finish_files(struct fenced_job *files)
+{
+    job_inputs_finish(&files->inputs);
+    free(files->root);
+    free(files->folder);
+}
+
+static void add(struct job_fence *fence, const struct fenced_job *files)
+{
+    fence->jobs = xgrow(fence->jobs, &fence->capacity, fence->count + 1, sizeof fence->jobs[0]);
+    fence->jobs[fence->count++] = *files;
+}
+
+// The files of the owner's jobs that come next. A job that has none to be found is left to a worker of its own.
+static void add_next_jobs(struct job_fence *fence, const struct farm *farm, const struct queue_job *queued)
+{
+    size_t bytes = 0, inputs = fence->jobs[0].inputs.count;
+
+    for (int i = 0; queued && i < SEARCH_LIMIT && fence->count < JOB_LIMIT; queued = queued->next, i++) {
+        const struct job_record *record = job_table_find(&farm->jobs, queued->id);
+        struct fenced_job files = {0};
+        char *document;
+
+        if (record->owner_uid != fence->owner_uid || record->needs_own_worker || queued->is_paused ||
+            queued->counts[FRAME_QUEUED] == 0)
+            continue;
+        if (!store_read_document(farm->reader, record->id, &document, NULL)) return;
+        bytes += strlen(document);
+        if (bytes <= DOCUMENT_LIMIT && find_files(&files, farm, record, document, NULL)) inputs += files.inputs.count;
+        free(document);
+        if (bytes > DOCUMENT_LIMIT || inputs > INPUT_LIMIT) {
+            finish_files(&files);
+            return;
+        }
+        if (files.root && !files.has_converter)
+            add(fence, &files);
+        else
+            finish_files(&files);
+    }
+}
+
+struct job_fence *job_fence_create(const struct farm *farm, const struct job_record *record, bool *is_job_fault,
+                                   struct error *error)
+{
+    struct job_fence *fence;
+    struct fenced_job files = {0};
+    char *document;
+
+    *is_job_fault = false;
+    if (!store_read_document(farm->reader, record->id, &document, error)) return NULL;
+    *is_job_fault = !find_files(&files, farm, record, document, error);
+    free(document);
+    if (*is_job_fault) return NULL;
+    fence = xcalloc(1, sizeof *fence);
+    fence->owner_uid = record->owner_uid;
+    add(fence, &files);
+    if (!files.has_converter) add_next_jobs(fence, farm, record->queued->next);
+    return fence;
+}
+
+void job_fence_destroy(struct job_fence *fence)
+{
+    if (!fence) return;
+    for (size_t i = 0; i < fence->count; i++)
+        finish_files(&fence->jobs[i]);
+    free(fence->jobs);
+    free(fence);
+}
 
 static void write_inputs(const struct job_inputs *inputs, struct json_writer *writer)
 {
@@ -31,13 +157,27 @@ static void write_inputs(const struct job_inputs *inputs, struct json_writer *wr
     json_write_end_array(writer);
 }
 
-static void write_output(const struct job_record *record, struct json_writer *writer)
+// Writes members of an object that is begun.
+static void write_files(const struct fenced_job *files, struct json_writer *writer)
 {
+    write_inputs(&files->inputs, writer);
     json_write_key(writer, "output");
     json_write_begin_object(writer);
-    json_write_string_member(writer, "root", record->root);
-    json_write_string_member(writer, "folder", record->path.folder);
+    json_write_string_member(writer, "root", files->root);
+    json_write_string_member(writer, "folder", files->folder);
     json_write_end_object(writer);
+}
+
+static void write_others(const struct job_fence *fence, struct json_writer *writer)
+{
+    json_write_key(writer, "others");
+    json_write_begin_array(writer);
+    for (size_t i = 1; i < fence->count; i++) {
+        json_write_begin_object(writer);
+        write_files(&fence->jobs[i], writer);
+        json_write_end_object(writer);
+    }
+    json_write_end_array(writer);
 }
 
 static void write_closed(const struct options *options, struct json_writer *writer)
@@ -49,52 +189,93 @@ static void write_closed(const struct options *options, struct json_writer *writ
     json_write_end_array(writer);
 }
 
-static bool needs_converter(const struct job_inputs *inputs)
-{
-    for (size_t i = 0; i < inputs->count; i++) {
-        const struct file_format *format = file_format_find(inputs->inputs[i].path);
-
-        if (format && format->needs_converter) return true;
-    }
-    return false;
-}
-
-static void write_fence(const struct farm *farm, const struct job_record *record, const struct job_inputs *inputs,
-                        struct json_writer *writer)
+void job_fence_write(const struct job_fence *fence, const struct farm *farm, struct json_writer *writer)
 {
     message_begin_notification(writer, "worker.fence");
     json_write_begin_object(writer);
-    write_inputs(inputs, writer);
-    write_output(record, writer);
+    write_files(&fence->jobs[0], writer);
+    write_others(fence, writer);
     write_closed(farm->options, writer);
-    json_write_bool_member(writer, "converter", needs_converter(inputs));
+    json_write_bool_member(writer, "converter", fence->jobs[0].has_converter);
     json_write_end_object(writer);
     message_end(writer);
 }
 
-bool job_fence_write(const struct farm *farm, const struct job_record *record, struct json_writer *writer,
-                     bool *is_job_fault, struct error *error)
+// Compares texts. Folders are relative to their root; "" is the root itself.
+static bool is_in(const char *folder, const char *other)
 {
-    struct job_inputs inputs = {0};
-    struct job job = {0};
-    struct cJSON *tree = NULL;
-    struct json_node root;
-    char *document = NULL;
-    bool ok = false;
+    size_t length = strlen(other);
 
-    *is_job_fault = false;
-    if (!store_read_document(farm->reader, record->id, &document, error)) return false;
-    *is_job_fault = true;
-    if (!json_parse(&tree, document, strlen(document), error)) goto out;
-    root = json_node_root(tree);
-    if (!job_from_json(&job, &root, record->root, error)) goto out;
-    if (!input_roots_find(&inputs, &job, &farm->options->input_roots, error)) goto out;
-    write_fence(farm, record, &inputs, writer);
-    ok = true;
-out:
-    job_inputs_finish(&inputs);
-    job_finish(&job);
-    json_delete(tree);
+    return length == 0 || (strncmp(folder, other, length) == 0 && (folder[length] == '/' || folder[length] == '\0'));
+}
+
+// An input root itself is never opened, only files in it.
+static bool opens_input(const struct fenced_job *files, const struct job_input *input)
+{
+    for (size_t i = 0; i < files->inputs.count; i++) {
+        const struct job_input *open = &files->inputs.inputs[i];
+
+        if (strcmp(open->root, input->root) != 0) continue;
+        if (strcmp(open->path, input->path) == 0) return true;
+        if (*open->folder && is_in(input->folder, open->folder)) return true;
+    }
+    return false;
+}
+
+static bool opens_inputs(const struct job_fence *fence, const struct job_inputs *inputs)
+{
+    for (size_t i = 0; i < inputs->count; i++) {
+        bool is_open = false;
+
+        for (size_t k = 0; k < fence->count && !is_open; k++)
+            is_open = opens_input(&fence->jobs[k], &inputs->inputs[i]);
+        if (!is_open) return false;
+    }
+    return true;
+}
+
+static bool opens_output(const struct job_fence *fence, const struct job_record *record)
+{
+    for (size_t i = 0; i < fence->count; i++)
+        if (strcmp(fence->jobs[i].root, record->root) == 0 && is_in(record->path.folder, fence->jobs[i].folder))
+            return true;
+    return false;
+}
+
+// The roots may have changed since.
+static bool has_old_roots(const struct job_fence *fence, const struct path_list *roots)
+{
+    for (size_t i = 0; i < fence->count; i++)
+        for (size_t k = 0; k < fence->jobs[i].inputs.count; k++) {
+            const struct job_input *input = &fence->jobs[i].inputs.inputs[k];
+            const char *root = path_list_find_root(roots, input->path);
+
+            if (!root || strcmp(root, input->root) != 0) return true;
+        }
+    return false;
+}
+
+static bool find_whether_it_opens(const struct job_fence *fence, const struct farm *farm,
+                                  const struct job_record *record)
+{
+    struct fenced_job files = {0};
+    char *document;
+    bool does_open;
+
+    if (!opens_output(fence, record)) return false;
+    if (!store_read_document(farm->reader, record->id, &document, NULL)) return false;
+    does_open =
+        find_files(&files, farm, record, document, NULL) && !files.has_converter && opens_inputs(fence, &files.inputs);
     free(document);
-    return ok;
+    finish_files(&files);
+    return does_open;
+}
+
+bool job_fence_opens(struct job_fence *fence, const struct farm *farm, const struct job_record *record)
+{
+    if (fence->owner_uid != record->owner_uid || fence->jobs[0].has_converter) return false;
+    if (has_old_roots(fence, &farm->options->input_roots)) return false;
+    if (fence->asked_job != record->id) fence->does_open = find_whether_it_opens(fence, farm, record);
+    fence->asked_job = record->id;
+    return fence->does_open;
 }

@@ -1,4 +1,4 @@
-// The message worker.fence: the files that a job's worker may reach, from the job's document and the daemon's options.
+// What a fenced worker may reach: the files of the job that it is started for, and of its owner's next jobs.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -6,10 +6,18 @@
 
 struct error;
 struct farm;
+struct job_fence;
 struct job_record;
 struct json_writer;
 
-// False when the store cannot read the document (`*is_job_fault` is false), or when the document is invalid or names a
-// file below no input root (it is true).
-bool job_fence_write(const struct farm *farm, const struct job_record *record, struct json_writer *writer,
-                     bool *is_job_fault, struct error *error);
+// The fence of the job and of the jobs of the same owner that come after it in the queue, as many as are read soon
+// enough. Fences of jobs that run the converter have that job alone. NULL when the store cannot read the job's document
+// (`*is_job_fault` is false), or when the document is invalid or names a file below no input root (it is true).
+struct job_fence *job_fence_create(const struct farm *farm, const struct job_record *record, bool *is_job_fault,
+                                   struct error *error);
+void job_fence_destroy(struct job_fence *fence); // accepts NULL
+// The message worker.fence.
+void job_fence_write(const struct job_fence *fence, const struct farm *farm, struct json_writer *writer);
+// Whether a worker inside this fence may be given the job: it is the same owner's, runs no converter, and its files
+// lie, by their paths, where the fence opens. The kernel may still refuse one: a folder made anew is another one to it.
+bool job_fence_opens(struct job_fence *fence, const struct farm *farm, const struct job_record *record);

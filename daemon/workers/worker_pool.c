@@ -54,8 +54,24 @@ static struct worker_slot *slot_of(struct worker_pool *pool, const struct worker
     return &pool->slots[worker->id - 1];
 }
 
+static int64_t find_memory_limit(const struct worker_pool *pool)
+{
+    int64_t limit = pool->farm->options->worker_memory_bytes;
+
+    if (limit != 0) return limit > 0 ? limit : 0;
+    return (int64_t)((double)uv_get_total_memory() * 0.9 / pool->slot_count);
+}
+
+// A fenced worker goes on to serve jobs of the same owner which its fence opens, under the limits that hold now.
+static bool serves(const struct worker_pool *pool, const struct worker_process *worker, const struct job_record *record)
+{
+    if (!pool->farm->options->has_sandbox || worker->job == record->id) return true;
+    return worker->fence && !record->needs_own_worker && worker->memory_bytes == find_memory_limit(pool) &&
+           job_fence_opens(worker->fence, pool->farm, record);
+}
+
 // Number of workers that will soon take a frame of the job: idle, starting, or making room for it.
-static int64_t count_waiting_for(const struct worker_pool *pool, int64_t job)
+static int64_t count_waiting_for(const struct worker_pool *pool, const struct job_record *record)
 {
     int64_t count = 0;
 
@@ -64,9 +80,9 @@ static int64_t count_waiting_for(const struct worker_pool *pool, int64_t job)
 
         if (!worker) continue;
         if (worker->state == WORKER_STOPPING)
-            count += worker->next_job == job;
+            count += worker->next_job == record->id;
         else
-            count += worker->job == job && worker->in_flight.count == 0;
+            count += worker->in_flight.count == 0 && serves(pool, worker, record);
     }
     return count;
 }
@@ -77,34 +93,27 @@ static struct job_record *find_job_to_serve(const struct worker_pool *pool)
     const struct queue_job *next = pool->farm->options->has_sandbox ? queue_next_job(pool->farm->queue) : NULL;
     struct job_record *record;
 
-    if (!next || count_waiting_for(pool, next->id) >= next->counts[FRAME_QUEUED]) return NULL;
+    if (!next) return NULL;
     record = job_table_find(&pool->farm->jobs, next->id);
+    if (count_waiting_for(pool, record) >= next->counts[FRAME_QUEUED]) return NULL;
     return record->failed_starts < START_LIMIT || record->is_last_start ? record : NULL;
 }
 
-static int64_t find_memory_limit(const struct worker_pool *pool)
-{
-    int64_t limit = pool->farm->options->worker_memory_bytes;
-
-    if (limit != 0) return limit > 0 ? limit : 0;
-    return (int64_t)((double)uv_get_total_memory() * 0.9 / pool->slot_count);
-}
-
-// False when the job cannot be served: it is refused.
-static bool write_fence(struct worker_pool *pool, struct job_record *record, struct json_writer *fence)
+// NULL when the job cannot be served: it is refused.
+static struct job_fence *make_fence(struct worker_pool *pool, struct job_record *record)
 {
     struct error error = {0};
     bool is_job_fault;
+    struct job_fence *fence = job_fence_create(pool->farm, record, &is_job_fault, &error);
 
-    if (job_fence_write(pool->farm, record, fence, &is_job_fault, &error)) return true;
-    pool->handlers->on_job_refused(pool->farm, record, is_job_fault, error.message);
-    return false;
+    if (!fence) pool->handlers->on_job_refused(pool->farm, record, is_job_fault, error.message);
+    return fence;
 }
 
 static void start_worker(struct worker_pool *pool, int index)
 {
     struct job_record *record = find_job_to_serve(pool);
-    struct json_writer fence = {0};
+    struct json_writer first = {0};
     const struct options *options = pool->farm->options;
     struct worker_slot *slot = &pool->slots[index];
     struct worker_params params = {.program = options->worker_program,
@@ -114,12 +123,16 @@ static void start_worker(struct worker_pool *pool, int index)
                                    .progress_limit_ms = options->progress_limit_ms,
                                    .has_sandbox = options->has_sandbox,
                                    .memory_bytes = find_memory_limit(pool),
-                                   .fence = &fence,
+                                   .fence = record ? make_fence(pool, record) : NULL,
+                                   .first = &first,
                                    .id = index + 1};
     struct log_subject subject = {.worker = index + 1};
     struct error error = {0};
 
-    if (record && write_fence(pool, record, &fence)) params.job = record->id;
+    if (params.fence) {
+        params.job = record->id;
+        job_fence_write(params.fence, pool->farm, &first);
+    }
     slot->worker = worker_process_start(pool->farm->loop, &params, &pool->process_handlers, &error);
     if (slot->worker) {
         log_about(LOG_DEBUG, &subject, "worker %d: started, pid %d", index + 1, worker_process_pid(slot->worker));
@@ -128,7 +141,7 @@ static void start_worker(struct worker_pool *pool, int index)
         worker_slot_set_reason(slot, xstrdup(error.message));
         log_about(LOG_WARN, &subject, "worker %d: %s", index + 1, error.message);
     }
-    json_writer_finish(&fence);
+    json_writer_finish(&first);
     pool->handlers->on_slot_changed(pool->farm, index);
 }
 
@@ -176,11 +189,6 @@ static void on_tick(uv_timer_t *tick)
     start_due(pool);
 }
 
-static char *copy_text(const char *text)
-{
-    return text ? xstrdup(text) : NULL;
-}
-
 static void note_start(const struct worker_pool *pool, const struct worker_process *worker)
 {
     struct job_record *record = job_table_find(&pool->farm->jobs, worker->job);
@@ -212,13 +220,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
 {
     if (worker->state != WORKER_STARTING) return;
     liveness_ready(&worker->liveness, farm_now_ms(pool->farm));
-    worker->state = WORKER_READY;
-    worker->backend = xstrdup(report->backend);
-    worker->vendor = xstrdup(report->vendor);
-    worker->renderer = xstrdup(report->renderer);
-    worker->version = xstrdup(report->version);
-    worker->device_uuid = copy_text(report->device_uuid);
-    worker->sandbox = copy_text(report->sandbox);
+    worker_process_note_ready(worker, report);
     note_start(pool, worker);
     // A worker for one job starts often, so its start is logged at debug level only.
     log_about(worker->job ? LOG_DEBUG : LOG_INFO,
@@ -372,9 +374,9 @@ bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker
 {
     struct job_record *record = job_table_find(&pool->farm->jobs, job->id);
 
-    if (!pool->farm->options->has_sandbox || worker->job == job->id) return true;
+    if (serves(pool, worker, record)) return true;
     if (record->failed_starts == START_LIMIT) record->is_last_start = true; // because this worker did start
-    if (worker->in_flight.count > 0 || count_waiting_for(pool, job->id) >= job->counts[FRAME_QUEUED]) return false;
+    if (worker->in_flight.count > 0 || count_waiting_for(pool, record) >= job->counts[FRAME_QUEUED]) return false;
     worker->is_replaced = true;
     worker->next_job = job->id;
     worker_process_exit(worker, farm_now_ms(pool->farm) + EXIT_MS);

@@ -40,8 +40,8 @@ int worker_pool_ready_count(const struct worker_pool *pool);
 int worker_pool_usable_count(const struct worker_pool *pool); // slots that do not back off: ready, or soon
 // The worker in slot `index` if it can be assigned frames, else NULL.
 struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index);
-// Whether the worker can be assigned frames of the job. If it serves another job, has no frames in flight and no other
-// worker is about to take the frames, it is told to exit: the next worker in its slot serves the job.
+// Whether the worker can be assigned frames of the job. If its fence does not open the job, it has no frames in flight
+// and no other worker is about to take the frames, it is told to exit: the next worker in its slot serves the job.
 bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job);
 // Why no worker can be assigned frames; NULL when one can. Owned by the caller.
 char *worker_pool_format_trouble(const struct worker_pool *pool);

@@ -7,6 +7,7 @@
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 #include "core/wire/worker_status.h"
+#include "daemon/workers/job_fence.h"
 #include "daemon/workers/worker_environment.h"
 
 #include <signal.h>
@@ -90,6 +91,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
     worker->id = params->id;
     worker->handlers = handlers;
     worker->job = params->job;
+    worker->fence = params->fence;
     worker->memory_bytes = params->memory_bytes;
     worker->open_handles = 3;
     init_pipes(loop, worker);
@@ -105,7 +107,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
     liveness_start(&worker->liveness, (int64_t)uv_now(loop));
     uv_read_start((uv_stream_t *)&worker->channel, on_allocate_channel, on_channel_read);
     uv_read_start((uv_stream_t *)&worker->errors, on_allocate_errors, on_errors_read);
-    if (params->job) worker_process_send(worker, params->fence);
+    if (params->job) worker_process_send(worker, params->first);
     return worker;
 }
 
@@ -123,6 +125,27 @@ struct log_subject worker_process_subject(const struct worker_process *worker)
 int worker_process_pid(const struct worker_process *worker)
 {
     return uv_process_get_pid(&worker->process);
+}
+
+static char *copy_text(const char *text)
+{
+    return text ? xstrdup(text) : NULL;
+}
+
+void worker_process_note_ready(struct worker_process *worker, const struct worker_report *report)
+{
+    worker->state = WORKER_READY;
+    worker->backend = xstrdup(report->backend);
+    worker->vendor = xstrdup(report->vendor);
+    worker->renderer = xstrdup(report->renderer);
+    worker->version = xstrdup(report->version);
+    worker->device_uuid = copy_text(report->device_uuid);
+    worker->sandbox = copy_text(report->sandbox);
+}
+
+bool worker_process_is_host(const struct worker_process *worker, int64_t job)
+{
+    return worker->fence && worker->job != job;
 }
 
 static void on_allocate_channel(uv_handle_t *handle, size_t suggested, uv_buf_t *buffer)
@@ -376,6 +399,7 @@ static void on_handle_closed(uv_handle_t *handle)
     free(worker->sandbox);
     free(worker->end_reason);
     free(worker->known_jobs);
+    job_fence_destroy(worker->fence);
     in_flight_finish(&worker->in_flight);
     message_stream_finish(&worker->stream);
     free(worker);

@@ -16,7 +16,7 @@
 #include <uv.h>
 
 struct error;
-struct job_record;
+struct job_fence;
 struct json_writer;
 struct worker_process;
 
@@ -42,18 +42,20 @@ struct worker_params {
     int id; // of the slot
     bool has_sandbox;
     int64_t memory_bytes;            // limit of its memory; 0: none
-    int64_t job;                     // the only job that it serves, inside its fence; 0: any job
-    const struct json_writer *fence; // the message worker.fence of that job; borrowed during the call
+    int64_t job;                     // the job that it is started for, inside its fence; 0: any job
+    struct job_fence *fence;         // of that job; moves into the worker; NULL: none
+    const struct json_writer *first; // the message worker.fence; borrowed during the call
 };
 
 // Read by others; changed by this module and the modules that assign frames.
 struct worker_process {
     int id;
     enum worker_state state;
-    int64_t job;          // the only job that it serves; WORKER_ANY_JOB; WORKER_NO_JOB: its job is over
-    int64_t next_job;     // the job that it makes room for; 0: none
-    bool is_replaced;     // it exits to make room: its end is no fault
-    int64_t memory_bytes; // limit of its memory; 0: none
+    int64_t job;             // the job that it was started for; WORKER_ANY_JOB; WORKER_NO_JOB: that job is over
+    struct job_fence *fence; // owned; other jobs that it may serve; NULL: none, or any
+    int64_t next_job;        // the job that it makes room for; 0: none
+    bool is_replaced;        // it exits to make room: its end is no fault
+    int64_t memory_bytes;    // limit of its memory; 0: none
     const struct worker_handlers *handlers;                              // borrowed; outlive us
     char *backend, *vendor, *renderer, *version, *device_uuid, *sandbox; // owned; NULL until ready
     struct in_flight in_flight;
@@ -84,6 +86,9 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
                                             const struct worker_handlers *handlers, struct error *error);
 struct log_subject worker_process_subject(const struct worker_process *worker); // its id, and the frame that it renders
 int worker_process_pid(const struct worker_process *worker);
+void worker_process_note_ready(struct worker_process *worker, const struct worker_report *report); // keeps its texts
+// Whether it was started for another job than this one: its fence or its past may be why a frame fails.
+bool worker_process_is_host(const struct worker_process *worker, int64_t job);
 // Kills it with SIGKILL; `reason` goes into the log of its attempts.
 void worker_process_kill(struct worker_process *worker, const char *reason);
 // Sends worker.exit; the worker is killed at `stop_by_ms`.

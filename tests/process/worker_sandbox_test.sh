@@ -5,6 +5,7 @@
 mkdir -p "$scratch/in/ann" "$scratch/in/bob" "$scratch/out"
 head -c 60 /dev/zero >"$scratch/in/ann/good_5x4x3xuint8.raw"
 cp "$scratch/in/ann/good_5x4x3xuint8.raw" "$scratch/in/bob/secret.raw"
+cp "$scratch/in/ann/good_5x4x3xuint8.raw" "$scratch/in/bob/secret_5x4x3xuint8.raw"
 ln -s "$scratch/state" "$scratch/in/ann/store"
 printf "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 5 4 3\nencoding: raw\nendian: little\ndata file: %s\n" \
     "$scratch/in/bob/secret.raw" >"$scratch/in/ann/spy.nhdr"
@@ -32,11 +33,16 @@ expect_files good 2
 held=$(served sandbox) first=$(served pid)
 [[ $held == "landlock "*", seccomp" || $held == "seccomp, no landlock in this kernel" ]] || fail "a worker with a job's files is held by \"$held\""
 
-# Another job gets another process, even if it reads and writes in the same folders.
+# Another job of the same owner is served by the same process if it reads and writes in folders of the fence, and by another
+# one if it does not.
 id=$(submit "$(scan "$scratch/in/ann/good_5x4x3xuint8.raw" good | jq -c '.output.path = "good/g.####.exr"')")
 wait_state "$id" succeeded
 expect_files good 4
-[ "$(served pid)" != "$first" ] || fail "the worker of the first job has served the second"
+expect "the process of a job within the fence" "$(served pid)" "$first"
+id=$(submit "$(scan "$scratch/in/bob/secret_5x4x3xuint8.raw" good | jq -c '.output.path = "good/h.####.exr"')")
+wait_state "$id" succeeded
+expect_files good 6
+[ "$(served pid)" != "$first" ] || fail "the worker of the first job has read what its fence does not open"
 stop_daemon
 
 # A job that exceeds the memory limit fails and names the limit.

@@ -54,6 +54,18 @@ static void output_fault_pauses_and_never_uses_up_a_frame(void **state)
     assert_int_equal(retry_decide(RETRY_FAULT_OUTPUT, true, 3, 3), RETRY_PAUSE_JOB);
 }
 
+static void a_worker_of_another_job_is_blamed_for_what_depends_on_the_worker(void **state)
+{
+    assert_true(retry_blames_host(RETRY_FAULT_JOB));
+    assert_true(retry_blames_host(RETRY_FAULT_FRAME));
+    assert_true(retry_blames_host(RETRY_FAULT_WORKER));
+    assert_true(retry_blames_host(RETRY_FAULT_OUTPUT));
+    assert_true(retry_blames_host(RETRY_FAULT_LOST));
+    assert_false(retry_blames_host(RETRY_FAULT_ENDLESS));
+    assert_false(retry_blames_host(RETRY_FAULT_CUT));
+    assert_false(retry_blames_host(RETRY_FAULT_MISSED));
+}
+
 static void fault_names_follow_the_enumeration(void **state)
 {
     assert_string_equal(retry_fault_names[RETRY_FAULT_JOB], "job");
@@ -107,6 +119,7 @@ int main(void)
         cmocka_unit_test(a_job_of_endless_frames_only_is_failed),
         cmocka_unit_test(job_fault_fails_the_job_at_once),
         cmocka_unit_test(output_fault_pauses_and_never_uses_up_a_frame),
+        cmocka_unit_test(a_worker_of_another_job_is_blamed_for_what_depends_on_the_worker),
         cmocka_unit_test(fault_names_follow_the_enumeration),
         cmocka_unit_test(backoff_doubles_up_to_a_minute),
         cmocka_unit_test(backoff_ends_with_time_or_success),

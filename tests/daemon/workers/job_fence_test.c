@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/workers/job_fence.h"
+
+#include "core/json/json_write.h"
+#include "daemon/farm/farm.h"
+#include "daemon/settings/options.h"
+#include "daemon/store/store_reader.h"
+#include "tests/daemon/store/store_fixture.h"
+
+enum { ANN = 1000, BOB = 1001 };
+
+// A farm with a store, whose jobs are queued in the order of their ids.
+struct stage {
+    struct folder *folder;
+    struct store *store;
+    struct options options;
+    struct farm farm;
+    int64_t id;
+};
+
+static struct stage *stage_create(void **state)
+{
+    struct stage *stage = xcalloc(1, sizeof *stage);
+    struct error error = {0};
+
+    stage->folder = *state;
+    stage->store = open_store(stage->folder);
+    stage->options.state_folder = xstrdup("/state");
+    stage->options.socket_path = xstrdup("/socket");
+    path_list_add(&stage->options.input_roots, xstrdup("/in"));
+    stage->farm.options = &stage->options;
+    stage->farm.queue = queue_create(3);
+    stage->farm.reader = store_reader_open(stage->folder->path, &error);
+    if (!stage->farm.reader) fail_msg("%s", error.message);
+    return stage;
+}
+
+static void stage_destroy(struct stage *stage)
+{
+    store_reader_close(stage->farm.reader);
+    queue_destroy(stage->farm.queue);
+    job_table_finish(&stage->farm.jobs);
+    path_list_finish(&stage->options.input_roots);
+    free(stage->options.state_folder);
+    free(stage->options.socket_path);
+    store_close(stage->store);
+    free(stage);
+}
+
+#define GRID "{\"density\":{\"kind\":\"grid\",\"file\":\"%s\"},\"sigma_a\":1}"
+#define NOISE                                                                                                          \
+    "{\"density\":{\"kind\":\"noise\",\"frequency\":1,\"bounds\":{\"kind\":\"sphere\",\"center\":[0,0,0],"             \
+    "\"radius\":1}},\"sigma_a\":1}"
+
+static char *format_document(const char *file, const char *folder)
+{
+    char *medium = file ? xasprintf(GRID, file) : xstrdup(NOISE);
+    char *document = xasprintf("{\"version\":1,\"name\":\"j\",\"frames\":\"1-2\",\"fps\":24,\"resolution\":[16,9],"
+                               "\"camera\":{\"position\":[0,0,4],\"target\":[0,0,0],\"fov\":30},"
+                               "\"scene\":{\"media\":[%s]},\"quality\":{\"method\":\"midpoint\",\"step\":0.1},"
+                               "\"output\":{\"path\":\"%s%sf.####.exr\"}}",
+                               medium, folder, *folder ? "/" : "");
+
+    free(medium);
+    return document;
+}
+
+// Adds a job of that user; `file` NULL: it reads none.
+static struct job_record *add_job(struct stage *stage, int64_t owner_uid, const char *file, const char *folder)
+{
+    struct store_op op = job_op(++stage->id);
+    char *pattern = xasprintf("%s%sf.####.exr", folder, *folder ? "/" : "");
+    struct frame_range frames;
+    struct output_path path;
+    struct job_record *record;
+
+    free(op.job.document);
+    op.job.document = format_document(file, folder);
+    commit_one(stage->store, op);
+    assert_true(output_path_parse(&path, pattern, NULL));
+    assert_true(frame_range_parse(&frames, "1-2", NULL));
+    record = job_table_add(&stage->farm.jobs, stage->id, xstrdup("/out"), &path);
+    record->owner_uid = owner_uid;
+    record->queued = queue_add_job(stage->farm.queue, stage->id, &frames, 50, false);
+    free(pattern);
+    return record;
+}
+
+static struct job_fence *fence_of(struct stage *stage, const struct job_record *record)
+{
+    struct error error = {0};
+    bool is_job_fault;
+    struct job_fence *fence = job_fence_create(&stage->farm, record, &is_job_fault, &error);
+
+    if (!fence) fail_msg("%s", error.message);
+    return fence;
+}
+
+// Whether the message worker.fence has the text.
+static bool has_text(struct stage *stage, const struct job_fence *fence, const char *text)
+{
+    struct json_writer writer = {0};
+    bool has;
+
+    job_fence_write(fence, &stage->farm, &writer);
+    has = strstr(writer.text, text) != NULL;
+    json_writer_finish(&writer);
+    return has;
+}
+
+static void next_jobs_of_the_owner_are_in_the_fence(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *own = add_job(stage, ANN, "/in/ann/a.nvdb", "ann/one");
+    struct job_record *next = add_job(stage, ANN, "/in/more/a.nvdb", "ann/two");
+    struct job_fence *fence = fence_of(stage, own);
+    struct job_record *late = add_job(stage, ANN, NULL, "ann/three");
+
+    assert_true(has_text(stage, fence, "\"output\":{\"root\":\"/out\",\"folder\":\"ann/one\"}"));
+    assert_true(has_text(stage, fence, "\"output\":{\"root\":\"/out\",\"folder\":\"ann/two\"}"));
+    assert_true(has_text(stage, fence, "/in/more/a.nvdb"));
+    assert_true(job_fence_opens(fence, &stage->farm, next));
+    assert_false(job_fence_opens(fence, &stage->farm, late)); // nothing was known of its folder
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
+static void jobs_of_others_are_not(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *own = add_job(stage, ANN, "/in/shared/a.nvdb", "film");
+    struct job_record *bobs = add_job(stage, BOB, "/in/shared/a.nvdb", "film/bob");
+    struct job_record *last = add_job(stage, ANN, NULL, "last");
+    struct job_fence *fence = fence_of(stage, own);
+
+    assert_false(has_text(stage, fence, "film/bob"));
+    assert_false(job_fence_opens(fence, &stage->farm, bobs));
+    assert_true(job_fence_opens(fence, &stage->farm, last));
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
+static void jobs_that_do_not_come_next_are_not(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *before = add_job(stage, ANN, NULL, "before");
+    struct job_record *own = add_job(stage, ANN, NULL, "own"), *paused = add_job(stage, ANN, NULL, "paused");
+    struct job_record *over = add_job(stage, ANN, NULL, "over"), *alone = add_job(stage, ANN, NULL, "alone");
+    struct job_fence *fence;
+
+    queue_pause(stage->farm.queue, paused->queued);
+    queue_cancel(stage->farm.queue, over->queued);
+    alone->needs_own_worker = true;
+    fence = fence_of(stage, own);
+    assert_false(job_fence_opens(fence, &stage->farm, before));
+    assert_false(has_text(stage, fence, "paused"));
+    assert_false(has_text(stage, fence, "over"));
+    assert_false(has_text(stage, fence, "alone"));
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
+static void fence_opens_what_lies_in_its_folders(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *own = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
+    struct job_fence *fence = fence_of(stage, own);
+
+    assert_true(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/ann/b.nvdb", "ann")));
+    assert_true(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/ann/deep/b.nvdb", "ann/deep")));
+    assert_true(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, NULL, "ann/deep")));
+    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, NULL, "anna")));
+    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, NULL, "")));
+    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/anna/b.nvdb", "ann")));
+    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/b.nvdb", "ann")));
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
+// In the root itself no folder is opened, only the job's own file.
+static void root_is_not_opened_for_its_files(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *own = add_job(stage, ANN, "/in/a.nvdb", "ann");
+    struct job_fence *fence = fence_of(stage, own);
+
+    assert_true(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/a.nvdb", "ann")));
+    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/b.nvdb", "ann")));
+    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/ann/b.nvdb", "ann")));
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
+static void jobs_with_the_converter_are_alone(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *first = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
+    struct job_record *second = add_job(stage, ANN, "/in/ann/a.vdb", "ann");
+    struct job_record *third = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
+    struct job_fence *plain = fence_of(stage, first), *converting = fence_of(stage, second);
+
+    assert_true(has_text(stage, plain, "\"converter\":false"));
+    assert_false(has_text(stage, plain, "a.vdb"));
+    assert_false(job_fence_opens(plain, &stage->farm, second));
+    assert_true(has_text(stage, converting, "\"converter\":true"));
+    assert_true(has_text(stage, converting, "\"others\":[]"));
+    assert_false(job_fence_opens(converting, &stage->farm, third));
+    job_fence_destroy(plain);
+    job_fence_destroy(converting);
+    stage_destroy(stage);
+}
+
+static void fence_of_former_roots_opens_nothing_more(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *own = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
+    struct job_fence *fence = fence_of(stage, own);
+    struct job_record *next = add_job(stage, ANN, NULL, "ann");
+
+    assert_true(job_fence_opens(fence, &stage->farm, next));
+    path_list_finish(&stage->options.input_roots);
+    path_list_add(&stage->options.input_roots, xstrdup("/in/bob"));
+    assert_false(job_fence_opens(fence, &stage->farm, next));
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
+static void fence_has_64_jobs_at_most(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *own = add_job(stage, ANN, NULL, "f0"), *last = NULL;
+    struct job_fence *fence;
+
+    for (int i = 1; i <= 64; i++) {
+        char folder[8];
+
+        snprintf(folder, sizeof folder, "f%d", i);
+        last = add_job(stage, ANN, NULL, folder);
+    }
+    fence = fence_of(stage, own);
+    assert_true(has_text(stage, fence, "\"f63\""));
+    assert_false(has_text(stage, fence, "\"f64\""));
+    assert_false(job_fence_opens(fence, &stage->farm, last));
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
+static void job_without_a_root_has_no_fence(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct error error = {0};
+    bool is_job_fault;
+
+    assert_null(job_fence_create(&stage->farm, add_job(stage, ANN, "/etc/a.nvdb", "ann"), &is_job_fault, &error));
+    assert_true(is_job_fault);
+    assert_non_null(strstr(error.message, "expected a file below /in"));
+    stage_destroy(stage);
+}
+
+int main(int argc, char *argv[])
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(next_jobs_of_the_owner_are_in_the_fence, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(jobs_of_others_are_not, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(jobs_that_do_not_come_next_are_not, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(fence_opens_what_lies_in_its_folders, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(root_is_not_opened_for_its_files, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(jobs_with_the_converter_are_alone, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(fence_of_former_roots_opens_nothing_more, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(fence_has_64_jobs_at_most, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(job_without_a_root_has_no_fence, make_folder, remove_folder),
+    };
+
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
