@@ -1,7 +1,7 @@
 // The real daemon with workers that render nothing.
 // SPDX-License-Identifier: Apache-2.0
-// Measures frames per second, the time until a submitted job is durable, the memory of a million queued frames, and the
-// farm's overhead beside rendering.
+// Measures frames per second, the time until a submitted job is durable, the memory of a million queued frames, the
+// farm's overhead beside rendering, and, also with the real worker, short jobs per second.
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -24,7 +24,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { SUBMITS = 100, MANY_JOBS = 1000, SLEEP_MS = 100, SLEEP_FRAMES = 240, WORKERS = 2 };
+enum { SUBMITS = 100, JOBS = 100, MANY_JOBS = 1000, SLEEP_MS = 100, SLEEP_FRAMES = 240, WORKERS = 2 };
 
 struct bench {
     char programs[PATH_MAX]; // folder of marchd and stub-worker
@@ -49,9 +49,11 @@ static void sleep_ms(long ms)
     nanosleep(&(struct timespec){.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000}, NULL);
 }
 
+// `mode` NULL: the real worker.
 static void write_worker(struct bench *bench, const char *mode)
 {
-    char *text = xasprintf("#!/bin/sh\nexec '%s/stub-worker' --mode %s \"$@\"\n", bench->programs, mode);
+    char *text = mode ? xasprintf("#!/bin/sh\nexec '%s/stub-worker' --mode %s \"$@\"\n", bench->programs, mode)
+                      : xasprintf("#!/bin/sh\nexec '%s/march-worker' \"$@\"\n", bench->programs);
 
     snprintf(bench->worker, sizeof bench->worker, "%s/worker", bench->scratch);
     if (!file_write_atomic(bench->worker, text, strlen(text), NULL) || chmod(bench->worker, 0755) != 0)
@@ -282,6 +284,35 @@ static void measure_overhead(struct bench *bench)
     print_row("what the farm adds", (wall_s / ideal_s - 1) * 100, "%", "<= 1");
 }
 
+// Jobs of one user that are all in the queue, each with frames of that range.
+static double run_jobs(struct bench *bench, int count, const char *range)
+{
+    int64_t *ids = xcalloc((size_t)count, sizeof ids[0]);
+    double start_s = clock_now_s();
+
+    for (int i = 0; i < count; i++)
+        ids[i] = submit(bench, range, false);
+    for (int i = 0; i < count; i++)
+        while (!has_succeeded(bench, ids[i]))
+            sleep_ms(1);
+    free(ids);
+    return clock_now_s() - start_s;
+}
+
+static void measure_jobs(struct bench *bench)
+{
+    stop_daemon(bench);
+    write_worker(bench, "skip");
+    start_daemon(bench);
+    run_jobs(bench, 2, "1-100"); // both workers are ready
+    print_row("jobs of 100 frames, of 100, fenced stubs", JOBS / run_jobs(bench, JOBS, "1-100"), "jobs/s", ">= 100");
+    stop_daemon(bench);
+    write_worker(bench, NULL);
+    start_daemon(bench);
+    print_row("jobs of a frame rendered, of 100, fenced, cold", JOBS / run_jobs(bench, JOBS, "1"), "jobs/s", ">= 60");
+    print_row("jobs of a frame rendered, of 100, fenced", JOBS / run_jobs(bench, JOBS, "1"), "jobs/s", ">= 60");
+}
+
 int main(void)
 {
     struct bench bench = {.scratch = "/tmp/marchd_bench_XXXXXX"};
@@ -301,6 +332,7 @@ int main(void)
     measure_million(&bench);
     measure_overhead(&bench);
     measure_publishing(&bench);
+    measure_jobs(&bench);
     stop_daemon(&bench);
     json_writer_finish(&bench.request);
     remove = xasprintf("rm -rf '%s'", bench.scratch);
