@@ -28,7 +28,9 @@ enum {
     JOB_ORDER_LIMIT = 4,
     JOB_GRID_LIMIT = 512,        // cells along a side of a frame's grid of light or density
     JOB_CACHED_MEDIUM_LIMIT = 4, // media of varying density with cached: the channels of a texel
-    JOB_DEPTH_DEFAULT = 8
+    JOB_DEPTH_DEFAULT = 8,
+    JOB_STRIDE_DEFAULT = 16, // of lattices of traced pixels
+    JOB_STRIDE_LIMIT = 64
 };
 
 enum job_method {
@@ -64,6 +66,12 @@ enum job_on_miss {
     JOB_ON_MISS_PUBLISH // the best rendering is published, and marked as missed
 };
 
+// Which pixels of a frame are traced; the others are interpolated (worker/pixels/pixel_lattice.h).
+struct job_pixels {
+    int stride;       // px, of the first lattice: a power of two, [2, JOB_STRIDE_LIMIT]; 0: every pixel is traced
+    double threshold; // (0, 1]: the doubt, relative to the picture's RMS, above which a pixel is traced
+};
+
 struct job_quality {
     enum job_method method;
     bool is_draft;                         // a quick look, with whatever method: no tolerance, no limit of cut light
@@ -84,6 +92,7 @@ struct job_quality {
     // `roulette_survive`, by which its light is then divided.
     double roulette_below, roulette_survive; // 0: no roulette
     int samples;                             // per pixel, >= 1: random points in the pixel and times within the shutter
+    struct job_pixels pixels;
     // For scenes with objects. A path is cut, and counted, when it has been reflected or refracted `max_depth` times,
     // or when its throughput (its strongest colour) is below `min_throughput`.
     int max_depth;         // [1, JOB_DEPTH_LIMIT]

@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/job/job.h"
+#include "core/job/job_pixels.h"
 #include "core/job/step_check.h"
 #include "core/json/json_read.h"
 #include "core/scene/light_rules.h"
@@ -179,10 +180,20 @@ static bool check_tolerance(const struct job *job, const struct json_node *docum
                      HALF_TOLERANCE_MIN, job->quality.tolerance);
 }
 
+static bool check_pixels(const struct job *job, const struct json_node *document, struct error *error)
+{
+    struct json_node quality = json_node_child(document, "quality"), node = json_node_child(&quality, "pixels");
+    const char *obstacle = job_pixels_obstacle(&job->scene, job->quality.method);
+
+    if (job->quality.pixels.stride == 0 || !obstacle) return true;
+    return json_fail(&node, error, "not with %s, which has random numbers of its own in each pixel", obstacle);
+}
+
 bool job_check(const struct job *job, const struct json_node *document, struct error *error)
 {
     return check_paths(job, document, error) && check_tolerance(job, document, error) &&
-           check_moments(job, document, error) && step_check(job, document, error);
+           check_pixels(job, document, error) && check_moments(job, document, error) &&
+           step_check(job, document, error);
 }
 
 static bool check_input(const struct scene_density *density, const struct json_node *node, struct error *error)

@@ -124,6 +124,9 @@ static void put_quality(FILE *text, const struct job_quality *quality)
     hash_text_numbers(text, "min_transmittance", &quality->min_transmittance, 1);
     hash_text_numbers(text, "roulette", (double[]){quality->roulette_below, quality->roulette_survive}, 2);
     if (quality->method >= JOB_METHOD_ADAPTIVE) put_later_quality(text, quality);
+    if (quality->pixels.stride == 0) return;
+    fprintf(text, " stride %d", quality->pixels.stride);
+    hash_text_numbers(text, "threshold", &quality->pixels.threshold, 1);
 }
 
 // Only for scenes with objects. max_cut and on_miss change no pixel: the header of a file states its share of cut

@@ -9,6 +9,7 @@ static const double STEP_MIN = 1e-9, STEP_MAX = 1e9;                            
 static const double MIN_THROUGHPUT = 1e-3, MAX_CUT = 0.01, MAX_CUT_AUDITED = 1.0; // defaults
 static const double TOLERANCE_DEFAULT = 0.01, TOLERANCE_MIN = 1e-4, TOLERANCE_MAX = 0.5;
 static const double DEPTH_STEP_MIN = 1e-4, DEPTH_STEP_MAX = 100.0; // optical depth
+static const double THRESHOLD_MIN = 1e-6;
 enum { GRID_MIN = 4 };
 static const double STEP_VOXELS_MIN = 1e-3, STEP_VOXELS_MAX = 1e3; // voxel edges
 
@@ -66,9 +67,26 @@ static bool read_roulette(const struct json_node *object, struct job_quality *qu
     return json_fail_expected(&survive, error, "a number in (0, 1)");
 }
 
+static bool read_pixels(const struct json_node *object, struct job_pixels *pixels, struct error *error)
+{
+    static const char *const keys[] = {"stride", "threshold", NULL};
+    struct json_node node = json_node_child(object, "pixels");
+    struct json_node stride = json_node_child(&node, "stride"), threshold = json_node_child(&node, "threshold");
+    int64_t integer = JOB_STRIDE_DEFAULT;
+
+    if (json_node_is_absent(&node)) return true;
+    if (!json_check_object(&node, error) || !json_check_keys(&node, keys, error) ||
+        (!json_node_is_absent(&stride) && !json_read_integer(&stride, 2, JOB_STRIDE_LIMIT, &integer, error)) ||
+        !json_read_number(&threshold, THRESHOLD_MIN, 1.0, &pixels->threshold, error))
+        return false;
+    if ((integer & (integer - 1)) != 0) return json_fail_expected(&stride, error, "a power of two");
+    pixels->stride = (int)integer;
+    return true;
+}
+
 static bool read_riemann(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method", "step", "light_steps", "min_transmittance", "samples", NULL};
+    static const char *const keys[] = {"method", "step", "light_steps", "min_transmittance", "samples", "pixels", NULL};
     struct json_node step = json_node_child(object, "step");
 
     return json_check_keys(object, keys, error) && json_read_number(&step, STEP_MIN, STEP_MAX, &quality->step, error) &&
@@ -94,14 +112,14 @@ static bool read_steps(const struct json_node *object, struct job_quality *quali
 
 static bool read_midpoint(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {STEP_KEYS, "roulette", PATH_KEYS, NULL};
+    static const char *const keys[] = {STEP_KEYS, "roulette", "pixels", PATH_KEYS, NULL};
 
     return json_check_keys(object, keys, error) && read_steps(object, quality, error);
 }
 
 static bool read_adaptive(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {STEP_KEYS, "depth_step", "roulette", PATH_KEYS, NULL};
+    static const char *const keys[] = {STEP_KEYS, "depth_step", "roulette", "pixels", PATH_KEYS, NULL};
     struct json_node depth_step = json_node_child(object, "depth_step");
 
     return json_check_keys(object, keys, error) && read_steps(object, quality, error) &&
@@ -110,7 +128,7 @@ static bool read_adaptive(const struct json_node *object, struct job_quality *qu
 
 static bool read_gauss(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {STEP_KEYS, "order", PATH_KEYS, NULL};
+    static const char *const keys[] = {STEP_KEYS, "order", "pixels", PATH_KEYS, NULL};
     struct json_node order = json_node_child(object, "order");
     int64_t integer = 2;
 
@@ -133,9 +151,9 @@ static bool read_grid(const struct json_node *object, const char *key, int least
 // With cached, lights have grids in place of light_step.
 static bool read_cached(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method",     "step",         "step_voxels",       "light_grid",
-                                       "depth_step", "density_grid", "min_transmittance", PATH_KEYS,
-                                       NULL};
+    static const char *const keys[] = {
+        "method", "step",    "step_voxels", "light_grid", "depth_step", "density_grid", "min_transmittance",
+        "pixels", PATH_KEYS, NULL};
     struct json_node depth_step = json_node_child(object, "depth_step");
     struct json_node density_grid = json_node_child(object, "density_grid");
 
@@ -149,9 +167,10 @@ static bool read_cached(const struct json_node *object, struct job_quality *qual
 
 static bool read_tracking(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method", "estimator", "roulette", "samples", NULL};
+    static const char *const keys[] = {"method", "estimator", "roulette", "samples", "pixels", NULL};
     static const char *const marched_keys[] = {
-        "method", "estimator", "step", "step_voxels", "light_step", "light_step_voxels", "roulette", "samples", NULL};
+        "method",   "estimator", "step",   "step_voxels", "light_step", "light_step_voxels",
+        "roulette", "samples",   "pixels", NULL};
     static const char *const estimators[] = {"delta", "ratio", "debiased", "jackknife", NULL};
     struct json_node estimator = json_node_child(object, "estimator");
     int choice;
@@ -180,7 +199,7 @@ static bool read_auto(const struct json_node *object, struct job_quality *qualit
 
 static bool read_equiangular(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
-    static const char *const keys[] = {"method", "points", "samples", "max_depth", "min_throughput", "max_cut", NULL};
+    static const char *const keys[] = {"method", "points", "pixels", PATH_KEYS, NULL};
 
     return json_check_keys(object, keys, error) &&
            read_count(object, "points", JOB_POINT_LIMIT, &quality->points, error);
@@ -189,9 +208,9 @@ static bool read_equiangular(const struct json_node *object, struct job_quality 
 // Without a method the planner chooses these keys.
 static bool check_is_planned(const struct json_node *object, struct error *error)
 {
-    static const char *const keys[] = {"step",       "step_voxels",  "light_step",        "light_step_voxels",
-                                       "light_grid", "density_grid", "depth_step",        "order",
-                                       "points",     "light_steps",  "min_transmittance", "roulette"};
+    static const char *const keys[] = {
+        "step",  "step_voxels", "light_step",  "light_step_voxels", "light_grid", "density_grid", "depth_step",
+        "order", "points",      "light_steps", "min_transmittance", "roulette",   "pixels"};
 
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
         struct json_node node = json_node_child(object, keys[i]);
@@ -244,11 +263,15 @@ static bool read_paths(const struct json_node *object, struct job_quality *quali
 {
     struct json_node depth = json_node_child(object, "max_depth");
     struct json_node min_throughput = json_node_child(object, "min_throughput");
+    struct json_node max_cut = json_node_child(object, "max_cut");
 
     if (!json_node_is_absent(&depth) && !read_count(object, "max_depth", JOB_DEPTH_LIMIT, &quality->max_depth, error))
         return false;
     if (!read_optional_number(object, "min_throughput", 1.0, &quality->min_throughput, error)) return false;
     if (quality->min_throughput >= 1.0) return json_fail_expected(&min_throughput, error, "a number in [0, 1)");
+    // A bound on the light of traced rays says nothing about that of interpolated pixels.
+    if (quality->pixels.stride > 0 && !json_node_is_absent(&max_cut))
+        return json_fail(&max_cut, error, "not beside pixels: only the cut rays of traced pixels are known");
     quality->max_cut = quality->method == JOB_METHOD_AUTO ? MAX_CUT_AUDITED : MAX_CUT;
     return read_optional_number(object, "max_cut", 1.0, &quality->max_cut, error);
 }
@@ -282,7 +305,7 @@ bool quality_from_json(struct job_quality *quality, const struct json_node *docu
     return json_check_object(&object, error) && read_method(&object, quality, error) &&
            (json_node_is_absent(&samples) ||
             read_count(&object, "samples", JOB_SAMPLE_LIMIT, &quality->samples, error)) &&
-           read_paths(&object, quality, error);
+           read_pixels(&object, &quality->pixels, error) && read_paths(&object, quality, error);
 }
 
 static void write_number(struct json_writer *writer, const char *key, double number)
@@ -293,6 +316,16 @@ static void write_number(struct json_writer *writer, const char *key, double num
 static void write_count(struct json_writer *writer, const char *key, int count)
 {
     if (count > 0) json_write_integer_member(writer, key, count);
+}
+
+static void write_pixels(struct json_writer *writer, const struct job_pixels *pixels)
+{
+    if (pixels->stride == 0) return;
+    json_write_key(writer, "pixels");
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "stride", pixels->stride);
+    json_write_number_member(writer, "threshold", pixels->threshold);
+    json_write_end_object(writer);
 }
 
 void quality_to_json(struct json_writer *writer, const struct job *job, const struct job_quality *quality)
@@ -310,6 +343,7 @@ void quality_to_json(struct json_writer *writer, const struct job *job, const st
     write_count(writer, "density_grid", quality->density_grid);
     write_number(writer, "min_transmittance", quality->min_transmittance);
     json_write_integer_member(writer, "samples", quality->samples);
+    write_pixels(writer, &quality->pixels);
     if (job->scene.object_count > 0) {
         json_write_integer_member(writer, "max_depth", quality->max_depth);
         json_write_number_member(writer, "min_throughput", quality->min_throughput);

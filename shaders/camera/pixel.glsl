@@ -1,8 +1,17 @@
-// The pixel that an invocation draws: its own place in the target, or one of a list.
+// The pixel that an invocation draws: its own place in the target, or one of a list; and what it shows.
 // Holds x and y of the listed pixel that is drawn at each place. An image takes none of the texture units, which scenes
 // may need.
 layout(rg16ui, binding = 3) readonly uniform uimage2D pixel_list;
 uniform bool pixel_is_listed;
+
+// Differs between pixels that show different things: what their rays meet, in order. The hash is
+// FNV-1a: Fowler, Noll and Vo, 1991.
+uint pixel_signature = 2166136261u;
+
+void pixel_sign(uint met)
+{
+    pixel_signature = (pixel_signature ^ met) * 16777619u;
+}
 
 uvec2 pixel_drawn()
 {

@@ -69,7 +69,7 @@ const char job_text_noise[] = OPENING
     "{\"kind\":\"box\",\"center\":[1,0,0],\"size\":[1,2,3],\"falloff\":0}},\"sigma_a\":2}]},"
     "\"quality\":{\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.1,\"roulette\":{\"below\":0.125,\"survive\":0."
     "5},"
-    "\"samples\":4}}";
+    "\"samples\":4,\"pixels\":{\"stride\":8,\"threshold\":0.01}}}";
 
 const char job_text_fog[] =
     OPENING "\"lights\":[" POINT_LIGHT "],\"scene\":{\"media\":["

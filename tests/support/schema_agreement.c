@@ -55,6 +55,13 @@ const struct cross_rule schema_cross_rules[] = {
     {"the camera looks somewhere", "a point other than camera.position", {"camera.position", "[0.25, 0, 0]"}},
     {"up is not along the view", "a direction that is not along the view", {"camera.position", "[0, 3, 0]"}},
     {"phase weights", "weights that sum to 1", {"scene.media[0].phase[1].weight", "0.7"}},
+    {"pixels that differ by chance",
+     "random numbers of its own in each pixel",
+     {"quality", "{\"method\":\"jittered\",\"step\":0.1,\"light_step\":0.1,\"pixels\":{\"threshold\":0.1}}"}},
+    {"cut rays of pixels that are traced",
+     "not beside pixels",
+     {"quality", "{\"method\":\"midpoint\",\"step\":0.1,\"light_step\":0.1,\"pixels\":{\"threshold\":0.1},"
+                 "\"max_cut\":0.5}"}},
     {"half keeps no small tolerance", "with half pixels", {"quality", "{\"tolerance\":0.00015}"}},
     {"steps along a ray", "steps along a ray, got", {"quality.step", "1e-6"}},
     {"a step reaches no further than clip",

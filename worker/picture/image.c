@@ -63,6 +63,7 @@ void image_finish(struct image *image)
     free(image->transmittance);
     free(image->depth);
     free(image->cut);
+    free(image->doubts);
     *image = (struct image){0};
 }
 

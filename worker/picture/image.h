@@ -20,6 +20,9 @@ struct image {
     // Owned; 1 a pixel: the summed throughput of its cut rays, per sample (ray_counts.h). NULL when not asked for; no
     // file has it.
     float *cut;
+    // Owned; 1 a pixel: 0 where it was traced, else how doubtful its interpolation was, 255 as much as was allowed.
+    // NULL where every pixel was traced; no file has it.
+    uint8_t *doubts;
 };
 
 bool image_init(struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance,
@@ -29,7 +32,7 @@ bool image_init_for_job(struct image *image, const struct job *job, struct error
 // Asks for `cut`, whose contents are undefined.
 bool image_ask_cut(struct image *image, struct error *error);
 void image_finish(struct image *image);
-// Copies size, channels and values, without `cut`. `to` is empty or has the size and the channels of `from`.
+// Copies size, channels and values, without `cut` and `doubts`. `to` is empty or has size and channels of `from`.
 bool image_copy(struct image *to, const struct image *from, struct error *error);
 bool image_fits(const struct image *image, int width_px, int height_px, bool has_depth, bool has_transmittance);
 // Returns true if no value is NaN, infinite or, with `half`, over 65504 in magnitude (except depth, which is never

@@ -6,12 +6,13 @@
 #include "worker/gl/gl_functions.h"
 #include "worker/picture/image.h"
 #include "worker/picture/ray_counts.h"
+#include "worker/pixels/pixel_planes.h"
 #include "worker/render/pixel_layout.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { TEXTURE_COUNT = 4, STRIP_ROWS = 16 };
+enum { SIGNATURE = 4, STRIP_ROWS = 16 };
 
 static void attach(struct gl_target *target, int index, GLenum format)
 {
@@ -35,19 +36,20 @@ static bool make_depth_sums(struct gl_target *target, struct error *error)
 
 static void make_framebuffer(struct gl_target *target)
 {
-    const GLenum formats[TEXTURE_COUNT] = {GL_RGBA32F, target->has_transmittance ? GL_RGBA32F : GL_NONE,
-                                           !target->has_depth   ? GL_NONE
-                                           : target->depth_sums ? GL_RG32F
-                                                                : GL_R32F,
-                                           target->has_paths ? GL_RGBA32F : GL_NONE};
-    GLenum buffers[TEXTURE_COUNT];
+    const GLenum formats[GL_TARGET_TEXTURE_COUNT] = {GL_RGBA32F, target->has_transmittance ? GL_RGBA32F : GL_NONE,
+                                                     !target->has_depth   ? GL_NONE
+                                                     : target->depth_sums ? GL_RG32F
+                                                                          : GL_R32F,
+                                                     target->has_paths ? GL_RGBA32F : GL_NONE,
+                                                     target->has_signature ? GL_R32UI : GL_NONE};
+    GLenum buffers[GL_TARGET_TEXTURE_COUNT];
 
     target->gl->CreateFramebuffers(1, &target->framebuffer);
-    for (int i = 0; i < TEXTURE_COUNT; ++i) {
+    for (int i = 0; i < GL_TARGET_TEXTURE_COUNT; ++i) {
         buffers[i] = formats[i] ? GL_COLOR_ATTACHMENT0 + (GLenum)i : GL_NONE;
         if (formats[i]) attach(target, i, formats[i]);
     }
-    target->gl->NamedFramebufferDrawBuffers(target->framebuffer, TEXTURE_COUNT, buffers);
+    target->gl->NamedFramebufferDrawBuffers(target->framebuffer, GL_TARGET_TEXTURE_COUNT, buffers);
 }
 
 static struct pixel find_size(const struct gl_target_params *params)
@@ -76,7 +78,8 @@ bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, con
                                  .pass_count = params->pass_count,
                                  .has_transmittance = image->transmittance != NULL,
                                  .has_depth = image->depth != NULL,
-                                 .has_paths = params->has_paths};
+                                 .has_paths = params->has_paths,
+                                 .has_signature = params->has_signature};
     if (!make_depth_sums(target, error)) return false;
     make_framebuffer(target);
     status = gl->CheckNamedFramebufferStatus(target->framebuffer, GL_FRAMEBUFFER);
@@ -91,7 +94,7 @@ void gl_target_finish(struct gl_target *target)
 {
     if (target->gl) {
         target->gl->DeleteFramebuffers(1, &target->framebuffer);
-        target->gl->DeleteTextures(TEXTURE_COUNT, target->textures);
+        target->gl->DeleteTextures(GL_TARGET_TEXTURE_COUNT, target->textures);
     }
     free(target->depth_sums);
     *target = (struct gl_target){0};
@@ -103,16 +106,18 @@ bool gl_target_fits(const struct gl_target *target, const struct gl_target_param
     const struct pixel size = find_size(params);
 
     return target->gl && target->pass_count == params->pass_count && target->has_paths == params->has_paths &&
-           target->width_px == size.x && target->height_px == size.y &&
-           target->has_transmittance == (image->transmittance != NULL) && target->has_depth == (image->depth != NULL);
+           target->has_signature == params->has_signature && target->width_px == size.x &&
+           target->height_px == size.y && target->has_transmittance == (image->transmittance != NULL) &&
+           target->has_depth == (image->depth != NULL);
 }
 
 void gl_target_clear(const struct gl_target *target)
 {
     static const float black[4] = {0};
 
-    for (int i = 0; i < TEXTURE_COUNT; ++i)
-        if (target->textures[i]) target->gl->ClearNamedFramebufferfv(target->framebuffer, GL_COLOR, i, black);
+    for (int i = 0; i < GL_TARGET_TEXTURE_COUNT; ++i)
+        if (target->textures[i] && i != SIGNATURE)
+            target->gl->ClearNamedFramebufferfv(target->framebuffer, GL_COLOR, i, black);
 }
 
 void gl_target_begin(const struct gl_target *target)
@@ -152,7 +157,7 @@ static void read_texture(const struct gl_target *target, const struct pixel_layo
     drawn = xmalloc(size * (size_t)target->width_px * (size_t)layout->side * sizeof *drawn);
     for (int strip = 0; strip < pixel_layout_strip_count(layout); ++strip) {
         read_rows(target, index, formats[size], pixel_layout_strip_y(strip), layout->side, drawn);
-        pixel_layout_gather(layout, strip, drawn, size, values);
+        pixel_layout_gather(layout, strip, drawn, size * sizeof *drawn, values);
     }
     free(drawn);
 }
@@ -230,8 +235,7 @@ void gl_target_read_rows(const struct gl_target *target, int first_row, int row_
     read_rows(target, 0, GL_RGBA, first_row, row_count, rgba);
 }
 
-void gl_target_read(const struct gl_target *target, const struct pixel_layout *layout, struct image *image,
-                    struct ray_counts *counts)
+static void read_picture(const struct gl_target *target, const struct pixel_layout *layout, struct image *image)
 {
     target->gl->BindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);
     target->gl->PixelStorei(GL_PACK_ALIGNMENT, 4);
@@ -242,6 +246,39 @@ void gl_target_read(const struct gl_target *target, const struct pixel_layout *l
     else if (image->depth)
         read_texture(target, layout, 2, 1, image->depth);
     if (target->pass_count > 1) find_means(target, image);
+}
+
+static void read_signatures(const struct gl_target *target, const struct pixel_layout *layout, uint32_t *signatures)
+{
+    uint32_t *drawn = xmalloc((size_t)target->width_px * (size_t)layout->side * sizeof *drawn);
+
+    target->gl->NamedFramebufferReadBuffer(target->framebuffer, GL_COLOR_ATTACHMENT0 + SIGNATURE);
+    for (int strip = 0; strip < pixel_layout_strip_count(layout); ++strip) {
+        target->gl->ReadPixels(0, pixel_layout_strip_y(strip), target->width_px, layout->side, GL_RED_INTEGER,
+                               GL_UNSIGNED_INT, drawn);
+        pixel_layout_gather(layout, strip, drawn, sizeof *drawn, signatures);
+    }
+    free(drawn);
+}
+
+void gl_target_read_planes(const struct gl_target *target, const struct pixel_layout *layout,
+                           struct pixel_planes *planes)
+{
+    struct image list = {.width_px = (int)layout->count,
+                         .height_px = 1,
+                         .rgba = planes->rgba,
+                         .transmittance = planes->transmittance,
+                         .depth = planes->depth};
+
+    read_picture(target, layout, &list);
+    if (planes->paths) read_texture(target, layout, 3, 4, planes->paths);
+    read_signatures(target, layout, planes->signatures);
+}
+
+void gl_target_read(const struct gl_target *target, const struct pixel_layout *layout, struct image *image,
+                    struct ray_counts *counts)
+{
+    read_picture(target, layout, image);
     if (target->has_paths)
         count_rays(target, layout, image->cut, counts);
     else if (image->cut)

@@ -8,6 +8,7 @@ struct error;
 struct gl_functions;
 struct image;
 struct pixel_layout;
+struct pixel_planes;
 struct ray_counts;
 
 struct gl_target_params {
@@ -15,24 +16,28 @@ struct gl_target_params {
     const struct pixel_layout
         *layout; // borrowed for the call; NULL: a frame; else a list, and the size is its layout's
     int pass_count;
-    bool has_paths; // rays are reflected or refracted, and are counted
+    bool has_paths;     // rays are reflected or refracted, and are counted
+    bool has_signature; // of a list: what each pixel shows is read
 };
+
+enum { GL_TARGET_TEXTURE_COUNT = 5 };
 
 // The zero value is empty.
 struct gl_target {
     const struct gl_functions *gl; // borrowed; outlives us
     int width_px, height_px;
-    bool has_transmittance, has_depth, has_paths;
+    bool has_transmittance, has_depth, has_paths, has_signature;
     int pass_count;
     unsigned framebuffer;
-    // Colour RGBA32F, transmittance RGBA32F, depth R32F (RG32F where there are several passes), paths RGBA32F; 0 where
-    // absent. For the largest picture each RGBA32F texture takes 1 GiB.
-    unsigned textures[4];
+    // Colour RGBA32F, transmittance RGBA32F, depth R32F (RG32F where there are several passes), paths RGBA32F,
+    // signature R32UI; 0 where absent. For the largest picture each RGBA32F texture takes 1 GiB.
+    unsigned textures[GL_TARGET_TEXTURE_COUNT];
     float *depth_sums; // owned; 2 a pixel: the sum of the depths and their count; NULL where there is one pass
 };
 
 // The fragment shader's outputs: 0 RGBA, 1 transmittance, 2 depth and 1 or 0 for whether there is one, 3 counts of the
-// pixel's rays, as ray_counts_add_row reads them. Several passes are added up.
+// pixel's rays, as ray_counts_add_row reads them, 4 the pixel's signature (shaders/camera/pixel.glsl). Several passes
+// are added up; the signature is the last one's.
 bool gl_target_init(struct gl_target *target, const struct gl_functions *gl, const struct gl_target_params *params,
                     struct error *error);
 void gl_target_finish(struct gl_target *target); // accepts an empty one
@@ -47,3 +52,6 @@ void gl_target_read_rows(const struct gl_target *target, int first_row, int row_
 // as the list, in its order, whatever its sides.
 void gl_target_read(const struct gl_target *target, const struct pixel_layout *layout, struct image *image,
                     struct ray_counts *counts);
+// Copies what a list that has signatures shows, in its order: means as above, but sums of the passes' paths.
+void gl_target_read_planes(const struct gl_target *target, const struct pixel_layout *layout,
+                           struct pixel_planes *planes);

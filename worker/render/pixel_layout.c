@@ -130,19 +130,20 @@ int pixel_layout_strip_y(int strip)
     return strip * PIXEL_LAYOUT_PITCH;
 }
 
-void pixel_layout_gather(const struct pixel_layout *layout, int strip, const float *values, size_t size, float *list)
+void pixel_layout_gather(const struct pixel_layout *layout, int strip, const void *values, size_t size, void *list)
 {
     int columns = count_columns(layout), end = (strip + 1) * columns;
+    const char *from = values;
+    char *to = list;
 
     for (int square = strip * columns; square < end && square < layout->square_count; square++) {
         int left = pixel_layout_square(layout, square).x;
 
         for (int y = 0; y < layout->side; y++) {
-            const float *row = values + size * ((size_t)y * (size_t)layout->width_px + (size_t)left);
+            const char *row = from + size * ((size_t)y * (size_t)layout->width_px + (size_t)left);
 
             for (int x = 0; x < layout->side; x++)
-                memcpy(list + size * pixel_layout_index(layout, square, x, y), row + size * (size_t)x,
-                       size * sizeof *list);
+                memcpy(to + size * pixel_layout_index(layout, square, x, y), row + size * (size_t)x, size);
         }
     }
 }

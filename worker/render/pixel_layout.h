@@ -34,5 +34,5 @@ size_t pixel_layout_index(const struct pixel_layout *layout, int square, int x, 
 // the list, and far more than is in them where it is short.
 int pixel_layout_strip_count(const struct pixel_layout *layout);
 int pixel_layout_strip_y(int strip); // its first row in the target
-// Copies a strip's values, `size` floats a pixel, into the list's order.
-void pixel_layout_gather(const struct pixel_layout *layout, int strip, const float *values, size_t size, float *list);
+// Copies a strip's values, `size` bytes a pixel, into the list's order.
+void pixel_layout_gather(const struct pixel_layout *layout, int strip, const void *values, size_t size, void *list);

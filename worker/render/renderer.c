@@ -10,6 +10,7 @@
 #include "worker/render/drawing.h"
 #include "worker/render/passes.h"
 #include "worker/render/pixel_layout.h"
+#include "worker/render/sparse_drawing.h"
 #include "worker/scene/camera_view.h"
 #include "worker/scene/pixel_samples.h"
 #include "worker/scene/scene_inputs.h"
@@ -40,6 +41,7 @@ struct renderer {
     struct gl_textures *textures; // owned
     struct scene_files files;
     struct shown_frame shown;
+    char shader_hash[HASH_TEXT_SIZE]; // of the last rendering
 };
 
 // A frame that is being rendered.
@@ -156,6 +158,25 @@ static bool read_target(struct renderer *renderer, struct rendering *rendering, 
     return false;
 }
 
+// Traces a part of the frame's pixels. Such frames are never copied: the target does not show them.
+static bool render_sparse(struct renderer *renderer, struct rendering *rendering, struct error *error)
+{
+    struct drawing *drawing = &rendering->drawing;
+    struct sparse_drawing sparse = {.drawing = drawing,
+                                    .job = rendering->frame->job,
+                                    .image = rendering->frame->image,
+                                    .frame = rendering->frame->frame,
+                                    .has_paths = drawing->scene->model.features.has_paths,
+                                    .thread_count = renderer->thread_count};
+
+    if (!drawing_find_program(drawing, error) || !bind_files(renderer, drawing, error) ||
+        !sparse_drawing_run(&sparse, &rendering->result->ray_counts, error))
+        return false;
+    ray_counts_find_share(&rendering->result->ray_counts, sparse.image);
+    rendering->result->traced = sparse.traced;
+    return true;
+}
+
 static bool render_scene(struct renderer *renderer, struct rendering *rendering, const struct scene_program *scene,
                          struct passes *passes, struct error *error)
 {
@@ -169,6 +190,13 @@ static bool render_scene(struct renderer *renderer, struct rendering *rendering,
 
     drawing->scene = scene;
     drawing->passes = passes;
+    result->traced = 1.0;
+    if (!drawing->layout && drawing->scene->model.job->quality.pixels.stride > 0)
+        return render_sparse(renderer, rendering, error);
+    if (!drawing->layout) {
+        free(image->doubts);
+        rendering->frame->image->doubts = NULL;
+    }
     result->is_copy = !drawing->layout && is_shown(renderer, scene, passes, &target);
     if (!result->is_copy) {
         if (!draw(renderer, drawing, &target, error)) return false;
@@ -200,7 +228,8 @@ static bool render_frame(struct renderer *renderer, struct rendering *rendering,
         ok = render_scene(renderer, rendering, &scene, &passes, error);
         result->seconds = clock_now_s() - start;
         result->cache_fills = gl_caches_count_fills(renderer->tools.caches) - fills;
-        result->shader_hash = renderer->shown.program_hash;
+        memcpy(renderer->shader_hash, scene.hash, sizeof renderer->shader_hash);
+        result->shader_hash = renderer->shader_hash;
     }
     passes_finish(&passes);
     scene_program_finish(&scene);

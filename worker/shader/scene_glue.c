@@ -103,6 +103,7 @@ static void write_march(FILE *out, const struct scene_model *model)
     bool has_interval = model->job->quality.method != JOB_METHOD_RIEMANN;
 
     fputs("    MediaSpans spans = media_spans(camera.position, direction);\n", out);
+    fputs("    pixel_sign(media_met(spans));\n", out);
     if (has_interval) write_interval(out, &model->job->scene.camera);
     scene_glue_write_integrator(out, model,
                                 has_interval ? "camera.position, direction, interval" : "camera.position, direction");
@@ -116,6 +117,7 @@ static void write_outputs(FILE *out, const struct scene_model *model)
     if (model->features.has_depth)
         fprintf(out, "layout(location = 2) out %s depth;\n", pixel_samples_count(model->job) > 1 ? "vec2" : "float");
     if (model->features.has_paths) fputs("layout(location = 3) out vec4 paths;\n", out);
+    fputs("layout(location = 4) out uint signature;\n", out);
 }
 
 static void write_background(FILE *out, const struct scene_model *model)
@@ -187,6 +189,8 @@ static void write_media(FILE *out, const struct scene_model *model)
     if (features->is_sliced && features->is_random)
         fputs("    if (slice_is_begun) random_state = slice_random;\n", out);
     write_march(out, model);
+    if (features->has_extinction)
+        fputs("    pixel_sign(spectrum_mean(gathered.transmittance) < 1.0 ? 1u : 0u);\n", out);
 }
 
 static void write_media_main(FILE *out, const struct scene_model *model)
@@ -227,5 +231,6 @@ void scene_glue_write_main(FILE *out, const struct scene_model *model, bool has_
         write_path_main(out, model);
     else
         write_media_main(out, model);
-    fputs("}\n", out);
+    fprintf(out, "    signature = %s;\n}\n",
+            model->features.has_objects || model->features.has_media ? "pixel_signature" : "0u");
 }

@@ -123,6 +123,19 @@ static void write_next_edge(FILE *out, const struct scene_model *model, choose_m
     fputs("    return end;\n}\n", out);
 }
 
+// A bit for each medium that a ray can meet.
+static void write_met(FILE *out, const struct scene_model *model)
+{
+    const char *separator = "";
+
+    fputs("uint media_met(MediaSpans spans)\n{\n    return ", out);
+    FOR_EACH_MEDIUM (model, is_seen) {
+        fprintf(out, "%s(max(spans.medium_%zu.x, 0.0) < spans.medium_%zu.y ? %uu : 0u)", separator, i, i, 1u << i);
+        separator = " | ";
+    }
+    fputs(";\n}\n", out);
+}
+
 static void write_spans(FILE *out, const struct scene_model *model)
 {
     fputs("struct MediaSpans {", out);
@@ -133,6 +146,7 @@ static void write_spans(FILE *out, const struct scene_model *model)
     fputs(");\n}\nMediaSpans media_spans_from(MediaSpans spans, float start)\n{\n    return MediaSpans(", out);
     write_list(out, model, "spans.medium_", " - start");
     fputs(");\n}\n", out);
+    write_met(out, model);
     write_interval(out, model, is_seen, "media_interval");
     write_next_edge(out, model, is_seen, "media_next_edge");
 }

@@ -121,7 +121,7 @@ static void write_media(FILE *out, const struct scene_model *model)
           "    MediaSpans spans = media_spans_in(media_spans(ray.origin, ray.direction), region, ",
           out);
     write_clip(out, &model->job->scene.camera);
-    fputs(");\n    Gathered gathered = Gathered(path_radiance, ray.throughput", out);
+    fputs(");\n    pixel_sign(media_met(spans));\n    Gathered gathered = Gathered(path_radiance, ray.throughput", out);
     // Only the camera's own ray has a depth. 0 is "none yet", a negative number is "never".
     if (features->has_depth && features->has_extinction)
         fputs(features->has_paths ? ", ray.depth == 0 ? 0.0 : -1.0" : ", 0.0", out);

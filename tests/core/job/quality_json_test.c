@@ -39,7 +39,8 @@ static void jittered_and_preintegrated_are_read(void **state)
     static const enum job_method methods[] = {JOB_METHOD_JITTERED, JOB_METHOD_PREINTEGRATED};
 
     for (int i = 0; i < 2; i++) {
-        char *text = json_edit_set(job_text_noise, "quality.method", names[i]);
+        char *traced = json_edit_set(job_text_noise, "quality.pixels", NULL);
+        char *text = json_edit_set(traced, "quality.method", names[i]);
         struct job job = job_expect(text);
 
         assert_int_equal(job.quality.method, methods[i]);
@@ -47,7 +48,27 @@ static void jittered_and_preintegrated_are_read(void **state)
         assert_memory_equal(job_method_name(job.quality.method), names[i] + 1, strlen(names[i]) - 2);
         job_finish(&job);
         free(text);
+        free(traced);
     }
+}
+
+static void pixels_that_are_traced_are_read(void **state)
+{
+    char *with_stride = json_edit_set(job_text_noise, "quality.pixels.stride", NULL);
+    char *every = json_edit_set(job_text_noise, "quality.pixels", NULL);
+    struct job job = job_expect(job_text_noise), by_default = job_expect(with_stride), all = job_expect(every);
+
+    assert_int_equal(job.quality.pixels.stride, 8);
+    assert_true(job.quality.pixels.threshold == 0.01);
+    assert_int_equal(by_default.quality.pixels.stride, JOB_STRIDE_DEFAULT);
+    assert_int_equal(all.quality.pixels.stride, 0);
+    assert_string_not_equal(job.hash, by_default.hash);
+    assert_string_not_equal(job.hash, all.hash);
+    job_finish(&job);
+    job_finish(&by_default);
+    job_finish(&all);
+    free(with_stride);
+    free(every);
 }
 
 static void steps_by_depth_and_by_rule_are_read(void **state)
@@ -159,6 +180,16 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality.roulette.below", "0", "quality.roulette.below: expected a number in (0, 1], got 0"},
         {"quality.roulette.survive", "1", "quality.roulette.survive: expected a number in (0, 1), got 1"},
         {"quality.roulette.survive", NULL, "quality.roulette.survive: expected a number from 0 to 1, got nothing"},
+        {"quality.pixels", "{}", "quality.pixels.threshold: expected a number from 1e-06 to 1, got nothing"},
+        {"quality.pixels.threshold", "0", "quality.pixels.threshold: expected a number from 1e-06 to 1, got 0"},
+        {"quality.pixels.stride", "12", "quality.pixels.stride: expected a power of two, got 12"},
+        {"quality.pixels.stride", "128", "quality.pixels.stride: expected an integer from 2 to 64, got 128"},
+        {"quality.pixels.size", "2", "quality.pixels: unknown key \"size\""},
+        {"quality.max_cut", "0.5", "quality.max_cut: not beside pixels: only the cut rays of traced pixels are known"},
+        {"quality.method", "\"jittered\"",
+         "quality.pixels: not with jittered, which has random numbers of its own in each pixel"},
+        {"quality", "{\"tolerance\":0.01,\"pixels\":{\"threshold\":0.01}}",
+         "quality.pixels: only beside a method; without one, the planner chooses it"},
         {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
         {"quality.points", "3", "quality: unknown key \"points\" beside method \"midpoint\""},
         {"quality.step_voxels", "1", "quality.step_voxels: expected step or step_voxels, got both"},
@@ -207,6 +238,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(qualities_are_read),
         cmocka_unit_test(jittered_and_preintegrated_are_read),
+        cmocka_unit_test(pixels_that_are_traced_are_read),
         cmocka_unit_test(steps_by_depth_and_by_rule_are_read),
         cmocka_unit_test(without_a_method_there_is_a_tolerance),
         cmocka_unit_test(tracking_is_read),

@@ -50,7 +50,7 @@ static void every_pixel_is_drawn(void **state)
         for (int strip = 0; strip < pixel_layout_strip_count(&layout); strip++) {
             size_t first = (size_t)pixel_layout_strip_y(strip) * (size_t)layout.width_px;
 
-            pixel_layout_gather(&layout, strip, target + 2 * first, 2, list);
+            pixel_layout_gather(&layout, strip, target + 2 * first, 2 * sizeof *target, list);
         }
         for (size_t i = 0; i < counts[k]; i++)
             assert_true(list[2 * i] == (float)pixels[i].x && list[2 * i + 1] == (float)pixels[i].y);

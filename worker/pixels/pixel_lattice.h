@@ -1,0 +1,53 @@
+// Which pixels of a frame are traced, and what the others show: a lattice, refined where the picture asks for it.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "worker/picture/pixel.h"
+#include "worker/pixels/pixel_planes.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct image;
+struct pixel_guard;
+
+struct pixel_lattice_params {
+    // Its rgba, transmittance and depth are filled, and it gets `doubts`. Borrowed; outlives the lattice.
+    struct image *image;
+    int stride;       // px, of the first level: a power of two, at least 2
+    double threshold; // a pixel is traced where cubic and linear interpolation differ by more: of colours relative to
+                      // the RMS of the picture, of alpha and transmittance as it is
+    bool has_paths;
+    const struct pixel_guard *guards; // borrowed; outlive the lattice
+    size_t guard_count;
+};
+
+// A level: each `stride`-th pixel of each `stride`-th row, and the points after the last of them which are needed to
+// interpolate up to the picture's edge. Those lie beyond it, by less than a stride.
+struct pixel_lattice {
+    struct pixel_lattice_params params;
+    int stride, columns, rows;
+    struct pixel_planes planes; // owned, except those of the image at stride 1
+    uint8_t *doubts;            // owned: 0: traced; else how doubtful the interpolation is, 255: as much as may be
+    double rms;                 // of the colours of the first level
+    size_t traced;              // pixels of the picture that were traced, or are wanted
+    // Points that are to be traced, in the order of rows, and where they are in `planes`. Owned.
+    struct pixel *wanted;
+    uint32_t *places;
+    size_t wanted_count, wanted_capacity, place_capacity;
+};
+
+// Wants all points of the first level.
+void pixel_lattice_init(struct pixel_lattice *lattice, const struct pixel_lattice_params *params);
+void pixel_lattice_finish(struct pixel_lattice *lattice);
+// Takes what the wanted points show, in their order.
+void pixel_lattice_give(struct pixel_lattice *lattice, const struct pixel_planes *traced);
+// Goes on to half the stride, and finds what is wanted there, which may be nothing. False at stride 1: the image is
+// whole.
+//
+// A point is traced where the interpolation is doubtful at it or at one of the points up to two away, where the points
+// that it lies between differ in their signature or by a fiftieth of their depth, and where a guard asks for it. All
+// others are interpolated: colours, alpha and transmittance as in pixel_spread.h, depth and paths linearly. Adaptive
+// refinement in the image plane: M. Levoy, Volume rendering by adaptive refinement, The Visual Computer 6(1), 1990.
+bool pixel_lattice_refine(struct pixel_lattice *lattice);

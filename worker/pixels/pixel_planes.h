@@ -1,0 +1,26 @@
+// What is known of some pixels: of a list, or of a lattice, in its order.
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+// The zero value is empty. All are owned; each is NULL where it is not wanted.
+struct pixel_planes {
+    float *rgba;          // 4 a pixel, premultiplied
+    float *transmittance; // 4 a pixel: R, G, B, unused
+    float *paths;         // 4 a pixel, as ray_counts_add_pixel takes them
+    float *depth;         // 1 a pixel, m; 0: none
+    uint32_t *signatures; // 1 a pixel: equal where pixels show the same media and surfaces (shaders/camera/pixel.glsl)
+};
+
+struct pixel_channels {
+    bool has_transmittance, has_paths, has_depth;
+};
+
+// Contents are undefined. Ends the process where there is no memory.
+void pixel_planes_init(struct pixel_planes *planes, struct pixel_channels channels, size_t count);
+void pixel_planes_finish(struct pixel_planes *planes); // accepts empty ones
+// Copies pixel `from` of some planes to pixel `to` of others with the same channels.
+void pixel_planes_copy(const struct pixel_planes *planes, size_t to, const struct pixel_planes *other, size_t from);
