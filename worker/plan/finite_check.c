@@ -153,7 +153,8 @@ bool finite_check_picture(struct renderer *renderer, const struct job *job, int3
     int width_px = image->width_px;
     size_t index;
 
-    if (!finite_check_find(image, &index)) return image_is_finite(image, job->output.pixel == JOB_PIXEL_HALF, error);
+    if (image_is_finite(image, job->output.pixel == JOB_PIXEL_HALF, error)) return true;
+    if (!finite_check_find(image, &index)) return false;
     finite_check_tell(renderer, job, frame,
                       (struct pixel){(int)(index % (size_t)width_px), (int)(index / (size_t)width_px)}, error);
     return false;
