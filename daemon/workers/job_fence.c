@@ -27,18 +27,14 @@ enum {
 };
 
 struct fenced_job {
-    struct job_inputs inputs;
+    struct job_fence_files files;
     char *root, *folder; // owned; of its output
-    bool has_converter;
 };
 
 struct job_fence {
     int64_t owner_uid;
     struct fenced_job *jobs; // owned; the first is the job that the worker is started for
     size_t count, capacity;
-    // The latest answer of job_fence_opens; 0: none.
-    int64_t asked_job;
-    bool does_open;
 };
 
 static bool needs_converter(const struct job_inputs *inputs)
@@ -51,49 +47,45 @@ static bool needs_converter(const struct job_inputs *inputs)
     return false;
 }
 
-static bool find_files(struct fenced_job *files, const struct farm *farm, const struct job_record *record,
+static bool find_files(struct job_fence_files *files, const struct farm *farm, const struct job_record *record,
                        const char *document, struct error *error)
 {
     struct job job = {0};
     struct cJSON *tree = NULL;
     struct json_node root;
-    bool ok = false;
 
+    *files = (struct job_fence_files){.job = record->id};
     if (!json_parse(&tree, document, strlen(document), error)) return false;
     root = json_node_root(tree);
-    if (job_from_json(&job, &root, record->root, error) &&
-        input_roots_find(&files->inputs, &job, &farm->options->input_roots, error)) {
-        files->root = xstrdup(record->root);
-        files->folder = xstrdup(record->path.folder);
-        files->has_converter = needs_converter(&files->inputs);
-        ok = true;
-    }
+    files->is_found = job_from_json(&job, &root, record->root, error) &&
+                      input_roots_find(&files->inputs, &job, &farm->options->input_roots, error);
+    files->has_converter = needs_converter(&files->inputs);
     job_finish(&job);
     json_delete(tree);
-    return ok;
+    return files->is_found;
 }
 
-static void finish_files(struct fenced_job *files)
+void job_fence_files_finish(struct job_fence_files *files)
 {
     job_inputs_finish(&files->inputs);
-    free(files->root);
-    free(files->folder);
+    *files = (struct job_fence_files){0};
 }
 
-static void add(struct job_fence *fence, const struct fenced_job *files)
+// Takes the files over.
+static void add(struct job_fence *fence, const struct job_record *record, const struct job_fence_files *files)
 {
     fence->jobs = xgrow(fence->jobs, &fence->capacity, fence->count + 1, sizeof fence->jobs[0]);
-    fence->jobs[fence->count++] = *files;
+    fence->jobs[fence->count++] = (struct fenced_job){*files, xstrdup(record->root), xstrdup(record->path.folder)};
 }
 
 // The files of the owner's jobs that come next. A job that has none to be found is left to a worker of its own.
 static void add_next_jobs(struct job_fence *fence, const struct farm *farm, const struct queue_job *queued)
 {
-    size_t bytes = 0, inputs = fence->jobs[0].inputs.count;
+    size_t bytes = 0, inputs = fence->jobs[0].files.inputs.count;
 
     for (int i = 0; queued && i < SEARCH_LIMIT && fence->count < JOB_LIMIT; queued = queued->next, i++) {
         const struct job_record *record = job_table_find(&farm->jobs, queued->id);
-        struct fenced_job files = {0};
+        struct job_fence_files files = {0};
         char *document;
 
         if (record->owner_uid != fence->owner_uid || record->needs_own_worker || queued->is_paused ||
@@ -103,14 +95,11 @@ static void add_next_jobs(struct job_fence *fence, const struct farm *farm, cons
         bytes += strlen(document);
         if (bytes <= DOCUMENT_LIMIT && find_files(&files, farm, record, document, NULL)) inputs += files.inputs.count;
         free(document);
-        if (bytes > DOCUMENT_LIMIT || inputs > INPUT_LIMIT) {
-            finish_files(&files);
-            return;
-        }
-        if (files.root && !files.has_converter)
-            add(fence, &files);
+        if (files.is_found && !files.has_converter && inputs <= INPUT_LIMIT)
+            add(fence, record, &files);
         else
-            finish_files(&files);
+            job_fence_files_finish(&files);
+        if (bytes > DOCUMENT_LIMIT || inputs > INPUT_LIMIT) return;
     }
 }
 
@@ -118,7 +107,7 @@ struct job_fence *job_fence_create(const struct farm *farm, const struct job_rec
                                    struct error *error)
 {
     struct job_fence *fence;
-    struct fenced_job files = {0};
+    struct job_fence_files files;
     char *document;
 
     *is_job_fault = false;
@@ -128,7 +117,7 @@ struct job_fence *job_fence_create(const struct farm *farm, const struct job_rec
     if (*is_job_fault) return NULL;
     fence = xcalloc(1, sizeof *fence);
     fence->owner_uid = record->owner_uid;
-    add(fence, &files);
+    add(fence, record, &files);
     if (!files.has_converter) add_next_jobs(fence, farm, record->queued->next);
     return fence;
 }
@@ -136,8 +125,11 @@ struct job_fence *job_fence_create(const struct farm *farm, const struct job_rec
 void job_fence_destroy(struct job_fence *fence)
 {
     if (!fence) return;
-    for (size_t i = 0; i < fence->count; i++)
-        finish_files(&fence->jobs[i]);
+    for (size_t i = 0; i < fence->count; i++) {
+        job_fence_files_finish(&fence->jobs[i].files);
+        free(fence->jobs[i].root);
+        free(fence->jobs[i].folder);
+    }
     free(fence->jobs);
     free(fence);
 }
@@ -158,13 +150,13 @@ static void write_inputs(const struct job_inputs *inputs, struct json_writer *wr
 }
 
 // Writes members of an object that is begun.
-static void write_files(const struct fenced_job *files, struct json_writer *writer)
+static void write_job(const struct fenced_job *job, struct json_writer *writer)
 {
-    write_inputs(&files->inputs, writer);
+    write_inputs(&job->files.inputs, writer);
     json_write_key(writer, "output");
     json_write_begin_object(writer);
-    json_write_string_member(writer, "root", files->root);
-    json_write_string_member(writer, "folder", files->folder);
+    json_write_string_member(writer, "root", job->root);
+    json_write_string_member(writer, "folder", job->folder);
     json_write_end_object(writer);
 }
 
@@ -174,7 +166,7 @@ static void write_others(const struct job_fence *fence, struct json_writer *writ
     json_write_begin_array(writer);
     for (size_t i = 1; i < fence->count; i++) {
         json_write_begin_object(writer);
-        write_files(&fence->jobs[i], writer);
+        write_job(&fence->jobs[i], writer);
         json_write_end_object(writer);
     }
     json_write_end_array(writer);
@@ -193,10 +185,10 @@ void job_fence_write(const struct job_fence *fence, const struct farm *farm, str
 {
     message_begin_notification(writer, "worker.fence");
     json_write_begin_object(writer);
-    write_files(&fence->jobs[0], writer);
+    write_job(&fence->jobs[0], writer);
     write_others(fence, writer);
     write_closed(farm->options, writer);
-    json_write_bool_member(writer, "converter", fence->jobs[0].has_converter);
+    json_write_bool_member(writer, "converter", fence->jobs[0].files.has_converter);
     json_write_end_object(writer);
     message_end(writer);
 }
@@ -210,14 +202,14 @@ static bool is_in(const char *folder, const char *other)
 }
 
 // An input root itself is never opened, only files in it.
-static bool opens_input(const struct fenced_job *files, const struct job_input *input)
+static bool opens_input(const struct job_inputs *open, const struct job_input *input)
 {
-    for (size_t i = 0; i < files->inputs.count; i++) {
-        const struct job_input *open = &files->inputs.inputs[i];
+    for (size_t i = 0; i < open->count; i++) {
+        const struct job_input *other = &open->inputs[i];
 
-        if (strcmp(open->root, input->root) != 0) continue;
-        if (strcmp(open->path, input->path) == 0) return true;
-        if (*open->folder && is_in(input->folder, open->folder)) return true;
+        if (strcmp(other->root, input->root) != 0) continue;
+        if (strcmp(other->path, input->path) == 0) return true;
+        if (*other->folder && is_in(input->folder, other->folder)) return true;
     }
     return false;
 }
@@ -228,7 +220,7 @@ static bool opens_inputs(const struct job_fence *fence, const struct job_inputs 
         bool is_open = false;
 
         for (size_t k = 0; k < fence->count && !is_open; k++)
-            is_open = opens_input(&fence->jobs[k], &inputs->inputs[i]);
+            is_open = opens_input(&fence->jobs[k].files.inputs, &inputs->inputs[i]);
         if (!is_open) return false;
     }
     return true;
@@ -246,8 +238,8 @@ static bool opens_output(const struct job_fence *fence, const struct job_record 
 static bool has_old_roots(const struct job_fence *fence, const struct path_list *roots)
 {
     for (size_t i = 0; i < fence->count; i++)
-        for (size_t k = 0; k < fence->jobs[i].inputs.count; k++) {
-            const struct job_input *input = &fence->jobs[i].inputs.inputs[k];
+        for (size_t k = 0; k < fence->jobs[i].files.inputs.count; k++) {
+            const struct job_input *input = &fence->jobs[i].files.inputs.inputs[k];
             const char *root = path_list_find_root(roots, input->path);
 
             if (!root || strcmp(root, input->root) != 0) return true;
@@ -255,27 +247,22 @@ static bool has_old_roots(const struct job_fence *fence, const struct path_list 
     return false;
 }
 
-static bool find_whether_it_opens(const struct job_fence *fence, const struct farm *farm,
-                                  const struct job_record *record)
+static void read_files(struct job_fence_files *files, const struct farm *farm, const struct job_record *record)
 {
-    struct fenced_job files = {0};
     char *document;
-    bool does_open;
 
-    if (!opens_output(fence, record)) return false;
-    if (!store_read_document(farm->reader, record->id, &document, NULL)) return false;
-    does_open =
-        find_files(&files, farm, record, document, NULL) && !files.has_converter && opens_inputs(fence, &files.inputs);
+    job_fence_files_finish(files);
+    files->job = record->id;
+    if (!store_read_document(farm->reader, record->id, &document, NULL)) return;
+    (void)find_files(files, farm, record, document, NULL);
     free(document);
-    finish_files(&files);
-    return does_open;
 }
 
-bool job_fence_opens(struct job_fence *fence, const struct farm *farm, const struct job_record *record)
+bool job_fence_opens(const struct job_fence *fence, const struct farm *farm, const struct job_record *record,
+                     struct job_fence_files *files)
 {
-    if (fence->owner_uid != record->owner_uid || fence->jobs[0].has_converter) return false;
-    if (has_old_roots(fence, &farm->options->input_roots)) return false;
-    if (fence->asked_job != record->id) fence->does_open = find_whether_it_opens(fence, farm, record);
-    fence->asked_job = record->id;
-    return fence->does_open;
+    if (fence->owner_uid != record->owner_uid || fence->jobs[0].files.has_converter) return false;
+    if (!opens_output(fence, record) || has_old_roots(fence, &farm->options->input_roots)) return false;
+    if (files->job != record->id) read_files(files, farm, record);
+    return files->is_found && !files->has_converter && opens_inputs(fence, &files->inputs);
 }

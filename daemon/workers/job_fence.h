@@ -2,13 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/job/input_roots.h"
+
 #include <stdbool.h>
+#include <stdint.h>
 
 struct error;
 struct farm;
 struct job_fence;
 struct job_record;
 struct json_writer;
+
+// The files that a job reads. The zero value is empty.
+struct job_fence_files {
+    int64_t job;              // 0: none
+    struct job_inputs inputs; // owned
+    bool is_found;            // false: the job cannot be read, or reads files below no root
+    bool has_converter;
+};
+
+void job_fence_files_finish(struct job_fence_files *files);
 
 // The fence of the job and of the jobs of the same owner that come after it in the queue, as many as are read soon
 // enough. Fences of jobs that run the converter have that job alone. NULL when the store cannot read the job's document
@@ -20,4 +33,6 @@ void job_fence_destroy(struct job_fence *fence); // accepts NULL
 void job_fence_write(const struct job_fence *fence, const struct farm *farm, struct json_writer *writer);
 // Whether a worker inside this fence may be given the job: it is the same owner's, runs no converter, and its files
 // lie, by their paths, where the fence opens. The kernel may still refuse one: a folder made anew is another one to it.
-bool job_fence_opens(struct job_fence *fence, const struct farm *farm, const struct job_record *record);
+// Of the latest job that was asked about, `files` has what was read of it, for the next fence.
+bool job_fence_opens(const struct job_fence *fence, const struct farm *farm, const struct job_record *record,
+                     struct job_fence_files *files);

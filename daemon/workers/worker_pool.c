@@ -28,6 +28,7 @@ struct worker_pool {
     uv_timer_t tick;
     struct worker_slot *slots; // owned
     int slot_count;
+    struct job_fence_files asked; // owned; of the latest job that a worker might go on to
     bool is_stopping;
 };
 
@@ -63,15 +64,15 @@ static int64_t find_memory_limit(const struct worker_pool *pool)
 }
 
 // A fenced worker goes on to serve jobs of the same owner which its fence opens, under the limits that hold now.
-static bool serves(const struct worker_pool *pool, const struct worker_process *worker, const struct job_record *record)
+static bool serves(struct worker_pool *pool, const struct worker_process *worker, const struct job_record *record)
 {
     if (!pool->farm->options->has_sandbox || worker->job == record->id) return true;
     return worker->fence && !record->needs_own_worker && worker->memory_bytes == find_memory_limit(pool) &&
-           job_fence_opens(worker->fence, pool->farm, record);
+           job_fence_opens(worker->fence, pool->farm, record, &pool->asked);
 }
 
 // Number of workers that will soon take a frame of the job: idle, starting, or making room for it.
-static int64_t count_waiting_for(const struct worker_pool *pool, const struct job_record *record)
+static int64_t count_waiting_for(struct worker_pool *pool, const struct job_record *record)
 {
     int64_t count = 0;
 
@@ -88,14 +89,13 @@ static int64_t count_waiting_for(const struct worker_pool *pool, const struct jo
 }
 
 // The job that the next worker serves; NULL: it serves any job, or none for now.
-static struct job_record *find_job_to_serve(const struct worker_pool *pool)
+static struct job_record *find_job_to_serve(struct worker_pool *pool)
 {
     const struct queue_job *next = pool->farm->options->has_sandbox ? queue_next_job(pool->farm->queue) : NULL;
     struct job_record *record;
 
-    if (!next) return NULL;
-    record = job_table_find(&pool->farm->jobs, next->id);
-    if (count_waiting_for(pool, record) >= next->counts[FRAME_QUEUED]) return NULL;
+    record = next ? job_table_find(&pool->farm->jobs, next->id) : NULL;
+    if (!record || count_waiting_for(pool, record) >= next->counts[FRAME_QUEUED]) return NULL;
     return record->failed_starts < START_LIMIT || record->is_last_start ? record : NULL;
 }
 
@@ -337,9 +337,8 @@ void worker_pool_stop(struct worker_pool *pool, int64_t timeout_ms)
 
 bool worker_pool_is_empty(const struct worker_pool *pool)
 {
-    for (int i = 0; i < pool->slot_count; i++) {
+    for (int i = 0; i < pool->slot_count; i++)
         if (pool->slots[i].worker) return false;
-    }
     return true;
 }
 
@@ -355,6 +354,7 @@ void worker_pool_destroy(struct worker_pool *pool)
     for (int i = 0; i < pool->slot_count; i++)
         worker_slot_finish(&pool->slots[i]);
     free(pool->slots);
+    job_fence_files_finish(&pool->asked);
     free(pool);
 }
 

@@ -15,6 +15,7 @@ struct stage {
     struct store *store;
     struct options options;
     struct farm farm;
+    struct job_fence_files asked;
     int64_t id;
 };
 
@@ -37,6 +38,7 @@ static struct stage *stage_create(void **state)
 
 static void stage_destroy(struct stage *stage)
 {
+    job_fence_files_finish(&stage->asked);
     store_reader_close(stage->farm.reader);
     queue_destroy(stage->farm.queue);
     job_table_finish(&stage->farm.jobs);
@@ -96,6 +98,11 @@ static struct job_fence *fence_of(struct stage *stage, const struct job_record *
     return fence;
 }
 
+static bool opens(struct stage *stage, const struct job_fence *fence, const struct job_record *record)
+{
+    return job_fence_opens(fence, &stage->farm, record, &stage->asked);
+}
+
 // Whether the message worker.fence has the text.
 static bool has_text(struct stage *stage, const struct job_fence *fence, const char *text)
 {
@@ -119,8 +126,8 @@ static void next_jobs_of_the_owner_are_in_the_fence(void **state)
     assert_true(has_text(stage, fence, "\"output\":{\"root\":\"/out\",\"folder\":\"ann/one\"}"));
     assert_true(has_text(stage, fence, "\"output\":{\"root\":\"/out\",\"folder\":\"ann/two\"}"));
     assert_true(has_text(stage, fence, "/in/more/a.nvdb"));
-    assert_true(job_fence_opens(fence, &stage->farm, next));
-    assert_false(job_fence_opens(fence, &stage->farm, late)); // nothing was known of its folder
+    assert_true(opens(stage, fence, next));
+    assert_false(opens(stage, fence, late)); // nothing was known of its folder
     job_fence_destroy(fence);
     stage_destroy(stage);
 }
@@ -134,8 +141,8 @@ static void jobs_of_others_are_not(void **state)
     struct job_fence *fence = fence_of(stage, own);
 
     assert_false(has_text(stage, fence, "film/bob"));
-    assert_false(job_fence_opens(fence, &stage->farm, bobs));
-    assert_true(job_fence_opens(fence, &stage->farm, last));
+    assert_false(opens(stage, fence, bobs));
+    assert_true(opens(stage, fence, last));
     job_fence_destroy(fence);
     stage_destroy(stage);
 }
@@ -152,7 +159,7 @@ static void jobs_that_do_not_come_next_are_not(void **state)
     queue_cancel(stage->farm.queue, over->queued);
     alone->needs_own_worker = true;
     fence = fence_of(stage, own);
-    assert_false(job_fence_opens(fence, &stage->farm, before));
+    assert_false(opens(stage, fence, before));
     assert_false(has_text(stage, fence, "paused"));
     assert_false(has_text(stage, fence, "over"));
     assert_false(has_text(stage, fence, "alone"));
@@ -166,13 +173,13 @@ static void fence_opens_what_lies_in_its_folders(void **state)
     struct job_record *own = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
     struct job_fence *fence = fence_of(stage, own);
 
-    assert_true(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/ann/b.nvdb", "ann")));
-    assert_true(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/ann/deep/b.nvdb", "ann/deep")));
-    assert_true(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, NULL, "ann/deep")));
-    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, NULL, "anna")));
-    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, NULL, "")));
-    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/anna/b.nvdb", "ann")));
-    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/b.nvdb", "ann")));
+    assert_true(opens(stage, fence, add_job(stage, ANN, "/in/ann/b.nvdb", "ann")));
+    assert_true(opens(stage, fence, add_job(stage, ANN, "/in/ann/deep/b.nvdb", "ann/deep")));
+    assert_true(opens(stage, fence, add_job(stage, ANN, NULL, "ann/deep")));
+    assert_false(opens(stage, fence, add_job(stage, ANN, NULL, "anna")));
+    assert_false(opens(stage, fence, add_job(stage, ANN, NULL, "")));
+    assert_false(opens(stage, fence, add_job(stage, ANN, "/in/anna/b.nvdb", "ann")));
+    assert_false(opens(stage, fence, add_job(stage, ANN, "/in/b.nvdb", "ann")));
     job_fence_destroy(fence);
     stage_destroy(stage);
 }
@@ -184,9 +191,9 @@ static void root_is_not_opened_for_its_files(void **state)
     struct job_record *own = add_job(stage, ANN, "/in/a.nvdb", "ann");
     struct job_fence *fence = fence_of(stage, own);
 
-    assert_true(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/a.nvdb", "ann")));
-    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/b.nvdb", "ann")));
-    assert_false(job_fence_opens(fence, &stage->farm, add_job(stage, ANN, "/in/ann/b.nvdb", "ann")));
+    assert_true(opens(stage, fence, add_job(stage, ANN, "/in/a.nvdb", "ann")));
+    assert_false(opens(stage, fence, add_job(stage, ANN, "/in/b.nvdb", "ann")));
+    assert_false(opens(stage, fence, add_job(stage, ANN, "/in/ann/b.nvdb", "ann")));
     job_fence_destroy(fence);
     stage_destroy(stage);
 }
@@ -201,10 +208,10 @@ static void jobs_with_the_converter_are_alone(void **state)
 
     assert_true(has_text(stage, plain, "\"converter\":false"));
     assert_false(has_text(stage, plain, "a.vdb"));
-    assert_false(job_fence_opens(plain, &stage->farm, second));
+    assert_false(opens(stage, plain, second));
     assert_true(has_text(stage, converting, "\"converter\":true"));
     assert_true(has_text(stage, converting, "\"others\":[]"));
-    assert_false(job_fence_opens(converting, &stage->farm, third));
+    assert_false(opens(stage, converting, third));
     job_fence_destroy(plain);
     job_fence_destroy(converting);
     stage_destroy(stage);
@@ -217,10 +224,10 @@ static void fence_of_former_roots_opens_nothing_more(void **state)
     struct job_fence *fence = fence_of(stage, own);
     struct job_record *next = add_job(stage, ANN, NULL, "ann");
 
-    assert_true(job_fence_opens(fence, &stage->farm, next));
+    assert_true(opens(stage, fence, next));
     path_list_finish(&stage->options.input_roots);
     path_list_add(&stage->options.input_roots, xstrdup("/in/bob"));
-    assert_false(job_fence_opens(fence, &stage->farm, next));
+    assert_false(opens(stage, fence, next));
     job_fence_destroy(fence);
     stage_destroy(stage);
 }
@@ -240,7 +247,7 @@ static void fence_has_64_jobs_at_most(void **state)
     fence = fence_of(stage, own);
     assert_true(has_text(stage, fence, "\"f63\""));
     assert_false(has_text(stage, fence, "\"f64\""));
-    assert_false(job_fence_opens(fence, &stage->farm, last));
+    assert_false(opens(stage, fence, last));
     job_fence_destroy(fence);
     stage_destroy(stage);
 }
