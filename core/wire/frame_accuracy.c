@@ -27,6 +27,7 @@ void frame_accuracy_write(const struct frame_accuracy *accuracy, struct json_wri
         if (accuracy->is_missed) json_write_bool_member(writer, "missed", true);
     }
     if (accuracy->has_cut_share) json_write_number_member(writer, "cut_share", accuracy->cut_share);
+    if (accuracy->traced > 0.0) json_write_number_member(writer, "traced", accuracy->traced);
 }
 
 static bool is_known(const struct json_node *node)
@@ -71,11 +72,12 @@ static bool read_audit(struct frame_accuracy *accuracy, const struct json_node *
 
 bool frame_accuracy_read(struct frame_accuracy *accuracy, const struct json_node *object, struct error *error)
 {
-    struct json_node share = json_node_child(object, "cut_share");
+    struct json_node share = json_node_child(object, "cut_share"), traced = json_node_child(object, "traced");
 
     *accuracy = (struct frame_accuracy){.has_cut_share = is_known(&share)};
     if (read_audit(accuracy, object, error) &&
-        (!is_known(&share) || json_read_number(&share, 0, 1, &accuracy->cut_share, error)))
+        (!is_known(&share) || json_read_number(&share, 0, 1, &accuracy->cut_share, error)) &&
+        (!is_known(&traced) || json_read_number(&traced, 0, 1, &accuracy->traced, error)))
         return true;
     *accuracy = (struct frame_accuracy){0};
     return false;

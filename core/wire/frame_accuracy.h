@@ -24,12 +24,13 @@ struct frame_accuracy {
     bool is_missed;                        // `error` is over the job's tolerance, and the job publishes such frames
     bool has_cut_share;                    // only in scenes whose rays are reflected or refracted
     double cut_share; // the largest share of the frame's light that cut rays may have carried, [0, 1]
+    double traced;    // share of the frame's pixels that were traced, (0, 1]; 0: no setting lets any be interpolated
 };
 
 // True when the error is known and over `tolerance`; false where that is 0.
 bool frame_accuracy_is_over(const struct frame_accuracy *accuracy, double tolerance);
 // Writes the members that are known: audit, measured_error, error95, audit_rays, method, plan, and missed where it is
-// true; cut_share. (`error` is the text of a failure in every message.)
+// true; cut_share; traced. (`error` is the text of a failure in every message.)
 void frame_accuracy_write(const struct frame_accuracy *accuracy, struct json_writer *writer);
 // Members that are absent or null are unknown. On failure `accuracy` is the zero value.
 bool frame_accuracy_read(struct frame_accuracy *accuracy, const struct json_node *object, struct error *error);

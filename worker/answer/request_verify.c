@@ -7,8 +7,8 @@
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
 #include "worker/audit/gate.h"
-#include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
+#include "worker/picture/image_exr.h"
 #include "worker/scene/scene_inputs.h"
 
 #include <errno.h>
@@ -80,11 +80,8 @@ static bool check_alone(const struct verification *verification, int fd, struct 
 
 static void write_facts(const struct image_exr_facts *facts, struct json_writer *writer)
 {
-    struct frame_accuracy accuracy = audit_result_accuracy(&facts->audit, facts->method);
+    struct frame_accuracy accuracy = image_exr_accuracy(facts);
 
-    accuracy.plan = facts->plan_number;
-    accuracy.has_cut_share = facts->rays.is_known;
-    accuracy.cut_share = facts->rays.cut_share;
     json_write_integer_member(writer, "width_px", facts->width_px);
     json_write_integer_member(writer, "height_px", facts->height_px);
     json_write_integer_member(writer, "frame", facts->frame);

@@ -43,6 +43,7 @@ struct image_exr_header {
     const char *shader_hash;
     double render_seconds;
     struct image_exr_rays rays;
+    double traced;             // as in struct frame_accuracy; 0: not written
     struct audit_result audit; // AUDIT_NONE: not written
     double sampling_error;     // relative RMSE due to the number of samples; 0: not measured
     const char *plan;          // how the method was chosen; NULL or empty: the job states it
@@ -74,6 +75,7 @@ struct image_exr_facts {
     int32_t frame;
     double render_seconds;
     struct image_exr_rays rays; // is_known: the file has a cut share
+    double traced;              // 0: absent, or no share
     // A kind other than AUDIT_NONE: the file has an error and names what it was compared with. Other numbers that it
     // lacks are NaN.
     struct audit_result audit;
@@ -85,6 +87,9 @@ struct image_exr_facts {
     char quality[IMAGE_EXR_QUALITY_SIZE]; // empty: absent
     bool is_draft;
 };
+
+// The accuracy of the file's frame, as messages state it.
+struct frame_accuracy image_exr_accuracy(const struct image_exr_facts *facts);
 
 // Reads all pixels of a file written here, or of any scanline EXR with R, G, B and perhaps A (opaque without). `image`
 // may be NULL to read the header only; on failure it is empty. `facts` may be NULL.

@@ -29,6 +29,13 @@ static bool read_text(exr_context_t context, const char *name, char *text, size_
     return true;
 }
 
+static void read_traced(exr_context_t context, struct image_exr_facts *facts)
+{
+    double share;
+
+    if (read_double(context, "marchd:traced", &share) && share > 0.0 && share <= 1.0) facts->traced = share;
+}
+
 static void read_plan(exr_context_t context, struct image_exr_facts *facts)
 {
     char number[24];
@@ -78,6 +85,18 @@ void image_exr_attributes_read(exr_context_t context, struct image_exr_facts *fa
     read_double(context, "marchd:raysPerPixel", &facts->rays.rays_per_pixel);
     read_double(context, "marchd:cutRays", &facts->rays.cut_rays);
     read_double(context, "marchd:cutTolerance", &facts->rays.cut_tolerance);
+    read_traced(context, facts);
     read_plan(context, facts);
     read_accuracy(context, facts);
+}
+
+struct frame_accuracy image_exr_accuracy(const struct image_exr_facts *facts)
+{
+    struct frame_accuracy accuracy = audit_result_accuracy(&facts->audit, facts->method);
+
+    accuracy.plan = facts->plan_number;
+    accuracy.has_cut_share = facts->rays.is_known;
+    accuracy.cut_share = facts->rays.cut_share;
+    accuracy.traced = facts->traced;
+    return accuracy;
 }

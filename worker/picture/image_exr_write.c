@@ -147,6 +147,7 @@ static exr_result_t set_accuracy(exr_context_t context, const struct image_exr_h
     if (header->plan && header->plan[0]) result = exr_attr_set_string(context, 0, "marchd:plan", header->plan);
     if (!result && header->plan_number > 0) result = set_plan(context, header);
     if (!result && header->is_draft) result = exr_attr_set_int(context, 0, "marchd:draft", 1);
+    if (!result && header->traced > 0.0) result = exr_attr_set_double(context, 0, "marchd:traced", header->traced);
     if (!result && header->sampling_error > 0.0)
         result = exr_attr_set_double(context, 0, "marchd:samplingError", header->sampling_error);
     if (result || audit->kind == AUDIT_NONE) return result;

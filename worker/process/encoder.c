@@ -42,6 +42,7 @@ static struct image_exr_header make_header(const struct worker *worker, const st
                  .cut_rays = picture->ray_counts.cut_rays,
                  .cut_share = picture->ray_counts.cut_share,
                  .cut_tolerance = job->quality.max_cut},
+        .traced = picture->traced,
         .audit = picture->audit,
         .sampling_error = picture->sampling_error,
         .plan = picture->plan,
@@ -124,6 +125,7 @@ static struct frame_accuracy find_accuracy(const struct picture *picture)
     accuracy.plan = picture->plan_number;
     accuracy.has_cut_share = picture->ray_counts.is_known;
     accuracy.cut_share = picture->ray_counts.cut_share;
+    accuracy.traced = picture->traced;
     return accuracy;
 }
 

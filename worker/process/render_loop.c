@@ -8,7 +8,7 @@
 #include "worker/answer/requests.h"
 #include "worker/audit/gate.h"
 #include "worker/gl/gl_context.h"
-#include "worker/picture/audit_result.h"
+#include "worker/picture/image_exr.h"
 #include "worker/plan/plan_segment.h"
 #include "worker/plan/tolerance.h"
 #include "worker/process/options.h"
@@ -213,6 +213,7 @@ static void fill_picture(struct picture *picture, const struct held_job *job, co
     picture->method = result->quality.method;
     picture->step = render->step;
     picture->ray_counts = render->ray_counts;
+    picture->traced = result->quality.pixels.stride > 0 ? render->traced : 0.0;
     picture->audit = result->audit;
     picture->sampling_error = result->audit.sampling_error;
     snprintf(picture->plan, sizeof picture->plan, "%s", job->draft ? job->draft : result->reason);
@@ -257,11 +258,8 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
 // Reports an existing file, with the accuracy that its header states.
 static void tell_skipped(struct render_loop *loop, const struct gate_result *found)
 {
-    struct frame_accuracy accuracy = audit_result_accuracy(&found->facts.audit, found->facts.method);
+    struct frame_accuracy accuracy = image_exr_accuracy(&found->facts);
 
-    accuracy.plan = found->facts.plan_number;
-    accuracy.has_cut_share = found->facts.rays.is_known;
-    accuracy.cut_share = found->facts.rays.cut_share;
     report_skipped(&loop->worker->connection, loop->frame,
                    &(struct report_result){.file = &found->file, .accuracy = &accuracy});
 }

@@ -29,6 +29,7 @@ struct picture {
     enum job_method method; // the job's, or the one chosen in its place
     double step;            // in metres; likewise
     struct ray_counts ray_counts;
+    double traced;                        // as in struct frame_accuracy
     struct audit_result audit;            // AUDIT_NONE: the job states no tolerance
     double sampling_error;                // relative RMSE by the number of samples per pixel; 0: not measured
     int64_t plan_number;                  // 0: none

@@ -37,7 +37,7 @@ static void assert_written(const struct frame_accuracy *accuracy, const char *te
 }
 
 static const char all[] = "{\"audit\":\"step_halving\",\"measured_error\":0.0078125,\"error95\":0.015625,"
-                          "\"audit_rays\":64,\"method\":\"cached\",\"plan\":7,\"cut_share\":0.25}";
+                          "\"audit_rays\":64,\"method\":\"cached\",\"plan\":7,\"cut_share\":0.25,\"traced\":0.0625}";
 
 static void what_is_written_is_read(void **state)
 {
@@ -49,7 +49,7 @@ static void what_is_written_is_read(void **state)
     assert_int_equal(accuracy.audit_rays, 64);
     assert_string_equal(accuracy.method, "cached");
     assert_int_equal(accuracy.plan, 7);
-    assert_true(accuracy.has_cut_share && accuracy.cut_share == 0.25);
+    assert_true(accuracy.has_cut_share && accuracy.cut_share == 0.25 && accuracy.traced == 0.0625);
     assert_written(&accuracy, all);
 }
 
@@ -68,9 +68,9 @@ static void a_missed_tolerance_is_told(void **state)
 
 static void what_is_not_known_is_absent(void **state)
 {
-    struct frame_accuracy accuracy = {.has_cut_share = true};
+    struct frame_accuracy accuracy = {.has_cut_share = true, .traced = 1};
 
-    assert_true(read_text(&accuracy, "{\"frame\":1,\"audit\":null,\"cut_share\":null}", NULL));
+    assert_true(read_text(&accuracy, "{\"frame\":1,\"audit\":null,\"cut_share\":null,\"traced\":null}", NULL));
     assert_string_equal(accuracy.audit, "");
     assert_false(accuracy.has_cut_share);
     assert_written(&accuracy, "{}");
@@ -100,6 +100,7 @@ static void an_audit_is_whole_or_refused(void **state)
                    "\"method\":\"a name that is too long to be one\"}",
                    "method");
     assert_refused("{\"cut_share\":1.5}", "cut_share");
+    assert_refused("{\"traced\":1.5}", "traced");
 }
 
 int main(void)

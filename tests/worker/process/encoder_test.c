@@ -41,6 +41,7 @@ static struct picture *make_picture(struct worker *worker, const char *folder, s
                                 .folder_fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC),
                                 .method = JOB_METHOD_CACHED,
                                 .step = 0.125,
+                                .traced = 0.0625,
                                 .audit = audit,
                                 .sampling_error = 0.25,
                                 .plan = "a grid of light pays",
@@ -115,6 +116,7 @@ static void audit_and_method_are_in_the_message_and_the_file(void **state)
     assert_true(number_of(&message, "measured_error") == 0.0078125 && number_of(&message, "error95") == 0.015625);
     assert_true(number_of(&message, "audit_rays") == 64 && number_of(&message, "audit_s") == 0.25);
     assert_string_equal(text_of(&message, "method"), "cached");
+    assert_true(number_of(&message, "traced") == 0.0625);
     message_finish(&message);
 
     fd = open(temp_folder_path(state, "a.0012.exr.7.3.1.part"), O_RDONLY | O_CLOEXEC);
@@ -123,7 +125,7 @@ static void audit_and_method_are_in_the_message_and_the_file(void **state)
     assert_int_equal(facts.audit.kind, AUDIT_REFERENCE);
     assert_true(facts.audit.is_pooled && facts.audit.error == 0.0078125 && facts.audit.tolerance == 0.01);
     assert_string_equal(facts.method, "cached");
-    assert_true(facts.step == 0.125 && facts.sampling_error == 0.25);
+    assert_true(facts.step == 0.125 && facts.sampling_error == 0.25 && facts.traced == 0.0625);
     assert_string_equal(facts.plan, "a grid of light pays");
     assert_string_equal(facts.job_hash, "00000000000000000000000000000002");
     assert_string_equal(facts.sequence_hash, "00000000000000000000000000000001");
