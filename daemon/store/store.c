@@ -48,7 +48,7 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [SET_JOB] = "UPDATE job SET priority = ?2, is_paused = ?3, is_canceled = ?4, is_failed = ?5, submitted_ms = ?6,"
                 " started_ms = ?7, finished_ms = ?8, reason = ?9 WHERE id = ?1",
     [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
-                  " ?, ?, ?, ?, ?, ?, ?)",
+                  " ?, ?, ?, ?, ?, ?, ?, ?)",
     [RESET_FRAMES] = "DELETE FROM frame WHERE job = ? AND frame_index BETWEEN ? AND ?",
     [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state) VALUES (?, ?, ?) ON CONFLICT DO NOTHING",
     [ADD_ATTEMPT] = "INSERT INTO attempt (job, number, frame, attempt, worker, ended_ms, outcome, log) VALUES (?1,"
@@ -199,7 +199,7 @@ static bool set_job(struct store *store, const struct store_job *job, struct err
 
 static void bind_accuracy(sqlite3_stmt *statement, const struct frame_accuracy *accuracy)
 {
-    for (int column = 12; column <= 18; column++)
+    for (int column = 12; column <= 19; column++)
         sqlite3_bind_null(statement, column);
     if (accuracy->audit[0]) {
         store_sql_bind_text(statement, 12, accuracy->audit);
@@ -210,6 +210,7 @@ static void bind_accuracy(sqlite3_stmt *statement, const struct frame_accuracy *
     }
     if (accuracy->has_cut_share) sqlite3_bind_double(statement, 17, accuracy->cut_share);
     if (accuracy->plan > 0) sqlite3_bind_int64(statement, 18, accuracy->plan);
+    if (accuracy->traced > 0.0) sqlite3_bind_double(statement, 19, accuracy->traced);
 }
 
 static bool set_frame(struct store *store, const struct store_frame *frame, struct error *error)

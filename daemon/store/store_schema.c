@@ -55,6 +55,7 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "CREATE INDEX plan_of_owner ON plan (owner_uid);"
           "CREATE INDEX plan_of_segment ON plan (owner_uid, scene, segment);"
           "ALTER TABLE frame ADD COLUMN plan INTEGER;",
+    [4] = "ALTER TABLE frame ADD COLUMN traced REAL;",
 };
 
 bool store_schema_check(sqlite3 *db, int *found, struct error *error)
@@ -128,6 +129,7 @@ static void read_accuracy(sqlite3_stmt *row, struct frame_accuracy *accuracy)
     accuracy->has_cut_share = sqlite3_column_type(row, 16) != SQLITE_NULL;
     accuracy->cut_share = sqlite3_column_double(row, 16);
     accuracy->plan = sqlite3_column_int64(row, 17);
+    accuracy->traced = sqlite3_column_double(row, 18);
 }
 
 bool store_schema_read_frame(sqlite3_stmt *row, struct store_frame *frame, struct error *error)

@@ -91,7 +91,8 @@ static inline struct store_op frame_op(int64_t job, int32_t index, enum frame_st
                                                     .method = "cached",
                                                     .plan = 12,
                                                     .has_cut_share = true,
-                                                    .cut_share = 0.125}}};
+                                                    .cut_share = 0.125,
+                                                    .traced = 0.0625}}};
 }
 
 static inline void assert_accuracy(const struct frame_accuracy *accuracy)
@@ -102,6 +103,7 @@ static inline void assert_accuracy(const struct frame_accuracy *accuracy)
     assert_string_equal(accuracy->method, "cached");
     assert_int_equal(accuracy->plan, 12);
     assert_true(accuracy->has_cut_share && accuracy->cut_share == 0.125);
+    assert_true(accuracy->traced == 0.0625);
 }
 
 static inline bool commit(struct store *store, struct store_op *ops, size_t count, struct error *error)

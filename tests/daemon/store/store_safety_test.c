@@ -183,13 +183,13 @@ static void assert_refused(const struct folder *folder, const char *message)
 static void newer_store_is_refused_and_unchanged(void **state)
 {
     const struct folder *folder = *state;
-    const unsigned char version[4] = {0, 0, 0, 5}; // the header's user_version, big-endian at byte 60
+    const unsigned char version[4] = {0, 0, 0, 6}; // the header's user_version, big-endian at byte 60
     char path[128];
 
     store_close(open_store(folder));
     snprintf(path, sizeof path, "%s/queue.db", folder->path);
     write_bytes(path, 60, version, sizeof version);
-    assert_refused(folder, "store: written by a newer marchd (version 5, this one reads 4)");
+    assert_refused(folder, "store: written by a newer marchd (version 6, this one reads 5)");
 }
 
 static void database_of_another_program_is_refused(void **state)

@@ -96,6 +96,7 @@ static void store_of_the_first_version_is_kept_whole(void **state)
     for (int i = 0; i < 3; i++) {
         assert_string_equal(rows.frames[i].accuracy.audit, "");
         assert_false(rows.frames[i].accuracy.has_cut_share);
+        assert_true(rows.frames[i].accuracy.traced == 0.0);
     }
     store_close(store);
 }
