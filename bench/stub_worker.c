@@ -154,7 +154,8 @@ static const struct frame_accuracy audited = {.audit = "reference",
                                               .audit_rays = 64,
                                               .method = "cached",
                                               .has_cut_share = true,
-                                              .cut_share = 0.125};
+                                              .cut_share = 0.125,
+                                              .traced = 0.0625};
 
 static void say_finished(struct stub *stub, const struct stub_frame *frame, uint64_t inode_number, int64_t size_bytes,
                          const char *hash)

@@ -62,9 +62,9 @@ static void print_share(const struct json_node *frame, const char *key)
     double share = number_of(frame, key);
 
     if (share >= 0)
-        printf("  %7.2g", 100 * share);
+        printf("  %8.3g", 100 * share);
     else
-        printf("  %7s", "-");
+        printf("  %8s", "-");
 }
 
 // Columns have fixed widths, so that each page is printed before the next is requested.
@@ -82,6 +82,7 @@ static void print_frame(const struct json_node *frame)
     printf("  %-13s", text_of(frame, "method", "-"));
     print_audit(frame);
     print_share(frame, "cut_share");
+    print_share(frame, "traced");
     print_end(frame);
 }
 
@@ -132,8 +133,8 @@ static enum exit_status print_frames(const struct options *options, struct conne
         if (!ok) return connection_failure(connection);
         if (offset == 0 && options->json) printf("{\"frames\":[");
         if (offset == 0 && !options->json)
-            printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %15s  %7s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
-                   "ENCODE S", "BYTES", "METHOD", "AUDIT % / 95 %", "CUT %", "FILE, FAILURE OR PHASE");
+            printf("%8s  %-9s  %3s  %8s  %8s  %11s  %-13s  %15s  %8s  %8s  %s\n", "FRAME", "STATE", "TRY", "RENDER S",
+                   "ENCODE S", "BYTES", "METHOD", "AUDIT % / 95 %", "CUT %", "TRACED %", "FILE, FAILURE OR PHASE");
         frames = json_node_child(&reply.body, "frames");
         total_node = json_node_child(&reply.body, "total");
         ok = json_read_integer(&total_node, 0, INT64_C(1) << 52, &total, error);

@@ -150,6 +150,7 @@ static void print_accuracy(const struct frame_accuracy *accuracy)
                accuracy->method);
     if (accuracy->is_missed) printf("  over the tolerance");
     if (accuracy->has_cut_share) printf("  cut %.3g %%", 100 * accuracy->cut_share);
+    if (accuracy->traced > 0.0) printf("  traced %.3g %%", 100 * accuracy->traced);
     putchar('\n');
 }
 

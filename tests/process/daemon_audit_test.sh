@@ -4,7 +4,7 @@
 
 accuracy_of()
 {
-    ask job.frames "{\"id\":$1}" | jq -c '[.result.frames[] | [.audit, .measured_error, .error95, .audit_rays, .method, .cut_share]]'
+    ask job.frames "{\"id\":$1}" | jq -c '[.result.frames[] | [.audit, .measured_error, .error95, .audit_rays, .method, .cut_share, .traced]]'
 }
 
 # told_end EVENTS ID: the subscriber has all events of the job's frames.
@@ -17,11 +17,11 @@ told_end()
 start_daemon --worker-program "$(stub audited:0)"
 id=$(submit "$(job 0-1 '.output.path = "a/a.####.exr"')")
 wait_state "$id" succeeded
-whole='["reference",0.00625,0.0075,64,"cached",0.125]'
+whole='["reference",0.00625,0.0075,64,"cached",0.125,0.0625]'
 expect "accuracy" "$(accuracy_of "$id")" "[$whole,$whole]"
 row=$("$bin/march" frames "$id" --socket "$socket" | tr -s ' ' | sed -n 2p)
-[[ $row == *" cached 0.62 / 0.75 12 $scratch/out/a/a.0000.exr"* ]] || fail "the row of march frames: $row"
-"$bin/march" frames "$id" --socket "$socket" | head -n 1 | grep -q 'METHOD  *AUDIT % / 95 %    CUT %  FILE' || fail "the titles"
+[[ $row == *" cached 0.62 / 0.75 12.5 6.25 $scratch/out/a/a.0000.exr"* ]] || fail "the row of march frames: $row"
+"$bin/march" frames "$id" --socket "$socket" | head -n 1 | grep -q 'METHOD  *AUDIT % / 95 %     CUT %  TRACED %  FILE' || fail "the titles"
 stop_daemon
 
 # The next daemon reads them from the store; frames of a worker that audits nothing have none.
@@ -29,10 +29,10 @@ start_daemon --worker-program "$(stub write:0)"
 expect "accuracy after a restart" "$(accuracy_of "$id")" "[$whole,$whole]"
 plain=$(submit "$(job 0 '.output.path = "b/b.####.exr"')")
 wait_state "$plain" succeeded
-expect "no audit" "$(ask job.frames "{\"id\":$plain}" | jq -c '.result.frames[0] | [has("audit"), has("measured_error"), has("cut_share")]')" \
-    "[false,false,false]"
+expect "no audit" "$(ask job.frames "{\"id\":$plain}" | jq -c '.result.frames[0] | [has("audit"), has("measured_error"), has("cut_share"), has("traced")]')" \
+    "[false,false,false,false]"
 row=$("$bin/march" frames "$plain" --socket "$socket" | tr -s ' ' | sed -n 2p)
-[[ $row == *" - - - $scratch/out/b/b.0000.exr"* ]] || fail "the row of a frame without audit: $row"
+[[ $row == *" - - - - $scratch/out/b/b.0000.exr"* ]] || fail "the row of a frame without audit: $row"
 stop_daemon
 
 start_daemon --worker-program "$(stub fail:missed)" --max-attempts 3

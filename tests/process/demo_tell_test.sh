@@ -29,10 +29,10 @@ read_said()
 table()
 {
     cat <<'TABLE'
-   FRAME  STATE      TRY  RENDER S  ENCODE S        BYTES  METHOD         AUDIT % / 95 %    CUT %  FILE, FAILURE OR PHASE
-       0  succeeded    1     0.012     0.001         4096  midpoint             1 / 1.5        -  /c/c.0000.exr
-       1  succeeded    2     0.014     0.001         4096  cached            0.85 / 1.9      0.1  /c/c.0001.exr
-       2  failed       3         -         -            -  midpoint              7 / 9        -  missed
+   FRAME  STATE      TRY  RENDER S  ENCODE S        BYTES  METHOD         AUDIT % / 95 %     CUT %  TRACED %  FILE, FAILURE OR PHASE
+       0  succeeded    1     0.012     0.001         4096  midpoint             1 / 1.5         -         -  /c/c.0000.exr
+       1  succeeded    2     0.014     0.001         4096  cached            0.85 / 1.9       0.1      3.42  /c/c.0001.exr
+       2  failed       3         -         -            -  midpoint              7 / 9         -         -  missed
 TABLE
 }
 # chart ERROR...: rungs with these errors; the first took 0.1 s, each other twice as long.
