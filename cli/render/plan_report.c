@@ -46,16 +46,25 @@ enum exit_status plan_report_ask(const struct options *options, const char *docu
     return status;
 }
 
-void plan_report_print_quality(const struct json_node *quality)
+// `folder` goes before the keys: those of an object within the object are told as --set names them.
+static void print_numbers(const struct json_node *object, const char *folder)
 {
     struct json_node member = {0};
 
-    printf("%s", text_of(quality, "method"));
-    while (json_node_next(quality, &member)) {
+    while (json_node_next(object, &member)) {
         double number;
 
-        if (json_read_number(&member, -HUGE_VAL, HUGE_VAL, &number, NULL)) printf(", %s %.3g", member.key, number);
+        if (json_read_number(&member, -HUGE_VAL, HUGE_VAL, &number, NULL))
+            printf(", %s%s%s %.3g", folder, folder[0] ? "." : "", member.key, number);
+        else if (json_node_type(&member) == JSON_OBJECT)
+            print_numbers(&member, member.key);
     }
+}
+
+void plan_report_print_quality(const struct json_node *quality)
+{
+    printf("%s", text_of(quality, "method"));
+    print_numbers(quality, "");
     printf("\n");
 }
 

@@ -2,6 +2,7 @@
 #include "worker/answer/explain.h"
 
 #include "core/job/job.h"
+#include "core/job/job_pixels.h"
 #include "core/job/quality_json.h"
 #include "core/json/json_write.h"
 #include "core/scene/light_rules.h"
@@ -322,6 +323,21 @@ static void list_samples(const struct listing *listing)
         say(listing, true, "motion blur", "%d moments of the %g frames that the shutter is open", samples, shutter);
 }
 
+static void list_pixels(const struct listing *listing)
+{
+    const struct job_pixels *pixels = &listing->job->quality.pixels;
+    const char *obstacle = job_pixels_obstacle(&listing->job->scene, listing->job->quality.method);
+
+    if (pixels->stride > 0)
+        say(listing, true, "pixels", "every %d%s, refined where doubt exceeds %g", pixels->stride,
+            pixels->stride % 10 == 2 ? "nd" : "th", pixels->threshold);
+    else if (obstacle)
+        say(listing, false, "pixels", "every pixel is traced: %s has random numbers of its own in each pixel",
+            obstacle);
+    else
+        say(listing, false, "pixels", "every pixel is traced: quality has no pixels");
+}
+
 static void list_light_grids(const struct listing *listing)
 {
     for (size_t i = 0; i < listing->program->light_grid_count; ++i) {
@@ -367,6 +383,7 @@ static void list_method(const struct listing *listing)
             quality->roulette_below, quality->roulette_survive);
     say(listing, false, "multiple scattering", "light is scattered once at most");
     list_surfaces(listing);
+    list_pixels(listing);
     list_samples(listing);
 }
 

@@ -285,6 +285,43 @@ static void textures_are_explained(void **state)
     job_finish(&job);
 }
 
+static void assert_pixels_explained(const struct job *job, const char *list, const char *why)
+{
+    struct explanation explanation;
+
+    explain(&explanation, job);
+    assert_string_equal(find_why(&explanation, list, "pixels"), why);
+    explanation_finish(&explanation);
+}
+
+static void traced_pixels_are_explained(void **state)
+{
+    struct job job;
+
+    ball_job_parse(&job, BALL_JOB_SIGMA_S_1, BALL_JOB_MIDPOINT ", " BALL_JOB_POINT_LIGHT);
+    assert_pixels_explained(&job, "not_modelled", "every pixel is traced: quality has no pixels");
+    job.quality.pixels = (struct job_pixels){.stride = 16, .threshold = 0.01};
+    assert_pixels_explained(&job, "modelled", "every 16th, refined where doubt exceeds 0.01");
+    job.quality.pixels.stride = 32;
+    assert_pixels_explained(&job, "modelled", "every 32nd, refined where doubt exceeds 0.01");
+    job.quality.pixels = (struct job_pixels){0};
+    job.quality.method = JOB_METHOD_JITTERED;
+    assert_pixels_explained(&job, "not_modelled",
+                            "every pixel is traced: jittered has random numbers of its own in each pixel");
+    job_finish(&job);
+}
+
+static void rough_surfaces_have_every_pixel_traced(void **state)
+{
+    struct job job;
+
+    object_job_parse(&job, "\"objects\": [" OBJECT_JOB_FLOOR(OBJECT_JOB_MIRROR ", \"roughness\": 0.25") "]",
+                     OBJECT_JOB_QUALITY);
+    assert_pixels_explained(&job, "not_modelled",
+                            "every pixel is traced: a rough surface has random numbers of its own in each pixel");
+    job_finish(&job);
+}
+
 static void a_missing_camera_view_is_an_error(void **state)
 {
     struct error error = {{0}};
@@ -370,6 +407,8 @@ int main(void)
         cmocka_unit_test(objects_are_explained),
         cmocka_unit_test(an_interior_says_whose_it_is),
         cmocka_unit_test(objects_that_end_every_ray_need_no_paths),
+        cmocka_unit_test(traced_pixels_are_explained),
+        cmocka_unit_test(rough_surfaces_have_every_pixel_traced),
         cmocka_unit_test(a_missing_camera_view_is_an_error),
     };
 
