@@ -264,7 +264,8 @@ static void keep(const struct refinement *finer, size_t from, size_t place)
     if (lattice->planes.depth) finer->planes.depth[place] = lattice->planes.depth[from];
 }
 
-// Decides which points of a row are traced. The rows up to REACH after it have been spread.
+// Decides which points of a row are traced: also those of the level before that were interpolated there and are
+// doubtful here. The rows up to REACH after it have been spread.
 static void decide_row(struct refinement *finer, int row)
 {
     struct pixel_lattice *lattice = finer->lattice;
@@ -280,7 +281,7 @@ static void decide_row(struct refinement *finer, int row)
         struct around around = find_around(finer, x, row);
         size_t place = first + (size_t)x;
 
-        if (x % 2 == 0 && row % 2 == 0)
+        if (x % 2 == 0 && row % 2 == 0 && (lattice->doubts[around.at[0]] == 0 || doubt[x] <= 1.0f))
             keep(finer, around.at[0], place);
         else if (!(doubt[x] <= 1.0f) || (finer->forced && finer->forced[place]) || !is_same(&lattice->planes, &around))
             want(lattice, (struct pixel){x * finer->stride, row * finer->stride}, place);

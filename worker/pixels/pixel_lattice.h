@@ -16,8 +16,8 @@ struct pixel_lattice_params {
     // Its rgba, transmittance and depth are filled, and it gets `doubts`. Borrowed; outlives the lattice.
     struct image *image;
     int stride;       // px, of the first level: a power of two, at least 2
-    double threshold; // a pixel is traced where cubic and linear interpolation differ by more: of colours relative to
-                      // the RMS of the picture, of alpha and transmittance as it is
+    double threshold; // a pixel is traced where the picture bends more (pixel_spread.h): colours relative to the RMS of
+                      // the picture, alpha and transmittance as they are
     bool has_paths;
     const struct pixel_guard *guards; // borrowed; outlive the lattice
     size_t guard_count;
@@ -47,7 +47,8 @@ void pixel_lattice_give(struct pixel_lattice *lattice, const struct pixel_planes
 // whole.
 //
 // A point is traced where the interpolation is doubtful at it or at one of the points up to two away, where the points
-// that it lies between differ in their signature or by a fiftieth of their depth, and where a guard asks for it. All
-// others are interpolated: colours, alpha and transmittance as in pixel_spread.h, depth and paths linearly. Adaptive
+// that it lies between differ in their signature or by a fiftieth of their depth, and where a guard asks for it; one of
+// the level before that was interpolated there where its interpolation is doubtful on this one. All others are
+// interpolated: colours, alpha and transmittance as in pixel_spread.h, depth and paths linearly. Adaptive
 // refinement in the image plane: M. Levoy, Volume rendering by adaptive refinement, The Visual Computer 6(1), 1990.
 bool pixel_lattice_refine(struct pixel_lattice *lattice);
