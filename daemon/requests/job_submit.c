@@ -19,6 +19,7 @@
 #include "daemon/requests/request.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
+#include "daemon/workers/worker_pool.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -334,6 +335,7 @@ static void on_committed(void *user, bool ok, const struct error *error)
         return;
     }
     record = queue_submit(submit);
+    worker_pool_note_job(farm->pool, record);
     subject = job_record_subject(record);
     log_about(LOG_INFO, &subject, "job %lld (\"%s\"): submitted by %s", (long long)record->id, record->name,
               record->owner);

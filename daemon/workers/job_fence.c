@@ -35,6 +35,7 @@ struct job_fence {
     int64_t owner_uid;
     struct fenced_job *jobs; // owned; the first is the job that the worker is started for
     size_t count, capacity;
+    bool is_shared;
 };
 
 static bool needs_converter(const struct job_inputs *inputs)
@@ -103,6 +104,43 @@ static void add_next_jobs(struct job_fence *fence, const struct farm *farm, cons
     }
 }
 
+// Compares texts. Folders are relative to their root; "" is the root itself.
+static bool is_in(const char *folder, const char *other)
+{
+    size_t length = strlen(other);
+
+    return length == 0 || (strncmp(folder, other, length) == 0 && (folder[length] == '/' || folder[length] == '\0'));
+}
+
+// Whether the record's job writes into the job's output folder, or into one inside it.
+static bool holds_output(const struct fenced_job *job, const struct job_record *record)
+{
+    return is_in(record->path.folder, job->folder) && strcmp(job->root, record->root) == 0;
+}
+
+static void remove_job(struct job_fence *fence, size_t index)
+{
+    job_fence_files_finish(&fence->jobs[index].files);
+    free(fence->jobs[index].root);
+    free(fence->jobs[index].folder);
+    fence->jobs[index] = fence->jobs[--fence->count];
+}
+
+// Other owners' files stay closed to jobs that do not write beside them.
+static void leave_out_shared(struct job_fence *fence, const struct farm *farm)
+{
+    for (size_t i = 0; i < farm->jobs.count; i++) {
+        const struct job_record *record = farm->jobs.records[i];
+
+        if (record->owner_uid == fence->owner_uid) continue;
+        for (size_t k = fence->count; k-- > 1;)
+            if (holds_output(&fence->jobs[k], record)) remove_job(fence, k);
+        if (holds_output(&fence->jobs[0], record)) fence->is_shared = true;
+    }
+    while (fence->is_shared && fence->count > 1)
+        remove_job(fence, fence->count - 1);
+}
+
 struct job_fence *job_fence_create(const struct farm *farm, const struct job_record *record, bool *is_job_fault,
                                    struct error *error)
 {
@@ -119,17 +157,15 @@ struct job_fence *job_fence_create(const struct farm *farm, const struct job_rec
     fence->owner_uid = record->owner_uid;
     add(fence, record, &files);
     if (!files.has_converter) add_next_jobs(fence, farm, record->queued->next);
+    leave_out_shared(fence, farm);
     return fence;
 }
 
 void job_fence_destroy(struct job_fence *fence)
 {
     if (!fence) return;
-    for (size_t i = 0; i < fence->count; i++) {
-        job_fence_files_finish(&fence->jobs[i].files);
-        free(fence->jobs[i].root);
-        free(fence->jobs[i].folder);
-    }
+    while (fence->count > 0)
+        remove_job(fence, fence->count - 1);
     free(fence->jobs);
     free(fence);
 }
@@ -193,14 +229,6 @@ void job_fence_write(const struct job_fence *fence, const struct farm *farm, str
     message_end(writer);
 }
 
-// Compares texts. Folders are relative to their root; "" is the root itself.
-static bool is_in(const char *folder, const char *other)
-{
-    size_t length = strlen(other);
-
-    return length == 0 || (strncmp(folder, other, length) == 0 && (folder[length] == '/' || folder[length] == '\0'));
-}
-
 // An input root itself is never opened, only files in it.
 static bool opens_input(const struct job_inputs *open, const struct job_input *input)
 {
@@ -229,9 +257,19 @@ static bool opens_inputs(const struct job_fence *fence, const struct job_inputs 
 static bool opens_output(const struct job_fence *fence, const struct job_record *record)
 {
     for (size_t i = 0; i < fence->count; i++)
-        if (strcmp(fence->jobs[i].root, record->root) == 0 && is_in(record->path.folder, fence->jobs[i].folder))
-            return true;
+        if (holds_output(&fence->jobs[i], record)) return true;
     return false;
+}
+
+bool job_fence_note_job(struct job_fence *fence, const struct job_record *record)
+{
+    if (record->owner_uid != fence->owner_uid && opens_output(fence, record)) fence->is_shared = true;
+    return fence->is_shared;
+}
+
+bool job_fence_is_shared(const struct job_fence *fence)
+{
+    return fence->is_shared;
 }
 
 // The roots may have changed since.
@@ -262,7 +300,8 @@ bool job_fence_opens(const struct job_fence *fence, const struct farm *farm, con
                      struct job_fence_files *files)
 {
     if (fence->owner_uid != record->owner_uid || fence->jobs[0].files.has_converter) return false;
-    if (!opens_output(fence, record) || has_old_roots(fence, &farm->options->input_roots)) return false;
+    if (fence->is_shared || !opens_output(fence, record) || has_old_roots(fence, &farm->options->input_roots))
+        return false;
     if (files->job != record->id) read_files(files, farm, record);
     return files->is_found && !files->has_converter && opens_inputs(fence, &files->inputs);
 }

@@ -24,15 +24,22 @@ struct job_fence_files {
 void job_fence_files_finish(struct job_fence_files *files);
 
 // The fence of the job and of the jobs of the same owner that come after it in the queue, as many as are read soon
-// enough. Fences of jobs that run the converter have that job alone. NULL when the store cannot read the job's document
-// (`*is_job_fault` is false), or when the document is invalid or names a file below no input root (it is true).
+// enough. A job that runs the converter, or into whose folder another owner's jobs write, is alone in its fence. NULL
+// when the store cannot read the job's document (`*is_job_fault` is false), or when the document is invalid or names a
+// file below no input root (it is true).
 struct job_fence *job_fence_create(const struct farm *farm, const struct job_record *record, bool *is_job_fault,
                                    struct error *error);
 void job_fence_destroy(struct job_fence *fence); // accepts NULL
 // The message worker.fence.
 void job_fence_write(const struct job_fence *fence, const struct farm *farm, struct json_writer *writer);
-// Whether a worker inside this fence may be given the job: it is the same owner's, runs no converter, and its files
-// lie, by their paths, where the fence opens. The kernel may still refuse one: a folder made anew is another one to it.
-// Of the latest job that was asked about, `files` has what was read of it, for the next fence.
+// To be told of each new job: if it is another owner's and writes into a folder of the fence, the fence is shared from
+// now on. Returns whether it is.
+bool job_fence_note_job(struct job_fence *fence, const struct job_record *record);
+// Whether jobs of other owners write into a folder of the fence. The worker then serves its first job alone.
+bool job_fence_is_shared(const struct job_fence *fence);
+// Whether a worker inside this fence may be given the job: the fence is not shared, the job is the same owner's, it
+// runs no converter, and its files lie, by their paths, where the fence opens. The kernel may still refuse one: a
+// folder made anew is another one to it. `files` has what was read of the latest job that was asked about, for the next
+// fence.
 bool job_fence_opens(const struct job_fence *fence, const struct farm *farm, const struct job_record *record,
                      struct job_fence_files *files);

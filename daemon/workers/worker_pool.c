@@ -245,34 +245,12 @@ static void note_unable(struct worker_pool *pool, struct worker_process *worker,
     worker_process_expect_exit(worker, now_ms + EXIT_MS);
 }
 
-static void note_clocks(struct worker_process *worker, const struct worker_report *report, int64_t now_ms)
-{
-    switch (report->kind) {
-    case WORKER_REPORT_BEAT:
-        liveness_progress(&worker->liveness, report->progress, now_ms);
-        break;
-    case WORKER_REPORT_STARTED:
-    case WORKER_REPORT_PLANNED:
-        liveness_begin_frame(&worker->liveness, now_ms);
-        break;
-    case WORKER_REPORT_PLANNING: // planning is for many frames: the time of one frame does not limit it
-    case WORKER_REPORT_RENDERED:
-    case WORKER_REPORT_SKIPPED:
-    case WORKER_REPORT_FAILED:
-        liveness_end_frame(&worker->liveness, now_ms);
-        break;
-    default:
-        liveness_note_message(&worker->liveness, now_ms);
-        break;
-    }
-}
-
 static void on_report(void *user, struct worker_process *worker, const struct worker_report *report)
 {
     struct worker_pool *pool = user;
     int64_t now_ms = farm_now_ms(pool->farm);
 
-    note_clocks(worker, report, now_ms);
+    worker_process_note_clocks(worker, report, now_ms);
     if (report->kind == WORKER_REPORT_READY) note_ready(pool, worker, report);
     if (report->kind == WORKER_REPORT_UNABLE) note_unable(pool, worker, report, now_ms);
     if (report->kind >= WORKER_REPORT_STARTED && report->kind <= WORKER_REPORT_DROPPED)
@@ -370,6 +348,30 @@ struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int 
     return worker && worker->state == WORKER_READY ? worker : NULL;
 }
 
+// The next worker in its slot serves another job.
+static void replace(const struct worker_pool *pool, struct worker_process *worker)
+{
+    worker->is_replaced = true;
+    worker_process_exit(worker, farm_now_ms(pool->farm) + EXIT_MS);
+}
+
+// A worker that has nothing to do does not stay where other owners' files are.
+static void leave_if_shared(const struct worker_pool *pool, struct worker_process *worker)
+{
+    if (worker->state == WORKER_READY && worker->in_flight.count == 0 && worker->fence &&
+        job_fence_is_shared(worker->fence))
+        replace(pool, worker);
+}
+
+void worker_pool_note_job(struct worker_pool *pool, const struct job_record *record)
+{
+    for (int i = 0; i < pool->slot_count; i++) {
+        struct worker_process *worker = pool->slots[i].worker;
+
+        if (worker && worker->fence && job_fence_note_job(worker->fence, record)) leave_if_shared(pool, worker);
+    }
+}
+
 bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job)
 {
     struct job_record *record = job_table_find(&pool->farm->jobs, job->id);
@@ -377,9 +379,8 @@ bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker
     if (serves(pool, worker, record)) return true;
     if (record->failed_starts == START_LIMIT) record->is_last_start = true; // because this worker did start
     if (worker->in_flight.count > 0 || count_waiting_for(pool, record) >= job->counts[FRAME_QUEUED]) return false;
-    worker->is_replaced = true;
     worker->next_job = job->id;
-    worker_process_exit(worker, farm_now_ms(pool->farm) + EXIT_MS);
+    replace(pool, worker);
     return false;
 }
 
@@ -446,28 +447,12 @@ const struct in_flight_frame *worker_pool_furthest_frame(const struct worker_poo
     return furthest;
 }
 
-static void send_about_job(struct worker_process *worker, const char *method, int64_t job, bool has_running,
-                           bool running)
-{
-    struct json_writer writer = {0};
-
-    message_begin_notification(&writer, method);
-    json_write_begin_object(&writer);
-    json_write_integer_member(&writer, "job", job);
-    if (has_running) json_write_bool_member(&writer, "running", running);
-    json_write_end_object(&writer);
-    message_end(&writer);
-    worker_process_send(worker, &writer);
-    json_writer_finish(&writer);
-}
-
 void worker_pool_drop_job(struct worker_pool *pool, int64_t job, bool running)
 {
     for (int i = 0; i < pool->slot_count; i++) {
         struct worker_process *worker = pool->slots[i].worker;
 
-        if (worker && in_flight_has_job(&worker->in_flight, job))
-            send_about_job(worker, "worker.drop", job, true, running);
+        if (worker && in_flight_has_job(&worker->in_flight, job)) worker_process_drop_job(worker, job, running);
     }
 }
 
@@ -490,7 +475,7 @@ void worker_pool_forget_job(struct worker_pool *pool, int64_t job)
         if (worker->job == job) worker->job = WORKER_NO_JOB;
         if (!worker_process_knows_job(worker, job)) continue;
         worker_process_forget_job(worker, job);
-        send_about_job(worker, "worker.forget", job, false, false);
+        leave_if_shared(pool, worker);
     }
 }
 

@@ -43,6 +43,8 @@ struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int 
 // Whether the worker can be assigned frames of the job. If its fence does not open the job, it has no frames in flight
 // and no other worker is about to take the frames, it is told to exit: the next worker in its slot serves the job.
 bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job);
+// To be told of each job when it is queued: no worker of another owner stays idle where the job writes.
+void worker_pool_note_job(struct worker_pool *pool, const struct job_record *record);
 // Why no worker can be assigned frames; NULL when one can. Owned by the caller.
 char *worker_pool_format_trouble(const struct worker_pool *pool);
 

@@ -143,6 +143,28 @@ void worker_process_note_ready(struct worker_process *worker, const struct worke
     worker->sandbox = copy_text(report->sandbox);
 }
 
+void worker_process_note_clocks(struct worker_process *worker, const struct worker_report *report, int64_t now_ms)
+{
+    switch (report->kind) {
+    case WORKER_REPORT_BEAT:
+        liveness_progress(&worker->liveness, report->progress, now_ms);
+        break;
+    case WORKER_REPORT_STARTED:
+    case WORKER_REPORT_PLANNED:
+        liveness_begin_frame(&worker->liveness, now_ms);
+        break;
+    case WORKER_REPORT_PLANNING: // planning is for many frames: the time of one frame does not limit it
+    case WORKER_REPORT_RENDERED:
+    case WORKER_REPORT_SKIPPED:
+    case WORKER_REPORT_FAILED:
+        liveness_end_frame(&worker->liveness, now_ms);
+        break;
+    default:
+        liveness_note_message(&worker->liveness, now_ms);
+        break;
+    }
+}
+
 bool worker_process_is_host(const struct worker_process *worker, int64_t job)
 {
     return worker->fence && worker->job != job;
@@ -372,11 +394,39 @@ void worker_process_learn_job(struct worker_process *worker, int64_t job)
     worker->known_jobs[worker->known_count++] = job;
 }
 
+static void begin_about_job(struct json_writer *writer, const char *method, int64_t job)
+{
+    message_begin_notification(writer, method);
+    json_write_begin_object(writer);
+    json_write_integer_member(writer, "job", job);
+}
+
+static void send_about_job(struct worker_process *worker, struct json_writer *writer)
+{
+    json_write_end_object(writer);
+    message_end(writer);
+    worker_process_send(worker, writer);
+    json_writer_finish(writer);
+}
+
 void worker_process_forget_job(struct worker_process *worker, int64_t job)
 {
+    struct json_writer writer = {0};
+
     for (size_t i = 0; i < worker->known_count; i++) {
         if (worker->known_jobs[i] == job) worker->known_jobs[i--] = worker->known_jobs[--worker->known_count];
     }
+    begin_about_job(&writer, "worker.forget", job);
+    send_about_job(worker, &writer);
+}
+
+void worker_process_drop_job(struct worker_process *worker, int64_t job, bool running)
+{
+    struct json_writer writer = {0};
+
+    begin_about_job(&writer, "worker.drop", job);
+    json_write_bool_member(&writer, "running", running);
+    send_about_job(worker, &writer);
 }
 
 void worker_process_close(struct worker_process *worker)

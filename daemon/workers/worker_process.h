@@ -87,6 +87,7 @@ struct worker_process *worker_process_start(uv_loop_t *loop, const struct worker
 struct log_subject worker_process_subject(const struct worker_process *worker); // its id, and the frame that it renders
 int worker_process_pid(const struct worker_process *worker);
 void worker_process_note_ready(struct worker_process *worker, const struct worker_report *report); // keeps its texts
+void worker_process_note_clocks(struct worker_process *worker, const struct worker_report *report, int64_t now_ms);
 // Whether it was started for another job than this one: its fence or its past may be why a frame fails.
 bool worker_process_is_host(const struct worker_process *worker, int64_t job);
 // Kills it with SIGKILL; `reason` goes into the log of its attempts.
@@ -105,4 +106,5 @@ char *worker_process_take_log(struct worker_process *worker, const char *reason)
 void worker_process_forget_log(struct worker_process *worker);
 bool worker_process_knows_job(const struct worker_process *worker, int64_t job);
 void worker_process_learn_job(struct worker_process *worker, int64_t job);
-void worker_process_forget_job(struct worker_process *worker, int64_t job);
+void worker_process_forget_job(struct worker_process *worker, int64_t job);             // sends worker.forget
+void worker_process_drop_job(struct worker_process *worker, int64_t job, bool running); // sends worker.drop

@@ -121,16 +121,22 @@ submit_as()
     ask_as "$1" "$2" job.submit "{\"document\":$(job "$3" ".output.path = \"$4\" | .priority = $5")}" | jq '.result.id // empty'
 }
 
-long=$(submit_as "${ann[@]}" 1-60 film/a.####.exr 50)
+long=$(submit_as "${ann[@]}" 1-60 ann/a.####.exr 50)
 wait_until "it is rendered" eval '[ "$(field "$long" .succeeded)" -gt 0 ]'
 own=$(ask worker.list | jq '.result.workers[0].pid')
-next=$(submit_as "${ann[@]}" 1-60 film/b.####.exr 50)
-his=$(submit_as "${bob[@]}" 1-2 film/c.####.exr 60)
+next=$(submit_as "${ann[@]}" 1-60 ann/b.####.exr 50)
+his=$(submit_as "${bob[@]}" 1-2 bob/c.####.exr 60)
 wait_state "$his" succeeded
 expect "ann's next job, when bob's with priority is done" "$(field "$next" .succeeded)" 0
 wait_state "$long" succeeded
 wait_state "$next" succeeded
 [ "$(ask worker.list | jq '.result.workers[0].pid')" != "$own" ] || fail "a worker served bob between two jobs of ann's"
+
+# One that has nothing to do leaves as soon as somebody else's job, even a paused one, writes where it could.
+own=$(ask worker.list | jq '.result.workers[0].pid')
+[ -n "$(ask_as "${bob[@]}" job.submit "{\"paused\":true,\"document\":$(job 1-2 '.output.path = "ann/bob/f.####.exr"')}" | jq '.result.id // empty')" ] ||
+    fail "bob may write below ann"
+wait_until "ann's worker is gone" eval '[ "$(ask worker.list | jq "[.result.workers[] | select(.pid == '"$own"')] | length")" = 0 ]'
 stop_daemon
 grep -q 'warning: worker' "$scratch/daemon.log" && fail "a change of users is no warning"
 exit 0

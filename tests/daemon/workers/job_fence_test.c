@@ -135,14 +135,57 @@ static void next_jobs_of_the_owner_are_in_the_fence(void **state)
 static void jobs_of_others_are_not(void **state)
 {
     struct stage *stage = stage_create(state);
-    struct job_record *own = add_job(stage, ANN, "/in/shared/a.nvdb", "film");
-    struct job_record *bobs = add_job(stage, BOB, "/in/shared/a.nvdb", "film/bob");
-    struct job_record *last = add_job(stage, ANN, NULL, "last");
-    struct job_fence *fence = fence_of(stage, own);
+    struct job_record *own = add_job(stage, ANN, "/in/shared/a.nvdb", "ann");
+    struct job_record *bobs = add_job(stage, BOB, "/in/shared/a.nvdb", "bob"), *last, *inside;
+    struct job_fence *fence;
 
-    assert_false(has_text(stage, fence, "film/bob"));
+    for (int i = 0; i < 64; i++) // they do not take the places of ann's either
+        add_job(stage, BOB, NULL, "bob");
+    last = add_job(stage, ANN, NULL, "last");
+    fence = fence_of(stage, own);
+    inside = add_job(stage, BOB, NULL, "ann");
+    assert_false(has_text(stage, fence, "bob"));
     assert_false(opens(stage, fence, bobs));
     assert_true(opens(stage, fence, last));
+    assert_false(opens(stage, fence, inside)); // nobody was told of it
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
+static void folders_that_others_use_are_for_one_job(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *bobs = add_job(stage, BOB, NULL, "film/bob"), *own = add_job(stage, ANN, NULL, "ann");
+    struct job_record *shared = add_job(stage, ANN, NULL, "film"), *next = add_job(stage, ANN, NULL, "next");
+    struct job_fence *plain = fence_of(stage, own), *alone = fence_of(stage, shared);
+
+    assert_false(has_text(stage, plain, "\"film\""));
+    assert_false(job_fence_is_shared(plain));
+    assert_true(opens(stage, plain, next));
+    assert_true(has_text(stage, alone, "\"others\":[]"));
+    assert_true(job_fence_is_shared(alone));
+    assert_false(opens(stage, alone, next));
+    // A job that is over may have left pictures.
+    queue_cancel(stage->farm.queue, bobs->queued);
+    job_fence_destroy(alone);
+    alone = fence_of(stage, shared);
+    assert_true(job_fence_is_shared(alone));
+    job_fence_destroy(alone);
+    job_fence_destroy(plain);
+    stage_destroy(stage);
+}
+
+static void others_jobs_end_what_a_fence_opens(void **state)
+{
+    struct stage *stage = stage_create(state);
+    struct job_record *own = add_job(stage, ANN, NULL, "ann"), *next = add_job(stage, ANN, NULL, "next");
+    struct job_fence *fence = fence_of(stage, own);
+
+    assert_false(job_fence_note_job(fence, add_job(stage, ANN, NULL, "next/deep")));
+    assert_false(job_fence_note_job(fence, add_job(stage, BOB, NULL, "nextdoor")));
+    assert_true(opens(stage, fence, next));
+    assert_true(job_fence_note_job(fence, add_job(stage, BOB, NULL, "next/bob")));
+    assert_false(opens(stage, fence, next));
     job_fence_destroy(fence);
     stage_destroy(stage);
 }
@@ -269,6 +312,8 @@ int main(int argc, char *argv[])
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(next_jobs_of_the_owner_are_in_the_fence, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(jobs_of_others_are_not, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(folders_that_others_use_are_for_one_job, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(others_jobs_end_what_a_fence_opens, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(jobs_that_do_not_come_next_are_not, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(fence_opens_what_lies_in_its_folders, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(root_is_not_opened_for_its_files, make_folder, remove_folder),
