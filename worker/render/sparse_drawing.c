@@ -12,6 +12,7 @@
 #include "worker/shader/scene_program.h"
 
 #include <stddef.h>
+#include <string.h>
 
 // Levels cost about the same each, after the first few.
 struct level_progress {
@@ -109,7 +110,10 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     } while (ok && pixel_lattice_refine(&lattice));
     drawing->on_progress = progress.on_progress;
     drawing->user = progress.user;
-    if (ok && sparse->has_paths) count_rays(sparse, &lattice, counts);
+    if (ok && sparse->has_paths)
+        count_rays(sparse, &lattice, counts);
+    else if (image->cut)
+        memset(image->cut, 0, (size_t)image->width_px * (size_t)image->height_px * sizeof *image->cut);
     sparse->traced = (double)lattice.traced / ((double)image->width_px * image->height_px);
     pixel_lattice_finish(&lattice);
     scene_guards_finish(&guards);
