@@ -186,6 +186,31 @@ static void short_slices_make_the_same_list(void **state)
     }
 }
 
+// And so are the lists of a sparse frame.
+static void short_slices_make_the_same_sparse_picture(void **state)
+{
+    shorten_slices(state, "7");
+    for (size_t i = 0; i < sizeof variants / sizeof *variants; i += 3) {
+        struct image whole, sliced;
+        struct job job;
+        int whole_calls, sliced_calls;
+
+        load(&job, &variants[i]);
+        job.quality.pixels = (struct job_pixels){.stride = 4, .threshold = 0.3};
+        whole = render(&job, test_shader_dir(), &whole_calls);
+        sliced = render(&job, *state, &sliced_calls);
+        assert_true(sliced_calls > whole_calls + 2);
+        assert_non_null(memchr(whole.doubts, 1, PIXELS)); // some pixels are interpolated
+        assert_memory_equal(whole.doubts, sliced.doubts, PIXELS);
+        assert_memory_equal(whole.rgba, sliced.rgba, 4 * PIXELS * sizeof(float));
+        assert_memory_equal(whole.transmittance, sliced.transmittance, 4 * PIXELS * sizeof(float));
+        assert_memory_equal(whole.depth, sliced.depth, PIXELS * sizeof(float));
+        image_finish(&whole);
+        image_finish(&sliced);
+        job_finish(&job);
+    }
+}
+
 static double find_error(const struct job_quality *quality)
 {
     static double truth[3 * PIXELS];
@@ -237,6 +262,8 @@ int main(int argument_count, char **arguments)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(short_slices_make_the_same_picture, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(short_slices_make_the_same_list, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(short_slices_make_the_same_sparse_picture, temp_folder_create,
+                                        temp_folder_destroy),
         cmocka_unit_test(fine_sums_converge),
     };
 
