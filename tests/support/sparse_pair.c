@@ -7,6 +7,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <string.h>
 
 #include <cmocka.h>
 
@@ -18,8 +19,9 @@ struct image sparse_pair_frame(struct renderer *renderer, const struct job *job,
     struct image image = {0};
 
     changed.quality.pixels = pixels;
-    if (!image_init_for_job(&image, job, &error) || !image_ask_cut(&image, &error) ||
-        !renderer_render(renderer, &(struct renderer_frame){.job = &changed, .frame = frame, .image = &image}, result,
+    if (!image_init_for_job(&image, job, &error) || !image_ask_cut(&image, &error)) fail_msg("%s", error.message);
+    memset(image.cut, 1, (size_t)image.width_px * (size_t)image.height_px * sizeof *image.cut); // not 0 by chance
+    if (!renderer_render(renderer, &(struct renderer_frame){.job = &changed, .frame = frame, .image = &image}, result,
                          &error))
         fail_msg("%s", error.message);
     return image;

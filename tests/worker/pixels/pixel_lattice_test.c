@@ -378,6 +378,34 @@ static void light_that_is_not_finite_stays(void **state)
     }
 }
 
+// Bright, but in the columns of the first level.
+static struct lattice_point comb(const void *user, int x, int y)
+{
+    (void)user;
+    (void)y;
+    return grey(x % 16 == 0 ? 0.1 : 1);
+}
+
+// A guard has column 56 traced on the second level. Only on the third does the picture bend beside column 40, which was
+// interpolated on the second.
+static void an_interpolated_point_is_traced_where_a_later_level_doubts_it(void **state)
+{
+    const struct pixel_guard guard = {.from = {50, 0}, .to = {50, 16}, .reach = 1};
+    struct lattice_case of = {.width_px = 113,
+                              .height_px = 17,
+                              .stride = 16,
+                              .threshold = 0.01,
+                              .guards = &guard,
+                              .guard_count = 1,
+                              .picture = comb};
+    struct lattice_made made = make(&of);
+
+    (void)state;
+    for (int row = 0; row < 17; row++)
+        assert_near(made.image.rgba[4 * (113 * row + 40)], 1, 0);
+    lattice_made_finish(&made);
+}
+
 static struct lattice_point black(const void *user, int x, int y)
 {
     (void)user;
@@ -412,6 +440,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(alpha_and_transmittance_are_doubted_as_they_are),
         cmocka_unit_test(doubts_are_shares_of_the_threshold),
         cmocka_unit_test(light_that_is_not_finite_stays),
+        cmocka_unit_test(an_interpolated_point_is_traced_where_a_later_level_doubts_it),
         cmocka_unit_test(a_black_picture_is_black),
     };
 

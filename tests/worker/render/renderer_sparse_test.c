@@ -314,6 +314,34 @@ static void small_things_between_points_are_seen(void **state)
     gl_stage_close(stage);
 }
 
+// Light and depth tell nothing of it: the floor is black, and only its colours are wanted.
+static void a_horizon_is_sharp_whatever_the_threshold(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
+    struct sparse_pair pair;
+    struct job job;
+    int dark = 0;
+
+    (void)state;
+    object_job_parse(&job,
+                     "\"objects\": [{\"kind\": \"plane\", \"point\": [0, -1.5, 0], \"normal\": [0.5, 1, 0], "
+                     "\"material\": {" OBJECT_JOB_GREY "}}]",
+                     "\"background\": 0.1, " OBJECT_JOB_QUALITY);
+    job.width_px = WIDTH_PX;
+    job.height_px = HEIGHT_PX;
+    job.output.has_depth = job.output.has_transmittance = false;
+    sparse_pair_render(stage.renderer, &job, 0, (struct job_pixels){16, 1}, &pair);
+    for (int i = 0; i < WIDTH_PX * HEIGHT_PX; i++) {
+        dark += pair.full.rgba[4 * i] == 0;
+        // A cubic between two points of one side has a sixteenth of each point beyond.
+        assert_near(pair.sparse.rgba[4 * i], pair.full.rgba[4 * i], 0.1 * 2.1 / 16);
+    }
+    assert_in_range(dark, WIDTH_PX * HEIGHT_PX / 5, WIDTH_PX * HEIGHT_PX * 4 / 5);
+    sparse_pair_finish(&pair);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
 // A lamp in a thin fog, whose light has a peak without an end, at any place between the points.
 static void the_peak_around_a_lamp_is_traced(void **state)
 {
@@ -327,7 +355,7 @@ static void the_peak_around_a_lamp_is_traced(void **state)
 
         object_job_parse(
             &job,
-            "\"media\": [{\"sigma_s\": 0.01, \"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": "
+            "\"media\": [{\"sigma_s\": 5e-5, \"density\": {\"kind\": \"homogeneous\", \"bounds\": {\"kind\": "
             "\"sphere\", \"radius\": 3}}}]",
             OBJECT_JOB_LIGHT ", \"background\": 0.1, "
                              "\"quality\": {\"method\": \"equiangular\", \"points\": 8}");
@@ -356,6 +384,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(bits_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(a_full_frame_after_a_sparse_one_is_whole),
         cmocka_unit_test(small_things_between_points_are_seen),
+        cmocka_unit_test(a_horizon_is_sharp_whatever_the_threshold),
         cmocka_unit_test(the_peak_around_a_lamp_is_traced),
     };
 
