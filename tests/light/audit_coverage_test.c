@@ -191,7 +191,8 @@ static double find_error(const struct moment *moment, const struct image *image)
     for (int i = 0; i < PIXELS; i++) {
         struct pixel at = {i % WIDTH_PX, i / WIDTH_PX};
 
-        errors += audit_map_compare(&map, at, &moment->light[i]).square * audit_map_density(&map, at) * map.mean_square;
+        errors +=
+            audit_map_compare(&map, at, NULL, &moment->light[i]).square * audit_map_density(&map, at) * map.mean_square;
         for (int c = 0; c < 3; c++)
             light += moment->light[i].rgb[c] * moment->light[i].rgb[c] / 3.0;
     }
@@ -236,7 +237,7 @@ static void draw_samples(const struct audit_map *map, const struct moment *momen
     audit_map_draw(map, &moment->job, seed, 0, count, points);
     for (size_t i = 0; i < count; i++) {
         const struct truth_pixel *light = &moment->light[points[i].y * WIDTH_PX + points[i].x];
-        struct audit_sample sample = audit_map_compare(map, points[i], light);
+        struct audit_sample sample = audit_map_compare(map, points[i], NULL, light);
 
         audit_samples_append(samples, &sample);
     }

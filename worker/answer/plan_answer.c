@@ -41,12 +41,14 @@ static bool on_progress(void *user, double done)
 static void write_plan(struct json_writer *writer, const struct job *job, const struct plan_segment *segment,
                        const struct plan *plan)
 {
+    struct job planned = plan_apply(plan, job);
+
     json_write_begin_object(writer);
     json_write_integer_member(writer, "segment", segment->index);
     json_write_integer_member(writer, "first_frame", frame_range_at(&job->frames, segment->first));
     json_write_integer_member(writer, "last_frame", frame_range_at(&job->frames, segment->first + segment->count - 1));
     json_write_key(writer, "quality");
-    quality_to_json(writer, job, &plan->quality);
+    quality_to_json(writer, job, &planned.quality);
     json_write_string_member(writer, "why", plan->reason);
     json_write_number_member(writer, "frame_s", plan->predicted_frame_s);
     json_write_number_member(writer, "render_s", plan->predicted_s);
@@ -54,6 +56,7 @@ static void write_plan(struct json_writer *writer, const struct job *job, const 
     json_write_number_member(writer, "encode_s", plan->predicted_encode_s);
     json_write_number_member(writer, "plan_s", plan->plan_s);
     json_write_number_member(writer, "error", plan->predicted_error);
+    json_write_number_member(writer, "traced", plan->predicted_traced);
     json_write_end_object(writer);
 }
 

@@ -67,11 +67,13 @@ static bool measure(struct audit *audit, size_t count)
     const struct audit_params *params = audit->params;
     struct pixel points[BATCH];
     struct truth_pixel pixels[BATCH];
+    float traced[4 * BATCH];
     size_t measured;
 
     audit->batch = count;
     audit->batch_done = 0;
     audit_map_draw(&audit->map, params->job, params->frame, audit->samples.count, count, points);
+    if (params->on_trace && !params->on_trace(params->user, points, count, traced)) return false;
     measured = truth_measure_many(params->truth, &(struct truth_many){.points = points,
                                                                       .pixels = pixels,
                                                                       .count = count,
@@ -80,7 +82,8 @@ static bool measure(struct audit *audit, size_t count)
                                                                       .on_progress = on_measured,
                                                                       .user = audit});
     for (size_t i = 0; i < measured; i++) {
-        struct audit_sample sample = audit_map_compare(&audit->map, points[i], &pixels[i]);
+        struct audit_sample sample =
+            audit_map_compare(&audit->map, points[i], params->on_trace ? &traced[4 * i] : NULL, &pixels[i]);
 
         audit_samples_append(&audit->samples, &sample);
     }

@@ -6,11 +6,13 @@
 #include "worker/picture/audit_result.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 struct error;
 struct image;
 struct job;
+struct pixel;
 struct truth;
 
 enum {
@@ -43,6 +45,9 @@ struct audit_params {
     // times ray_min are measured, and an error over the tolerance by twice ray_min is believed.
     bool is_replaceable;
     int thread_count; // 0: a thread for each core
+    // NULL, or traces pixels of a frame that has some interpolated, 4 floats each: their error alone is then found, and
+    // what interpolation adds is not. False stops the audit.
+    bool (*on_trace)(void *user, const struct pixel *points, size_t count, float *rgba);
     // NULL: none; `done` grows with the number of pixels, towards 1; false stops it
     bool (*on_progress)(void *user, double done);
     void *user;
@@ -50,7 +55,7 @@ struct audit_params {
 
 // Measures pixels against the reference until the error is a standard error from the tolerance, or there are enough.
 // Their number follows from their values, never from a clock. A frame with a pool begins with AUDIT_RAYS_POOLED pixels.
-// If these differ from the pool, it goes on alone. False when on_progress stopped it.
+// If these differ from the pool, it goes on alone. False when on_progress or on_trace stopped it.
 bool audit_frame(const struct audit_params *params, struct audit_result *result);
 
 // Measures a frame by step halving: `coarser` has some of its pixels, `finer` the same pixels in halved steps. `job` is

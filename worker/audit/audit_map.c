@@ -2,6 +2,7 @@
 #include "worker/audit/audit_map.h"
 
 #include "core/base/alloc.h"
+#include "worker/audit/audit_random.h"
 #include "worker/audit/audit_weight.h"
 #include "worker/picture/audit_result.h"
 #include "worker/picture/image.h"
@@ -293,10 +294,12 @@ static double square_beyond_noise(double difference, const struct truth_pixel *p
     return square > NOISE_LIMIT * noise ? square - noise : 0.0;
 }
 
-struct audit_sample audit_map_compare(const struct audit_map *map, struct pixel point, const struct truth_pixel *pixel)
+struct audit_sample audit_map_compare(const struct audit_map *map, struct pixel point, const float *traced,
+                                      const struct truth_pixel *pixel)
 {
     const struct image *image = map->image;
-    const float *seen = &image->rgba[4 * ((size_t)point.y * (size_t)image->width_px + (size_t)point.x)];
+    size_t at = (size_t)point.y * (size_t)image->width_px + (size_t)point.x;
+    const float *seen = traced ? traced : &image->rgba[4 * at];
     double unit = audit_map_is_black(map) ? 1.0 : map->mean_square;
     double weight = 1.0 / (3.0 * audit_map_density(map, point) * unit);
     struct audit_sample sample = {0};
@@ -311,46 +314,9 @@ struct audit_sample audit_map_compare(const struct audit_map *map, struct pixel 
     return sample;
 }
 
-// A random number in [0, 1). Steele, Lea and Flood, Fast Splittable Pseudorandom Number Generators, OOPSLA 2014.
-static double draw(uint64_t *state)
-{
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
-    return (double)(z >> 11) * 0x1p-53;
-}
-
-static uint64_t seed_of(const struct job *job, int32_t frame)
-{
-    uint64_t seed = 0xcbf29ce484222325u ^ (uint32_t)frame;
-
-    for (const char *at = job->hash; *at; at++)
-        seed = (seed ^ (unsigned char)*at) * 0x100000001b3u;
-    return seed;
-}
-
-// The index of the first of `count` running sums that is above `share` of the last one.
-static int find_step(const double *sums, int count, double share)
-{
-    double wanted = share * sums[count - 1];
-    int low = 0, high = count - 1;
-
-    while (low < high) {
-        int middle = low + (high - low) / 2;
-
-        if (sums[middle] > wanted)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
-}
-
 static int draw_between(int begin, int end, uint64_t *state)
 {
-    int at = begin + (int)(draw(state) * (end - begin));
+    int at = begin + (int)(audit_random(state) * (end - begin));
 
     return at < end ? at : end - 1;
 }
@@ -358,8 +324,8 @@ static int draw_between(int begin, int end, uint64_t *state)
 static struct pixel draw_in_row(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
     const double *rows = map->sums[strategy];
-    int width = map->image->width_px, row = find_step(rows, map->image->height_px, draw(state)), x = 0;
-    double wanted = draw(state) * step_at(rows, (size_t)row), sum = 0.0;
+    int width = map->image->width_px, row = audit_random_step(rows, map->image->height_px, audit_random(state)), x = 0;
+    double wanted = audit_random(state) * step_at(rows, (size_t)row), sum = 0.0;
 
     for (x = 0; x < width - 1; x++) {
         sum += weight_of(map, strategy, (size_t)row * (size_t)width + (size_t)x);
@@ -371,7 +337,7 @@ static struct pixel draw_in_row(const struct audit_map *map, enum audit_strategy
 static struct pixel draw_in_block(const struct audit_map *map, enum audit_strategy strategy, uint64_t *state)
 {
     int width = map->image->width_px, height = map->image->height_px, columns = map->columns_count;
-    int block = find_step(map->sums[strategy], columns * map->rows_count, draw(state));
+    int block = audit_random_step(map->sums[strategy], columns * map->rows_count, audit_random(state));
     int column = block % columns, row = block / columns;
     int left = block_begin(column, columns, width), right = block_begin(column + 1, columns, width);
     int top = block_begin(row, map->rows_count, height), bottom = block_begin(row + 1, map->rows_count, height);
@@ -416,7 +382,7 @@ static enum audit_strategy strategy_of(const struct audit_map *map, uint64_t see
 void audit_map_draw(const struct audit_map *map, const struct job *job, int32_t frame, size_t first, size_t count,
                     struct pixel *points)
 {
-    uint64_t seed = seed_of(job, frame);
+    uint64_t seed = audit_random_seed(job, frame);
 
     for (size_t i = 0; i < count; i++) {
         uint64_t state = seed + (first + i) * 0xd1342543de82ef95u;

@@ -60,5 +60,7 @@ double audit_map_density(const struct audit_map *map, struct pixel point);
 // the frame alone.
 void audit_map_draw(const struct audit_map *map, const struct job *job, int32_t frame, size_t first, size_t count,
                     struct pixel *points);
-// The sample of a drawn pixel; `pixel` is the reference's light in it.
-struct audit_sample audit_map_compare(const struct audit_map *map, struct pixel point, const struct truth_pixel *pixel);
+// The sample of a drawn pixel; `pixel` is the reference's light in it. `traced`: its R, G and B, where the frame has it
+// interpolated; NULL: those of the frame.
+struct audit_sample audit_map_compare(const struct audit_map *map, struct pixel point, const float *traced,
+                                      const struct truth_pixel *pixel);

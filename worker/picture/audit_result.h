@@ -17,14 +17,15 @@ enum audit_kind {
 
 struct audit_result {
     enum audit_kind kind;
-    bool is_pooled;   // measured over several frames of the segment
-    double error;     // relative RMSE of the values as encoded; absolute where all light is below 1e-6
-    double error95;   // upper bound of `error`, with a confidence of 95 %
-    double spread;    // a standard error of `error`, which is to be within the tolerance by as much; 0: not known
-    int ray_count;    // pixels that were measured
-    double tolerance; // what the job allows
-    bool is_missed;   // `error` is over it, and the job has such frames published
-    double seconds;   // the time that the audit took
+    bool is_pooled; // measured over several frames of the segment
+    double error;   // relative RMSE of the values as encoded; absolute where all light is below 1e-6
+    double error95; // upper bound of `error`, with a confidence of 95 %
+    double spread;  // a standard error of `error`, which is to be within the tolerance by as much; 0: not known
+    double interpolation_error; // the part of `error` that interpolated pixels add; 0 where every pixel was traced
+    int ray_count;              // pixels that were measured
+    double tolerance;           // what the job allows
+    bool is_missed;             // `error` is over it, and the job has such frames published
+    double seconds;             // the time that the audit took
     // For a frame with rough surfaces, the standard error of its randomly sampled values, relative as `error` is.
     // `error` leaves out differences within four times that in a pixel.
     double sampling_error;

@@ -16,7 +16,8 @@ enum {
     MOST_DOUBT = 255
 };
 
-static const float APART = 0.02f; // share of the smaller depth by which depths differ that are not interpolated
+static const float APART = 0.02f;    // share of the smaller depth by which depths differ that are not interpolated
+static const float SURPRISE = 0.25f; // share of a point's error by which the points around it are doubted
 static const double LEAST_RMS = 1e-30;
 
 // A level that is being made from the one before.
@@ -27,6 +28,7 @@ struct refinement {
     uint8_t *doubts;
     uint8_t *forced; // 1 a point; NULL: there are no guards
     struct pixel_spread colour, transmittance, paths;
+    size_t surprise_count;     // of those of the level before: those of the rows so far
     float *doubt, *ring[RING]; // of a row, and the largest of the points beside each, of the last rows
 };
 
@@ -89,6 +91,7 @@ void pixel_lattice_finish(struct pixel_lattice *lattice)
     free(lattice->doubts);
     free(lattice->wanted);
     free(lattice->places);
+    free(lattice->surprises);
     *lattice = (struct pixel_lattice){0};
 }
 
@@ -107,11 +110,38 @@ static double find_rms(const struct pixel_lattice *lattice)
     return fmax(sqrt(sum / count), LEAST_RMS);
 }
 
+static float most(float a, float b)
+{
+    return a >= b ? a : b;
+}
+
+// The doubt that a point's own error leaves about the points around it: how far it was from what it had been expected
+// to show.
+static float find_surprise(const struct pixel_lattice *lattice, size_t place, const float *traced)
+{
+    const float *expected = lattice->planes.rgba + 4 * place;
+    float off = 0.0f;
+
+    for (int c = 0; c < 3; c++)
+        off = fmaxf(off, fabsf(traced[c] - expected[c]));
+    return SURPRISE * off / (float)(lattice->params.threshold * lattice->rms);
+}
+
 void pixel_lattice_give(struct pixel_lattice *lattice, const struct pixel_planes *traced)
 {
-    for (size_t i = 0; i < lattice->wanted_count; i++)
-        pixel_planes_copy(&lattice->planes, lattice->places[i], traced, i);
-    if (lattice->rms == 0.0) lattice->rms = find_rms(lattice);
+    bool is_first = lattice->rms == 0.0;
+
+    lattice->surprise_count = is_first ? 0 : lattice->wanted_count;
+    lattice->surprises = xrealloc(lattice->surprises, (lattice->wanted_count + 1) * sizeof *lattice->surprises);
+    for (size_t i = 0; i < lattice->wanted_count; i++) {
+        size_t place = lattice->places[i];
+
+        if (!is_first)
+            lattice->surprises[i] =
+                (struct pixel_surprise){(uint32_t)place, find_surprise(lattice, place, traced->rgba + 4 * i)};
+        pixel_planes_copy(&lattice->planes, place, traced, i);
+    }
+    if (is_first) lattice->rms = find_rms(lattice);
 }
 
 static void begin(struct refinement *finer, struct pixel_lattice *lattice)
@@ -178,11 +208,6 @@ static void end(struct refinement *finer)
         free(finer->ring[i]);
 }
 
-static float most(float a, float b)
-{
-    return a >= b ? a : b;
-}
-
 // The largest of each point and those up to REACH beside it. NaN, of light that is not finite, may be lost: the frame
 // fails anyway.
 static void widen(const float *doubt, int count, float *widened)
@@ -197,6 +222,21 @@ static void widen(const float *doubt, int count, float *widened)
     }
 }
 
+// The surprises of a row of the level before are in the order of its columns.
+static void add_surprises(struct refinement *finer, int row)
+{
+    const struct pixel_lattice *lattice = finer->lattice;
+    uint32_t columns = (uint32_t)lattice->columns;
+
+    for (; finer->surprise_count < lattice->surprise_count; finer->surprise_count++) {
+        const struct pixel_surprise *surprise = &lattice->surprises[finer->surprise_count];
+        uint32_t column = 2 * (surprise->place % columns);
+
+        if (surprise->place / columns != (uint32_t)row) break;
+        if (column < (uint32_t)finer->columns) finer->doubt[column] = most(surprise->doubt, finer->doubt[column]);
+    }
+}
+
 static void spread_row(struct refinement *finer, int row)
 {
     size_t at = 4 * (size_t)finer->columns * (size_t)row;
@@ -206,6 +246,7 @@ static void spread_row(struct refinement *finer, int row)
     if (finer->planes.transmittance)
         pixel_spread_row(&finer->transmittance, row, finer->planes.transmittance + at, finer->doubt);
     if (finer->planes.paths) pixel_spread_row_linear(&finer->paths, row, finer->planes.paths + at);
+    if (row % 2 == 0) add_surprises(finer, row / 2);
     widen(finer->doubt, finer->columns, finer->ring[row % RING]);
 }
 
@@ -301,6 +342,7 @@ bool pixel_lattice_refine(struct pixel_lattice *lattice)
         if (row < finer.rows) spread_row(&finer, row);
         if (row >= REACH) decide_row(&finer, row - REACH);
     }
+    lattice->surprise_count = 0;
     end(&finer);
     return true;
 }

@@ -23,6 +23,12 @@ struct pixel_lattice_params {
     size_t guard_count;
 };
 
+// A point that was traced at this level, and the doubt that its error leaves about those around it.
+struct pixel_surprise {
+    uint32_t place;
+    float doubt;
+};
+
 // A level: each `stride`-th pixel of each `stride`-th row, and the points after the last of them which are needed to
 // interpolate up to the picture's edge. Those lie beyond it, by less than a stride.
 struct pixel_lattice {
@@ -36,6 +42,8 @@ struct pixel_lattice {
     struct pixel *wanted;
     uint32_t *places;
     size_t wanted_count, wanted_capacity, place_capacity;
+    struct pixel_surprise *surprises; // owned; by place
+    size_t surprise_count;
 };
 
 // Wants all points of the first level.

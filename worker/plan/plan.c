@@ -62,5 +62,6 @@ struct job plan_apply(const struct plan *plan, const struct job *job)
     struct job planned = *job;
 
     planned.quality = plan->quality;
+    planned.quality.pixels = plan->pixels;
     return planned;
 }

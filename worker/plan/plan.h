@@ -16,6 +16,9 @@ enum { PLAN_REASON_SIZE = IMAGE_EXR_PLAN_SIZE };
 
 struct plan {
     struct job_quality quality; // its method is never auto; the number of samples is the job's own
+    struct job_pixels pixels;   // which are traced; `quality` has none
+    double predicted_traced;    // share of the pixels that are
+    double predicted_spread_s;  // s a frame for interpolating the others
     // Predictions for a frame at the job's resolution on this worker, in seconds; 0: not known.
     double predicted_s;                           // rendering alone
     double predicted_processor_s;                 // the same, summed over processors; 0 where a GPU renders
@@ -38,5 +41,5 @@ struct plan plan_of_frame(const struct plan *plan, const struct job *job, int32_
 // The counted work of a frame of the segment, relative to the mean of the segment's frames.
 double plan_frame_weight(const struct plan *plan, const struct job *job, const struct plan_segment *segment,
                          int32_t frame);
-// A shallow copy of the job with the plan's quality; never finished.
+// A shallow copy of the job with the plan's quality and pixels; never finished.
 struct job plan_apply(const struct plan *plan, const struct job *job);

@@ -12,6 +12,7 @@
 #include "worker/plan/plan_overhead.h"
 #include "worker/plan/plan_params.h"
 #include "worker/plan/plan_pilot.h"
+#include "worker/plan/plan_pixels.h"
 #include "worker/plan/plan_progress.h"
 #include "worker/plan/plan_scout.h"
 #include "worker/plan/plan_search.h"
@@ -369,6 +370,7 @@ bool plan_make(struct plan *plan, const struct plan_params *params, enum rendere
     chosen.done = &done;
     if (params->is_timed && !params->evidence) chosen.evidence = &evidence;
     ok = choose_plan(plan, &chosen, fault, error);
+    ok = ok && plan_pixels_choose(plan, &chosen, fault, error);
     if (ok) plan->plan_s = clock_now_s() - start_s;
     if (params->is_timed)
         ok = ok && plan_time_predict(plan, &chosen, fault, error) &&

@@ -50,6 +50,22 @@ static bool pick(const struct plan_lattice *lattice, const struct image *frame, 
     return true;
 }
 
+// What the lattice's pixels show by the frame's plan: pixels that are interpolated in the frame are traced.
+static bool see(const struct plan_probe *probe, const struct plan_lattice *lattice, struct image *seen,
+                enum renderer_fault *fault, struct error *error)
+{
+    struct job planned = plan_apply(probe->plan, probe->params->job);
+    struct renderer_result result;
+    bool ok;
+
+    *fault = RENDERER_FAULT_FRAME;
+    if (!probe->image->doubts) return pick(lattice, probe->image, seen, error);
+    ok = plan_list_render(probe->params, &planned, probe->frame, lattice->pixels, lattice->columns, lattice->rows, seen,
+                          &result, error);
+    *fault = result.fault;
+    return ok;
+}
+
 static double root_mean_square_change(const struct image *a, const struct image *b)
 {
     size_t count = (size_t)a->width_px * (size_t)a->height_px;
@@ -70,8 +86,8 @@ bool plan_probe_axes(const struct plan_probe *probe, struct plan_retry *retry, d
     bool ok;
 
     plan_probe_init_lattice(&lattice, probe->params->job, probe->image);
-    ok = pick(&lattice, probe->image, &seen, error);
-    *fault = ok ? RENDERER_FAULT_NONE : RENDERER_FAULT_FRAME;
+    ok = see(probe, &lattice, &seen, fault, error);
+    if (ok) *fault = RENDERER_FAULT_NONE;
     for (int i = 0; ok && i < count; i++) {
         struct plan varied = *probe->plan;
         struct renderer_result result;
@@ -123,15 +139,18 @@ bool plan_probe_render_truth(const struct plan_params *params, const struct plan
 bool plan_probe_audit(const struct plan_probe *probe, const struct plan_view *view, struct audit_result *audit,
                       enum renderer_fault *fault, struct error *error)
 {
-    struct renderer_result result = {.fault = RENDERER_FAULT_FRAME};
     struct image seen = {0}, finer = {0};
     struct plan_lattice lattice;
     bool ok;
 
     plan_probe_init_audit(&lattice, probe->params->job, view);
-    ok = pick(&lattice, probe->image, &seen, error) &&
-         plan_probe_render_truth(probe->params, probe->plan, probe->frame, &lattice, &finer, &result, error);
-    *fault = result.fault;
+    ok = see(probe, &lattice, &seen, fault, error);
+    if (ok) {
+        struct renderer_result result;
+
+        ok = plan_probe_render_truth(probe->params, probe->plan, probe->frame, &lattice, &finer, &result, error);
+        *fault = result.fault;
+    }
     if (ok) audit_by_halving(probe->params->job, &seen, &finer, audit);
     image_finish(&finer);
     image_finish(&seen);

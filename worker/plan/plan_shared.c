@@ -22,7 +22,7 @@ static_assert((int)PLAN_JSON_REASON_SIZE == (int)PLAN_REASON_SIZE &&
               "plans fit into messages");
 
 // Must change whenever a change of the code makes other plans, or other pictures of the same plan.
-static const char FORMAT[] = "marchd plan 4 of " MARCHD_VERSION;
+static const char FORMAT[] = "marchd plan 5 of " MARCHD_VERSION;
 
 void plan_shared_find_key(const struct plan_params *params, char key[static HASH_TEXT_SIZE])
 {
@@ -59,6 +59,7 @@ void plan_shared_describe(struct plan_json *shared, const struct plan *plan, con
                                  .view_pixels = evidence->pixel_limit,
                                  .view_count = evidence->view_count,
                                  .sample_change = evidence->pool.change};
+    shared->quality.pixels = plan->pixels;
     memcpy(shared->reason, plan->reason, sizeof shared->reason);
     memcpy(shared->scout_errors, plan->scouting.error, sizeof shared->scout_errors);
     for (int i = 0; i < evidence->view_count; i++)
@@ -127,7 +128,8 @@ bool plan_shared_adopt(struct plan *plan, struct plan_evidence *evidence, const 
 
     *fault = RENDERER_FAULT_NONE;
     plan_scene_init(&scene, params->job);
-    *plan = (struct plan){.quality = shared->quality};
+    *plan = (struct plan){.quality = shared->quality, .pixels = shared->quality.pixels};
+    plan->quality.pixels = (struct job_pixels){0};
     if (!plan_lookup(&scene, &shared->quality, &plan->family, &plan->point)) {
         error_set(error, "expected settings that a plan of this version chooses");
         return false;
@@ -161,6 +163,7 @@ static bool refine_all(struct plan *plan, int32_t frame, const struct plan *foun
     }
     plan_scene_init(&scene, job);
     plan->quality = plan_family_quality(&plan_families[plan->family], &scene, &plan->point);
+    plan->pixels = found->pixels;
     of_frame = plan_of_frame(plan, job, frame);
     return is_same_point(&of_frame, found);
 }

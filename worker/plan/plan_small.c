@@ -18,6 +18,7 @@ struct job plan_small_job(const struct job *job, double scale)
 
     small.width_px = (int)fmax(1.0, round(scale * job->width_px));
     small.height_px = (int)fmax(1.0, round(scale * job->height_px));
+    small.quality.pixels = (struct job_pixels){0};
     return small;
 }
 

@@ -120,7 +120,8 @@ static bool time_frames(struct timing *timing, double *seconds)
         if (i == 0 && ratio > 1.0 && !find_fixed(timing, frame, frame_s, &fixed)) return false;
         sum += count > 1 ? frame_s * (is_end ? 0.5 : 1.0) / (count - 1) : frame_s;
     }
-    *seconds = fmax(sum - fixed.frame_s - fixed.grids_s, 0.0) * ratio + fixed.frame_s + fixed.grids_s;
+    *seconds = fmax(sum - fixed.frame_s - fixed.grids_s, 0.0) * ratio * timing->plan->predicted_traced +
+               timing->plan->predicted_spread_s + fixed.frame_s + fixed.grids_s;
     return true;
 }
 

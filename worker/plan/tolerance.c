@@ -4,19 +4,18 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
-#include "worker/audit/audit.h"
 #include "worker/audit/truth.h"
 #include "worker/model/scene_features.h"
 #include "worker/picture/image.h"
 #include "worker/plan/finite_check.h"
+#include "worker/plan/frame_audit.h"
 #include "worker/plan/miss.h"
-#include "worker/plan/plan_evidence.h"
 #include "worker/plan/plan_lookup.h"
+#include "worker/plan/plan_pixels.h"
 #include "worker/plan/plan_probe.h"
 #include "worker/plan/plan_retry.h"
 #include "worker/plan/plan_segment.h"
 #include "worker/plan/plan_shelf.h"
-#include "worker/plan/plan_small.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -24,10 +23,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { VIEW_PIXELS = 64 * 36 }; // of pictures in two steps, where a plan has no views
-
 // The gain of a finer rendering that makes the next one finer too, instead of trying another family.
 static const double GAIN = 0.7;
+// Above this share of a frame's error, what interpolation adds is to blame for it.
+static const double BLAMED = 0.5;
 
 struct tolerance {
     struct renderer *renderer; // borrowed
@@ -102,55 +101,6 @@ struct rendering {
     } best;
 };
 
-static bool open_truth(const struct rendering *rendering, const struct job *planned)
-{
-    struct plan_kept *kept = rendering->kept;
-    int32_t frame = rendering->params->frame;
-
-    if (kept->truth) return truth_seek(kept->truth, frame, rendering->error);
-    kept->truth = truth_open(&(struct truth_params){.job = planned, .frame = frame}, rendering->error);
-    return kept->truth != NULL;
-}
-
-static bool stop(const struct rendering *rendering)
-{
-    rendering->result->render.fault = RENDERER_FAULT_STOPPED;
-    error_set(rendering->error, "the frame was stopped");
-    return false;
-}
-
-static bool audit_against_reference(const struct rendering *rendering, const struct job *planned)
-{
-    const struct tolerance_params *params = rendering->params;
-    const struct plan_kept *kept = rendering->kept;
-    const struct plan_view *view = plan_evidence_find(&kept->evidence, params->frame);
-    bool is_pooled = kept->evidence.pool.samples.count > 0 && !rendering->is_finer;
-    // Frames of a scene in which nothing moves are equal: each draws the same pixels, and every view is its own.
-    bool is_constant = scene_is_constant(&params->job->scene);
-    struct audit_params audit = {.job = planned,
-                                 .frame = is_constant ? 0 : params->frame,
-                                 .image = params->image,
-                                 .pool = is_pooled ? &kept->evidence.pool : NULL,
-                                 .tolerance = params->job->quality.tolerance,
-                                 .is_replaceable =
-                                     rendering->retry.count == 0 && !rendering->is_only && !params->repeated,
-                                 .on_progress = params->on_progress,
-                                 .user = params->user};
-
-    if (!open_truth(rendering, planned)) {
-        rendering->result->render.fault = RENDERER_FAULT_FRAME;
-        return false;
-    }
-    audit.truth = kept->truth;
-    // Views have the pilot's size; a frame may be smaller than that in one direction.
-    if (view && view->finer.width_px <= planned->width_px && view->finer.height_px <= planned->height_px) {
-        audit.finer = &view->finer;
-        audit.coarser = &view->coarser;
-        audit.is_own = (is_constant || view->frame == params->frame) && !rendering->is_finer;
-    }
-    return audit_frame(&audit, &rendering->result->audit) || stop(rendering);
-}
-
 static struct plan_params probe_params(const struct rendering *rendering)
 {
     return (struct plan_params){.renderer = rendering->tolerance->renderer,
@@ -159,32 +109,14 @@ static struct plan_params probe_params(const struct rendering *rendering)
                                 .user = rendering->params->user};
 }
 
-static bool audit_by_steps(const struct rendering *rendering, const struct plan *plan)
-{
-    const struct tolerance_params *params = rendering->params;
-    const struct plan_view *view = plan_evidence_find(&rendering->kept->evidence, params->frame);
-    struct audit_result *result = &rendering->result->audit;
-    struct plan_params looking = probe_params(rendering);
-    struct job small = plan_small_job(params->job, plan_small_scale(params->job, VIEW_PIXELS));
-    const struct plan_view size = {.finer = {.width_px = small.width_px, .height_px = small.height_px}};
-
-    if (view && scene_is_constant(&params->job->scene) && !rendering->is_finer) {
-        audit_by_halving(params->job, &view->coarser, &view->finer, result);
-        result->is_pooled = true;
-        return true;
-    }
-    looking.tells_renders = true;
-    return plan_probe_audit(
-        &(struct plan_probe){.params = &looking, .frame = params->frame, .plan = plan, .image = params->image},
-        view ? view : &size, result, &rendering->result->render.fault, rendering->error);
-}
-
 // A copy has the error of the frame before where its own audit would have drawn the same pixels.
-static bool audit(const struct rendering *rendering, const struct plan *plan, const struct job *planned)
+static bool audit(const struct rendering *rendering, const struct plan *plan)
 {
     struct tolerance *tolerance = rendering->tolerance;
     struct tolerance_result *result = rendering->result;
+    const struct plan_params looking = probe_params(rendering);
 
+    note_phase(rendering->params, FRAME_PHASE_AUDIT);
     if (result->render.is_copy && tolerance->shown_serial == rendering->params->serial &&
         tolerance->shown.plan_number == result->plan_number && scene_is_constant(&rendering->params->job->scene)) {
         result->audit = tolerance->shown.audit;
@@ -192,8 +124,15 @@ static bool audit(const struct rendering *rendering, const struct plan *plan, co
         return true;
     }
     tolerance->shown_serial = 0;
-    if (!truth_has_twin(rendering->params->job)) return audit_by_steps(rendering, plan);
-    return audit_against_reference(rendering, planned);
+    return frame_audit_run(&(struct frame_audit){.params = &looking,
+                                                 .frame = rendering->params->frame,
+                                                 .image = rendering->params->image,
+                                                 .kept = rendering->kept,
+                                                 .plan = plan,
+                                                 .is_finer = rendering->is_finer,
+                                                 .is_replaceable = rendering->retry.count == 0 && !rendering->is_only &&
+                                                                   !rendering->params->repeated},
+                           &result->audit, &result->render.fault, rendering->error);
 }
 
 // Only these have rays to cut, by which an audit draws some of its pixels.
@@ -208,7 +147,7 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
     struct tolerance_result *result = rendering->result;
     struct job planned = plan_apply(plan, params->job);
 
-    result->quality = plan->quality;
+    result->quality = planned.quality;
     if (has_paths(params->job) && !image_ask_cut(params->image, rendering->error)) {
         result->render.fault = RENDERER_FAULT_FRAME;
         return false;
@@ -229,11 +168,11 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
         result->render.fault = RENDERER_FAULT_FRAME;
         return false;
     }
-    note_phase(params, FRAME_PHASE_AUDIT);
-    if (!audit(rendering, plan, &planned)) return false;
-    log_debug("tolerance: frame %d: %s error %.2e, at most %.2e, of %g, by %d pixels in %.3f s", (int)params->frame,
-              job_method_name(plan->quality.method), result->audit.error, result->audit.error95,
-              params->job->quality.tolerance, result->audit.ray_count, result->audit.seconds);
+    if (!audit(rendering, plan)) return false;
+    log_debug("tolerance: frame %d: %s error %.2e, at most %.2e, of %g, %.2e by interpolation, by %d pixels in %.3f s",
+              (int)params->frame, job_method_name(plan->quality.method), result->audit.error, result->audit.error95,
+              params->job->quality.tolerance, result->audit.interpolation_error, result->audit.ray_count,
+              result->audit.seconds);
     return true;
 }
 
@@ -312,9 +251,15 @@ static bool choose_shorter(const struct rendering *rendering, struct plan *plan)
 // Chooses the setting of the next rendering. `plan` has the last one's. False when there is none.
 static bool choose_next(struct rendering *rendering, double error_before, struct plan *plan)
 {
-    double error = rendering->best.result.audit.error;
+    const struct audit_result *best = &rendering->best.result.audit;
+    double error = best->error;
 
     if (rendering->is_cut) return choose_shorter(rendering, plan);
+    if (best->interpolation_error > BLAMED * error) {
+        *plan = rendering->best.plan;
+        plan_pixels_refine(plan, best->interpolation_error, best->tolerance);
+        return true;
+    }
     if (rendering->retry.count > 0 && !(error <= GAIN * error_before) && change_family(rendering, plan)) return true;
     *plan = rendering->best.plan;
     memcpy(rendering->changes, rendering->best.changes, sizeof rendering->changes);
@@ -360,11 +305,9 @@ static bool miss(struct rendering *rendering)
 // Audits the first rendering anew, as the only one that there is. False where it is over the tolerance.
 static bool is_within_surely(struct rendering *rendering, const struct plan *first)
 {
-    struct job planned = plan_apply(first, rendering->params->job);
-
     if (rendering->result->audit.kind != AUDIT_REFERENCE) return false;
     rendering->is_only = true;
-    return audit(rendering, first, &planned) && is_within(rendering);
+    return audit(rendering, first) && is_within(rendering);
 }
 
 // `found` becomes the plan that keeps the tolerance, if one does.
@@ -444,11 +387,12 @@ static bool render_repeated(struct rendering *rendering)
 {
     const struct tolerance_params *params = rendering->params;
     struct tolerance_result *result = rendering->result;
-    struct plan plan = {.quality = *params->repeated};
+    struct plan plan = {.quality = *params->repeated, .pixels = params->repeated->pixels};
     struct plan_kept kept = {0};
     struct plan_scene scene;
     bool ok;
 
+    plan.quality.pixels = (struct job_pixels){0};
     plan_scene_init(&scene, params->job);
     if (!plan_lookup(&scene, &plan.quality, &plan.family, &plan.point)) {
         result->render.fault = RENDERER_FAULT_JOB;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/render/sparse_drawing.h"
 
+#include "core/base/clock.h"
 #include "core/job/job.h"
 #include "worker/picture/image.h"
 #include "worker/picture/ray_counts.h"
@@ -81,6 +82,15 @@ static void count_rays(const struct sparse_drawing *sparse, const struct pixel_l
     ray_counts_find_means(counts, (int64_t)pixels, samples);
 }
 
+static bool refine(struct sparse_drawing *sparse, struct pixel_lattice *lattice)
+{
+    double start = clock_now_s();
+    bool is_finer = pixel_lattice_refine(lattice);
+
+    sparse->spread_s += clock_now_s() - start;
+    return is_finer;
+}
+
 bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts, struct error *error)
 {
     const struct job_quality *quality = &sparse->job->quality;
@@ -107,7 +117,7 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     do {
         ok = trace_wanted(sparse, &lattice, error);
         progress.begin += progress.share;
-    } while (ok && pixel_lattice_refine(&lattice));
+    } while (ok && refine(sparse, &lattice));
     drawing->on_progress = progress.on_progress;
     drawing->user = progress.user;
     if (ok && sparse->has_paths)

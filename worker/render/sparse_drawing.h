@@ -19,6 +19,7 @@ struct sparse_drawing {
     bool has_paths;
     int thread_count; // of processors that draw
     double traced;    // set: the share of the pixels that were traced
+    double spread_s;  // set: the time that the other pixels took
 };
 
 // Draws level after level. Counts of rays are set where there are paths; an interpolated pixel counts as its neighbours

@@ -163,7 +163,7 @@ static void compare_points(const struct audit_map *map, const struct pixel *poin
     struct truth_pixel light = light_of(value);
 
     for (size_t i = 0; i < count; i++) {
-        struct audit_sample sample = audit_map_compare(map, points[i], &light);
+        struct audit_sample sample = audit_map_compare(map, points[i], NULL, &light);
 
         audit_samples_append(samples, &sample);
     }

@@ -1,0 +1,172 @@
+// Which pixels planned frames trace, and that their audits know what the others lack.
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_pixels.h"
+
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "tests/support/example_job.h"
+#include "tests/support/tolerance_stage.h"
+#include "worker/picture/image.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_make.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/tolerance.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static struct job cloud_job(double tolerance)
+{
+    struct job job;
+
+    example_job_load(&job, "cloud");
+    job.width_px = 320;
+    job.height_px = 180;
+    job.quality = (struct job_quality){
+        .method = JOB_METHOD_AUTO, .tolerance = tolerance, .samples = 1, .max_depth = 8, .max_cut = 1.0};
+    return job;
+}
+
+static struct tolerance_result render(struct tolerance_stage stage, const struct job *job,
+                                      const struct job_quality *repeated, struct image *image)
+{
+    struct tolerance_result result;
+    struct error error = {{0}};
+
+    if (!tolerance_render(stage.tolerance,
+                          &(struct tolerance_params){.job = job,
+                                                     .serial = 1,
+                                                     .frame = 120,
+                                                     .image = image,
+                                                     .repeated = repeated,
+                                                     .repeated_number = repeated ? 1 : 0},
+                          &result, &error))
+        fail_msg("%s", error.message);
+    return result;
+}
+
+// What the frame lacks beside one of which every pixel is traced, relative to that one's RMS.
+static double find_lack(struct tolerance_stage stage, const struct job *job, const struct job_quality *quality,
+                        const struct image *image)
+{
+    struct job traced = *job;
+    struct image all = tolerance_stage_make_image(job);
+    size_t count = 4 * (size_t)all.width_px * (size_t)all.height_px;
+    struct renderer_result result;
+    struct error error = {{0}};
+    double squares = 0.0, light = 0.0;
+
+    traced.quality = *quality;
+    traced.quality.pixels = (struct job_pixels){0};
+    if (!renderer_render(stage.gl.renderer, &(struct renderer_frame){.job = &traced, .frame = 120, .image = &all},
+                         &result, &error))
+        fail_msg("%s", error.message);
+    for (size_t i = 0; i < count; i++) {
+        double difference = (double)image->rgba[i] - all.rgba[i];
+
+        if (i % 4 == 3) continue;
+        squares += difference * difference;
+        light += (double)all.rgba[i] * all.rgba[i];
+    }
+    image_finish(&all);
+    return sqrt(squares / light);
+}
+
+static void planned_frames_trace_a_part_of_their_pixels(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = cloud_job(0.02);
+    struct image image = tolerance_stage_make_image(&job);
+    struct tolerance_result result = render(stage, &job, NULL, &image);
+    double lack = find_lack(stage, &job, &result.quality, &image);
+
+    print_message("threshold %g traces %.1f %%, lacks %.2e, audited %.2e of %.2e\n", result.quality.pixels.threshold,
+                  100.0 * result.render.traced, lack, result.audit.interpolation_error, result.audit.error);
+    assert_int_equal(result.quality.pixels.stride, JOB_STRIDE_DEFAULT);
+    assert_in_range((int)(1000.0 * result.render.traced), 20, 600);
+    assert_true(result.audit.error <= 0.02 && lack <= 0.7 * 0.02);
+    assert_true(lack >= 0.5 * result.audit.interpolation_error && lack <= 2.0 * result.audit.interpolation_error);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+// Settings that keep the tolerance by far, but for their pixels.
+static void an_audit_sees_what_pixels_lack(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = cloud_job(0.005);
+    struct image image = tolerance_stage_make_image(&job);
+    struct tolerance_result planned = render(stage, &job, NULL, &image), result;
+    struct job_quality coarse = planned.quality;
+    double lack;
+
+    coarse.pixels = (struct job_pixels){.stride = 64, .threshold = 1.0};
+    result = render(stage, &job, &coarse, &image);
+    lack = find_lack(stage, &job, &coarse, &image);
+    print_message("lacks %.2e, audited %.2e, at most %.2e\n", lack, result.audit.error, result.audit.error95);
+    assert_true(lack > job.quality.tolerance && result.audit.is_missed);
+    assert_true(result.audit.error >= 0.7 * lack && result.audit.error <= 1.4 * lack && result.audit.error95 >= lack);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+static struct job_pixels choose(struct tolerance_stage stage, const struct job *job, enum plan_choice choice)
+{
+    const struct plan_params params = {
+        .renderer = stage.gl.renderer, .job = job, .segment = plan_segment_of(job, 120), .choice = choice};
+    enum renderer_fault fault;
+    struct error error = {{0}};
+    struct plan plan;
+
+    if (!plan_make(&plan, &params, &fault, &error)) fail_msg("%s", error.message);
+    assert_true(plan.predicted_traced > 0.0 && plan.predicted_traced <= 1.0);
+    assert_true((plan.pixels.stride == 0) == (plan.predicted_traced == 1.0));
+    return plan.pixels;
+}
+
+static void every_pixel_is_traced_where_that_is_no_gain(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = cloud_job(0.05);
+
+    assert_int_equal(choose(stage, &job, PLAN_CHOICE_CHEAPEST).stride, JOB_STRIDE_DEFAULT);
+    assert_int_equal(choose(stage, &job, PLAN_CHOICE_FINEST).stride, 0);
+    job.width_px = 100;
+    job.height_px = 400;
+    assert_int_equal(choose(stage, &job, PLAN_CHOICE_CHEAPEST).stride, 0);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
+static void a_frame_over_its_tolerance_gets_a_finer_threshold(void **state)
+{
+    struct plan plan = {.pixels = {16, 0.02}};
+
+    plan_pixels_refine(&plan, 0.02, 0.01);
+    assert_int_equal(plan.pixels.stride, 16);
+    assert_true(plan.pixels.threshold <= 0.01 && plan.pixels.threshold > 0.001);
+    plan_pixels_refine(&plan, 0.002, 0.01);
+    assert_true(plan.pixels.threshold <= 0.005);
+    for (int i = 0; i < 4; i++)
+        plan_pixels_refine(&plan, 0.01, 0.01);
+    assert_int_equal(plan.pixels.stride, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(planned_frames_trace_a_part_of_their_pixels),
+        cmocka_unit_test(an_audit_sees_what_pixels_lack),
+        cmocka_unit_test(every_pixel_is_traced_where_that_is_no_gain),
+        cmocka_unit_test(a_frame_over_its_tolerance_gets_a_finer_threshold),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "worker/plan/plan_pixels.h"
+
+#include "core/base/log.h"
+#include "core/job/job_pixels.h"
+#include "worker/picture/image.h"
+#include "worker/plan/pixel_audit.h"
+#include "worker/plan/plan.h"
+#include "worker/plan/plan_params.h"
+#include "worker/plan/plan_small.h"
+
+#include <math.h>
+
+enum {
+    SIDE_MIN = 128, // px: small pictures are mostly edges
+    TRIES = 2,
+    LONG = 8 // frames
+};
+
+// Set by hand; bench/whole_frames shows what follows from them.
+static const double AIM = 0.65;                                   // of the tolerance: the error of all parts together
+static const double SHARE_LEAST = 0.3, SHARE_MOST = 0.5;          // of the tolerance: that of interpolation
+static const double COARSER_MOST = 4.0, FINER_LEAST = 1.0 / 16.0; // than a threshold of the tolerance
+static const double CAUTION = 0.8;     // of the share: errors may rise faster than the threshold
+static const double TRACED_MOST = 0.6; // share of the pixels; above it all are traced
+// Above it a finer threshold is not tried; in segments of LONG frames and more, which repay it, not above TRACED_LONG.
+static const double TRACED_AGAIN = 0.35, TRACED_LONG = 0.5;
+
+static bool is_worthwhile(const struct job *job, const struct plan *plan)
+{
+    const struct scene *scene = &job->scene;
+    bool is_still = scene_is_constant(scene);
+    // Each level would fill the grids of each moment anew.
+    bool moves_grids = plan->quality.method == JOB_METHOD_CACHED && job->quality.samples > 1 && !is_still &&
+                       scene->camera.shutter > 0.0;
+
+    if (job->width_px < SIDE_MIN || job->height_px < SIDE_MIN || moves_grids) return false;
+    // Frames that are all the same are copied.
+    if (is_still && frame_range_count(&job->frames) > 1) return false;
+    return !job_pixels_obstacle(scene, plan->quality.method);
+}
+
+static double round_digits(double value)
+{
+    double unit = pow(10.0, floor(log10(value)) - 1.0);
+
+    return floor(value / unit) * unit;
+}
+
+static bool is_over_for_good(enum renderer_fault fault)
+{
+    return fault == RENDERER_FAULT_STOPPED || fault == RENDERER_FAULT_CONTEXT;
+}
+
+// Renders a frame by the plan and measures what interpolation adds. `traced` is 1 where that cannot be done.
+static bool measure(struct plan *plan, const struct plan_params *params, struct audit_verdict *verdict,
+                    enum renderer_fault *fault, struct error *error)
+{
+    const struct plan_segment *segment = &params->segment;
+    struct job planned = plan_apply(plan, params->job);
+    struct image image = {0};
+    struct renderer_result result = {.fault = RENDERER_FAULT_FRAME};
+    struct pixel_audit audit = {.params = params,
+                                .planned = &planned,
+                                .frame = frame_range_at(&params->job->frames, segment->first + segment->count / 2),
+                                .image = &image};
+    bool ok = image_init_for_job(&image, &planned, error) &&
+              renderer_render(params->renderer,
+                              &(struct renderer_frame){.job = &planned,
+                                                       .frame = audit.frame,
+                                                       .image = &image,
+                                                       .on_progress = plan_small_on_tile,
+                                                       .user = (void *)params},
+                              &result, error);
+
+    *fault = result.fault;
+    *verdict = (struct audit_verdict){.error = INFINITY};
+    ok = ok && pixel_audit_measure(&audit, verdict, fault, error);
+    image_finish(&image);
+    plan->predicted_traced = ok ? result.traced : 1.0;
+    plan->predicted_spread_s = ok ? result.spread_s : 0.0;
+    return ok || !is_over_for_good(*fault);
+}
+
+static void trace_all(struct plan *plan)
+{
+    plan->pixels = (struct job_pixels){0};
+    plan->predicted_traced = 1.0;
+    plan->predicted_spread_s = 0.0;
+}
+
+// The threshold at which interpolation adds `share` of the tolerance, if errors are in proportion to thresholds.
+static double find_threshold(const struct plan *plan, double share, double tolerance, double error)
+{
+    double wanted = CAUTION * share * tolerance / fmax(error, 1e-12) * plan->pixels.threshold;
+
+    return fmin(round_digits(fmin(fmax(wanted, FINER_LEAST * tolerance), COARSER_MOST * tolerance)), 1.0);
+}
+
+bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
+                        struct error *error)
+{
+    double tolerance = params->job->quality.tolerance, settings = plan->predicted_error / tolerance;
+    double share = fmin(fmax(sqrt(fmax(AIM * AIM - settings * settings, 0.0)), SHARE_LEAST), SHARE_MOST);
+
+    *fault = RENDERER_FAULT_NONE;
+    trace_all(plan);
+    if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, plan)) return true;
+    plan->pixels = (struct job_pixels){.stride = JOB_STRIDE_DEFAULT, .threshold = tolerance};
+    for (int tried = 0; tried < TRIES; tried++) {
+        struct audit_verdict verdict;
+
+        if (!measure(plan, params, &verdict, fault, error)) return false;
+        log_debug("plan: pixels: threshold %g traces %.1f %%, adds %.2e, at most %.2e", plan->pixels.threshold,
+                  100.0 * plan->predicted_traced, verdict.error, verdict.error95);
+        if (plan->predicted_traced > TRACED_MOST) break;
+        if (verdict.error <= share * tolerance) {
+            plan->pixels.threshold =
+                fmax(find_threshold(plan, share, tolerance, verdict.error), plan->pixels.threshold);
+            plan->predicted_error = hypot(plan->predicted_error, verdict.error);
+            return true;
+        }
+        if (plan->predicted_traced > (params->segment.count < LONG ? TRACED_AGAIN : TRACED_LONG)) break;
+        plan->pixels.threshold = find_threshold(plan, share, tolerance, verdict.error);
+    }
+    trace_all(plan);
+    return true;
+}
+
+void plan_pixels_refine(struct plan *plan, double interpolation_error, double tolerance)
+{
+    double threshold = find_threshold(plan, SHARE_LEAST, tolerance, interpolation_error);
+
+    plan->pixels.threshold = fmin(threshold, 0.5 * plan->pixels.threshold);
+    if (plan->pixels.threshold <= FINER_LEAST * tolerance) trace_all(plan);
+}
