@@ -24,7 +24,7 @@ struct frame_accuracy {
     bool is_missed;                        // `error` is over the job's tolerance, and the job publishes such frames
     bool has_cut_share;                    // only in scenes whose rays are reflected or refracted
     double cut_share; // the largest share of the frame's light that cut rays may have carried, [0, 1]
-    double traced;    // share of the frame's pixels that were traced, (0, 1]; 0: no setting lets any be interpolated
+    double traced;    // share of the frame's samples that were traced, (0, 1]; 0: no setting lets any be interpolated
 };
 
 // True when the error is known and over `tolerance`; false where that is 0.

@@ -23,10 +23,11 @@ uint pixel_samples_permute(uint index, uint count, uint seed)
 }
 
 // Returns the point in pixels from the image's top left. It is computed in whole numbers, so that all drivers agree.
-// The sample's further random numbers follow those of its point.
+// The sample's further random numbers follow those of its point. The one after the last is the pixel's centre.
 vec2 pixel_samples_point(PixelSamples samples, uvec2 pixel, uint index, uint frame)
 {
     const uint ALL_SAMPLES = 0xffffffffu;
+    if (index >= samples.columns * samples.rows) return vec2(pixel) + 0.5;
     random_start(pixel, ALL_SAMPLES, frame);
     uint stratum = pixel_samples_permute(index, samples.columns * samples.rows, random_bits());
     random_start(pixel, index, frame);

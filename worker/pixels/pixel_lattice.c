@@ -42,7 +42,7 @@ static bool is_inside(const struct pixel_lattice *lattice, struct pixel pixel)
     return pixel.x < lattice->params.image->width_px && pixel.y < lattice->params.image->height_px;
 }
 
-static void want(struct pixel_lattice *lattice, struct pixel pixel, size_t place)
+void pixel_lattice_want(struct pixel_lattice *lattice, struct pixel pixel, size_t place)
 {
     size_t count = lattice->wanted_count + 1;
 
@@ -73,7 +73,7 @@ void pixel_lattice_init(struct pixel_lattice *lattice, const struct pixel_lattic
     lattice->doubts = xcalloc((size_t)lattice->columns * (size_t)lattice->rows, 1);
     for (int row = 0; row < lattice->rows; row++)
         for (int column = 0; column < lattice->columns; column++)
-            want(lattice, (struct pixel){column * params->stride, row * params->stride}, place++);
+            pixel_lattice_want(lattice, (struct pixel){column * params->stride, row * params->stride}, place++);
 }
 
 // The image owns these at stride 1.
@@ -89,6 +89,7 @@ void pixel_lattice_finish(struct pixel_lattice *lattice)
     disown(lattice);
     pixel_planes_finish(&lattice->planes);
     free(lattice->doubts);
+    free(lattice->forced);
     free(lattice->wanted);
     free(lattice->places);
     free(lattice->surprises);
@@ -192,6 +193,8 @@ static void end(struct refinement *finer)
     free(lattice->doubts);
     lattice->planes = finer->planes;
     lattice->doubts = finer->doubts;
+    free(lattice->forced);
+    lattice->forced = finer->forced;
     lattice->stride = finer->stride;
     lattice->columns = finer->columns;
     lattice->rows = finer->rows;
@@ -202,7 +205,6 @@ static void end(struct refinement *finer)
     pixel_spread_finish(&finer->colour);
     pixel_spread_finish(&finer->transmittance);
     pixel_spread_finish(&finer->paths);
-    free(finer->forced);
     free(finer->doubt);
     for (int i = 0; i < RING; i++)
         free(finer->ring[i]);
@@ -325,7 +327,7 @@ static void decide_row(struct refinement *finer, int row)
         if (x % 2 == 0 && row % 2 == 0 && (lattice->doubts[around.at[0]] == 0 || doubt[x] <= 1.0f))
             keep(finer, around.at[0], place);
         else if (!(doubt[x] <= 1.0f) || (finer->forced && finer->forced[place]) || !is_same(&lattice->planes, &around))
-            want(lattice, (struct pixel){x * finer->stride, row * finer->stride}, place);
+            pixel_lattice_want(lattice, (struct pixel){x * finer->stride, row * finer->stride}, place);
         else
             interpolate(finer, &around, place, doubt[x]);
     }

@@ -35,6 +35,7 @@ struct pixel_lattice {
     struct pixel_lattice_params params;
     int stride, columns, rows;
     struct pixel_planes planes; // owned, except those of the image at stride 1
+    uint8_t *forced;            // owned: 1 where a guard asks for a point; NULL where there are no guards, and at first
     uint8_t *doubts;            // owned: 0: traced; else how doubtful the interpolation is, 255: as much as may be
     double rms;                 // of the colours of the first level
     size_t traced;              // pixels of the picture that were traced, or are wanted
@@ -49,6 +50,8 @@ struct pixel_lattice {
 // Wants all points of the first level.
 void pixel_lattice_init(struct pixel_lattice *lattice, const struct pixel_lattice_params *params);
 void pixel_lattice_finish(struct pixel_lattice *lattice);
+// Adds a point of the picture, or one beyond its edge, to those that are wanted; `place` is its place in `planes`.
+void pixel_lattice_want(struct pixel_lattice *lattice, struct pixel pixel, size_t place);
 // Takes what the wanted points show, in their order.
 void pixel_lattice_give(struct pixel_lattice *lattice, const struct pixel_planes *traced);
 // Goes on to half the stride, and finds what is wanted there, which may be nothing. False at stride 1: the image is

@@ -271,7 +271,10 @@ void gl_target_read_planes(const struct gl_target *target, const struct pixel_la
                          .depth = planes->depth};
 
     read_picture(target, layout, &list);
-    if (planes->paths) read_texture(target, layout, 3, 4, planes->paths);
+    if (planes->paths) {
+        read_texture(target, layout, 3, 4, planes->paths);
+        divide(planes->paths, 4 * layout->count, target->pass_count);
+    }
     read_signatures(target, layout, planes->signatures);
 }
 

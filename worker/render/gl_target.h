@@ -52,6 +52,6 @@ void gl_target_read_rows(const struct gl_target *target, int first_row, int row_
 // as the list, in its order, whatever its sides.
 void gl_target_read(const struct gl_target *target, const struct pixel_layout *layout, struct image *image,
                     struct ray_counts *counts);
-// Copies what a list that has signatures shows, in its order: means as above, but sums of the passes' paths.
+// Copies what a list that has signatures shows, in its order: means as above, also of the passes' paths.
 void gl_target_read_planes(const struct gl_target *target, const struct pixel_layout *layout,
                            struct pixel_planes *planes);

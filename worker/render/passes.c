@@ -39,15 +39,16 @@ bool passes_plan(struct passes *passes, const struct scene_program *scene, const
     bool differ = false;
 
     *passes = (struct passes){.block_bytes = block_bytes, .count = pixel_samples_count(job)};
-    passes->blocks = xmalloc((size_t)passes->count * block_bytes);
-    for (int i = 0; i < passes->count; ++i) {
+    passes->are_still = scene_is_constant(&job->scene) || job->scene.camera.shutter == 0.0;
+    passes->blocks = xmalloc(((size_t)passes->count + 1) * block_bytes);
+    for (int i = 0; i <= passes->count; ++i) {
         const struct frame_moment moment = {.time = pixel_samples_time(job, frame, i),
                                             .frame_seed = pixel_samples_frame_seed(job, frame),
                                             .sample_index = i};
         unsigned char *block = passes->blocks + (size_t)i * block_bytes;
 
         if (!pack(scene, &moment, block, error)) return false;
-        if (memcmp(block, passes->blocks, block_bytes) != 0) differ = true;
+        if (i < passes->count && memcmp(block, passes->blocks, block_bytes) != 0) differ = true;
     }
     if (!differ) passes->count = 1;
     return true;
@@ -57,6 +58,14 @@ void passes_finish(struct passes *passes)
 {
     free(passes->blocks);
     *passes = (struct passes){0};
+}
+
+struct passes passes_centre(const struct passes *passes)
+{
+    return (struct passes){.blocks = passes->blocks + (size_t)passes->count * passes->block_bytes,
+                           .block_bytes = passes->block_bytes,
+                           .count = 1,
+                           .are_still = true};
 }
 
 const unsigned char *passes_block(const struct passes *passes, int pass)

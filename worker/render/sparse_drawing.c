@@ -5,6 +5,7 @@
 #include "core/job/job.h"
 #include "worker/picture/image.h"
 #include "worker/picture/ray_counts.h"
+#include "worker/pixels/pixel_edges.h"
 #include "worker/pixels/pixel_lattice.h"
 #include "worker/pixels/scene_guards.h"
 #include "worker/render/drawing.h"
@@ -12,6 +13,7 @@
 #include "worker/render/pixel_layout.h"
 #include "worker/shader/scene_program.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -72,14 +74,13 @@ static void count_rays(const struct sparse_drawing *sparse, const struct pixel_l
     struct image *image = sparse->image;
     const float *paths = lattice->planes.paths;
     size_t pixels = (size_t)image->width_px * (size_t)image->height_px;
-    int samples = sparse->drawing->passes->count;
 
     *counts = (struct ray_counts){.is_known = true};
     for (int y = 0; y < image->height_px; y++)
         ray_counts_add_row(counts, paths + 4 * (size_t)y * (size_t)image->width_px, image->width_px, y);
     for (size_t i = 0; image->cut && i < pixels; i++)
-        image->cut[i] = paths[4 * i] / (float)samples;
-    ray_counts_find_means(counts, (int64_t)pixels, samples);
+        image->cut[i] = paths[4 * i];
+    ray_counts_find_means(counts, (int64_t)pixels, 1);
 }
 
 static bool refine(struct sparse_drawing *sparse, struct pixel_lattice *lattice)
@@ -91,6 +92,43 @@ static bool refine(struct sparse_drawing *sparse, struct pixel_lattice *lattice)
     return is_finer;
 }
 
+// Levels of pixels, of all samples each or, where these differ in their points alone, of their centres.
+static bool draw_levels(struct sparse_drawing *sparse, struct pixel_lattice *lattice, struct level_progress *progress,
+                        struct error *error)
+{
+    do {
+        if (!trace_wanted(sparse, lattice, error)) return false;
+        progress->begin += progress->share;
+    } while (refine(sparse, lattice));
+    return true;
+}
+
+// The share of the frame's samples that are traced; 1 if centres are traced in vain.
+static double find_share(const struct pixel_lattice *lattice, size_t edge_count, int sample_count)
+{
+    double pixels = (double)lattice->params.image->width_px * lattice->params.image->height_px;
+
+    return fmin(((double)lattice->traced / sample_count + (double)edge_count) / pixels, 1.0);
+}
+
+// Has centres traced first, and then all samples of the pixels in which the centre does not stand for them.
+static bool draw_centres(struct sparse_drawing *sparse, struct pixel_lattice *lattice, struct level_progress *progress,
+                         struct error *error)
+{
+    struct drawing *drawing = sparse->drawing;
+    const struct passes *passes = drawing->passes, centre = passes_centre(passes);
+    size_t edge_count;
+    bool ok;
+
+    drawing->passes = &centre;
+    ok = draw_levels(sparse, lattice, progress, error);
+    drawing->passes = passes;
+    if (!ok) return false;
+    edge_count = pixel_edges_find(lattice);
+    sparse->traced = find_share(lattice, edge_count, passes->count);
+    return trace_wanted(sparse, lattice, error);
+}
+
 bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts, struct error *error)
 {
     const struct job_quality *quality = &sparse->job->quality;
@@ -99,7 +137,7 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     struct level_progress progress = {.drawing = drawing, .on_progress = drawing->on_progress, .user = drawing->user};
     struct scene_guards guards;
     struct pixel_lattice lattice;
-    int level_count = 1;
+    int level_count = 2; // the last one is that of edges
     bool ok;
 
     for (int stride = quality->pixels.stride; stride > 1; stride /= 2)
@@ -114,17 +152,19 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
                                                                 .has_paths = sparse->has_paths,
                                                                 .guards = guards.list,
                                                                 .guard_count = guards.count});
-    do {
-        ok = trace_wanted(sparse, &lattice, error);
-        progress.begin += progress.share;
-    } while (ok && refine(sparse, &lattice));
+    sparse->traced = 0.0;
+    if (drawing->passes->count > 1 && drawing->passes->are_still) {
+        ok = draw_centres(sparse, &lattice, &progress, error);
+    } else {
+        ok = draw_levels(sparse, &lattice, &progress, error);
+        sparse->traced = find_share(&lattice, 0, 1);
+    }
     drawing->on_progress = progress.on_progress;
     drawing->user = progress.user;
     if (ok && sparse->has_paths)
         count_rays(sparse, &lattice, counts);
     else if (image->cut)
         memset(image->cut, 0, (size_t)image->width_px * (size_t)image->height_px * sizeof *image->cut);
-    sparse->traced = (double)lattice.traced / ((double)image->width_px * image->height_px);
     pixel_lattice_finish(&lattice);
     scene_guards_finish(&guards);
     return ok;

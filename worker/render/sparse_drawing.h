@@ -18,7 +18,7 @@ struct sparse_drawing {
     int frame;
     bool has_paths;
     int thread_count; // of processors that draw
-    double traced;    // set: the share of the pixels that were traced
+    double traced;    // set: the share of the frame's samples that were traced
     double spread_s;  // set: the time that the other pixels took
 };
 

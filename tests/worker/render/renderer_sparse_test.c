@@ -152,6 +152,38 @@ static void rays_are_counted_as_in_the_frame(void **state)
     gl_stage_close(stage);
 }
 
+// Where nothing moves, a pixel's centre stands for its samples wherever the picture is smooth.
+static void smooth_pixels_take_their_centre_alone(void **state)
+{
+    static const struct variant cloud = {
+        "cloud", {.method = JOB_METHOD_CACHED, .step = 0.02, .light_grid = 16, .samples = 9}, false};
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
+    struct sparse_pair pair;
+    struct renderer_result result;
+    struct image moving;
+    struct job job;
+    double edges, error;
+
+    (void)state;
+    load(&job, &cloud);
+    sparse_pair_render(stage.renderer, &job, 0, usual, &pair);
+    edges = (double)count_traced(&pair) / (WIDTH_PX * HEIGHT_PX); // with the bits of all samples
+    error = sparse_pair_error(&pair);
+    job.scene.camera.shutter = 0.01;
+    moving = sparse_pair_frame(stage.renderer, &job, 0, usual, &result);
+    print_message("%.1f %% of the samples, %.1f %% of the pixels are edges, error %.2e; in an open shutter %.1f %%\n",
+                  100 * pair.sparse_result.traced, 100 * edges, error, 100 * result.traced);
+    assert_true(edges > 0.02 && edges < pair.sparse_result.traced);
+    assert_true(pair.sparse_result.traced < edges + 1.0 / 9.0);
+    assert_true(pair.sparse_result.traced < 0.6 * result.traced);
+    assert_true(error < 0.0004);
+    assert_between(&pair);
+    image_finish(&moving);
+    sparse_pair_finish(&pair);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
 static void assert_same(const struct image *image, const struct image *other)
 {
     size_t count = (size_t)WIDTH_PX * HEIGHT_PX;
@@ -380,6 +412,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(traced_pixels_have_the_frame_s_bits),
         cmocka_unit_test(rays_are_counted_as_in_the_frame),
+        cmocka_unit_test(smooth_pixels_take_their_centre_alone),
         cmocka_unit_test(bits_do_not_depend_on_what_was_rendered_before),
         cmocka_unit_test(bits_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(a_full_frame_after_a_sparse_one_is_whole),
