@@ -1,4 +1,4 @@
-// A frame's error by the measure of a tolerance, from every pixel.
+// A frame's error by the measure of a tolerance, from every pixel, or from 4096 at random of a larger one.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 

@@ -97,6 +97,16 @@ static double find_threshold(const struct plan *plan, double share, double toler
     return fmin(round_digits(fmin(fmax(wanted, FINER_LEAST * tolerance), COARSER_MOST * tolerance)), 1.0);
 }
 
+// Fewer pixels are traced then: about by the root of the thresholds, as measured at 1920x1080.
+static void coarsen(struct plan *plan, double threshold)
+{
+    double least = 1.0 / (plan->pixels.stride * plan->pixels.stride);
+
+    if (threshold <= plan->pixels.threshold) return;
+    plan->predicted_traced = fmax(plan->predicted_traced * sqrt(plan->pixels.threshold / threshold), least);
+    plan->pixels.threshold = threshold;
+}
+
 bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enum renderer_fault *fault,
                         struct error *error)
 {
@@ -115,8 +125,7 @@ bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enu
                   100.0 * plan->predicted_traced, verdict.error, verdict.error95);
         if (plan->predicted_traced > TRACED_MOST) break;
         if (verdict.error <= share * tolerance) {
-            plan->pixels.threshold =
-                fmax(find_threshold(plan, share, tolerance, verdict.error), plan->pixels.threshold);
+            coarsen(plan, find_threshold(plan, share, tolerance, verdict.error));
             plan->predicted_error = hypot(plan->predicted_error, verdict.error);
             return true;
         }

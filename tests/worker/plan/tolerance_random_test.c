@@ -48,8 +48,9 @@ static void try(struct tolerance *tolerance, const char *text, int64_t serial, d
                          &(struct tolerance_params){.job = &job, .serial = serial, .frame = 0, .image = &image},
                          &result, &error)) {
         truly = true_error_measure(&job, 0, &image);
-        print_message("%d: tolerance %g: truly %.2e, audited %.2e (at most %.2e), predicted by %s\n", (int)serial,
-                      allowed, truly, result.audit.error, result.audit.error95, result.reason);
+        print_message("%d: tolerance %g: truly %.2e, audited %.2e (at most %.2e), %.1f %% traced, predicted by %s\n",
+                      (int)serial, allowed, truly, result.audit.error, result.audit.error95,
+                      100.0 * result.render.traced, result.reason);
         if (truly > SLACK * allowed) print_message("%s\n", text);
         outcome->beyond += truly > SLACK * allowed;
         outcome->within += truly <= allowed;
@@ -149,7 +150,8 @@ static void scenes_that_were_asked_for_keep_their_tolerance(void **state)
     assert_true(outcome.unbounded <= allowed);
 }
 
-// Two arguments: the first and the last seed of scenes to try, each with every tolerance, in larger pictures.
+// Two arguments: the first and the last seed of scenes to try, each with every tolerance, in larger pictures. Two more:
+// the pictures' width and height; those of 128 pixels a side and more have interpolated pixels.
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
@@ -161,8 +163,12 @@ int main(int argc, char *argv[])
                                         temp_folder_destroy),
     };
 
-    if (argc != 3) return cmocka_run_group_tests(tests, NULL, NULL);
+    if (argc != 3 && argc != 5) return cmocka_run_group_tests(tests, NULL, NULL);
     asked =
         (struct range){strtoull(argv[1], NULL, 10), strtoull(argv[2], NULL, 10), true, ASKED_WIDTH_PX, ASKED_HEIGHT_PX};
+    if (argc == 5) {
+        asked.width_px = (int)strtol(argv[3], NULL, 10);
+        asked.height_px = (int)strtol(argv[4], NULL, 10);
+    }
     return cmocka_run_group_tests(by_hand, NULL, NULL);
 }
