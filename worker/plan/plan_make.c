@@ -52,8 +52,10 @@ static double find_work(void *user, const struct plan_point *point)
 {
     const struct attempt *attempt = user;
     struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, point);
+    struct plan_scene scene = *attempt->scene;
 
-    return plan_family_work(attempt->scene, &quality);
+    scene.traced = plan_pixels_expect(scene.job, quality.method);
+    return plan_family_work(&scene, &quality);
 }
 
 static double with_rounding(double error, bool is_half)

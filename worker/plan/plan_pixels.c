@@ -22,22 +22,28 @@ static const double AIM = 0.65;                                   // of the tole
 static const double SHARE_LEAST = 0.3, SHARE_MOST = 0.5;          // of the tolerance: that of interpolation
 static const double COARSER_MOST = 4.0, FINER_LEAST = 1.0 / 16.0; // than a threshold of the tolerance
 static const double CAUTION = 0.8;     // of the share: errors may rise faster than the threshold
+static const double EXPECTED = 0.1;    // share of the pixels, of most scenes
 static const double TRACED_MOST = 0.6; // share of the pixels; above it all are traced
 // Above it a finer threshold is not tried; in segments of LONG frames and more, which repay it, not above TRACED_LONG.
 static const double TRACED_AGAIN = 0.35, TRACED_LONG = 0.5;
 
-static bool is_worthwhile(const struct job *job, const struct plan *plan)
+static bool is_worthwhile(const struct job *job, enum job_method method)
 {
     const struct scene *scene = &job->scene;
     bool is_still = scene_is_constant(scene);
     // Each level would fill the grids of each moment anew.
-    bool moves_grids = plan->quality.method == JOB_METHOD_CACHED && job->quality.samples > 1 && !is_still &&
-                       scene->camera.shutter > 0.0;
+    bool moves_grids =
+        method == JOB_METHOD_CACHED && job->quality.samples > 1 && !is_still && scene->camera.shutter > 0.0;
 
     if (job->width_px < SIDE_MIN || job->height_px < SIDE_MIN || moves_grids) return false;
     // Frames that are all the same are copied.
     if (is_still && frame_range_count(&job->frames) > 1) return false;
-    return !job_pixels_obstacle(scene, plan->quality.method);
+    return !job_pixels_obstacle(scene, method);
+}
+
+double plan_pixels_expect(const struct job *job, enum job_method method)
+{
+    return is_worthwhile(job, method) ? EXPECTED : 1.0;
 }
 
 static double round_digits(double value)
@@ -115,7 +121,7 @@ bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enu
 
     *fault = RENDERER_FAULT_NONE;
     trace_all(plan);
-    if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, plan)) return true;
+    if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, plan->quality.method)) return true;
     plan->pixels = (struct job_pixels){.stride = JOB_STRIDE_DEFAULT, .threshold = tolerance};
     for (int tried = 0; tried < TRIES; tried++) {
         struct audit_verdict verdict;
