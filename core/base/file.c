@@ -116,7 +116,7 @@ static char *name_beside(const char *path)
     return xasprintf("%s.%016" PRIx64 ".tmp", path, number);
 }
 
-bool file_write_atomic(const char *path, const void *bytes, size_t size_bytes, struct error *error)
+static bool replace(const char *path, const void *bytes, size_t size_bytes, bool is_synced, struct error *error)
 {
     bool ok = false;
     char *beside = name_beside(path);
@@ -127,7 +127,7 @@ bool file_write_atomic(const char *path, const void *bytes, size_t size_bytes, s
         goto out;
     }
     if (!file_write_all(fd, bytes, size_bytes, error)) goto out;
-    if (fsync(fd) < 0) {
+    if (is_synced && fsync(fd) < 0) {
         error_set_errno(error, errno, "cannot sync");
         goto out;
     }
@@ -142,5 +142,15 @@ out:
         if (!ok) unlink(beside);
     }
     free(beside);
-    return ok && sync_folder_of(path, error);
+    return ok;
+}
+
+bool file_write_atomic(const char *path, const void *bytes, size_t size_bytes, struct error *error)
+{
+    return replace(path, bytes, size_bytes, true, error) && sync_folder_of(path, error);
+}
+
+bool file_replace(const char *path, const void *bytes, size_t size_bytes, struct error *error)
+{
+    return replace(path, bytes, size_bytes, false, error);
 }

@@ -15,5 +15,8 @@ bool file_read_text(const char *path, size_t limit_bytes, char **text, size_t *l
 // Writes beside `path`, syncs, renames and syncs the folder; removes what it wrote on failure.
 bool file_write_atomic(const char *path, const void *bytes, size_t size_bytes, struct error *error);
 
+// Likewise, without the syncs: for what may be lost in a power cut.
+bool file_replace(const char *path, const void *bytes, size_t size_bytes, struct error *error);
+
 // Writes all of `size_bytes`, going on after EINTR and short counts.
 bool file_write_all(int fd, const void *bytes, size_t size_bytes, struct error *error);

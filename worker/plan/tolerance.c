@@ -158,6 +158,7 @@ static bool render_and_audit(struct rendering *rendering, const struct plan *pla
                                                   .frame = params->frame,
                                                   .image = params->image,
                                                   .on_progress = params->on_progress,
+                                                  .on_level = params->on_level,
                                                   .user = params->user},
                          &result->render, rendering->error))
         return false;
@@ -429,6 +430,7 @@ static bool render_stated(struct tolerance *tolerance, const struct tolerance_pa
                                                     .frame = params->frame,
                                                     .image = params->image,
                                                     .on_progress = params->on_progress,
+                                                    .on_level = params->on_level,
                                                     .user = params->user},
                            &result->render, error);
 }

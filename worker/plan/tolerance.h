@@ -33,6 +33,7 @@ struct tolerance_params {
     // May be NULL; called at least every second, except while GL compiles, with the share of the phase that is done, or
     // 0 where that is not known.
     renderer_progress *on_progress;
+    picture_level_callback *on_level;                     // as renderer_render takes it
     void (*on_phase)(void *user, enum frame_phase phase); // may be NULL; called before each plan, rendering and audit
     void *user;
 };

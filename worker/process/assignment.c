@@ -20,6 +20,7 @@ void held_job_destroy(struct held_job *job)
     free(job->draft);
     free(job->fault);
     free(job->plan_of);
+    free(job->preview);
     plan_mail_finish(&job->plans);
     free(job);
 }

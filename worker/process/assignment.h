@@ -20,6 +20,7 @@ struct held_job {
     char *fault;           // owned; why none of its frames can be rendered; NULL if they can
     bool asks_plans;       // its plans are kept by who sent it
     char *plan_of;         // owned; the file whose settings its frames have; NULL: none
+    char *preview;         // owned; the file that shows a frame as it refines; NULL: none
     int64_t stated_number; // of that file's plan
     struct job_quality stated;
     struct plan_mail plans; // guarded by the worker's lock

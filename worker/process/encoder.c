@@ -136,7 +136,7 @@ static void encode(struct worker *worker, struct picture *picture)
     struct gate_result result;
     struct frame_accuracy accuracy = find_accuracy(picture);
     struct error error = {0};
-    double start_s = clock_now_s();
+    double start_s = clock_now_s(), encode_s;
 
     if (worker_is_unwanted(worker, frame)) {
         worker_drop_frame(worker, frame);
@@ -152,11 +152,13 @@ static void encode(struct worker *worker, struct picture *picture)
         worker_drop_frame(worker, frame);
         return;
     }
+    encode_s = clock_now_s() - start_s;
+    live_preview_show_final(&worker->preview, frame->job->preview, &picture->image);
     report_finished(&worker->connection, frame,
                     &(struct report_result){.file = &result.file,
                                             .accuracy = &accuracy,
                                             .render_s = picture->render_s,
-                                            .encode_s = clock_now_s() - start_s,
+                                            .encode_s = encode_s,
                                             .audit_s = picture->audit.seconds,
                                             .weight = picture->weight});
     worker_end_frame(worker, frame);
@@ -184,6 +186,7 @@ void *encoder_run(void *user)
 
     while ((picture = take_picture(worker))) {
         encode(worker, picture);
+        live_preview_end_final(&worker->preview);
         worker_return_picture(worker, picture);
     }
     worker_end_thread(worker);

@@ -91,6 +91,13 @@ static bool on_progress(void *user, double done)
     return !worker_is_unwanted(loop->worker, loop->frame);
 }
 
+static void on_level(void *user, const struct picture_level *level)
+{
+    struct render_loop *loop = user;
+
+    live_preview_show_level(&loop->worker->preview, loop->frame->job->preview, level);
+}
+
 static void on_phase(void *user, enum frame_phase phase)
 {
     struct render_loop *loop = user;
@@ -180,6 +187,7 @@ static void hand_over(struct render_loop *loop, struct picture *picture)
     struct worker *worker = loop->worker;
 
     report_rendered(&worker->connection, loop->frame);
+    live_preview_expect_final(&worker->preview, loop->frame->job->preview);
     pthread_mutex_lock(&worker->lock);
     worker->rendered = picture;
     pthread_cond_broadcast(&worker->changed);
@@ -233,6 +241,7 @@ static void render_picture(struct render_loop *loop, int folder_fd, struct pictu
                                             .frame = loop->frame->frame,
                                             .image = &picture->image,
                                             .on_progress = on_progress,
+                                            .on_level = on_level,
                                             .on_phase = on_phase,
                                             .user = loop};
     struct tolerance_result result;

@@ -8,6 +8,7 @@
 #include "worker/plan/plan.h"
 #include "worker/process/assignment.h"
 #include "worker/process/connection.h"
+#include "worker/process/live_preview.h"
 #include "worker/process/report.h"
 #include "worker/sandbox/sandbox.h"
 
@@ -50,6 +51,8 @@ struct worker {
     char backend[16];                // set before the first frame, then constant
     char renderer[128];              // likewise
     char sandbox[SANDBOX_TEXT_SIZE]; // likewise; what the sandbox restricts
+
+    struct live_preview preview;
 
     pthread_mutex_t lock; // guards what follows
     pthread_cond_t changed;

@@ -167,7 +167,9 @@ static bool render_sparse(struct renderer *renderer, struct rendering *rendering
                                     .image = rendering->frame->image,
                                     .frame = rendering->frame->frame,
                                     .has_paths = drawing->scene->model.features.has_paths,
-                                    .thread_count = renderer->thread_count};
+                                    .thread_count = renderer->thread_count,
+                                    .on_level = rendering->frame->on_level,
+                                    .user = rendering->frame->user};
 
     if (!drawing_find_program(drawing, error) || !bind_files(renderer, drawing, error) ||
         !sparse_drawing_run(&sparse, &rendering->result->ray_counts, error))

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/job/job.h"
+#include "worker/picture/picture_level.h"
 #include "worker/picture/ray_counts.h"
 #include "worker/render/renderer_fault.h"
 
@@ -61,7 +62,8 @@ struct renderer_frame {
     // Initialised with the channels of the job. It has the job's size, or as many pixels as the list, which it gets in
     // the list's order: width_px * height_px is pixel_count.
     struct image *image;
-    renderer_progress *on_progress; // may be NULL
+    renderer_progress *on_progress;   // may be NULL
+    picture_level_callback *on_level; // may be NULL; called with each level of a frame whose pixels are sparse
     void *user;
 };
 

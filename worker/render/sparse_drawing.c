@@ -83,6 +83,17 @@ static void count_rays(const struct sparse_drawing *sparse, const struct pixel_l
     ray_counts_find_means(counts, (int64_t)pixels, 1);
 }
 
+static void show_level(const struct sparse_drawing *sparse, const struct pixel_lattice *lattice)
+{
+    if (!sparse->on_level) return;
+    sparse->on_level(sparse->user, &(struct picture_level){.rgba = lattice->planes.rgba,
+                                                           .stride = lattice->stride,
+                                                           .columns = lattice->columns,
+                                                           .rows = lattice->rows,
+                                                           .width_px = sparse->image->width_px,
+                                                           .height_px = sparse->image->height_px});
+}
+
 static bool refine(struct sparse_drawing *sparse, struct pixel_lattice *lattice)
 {
     double start = clock_now_s();
@@ -98,6 +109,7 @@ static bool draw_levels(struct sparse_drawing *sparse, struct pixel_lattice *lat
 {
     do {
         if (!trace_wanted(sparse, lattice, error)) return false;
+        show_level(sparse, lattice);
         progress->begin += progress->share;
     } while (refine(sparse, lattice));
     return true;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "worker/picture/picture_level.h"
+
 #include <stdbool.h>
 
 struct drawing;
@@ -17,9 +19,11 @@ struct sparse_drawing {
     struct image *image;     // borrowed; of the job's size and channels
     int frame;
     bool has_paths;
-    int thread_count; // of processors that draw
-    double traced;    // set: the share of the frame's samples that were traced
-    double spread_s;  // set: the time that the other pixels took
+    int thread_count;                 // of processors that draw
+    picture_level_callback *on_level; // may be NULL
+    void *user;
+    double traced;   // set: the share of the frame's samples that were traced
+    double spread_s; // set: the time that the other pixels took
 };
 
 // Draws level after level. Counts of rays are set where there are paths; an interpolated pixel counts as its neighbours

@@ -407,6 +407,65 @@ static void the_peak_around_a_lamp_is_traced(void **state)
     gl_stage_close(stage);
 }
 
+struct levels {
+    const struct image *full;
+    int strides[8];
+    int count;
+    struct image last;
+};
+
+static void on_level(void *user, const struct picture_level *level)
+{
+    struct levels *levels = user;
+    int stride = level->stride;
+
+    assert_true(levels->count < 8);
+    assert_int_equal(level->width_px, WIDTH_PX);
+    assert_int_equal(level->height_px, HEIGHT_PX);
+    assert_int_equal(level->columns, (WIDTH_PX - 1 + stride - 1) / stride + 1);
+    assert_int_equal(level->rows, (HEIGHT_PX - 1 + stride - 1) / stride + 1);
+    for (int y = 0; levels->count == 0 && y * stride < HEIGHT_PX; y++)
+        for (int x = 0; x * stride < WIDTH_PX; x++)
+            assert_memory_equal(level->rgba + 4 * (y * level->columns + x),
+                                levels->full->rgba + 4 * stride * (y * WIDTH_PX + x), sizeof(float[4]));
+    if (stride == 1) {
+        assert_true(image_init(&levels->last, WIDTH_PX, HEIGHT_PX, false, false, NULL));
+        memcpy(levels->last.rgba, level->rgba, sizeof(float[4]) * WIDTH_PX * HEIGHT_PX);
+    }
+    levels->strides[levels->count++] = stride;
+}
+
+// Whoever looks at them changes no bit.
+static void levels_are_shown_from_coarse_to_whole(void **state)
+{
+    struct gl_stage stage = gl_stage_open(GL_BACKEND_SOFTWARE, test_shader_dir());
+    struct levels levels = {0};
+    struct renderer_result result;
+    struct sparse_pair pair;
+    struct image image;
+    struct job job;
+
+    (void)state;
+    load(&job, &variants[0]);
+    sparse_pair_render(stage.renderer, &job, 0, usual, &pair);
+    job.quality.pixels = usual;
+    levels.full = &pair.full;
+    assert_true(image_init_for_job(&image, &job, NULL));
+    assert_true(renderer_render(
+        stage.renderer, &(struct renderer_frame){.job = &job, .image = &image, .on_level = on_level, .user = &levels},
+        &result, NULL));
+    assert_int_equal(levels.count, 5);
+    for (int i = 0; i < 5; i++)
+        assert_int_equal(levels.strides[i], 16 >> i);
+    assert_memory_equal(levels.last.rgba, image.rgba, sizeof(float[4]) * WIDTH_PX * HEIGHT_PX);
+    assert_memory_equal(image.rgba, pair.sparse.rgba, sizeof(float[4]) * WIDTH_PX * HEIGHT_PX);
+    image_finish(&levels.last);
+    image_finish(&image);
+    sparse_pair_finish(&pair);
+    job_finish(&job);
+    gl_stage_close(stage);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
@@ -419,6 +478,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(small_things_between_points_are_seen),
         cmocka_unit_test(a_horizon_is_sharp_whatever_the_threshold),
         cmocka_unit_test(the_peak_around_a_lamp_is_traced),
+        cmocka_unit_test(levels_are_shown_from_coarse_to_whole),
     };
 
     if (argc > 1 && strcmp(argv[1], "hash") == 0) {
