@@ -5,6 +5,7 @@
 #include "cli/program/interrupt.h"
 #include "cli/program/options.h"
 #include "cli/render/output_root.h"
+#include "cli/render/preview_path.h"
 #include "cli/render/render_session.h"
 #include "cli/terminal/print.h"
 #include "cli/terminal/progress.h"
@@ -228,16 +229,22 @@ static bool find_plan_of(const struct options *options, char **path, struct erro
     return false;
 }
 
+// Absolute paths, owned; `plan_of` and `preview` may be NULL.
+struct places {
+    char *root, *plan_of, *preview;
+};
+
 static enum exit_status render(const struct options *options, const struct job *job, const char *document,
-                               const char *root, const char *plan_of, struct error *error)
+                               const struct places *places, struct error *error)
 {
     struct telling telling = {.options = options, .job = job, .began_ms = progress_now_ms()};
     struct interrupt interrupt;
     const struct render_session_params params = {.options = options,
                                                  .job = job,
                                                  .document = document,
-                                                 .root = root,
-                                                 .plan_of = plan_of,
+                                                 .root = places->root,
+                                                 .plan_of = places->plan_of,
+                                                 .preview = places->preview,
                                                  .interrupt = &interrupt,
                                                  .on_result = on_result,
                                                  .on_tick = on_tick,
@@ -252,7 +259,7 @@ static enum exit_status render(const struct options *options, const struct job *
     interrupt_init(&interrupt);
     json_write_begin_array(&telling.frames);
     status = render_session_run(&params, error);
-    if (!error->message[0]) print_end(&telling, root);
+    if (!error->message[0]) print_end(&telling, places->root);
     json_writer_finish(&telling.frames);
     interrupt_finish(&interrupt);
     return status;
@@ -264,18 +271,20 @@ enum exit_status command_render(const struct options *options, struct error *err
     char *document = job_document_load(path, options->sets, options->set_count, error);
     enum exit_status status = EXIT_STATUS_USAGE;
     struct job job = {0};
-    char *root = NULL, *plan_of = NULL;
+    struct places places = {0};
 
-    if (!document || !find_plan_of(options, &plan_of, error)) goto out;
+    if (!document || !find_plan_of(options, &places.plan_of, error)) goto out;
+    if (options->preview && !(places.preview = preview_path_check(options->preview, error))) goto out;
     if (options->range && !json_set_text(&document, "frames", options->range, error)) goto out;
     if (options->draft && !json_set_text(&document, "quality", "draft", error)) goto out;
-    root = output_root_choose(options->out, true, &document, error);
-    if (root && job_document_check(path, document, root, &job, error))
-        status = render(options, &job, document, root, plan_of, error);
+    places.root = output_root_choose(options->out, true, &document, error);
+    if (places.root && job_document_check(path, document, places.root, &job, error))
+        status = render(options, &job, document, &places, error);
 out:
-    free(plan_of);
     job_finish(&job);
     free(document);
-    free(root);
+    free(places.root);
+    free(places.plan_of);
+    free(places.preview);
     return status;
 }

@@ -50,7 +50,7 @@ static const struct command commands[] = {
     {"validate", "FILE...", 1, ANY, EVERY | BIT(SET), "Checks job files.",
      "march validate jobs/cloud.json jobs/fog.json", command_validate},
     {"render", "JOB", 1, 1,
-     RENDERER | BIT(FRAMES) | BIT(DRAFT) | BIT(PLAN_OF) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS) |
+     RENDERER | BIT(FRAMES) | BIT(DRAFT) | BIT(PLAN_OF) | BIT(PREVIEW) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS) |
          BIT(PROGRESS_LIMIT),
      "Renders a job here, without a daemon, into the current folder or to --out.",
      "march render jobs/cloud.json --frames 0-239x60 --out /tmp/cloud.####.exr", command_render},

@@ -87,6 +87,7 @@ static void offer_value(const struct typing *typing, const struct command *comma
         return;
     case OPTION_SOCKET:
     case OPTION_OUT:
+    case OPTION_PREVIEW:
     case OPTION_WORKER_PROGRAM:
         fputs(":files\n", typing->out);
         return;

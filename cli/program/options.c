@@ -70,6 +70,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
                       "a quick look in place of the job's quality: no plan, no measured error"},
     [OPTION_PLAN_OF] = {"plan-of", KIND_TEXT, FIELD(plan_of), "FILE", 0, 0,
                         "plan nothing: render with the settings of this frame of the job, and get the same pixels"},
+    [OPTION_PREVIEW] = {"preview", KIND_TEXT, FIELD(preview), "FILE", 0, 0,
+                        "show each frame in this .png as it refines, and whole at its end"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
                             "longest time of a picture (default 60; with --quick 8)"},
 };

@@ -44,6 +44,7 @@ enum option {
     OPTION_PLAN,
     OPTION_DRAFT,
     OPTION_PLAN_OF,
+    OPTION_PREVIEW,
     OPTION_COUNT
 };
 
@@ -53,7 +54,7 @@ enum option {
 struct options {
     bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
-        *plan_of;
+        *plan_of, *preview;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s;
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE

@@ -89,6 +89,7 @@ static void send_job(struct session *session)
     json_write_string_member(&line, "root", session->params->root);
     json_write_string_member(&line, "owner", user ? user->pw_name : "");
     if (session->params->plan_of) json_write_string_member(&line, "plan_of", session->params->plan_of);
+    if (session->params->preview) json_write_string_member(&line, "preview", session->params->preview);
     json_write_key(&line, "document");
     json_write_raw(&line, session->params->document, strlen(session->params->document));
     json_write_end_object(&line);

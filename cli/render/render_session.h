@@ -37,6 +37,7 @@ struct render_session_params {
     const char *document;          // borrowed; the same job as JSON
     const char *root;              // borrowed; absolute output root
     const char *plan_of;           // borrowed; absolute: the file whose settings are used; NULL: none
+    const char *preview;           // borrowed; absolute: the file that shows frames as they refine; NULL: none
     struct interrupt *interrupt;   // borrowed
     void (*on_result)(void *user, const struct render_result *result);
     void (*on_tick)(void *user); // now and then

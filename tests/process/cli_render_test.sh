@@ -65,6 +65,35 @@ wait "$pid"
 ! kill -0 $worker 2>/dev/null || fail "the worker outlives an interrupted render"
 ! ls stopped/*.part 2>/dev/null || fail "a part file outlives an interrupted render"
 
+# The picture as it refines: a whole file each time, and not a bit of the frame changes.
+sparse='--set quality={"method":"midpoint","step":0.01,"light_step":0.02,"pixels":{"stride":16,"threshold":0.01}}'
+for bad in live.jpg none/live.png killed; do
+    expect 2 march render "$cloud" $sparse --frames 48 --out bad/b.####.exr --preview "$bad"
+    grep -q -- "--preview: " err || fail "--preview $bad: no reason"
+done
+[ ! -e bad ] || fail "a preview that cannot be written ends the rendering before it starts"
+# shellcheck disable=SC2086 # a word each
+expect 0 march render "$cloud" $sparse --set 'resolution=[960,540]' --set output.pixel=float --frames 48 --out plain/p.####.exr
+# shellcheck disable=SC2086
+march render "$cloud" $sparse --set 'resolution=[960,540]' --set output.pixel=float --frames 48 --out shown/p.####.exr \
+    --preview shown.png >out 2>err &
+pid=$!
+until [ -e shown.png ] || ! kill -0 "$pid" 2>/dev/null; do sleep 0.01; done
+cp shown.png first.png || fail "no picture before the frame's end"
+wait "$pid" || fail "render --preview"
+[ "$(head -c 4 first.png | tail -c 3)" = PNG ] || fail "the first picture is a PNG"
+[ "$(od -An -tx1 -j16 -N8 first.png)" = "$(od -An -tx1 -j16 -N8 shown.png)" ] || fail "pictures differ in size"
+! cmp -s first.png shown.png || fail "the picture did not refine"
+! ls shown.png.* 2>/dev/null || fail "a preview leaves a file behind"
+[ "$(exr-compare plain/p.0048.exr shown/p.0048.exr)" = "0 0" ] || fail "--preview changes the frame"
+# A folder that is gone later costs the preview, and no frame.
+mkdir gone
+printf '#!/bin/sh\nrm -r gone\nexec march-worker "$@"\n' >remover
+chmod +x remover
+expect 0 render --frames 3,4 --out kept/k.####.exr --preview gone/live.png --worker-program ./remover
+[ "$(grep -c 'warning: preview: .*gone/live.png: ' err)" -eq 1 ] || fail "a preview that fails is a warning"
+[ "$(ls kept | wc -l)" -eq 2 ] || fail "a preview that fails costs a frame"
+
 printf '#!/bin/sh\necho "$@" >arguments\nexec march-worker "$@"\n' >recorder
 chmod +x recorder
 expect 0 march explain "$cloud" --worker-program ./recorder
