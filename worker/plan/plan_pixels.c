@@ -22,6 +22,7 @@ static const double AIM = 0.65;                                   // of the tole
 static const double SHARE_LEAST = 0.3, SHARE_MOST = 0.5;          // of the tolerance: that of interpolation
 static const double COARSER_MOST = 4.0, FINER_LEAST = 1.0 / 16.0; // than a threshold of the tolerance
 static const double CAUTION = 0.8;     // of the share: errors may rise faster than the threshold
+static const double GPU_WORK = 5000.0; // evaluations a pixel; not measured on a GPU
 static const double EXPECTED = 0.1;    // share of the pixels, of most scenes
 static const double TRACED_MOST = 0.6; // share of the pixels; above it all are traced
 // Above it a finer threshold is not tried; in segments of LONG frames and more, which repay it, not above TRACED_LONG.
@@ -41,9 +42,15 @@ static bool is_worthwhile(const struct job *job, enum job_method method)
     return !job_pixels_obstacle(scene, method);
 }
 
-double plan_pixels_expect(const struct job *job, enum job_method method)
+double plan_pixels_expect(const struct plan_params *params, enum job_method method)
 {
-    return is_worthwhile(job, method) ? EXPECTED : 1.0;
+    return renderer_is_software(params->renderer) && is_worthwhile(params->job, method) ? EXPECTED : 1.0;
+}
+
+// Interpolation and reading lists back take tens of milliseconds of a processor in a frame of two million pixels.
+static bool is_dear(const struct plan_params *params, const struct plan *plan)
+{
+    return renderer_is_software(params->renderer) || plan->work > GPU_WORK;
 }
 
 static double round_digits(double value)
@@ -121,7 +128,9 @@ bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enu
 
     *fault = RENDERER_FAULT_NONE;
     trace_all(plan);
-    if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, plan->quality.method)) return true;
+    if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, plan->quality.method) ||
+        !is_dear(params, plan))
+        return true;
     plan->pixels = (struct job_pixels){.stride = JOB_STRIDE_DEFAULT, .threshold = tolerance};
     for (int tried = 0; tried < TRIES; tried++) {
         struct audit_verdict verdict;
