@@ -14,7 +14,8 @@
 enum {
     SIDE_MIN = 128, // px: small pictures are mostly edges
     TRIES = 2,
-    LONG = 8 // frames
+    LONG = 8,       // frames
+    STRIDE_FINE = 4 // px: a sixteenth of the pixels is traced, which in these scenes are hardly more
 };
 
 // Set by hand; bench/whole_frames shows what follows from them.
@@ -51,6 +52,16 @@ double plan_pixels_expect(const struct plan_params *params, enum job_method meth
 static bool is_dear(const struct plan_params *params, const struct plan *plan)
 {
     return renderer_is_software(params->renderer) || plan->work > GPU_WORK;
+}
+
+// Glints, texture and single voxels may be small, and no guard knows where they are.
+static int find_stride(const struct scene *scene)
+{
+    bool has_details = scene->object_count > 0;
+
+    for (size_t i = 0; i < scene->medium_count; i++)
+        has_details |= scene->media[i].density.kind == SCENE_DENSITY_GRID;
+    return has_details ? STRIDE_FINE : JOB_STRIDE_DEFAULT;
 }
 
 static double round_digits(double value)
@@ -131,7 +142,7 @@ bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enu
     if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, plan->quality.method) ||
         !is_dear(params, plan))
         return true;
-    plan->pixels = (struct job_pixels){.stride = JOB_STRIDE_DEFAULT, .threshold = tolerance};
+    plan->pixels = (struct job_pixels){.stride = find_stride(&params->job->scene), .threshold = tolerance};
     for (int tried = 0; tried < TRIES; tried++) {
         struct audit_verdict verdict;
 

@@ -16,6 +16,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -145,6 +146,29 @@ static void every_pixel_is_traced_where_that_is_no_gain(void **state)
     tolerance_stage_close(stage);
 }
 
+// Glints and texture are small, and no guard knows of them.
+static void scenes_with_objects_get_a_finer_lattice(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job;
+
+    (void)state;
+    example_job_load(&job, "glass");
+    free(job.scene.objects[0].material.texture.file); // tiles would have most pixels traced
+    job.scene.objects[0].material.texture.file = NULL;
+    job.width_px = 640;
+    job.height_px = 360;
+    job.quality = (struct job_quality){.method = JOB_METHOD_AUTO,
+                                       .tolerance = 0.05,
+                                       .samples = 1,
+                                       .max_depth = 8,
+                                       .min_throughput = 0.001,
+                                       .max_cut = 1.0};
+    assert_int_equal(choose(stage, &job, PLAN_CHOICE_CHEAPEST).stride, 4);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
 static void a_frame_over_its_tolerance_gets_a_finer_threshold(void **state)
 {
     struct plan plan = {.pixels = {16, 0.02}};
@@ -165,6 +189,7 @@ int main(void)
         cmocka_unit_test(planned_frames_trace_a_part_of_their_pixels),
         cmocka_unit_test(an_audit_sees_what_pixels_lack),
         cmocka_unit_test(every_pixel_is_traced_where_that_is_no_gain),
+        cmocka_unit_test(scenes_with_objects_get_a_finer_lattice),
         cmocka_unit_test(a_frame_over_its_tolerance_gets_a_finer_threshold),
     };
 
