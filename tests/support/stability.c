@@ -7,6 +7,7 @@
 #include "reference/reference.h"
 #include "tests/support/shader_dir.h"
 #include "tests/support/stability_scene.h"
+#include "tests/support/stability_sparse.h"
 #include "tests/support/temp_folder.h"
 #include "worker/audit/truth.h"
 #include "worker/gl/gl_context.h"
@@ -89,6 +90,36 @@ const struct stability_sweep stability_sweeps[] = {
      .count = 4,
      .is_change = true},
     {.name = "irradiance of the light", .slug = "bright", .values = {1, 1e3, 1e4, 1e5, 1e6, 1e9, 1e12}, .count = 7},
+    {.name = "width of a filament, px", .slug = "filament", .values = {16, 8, 4, 2, 1}, .count = 5, .is_sparse = true},
+    {.name = "width of a lone voxel, px",
+     .slug = "speck",
+     .values = {16, 8, 4, 2, 1},
+     .count = 5,
+     .quick_count = 3, // no plan and no audit sees smaller ones
+     .is_sparse = true},
+    {.name = "width of a glint in a mirror, px",
+     .slug = "glint",
+     .values = {16, 8, 4, 2, 1},
+     .count = 5,
+     .quick_count = 3, // as above
+     .is_sparse = true},
+    {.name = "period of a checker, px",
+     .slug = "checker",
+     .values = {64, 32, 16, 8, 4, 2},
+     .count = 6,
+     .is_sparse = true},
+    {.name = "flicker of sparse pixels as a light moves so far, m",
+     .slug = "blink",
+     .values = {1e-4, 1e-3, 1e-2, 0.1},
+     .count = 4,
+     .is_change = true,
+     .is_sparse = true},
+    {.name = "flicker of sparse pixels as the camera moves so far, px",
+     .slug = "pan",
+     .values = {0.01, 0.1, 1, 10},
+     .count = 4,
+     .is_change = true,
+     .is_sparse = true},
 };
 const size_t stability_sweep_count = sizeof stability_sweeps / sizeof *stability_sweeps;
 
@@ -102,6 +133,8 @@ const struct stability_method stability_methods[] = {
     {.name = "cached", .quality = "\"method\":\"cached\",\"step\":0.05,\"light_grid\":64"},
     {.name = "preintegrated", .quality = "\"method\":\"preintegrated\",\"step\":0.05", .only = "transfer"},
     {.name = "tracking", .quality = "\"method\":\"tracking\",\"estimator\":\"ratio\"", .only = "furnace"},
+    {.name = "pixels 16", .pixels = {.stride = 16, .threshold = 0.01}},
+    {.name = "pixels 4", .pixels = {.stride = 4, .threshold = 0.01}},
     {.name = "auto", .quality = "\"tolerance\":0.01", .tolerance = 0.01},
 };
 const size_t stability_method_count = sizeof stability_methods / sizeof *stability_methods;
@@ -118,6 +151,8 @@ bool stability_concerns(const struct stability_sweep *sweep, const struct stabil
 {
     bool is_grid = sweep->is_grid || stability_scene_twin(sweep);
 
+    if (sweep->is_sparse) return method->pixels.stride > 0 || method->tolerance > 0;
+    if (method->pixels.stride > 0) return false;
     return method->only ? strcmp(method->only, sweep->slug) == 0 : !(method->wants_even && is_grid);
 }
 
@@ -289,8 +324,8 @@ static bool measure_job(const struct stand *stand, const double *values, size_t 
     return ok;
 }
 
-bool stability_measure(struct gl_context *context, const struct stability_sweep *sweep,
-                       const struct stability_method *method, struct stability_point *points)
+static bool measure_small(struct gl_context *context, const struct stability_sweep *sweep,
+                          const struct stability_method *method, struct stability_point *points)
 {
     struct stand stand = {
         .method = method, .sweep = sweep, .renderer = renderer_create(context, test_shader_dir()), .serial = 1};
@@ -311,4 +346,11 @@ bool stability_measure(struct gl_context *context, const struct stability_sweep 
     renderer_destroy(stand.renderer);
     if (temp_folder_destroy(&folder) != 0) ok = false;
     return ok;
+}
+
+bool stability_measure(struct gl_context *context, const struct stability_sweep *sweep,
+                       const struct stability_method *method, struct stability_point *points)
+{
+    return sweep->is_sparse ? stability_sparse_measure(context, sweep, method, points)
+                            : measure_small(context, sweep, method, points);
 }

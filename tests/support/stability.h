@@ -19,6 +19,7 @@ struct stability_sweep {
     bool is_apart;      // each value is a job of its own, else a frame of one job
     bool is_grid;       // it reads voxels
     bool is_change;     // the error is that of the picture's difference to value 0
+    bool is_sparse;     // a larger picture, compared with its own frame of every pixel (stability_sparse.h)
 };
 
 extern const struct stability_sweep stability_sweeps[];
@@ -27,10 +28,11 @@ extern const size_t stability_sweep_count;
 // A column: a method with fixed numbers.
 struct stability_method {
     const char *name;
-    const char *quality; // members of the job's "quality"
-    bool wants_even;     // only for homogeneous media
-    const char *only;    // the slug of its only sweep; NULL: all
-    double tolerance;    // planned and audited with this tolerance; 0: rendered with `quality`
+    const char *quality;      // members of the job's "quality"
+    bool wants_even;          // only for homogeneous media
+    const char *only;         // the slug of its only sweep; NULL: all
+    double tolerance;         // planned and audited with this tolerance; 0: rendered with `quality`
+    struct job_pixels pixels; // only for sweeps that are sparse, by the scene's own settings
 };
 
 extern const struct stability_method stability_methods[];

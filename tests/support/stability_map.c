@@ -109,7 +109,7 @@ static void draw_row(size_t sweep_index, size_t method_index, const struct stabi
     int top = find_top(sweep_index) + TITLE_HEIGHT;
     int y = top + CELL_HEIGHT * (count_rows(sweep, method_index) + 1);
 
-    if (method_index == 0) {
+    if (count_rows(sweep, method_index) == 0) {
         printf("<text class=\"title\" x=\"8\" y=\"%d\">%s</text>\n", top - 6, sweep->name);
         for (size_t i = 0; i < sweep->count; i++)
             printf("<text x=\"%d\" y=\"%d\" text-anchor=\"middle\">%g</text>\n",

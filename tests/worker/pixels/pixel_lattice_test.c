@@ -406,6 +406,34 @@ static void an_interpolated_point_is_traced_where_a_later_level_doubts_it(void *
     lattice_made_finish(&made);
 }
 
+// Six times the threshold brighter in the last corner.
+static struct lattice_point corner(const void *user, int x, int y)
+{
+    (void)user;
+    return grey(x >= 53 && y >= 53 ? 1.06 : 1);
+}
+
+// A guard has the last point of the second level traced. Three points that end there bend by an eighth of its error
+// only, which is below the threshold.
+static void points_around_one_that_was_wrongly_expected_are_traced(void **state)
+{
+    const struct pixel_guard guard = {.from = {49, 49}, .to = {49, 49}, .reach = 1};
+    struct lattice_case of = {.width_px = 57,
+                              .height_px = 57,
+                              .stride = 16,
+                              .threshold = 0.01,
+                              .guards = &guard,
+                              .guard_count = 1,
+                              .picture = corner};
+    struct lattice_made made = make(&of);
+
+    (void)state;
+    assert_int_equal(made.image.doubts[57 * 56 + 56], 0);
+    assert_int_equal(made.image.doubts[57 * 52 + 56], 0);
+    assert_int_equal(made.image.doubts[57 * 56 + 52], 0);
+    lattice_made_finish(&made);
+}
+
 static struct lattice_point black(const void *user, int x, int y)
 {
     (void)user;
@@ -441,6 +469,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(doubts_are_shares_of_the_threshold),
         cmocka_unit_test(light_that_is_not_finite_stays),
         cmocka_unit_test(an_interpolated_point_is_traced_where_a_later_level_doubts_it),
+        cmocka_unit_test(points_around_one_that_was_wrongly_expected_are_traced),
         cmocka_unit_test(a_black_picture_is_black),
     };
 
