@@ -13,6 +13,14 @@ void pixel_sign(uint met)
     pixel_signature = (pixel_signature ^ met) * 16777619u;
 }
 
+// Whether a ray of the pixel met extinction. It is the lowest bit of what the lattice gets.
+bool pixel_is_dimmed = false;
+
+uint pixel_shown()
+{
+    return pixel_signature << 1 | uint(pixel_is_dimmed);
+}
+
 uvec2 pixel_drawn()
 {
     ivec2 place = ivec2(gl_FragCoord.xy);

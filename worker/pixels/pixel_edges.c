@@ -3,6 +3,7 @@
 
 #include "worker/picture/image.h"
 #include "worker/pixels/pixel_lattice.h"
+#include "worker/pixels/voxel_guards.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -72,13 +73,18 @@ static float find_bends(const struct bend *bend, const struct cross *cross)
                  find_bend(bend, cross->above, cross->at, cross->below));
 }
 
+static bool is_forced(const struct pixel_lattice *lattice, size_t at)
+{
+    if (!lattice->forced || lattice->forced[at] == 0) return false;
+    return lattice->forced[at] != VOXEL_GUARD_IN_THE_CLEAR || (lattice->planes.signatures[at] & 1) == 0;
+}
+
 static float find_doubt(const struct pixel_lattice *lattice, const struct bend *colour,
                         const struct bend *transmittance, const struct cross *cross)
 {
     float doubt = find_bends(colour, cross);
 
-    if (!is_alike(lattice->planes.signatures, cross) || (lattice->forced && lattice->forced[cross->at]))
-        return INFINITY;
+    if (!is_alike(lattice->planes.signatures, cross) || is_forced(lattice, cross->at)) return INFINITY;
     return transmittance->values ? fmaxf(doubt, find_bends(transmittance, cross)) : doubt;
 }
 

@@ -5,6 +5,7 @@
 #include "worker/picture/image.h"
 #include "worker/pixels/pixel_guard.h"
 #include "worker/pixels/pixel_spread.h"
+#include "worker/pixels/voxel_guards.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,7 +27,7 @@ struct refinement {
     int stride, columns, rows; // of the new level
     struct pixel_planes planes;
     uint8_t *doubts;
-    uint8_t *forced; // 1 a point; NULL: there are no guards
+    uint8_t *forced; // by pixel_guard_mark and voxel_guards_mark; NULL: there are no guards
     struct pixel_spread colour, transmittance, paths;
     size_t surprise_count;     // of those of the level before: those of the rows so far
     float *doubt, *ring[RING]; // of a row, and the largest of the points beside each, of the last rows
@@ -167,11 +168,10 @@ static void begin(struct refinement *finer, struct pixel_lattice *lattice)
                                               .signatures = xmalloc(count * sizeof(uint32_t))};
     }
     finer->doubts = xcalloc(count, 1);
-    if (params->guard_count > 0) {
-        finer->forced = xcalloc(count, 1);
-        for (size_t i = 0; i < params->guard_count; i++)
-            pixel_guard_mark(&params->guards[i], finer->stride, finer->columns, finer->rows, finer->forced);
-    }
+    if (params->guard_count > 0 || params->voxels) finer->forced = xcalloc(count, 1);
+    for (size_t i = 0; i < params->guard_count; i++)
+        pixel_guard_mark(&params->guards[i], finer->stride, finer->columns, finer->rows, finer->forced);
+    if (params->voxels) voxel_guards_mark(params->voxels, finer->stride, finer->columns, finer->rows, finer->forced);
     pixel_spread_init(&finer->colour, planes->rgba, lattice->columns, lattice->rows, finer->columns);
     pixel_spread_init(&finer->transmittance, planes->transmittance, lattice->columns, lattice->rows, finer->columns);
     pixel_spread_init(&finer->paths, planes->paths, lattice->columns, lattice->rows, finer->columns);
@@ -276,6 +276,21 @@ static bool is_apart(const float *depth, const struct around *around)
     return !(high - low <= APART * low);
 }
 
+static bool is_clear(const struct pixel_planes *planes, const struct around *around)
+{
+    uint32_t met = 0;
+
+    for (int i = 0; i < 4; i++)
+        met |= planes->signatures[around->at[i]];
+    return (met & 1) == 0;
+}
+
+static bool is_forced(const struct refinement *finer, size_t place, const struct around *around)
+{
+    if (!finer->forced || finer->forced[place] == 0) return false;
+    return finer->forced[place] != VOXEL_GUARD_IN_THE_CLEAR || is_clear(&finer->lattice->planes, around);
+}
+
 static bool is_same(const struct pixel_planes *planes, const struct around *around)
 {
     const uint32_t *signatures = planes->signatures;
@@ -326,7 +341,7 @@ static void decide_row(struct refinement *finer, int row)
 
         if (x % 2 == 0 && row % 2 == 0 && (lattice->doubts[around.at[0]] == 0 || doubt[x] <= 1.0f))
             keep(finer, around.at[0], place);
-        else if (!(doubt[x] <= 1.0f) || (finer->forced && finer->forced[place]) || !is_same(&lattice->planes, &around))
+        else if (!(doubt[x] <= 1.0f) || is_forced(finer, place, &around) || !is_same(&lattice->planes, &around))
             pixel_lattice_want(lattice, (struct pixel){x * finer->stride, row * finer->stride}, place);
         else
             interpolate(finer, &around, place, doubt[x]);

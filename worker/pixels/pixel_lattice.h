@@ -11,6 +11,7 @@
 
 struct image;
 struct pixel_guard;
+struct voxel_guards;
 
 struct pixel_lattice_params {
     // Its rgba, transmittance and depth are filled, and it gets `doubts`. Borrowed; outlives the lattice.
@@ -21,6 +22,7 @@ struct pixel_lattice_params {
     bool has_paths;
     const struct pixel_guard *guards; // borrowed; outlive the lattice
     size_t guard_count;
+    const struct voxel_guards *voxels; // borrowed; outlive the lattice; NULL: none
 };
 
 // A point that was traced at this level, and the doubt that its error leaves about those around it.
@@ -35,10 +37,10 @@ struct pixel_lattice {
     struct pixel_lattice_params params;
     int stride, columns, rows;
     struct pixel_planes planes; // owned, except those of the image at stride 1
-    uint8_t *forced;            // owned: 1 where a guard asks for a point; NULL where there are no guards, and at first
-    uint8_t *doubts;            // owned: 0: traced; else how doubtful the interpolation is, 255: as much as may be
-    double rms;                 // of the colours of the first level
-    size_t traced;              // pixels of the picture that were traced, or are wanted
+    uint8_t *forced; // owned: by pixel_guard_mark and voxel_guards_mark; NULL where there are no guards, and at first
+    uint8_t *doubts; // owned: 0: traced; else how doubtful the interpolation is, 255: as much as may be
+    double rms;      // of the colours of the first level
+    size_t traced;   // pixels of the picture that were traced, or are wanted
     // Points that are to be traced, in the order of rows, and where they are in `planes`. Owned.
     struct pixel *wanted;
     uint32_t *places;

@@ -12,7 +12,9 @@ struct pixel_planes {
     float *transmittance; // 4 a pixel: R, G, B, unused
     float *paths;         // 4 a pixel, as ray_counts_add_pixel takes them
     float *depth;         // 1 a pixel, m; 0: none
-    uint32_t *signatures; // 1 a pixel: equal where pixels show the same media and surfaces (shaders/camera/pixel.glsl)
+    // 1 a pixel: equal where pixels show the same media and surfaces. The lowest bit is set where a ray met extinction
+    // (shaders/camera/pixel.glsl).
+    uint32_t *signatures;
 };
 
 struct pixel_channels {

@@ -203,18 +203,27 @@ static void add_medium(const struct moment *moment, const struct scene_inputs *i
     if (is_sharp || is_narrow(moment, least, sqrt(dot(seen, seen)))) add_box(moment, extent.low, extent.high);
 }
 
+int scene_guards_find_moments(const struct job *job, int32_t frame, double times[static SCENE_GUARD_MOMENTS])
+{
+    int samples = pixel_samples_count(job), count = samples < SCENE_GUARD_MOMENTS ? samples : SCENE_GUARD_MOMENTS;
+
+    if (scene_is_constant(&job->scene)) count = 1;
+    for (int i = 0; i < count; i++)
+        times[i] = pixel_samples_time(job, frame, count > 1 ? i * (samples - 1) / (count - 1) : 0);
+    return count;
+}
+
 void scene_guards_init(struct scene_guards *guards, const struct job *job, const struct scene_inputs *inputs,
                        int32_t frame)
 {
     const struct scene *scene = &job->scene;
-    int samples = pixel_samples_count(job), count = samples < SCENE_GUARD_MOMENTS ? samples : SCENE_GUARD_MOMENTS;
+    double times[SCENE_GUARD_MOMENTS];
+    int count = scene_guards_find_moments(job, frame, times);
 
     *guards = (struct scene_guards){0};
-    if (scene_is_constant(scene)) count = 1;
     for (int i = 0; i < count; i++) {
-        struct moment moment = {.guards = guards, .job = job};
+        struct moment moment = {.guards = guards, .job = job, .time = times[i]};
 
-        moment.time = pixel_samples_time(job, frame, count > 1 ? i * (samples - 1) / (count - 1) : 0);
         if (!camera_view_init(&moment.view, &scene->camera, moment.time, job->width_px, job->height_px, NULL)) continue;
         add_lamps(&moment);
         for (size_t k = 0; k < scene->shape_count; k++)

@@ -10,10 +10,15 @@
 struct job;
 struct scene_inputs;
 
+enum { SCENE_GUARD_MOMENTS = 8 };
+
 struct scene_guards {
     struct pixel_guard *list; // owned
     size_t count, capacity;
 };
+
+// Finds up to SCENE_GUARD_MOMENTS times of a frame's samples, the first and the last among them. Returns how many.
+int scene_guards_find_moments(const struct job *job, int32_t frame, double times[static SCENE_GUARD_MOMENTS]);
 
 // Finds the guards of a frame at up to SCENE_GUARD_MOMENTS moments of its samples:
 // - a point at each lamp with a position, around which light grows without bound;
@@ -24,5 +29,3 @@ struct scene_guards {
 void scene_guards_init(struct scene_guards *guards, const struct job *job, const struct scene_inputs *inputs,
                        int32_t frame);
 void scene_guards_finish(struct scene_guards *guards); // accepts empty ones
-
-enum { SCENE_GUARD_MOMENTS = 8 };

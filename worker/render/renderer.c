@@ -164,6 +164,7 @@ static bool render_sparse(struct renderer *renderer, struct rendering *rendering
     struct drawing *drawing = &rendering->drawing;
     struct sparse_drawing sparse = {.drawing = drawing,
                                     .job = rendering->frame->job,
+                                    .grids = renderer->grids,
                                     .image = rendering->frame->image,
                                     .frame = rendering->frame->frame,
                                     .has_paths = drawing->scene->model.features.has_paths,

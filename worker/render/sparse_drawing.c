@@ -8,10 +8,13 @@
 #include "worker/pixels/pixel_edges.h"
 #include "worker/pixels/pixel_lattice.h"
 #include "worker/pixels/scene_guards.h"
+#include "worker/pixels/voxel_guards.h"
 #include "worker/render/drawing.h"
 #include "worker/render/passes.h"
 #include "worker/render/pixel_layout.h"
+#include "worker/scene/scene_inputs.h"
 #include "worker/shader/scene_program.h"
+#include "worker/textures/gl_grids.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -141,6 +144,16 @@ static bool draw_centres(struct sparse_drawing *sparse, struct pixel_lattice *la
     return trace_wanted(sparse, lattice, error);
 }
 
+static void find_voxels(const struct sparse_drawing *sparse, struct voxel_guards *voxels)
+{
+    const struct scene_inputs *inputs = sparse->drawing->scene->model.inputs;
+    struct voxel_guards_params params = {.job = sparse->job, .inputs = inputs, .frame = sparse->frame};
+
+    for (size_t i = 0; inputs && i < SCENE_MEDIUM_LIMIT; i++)
+        params.bricks[i] = gl_grids_find_bricks(sparse->grids, &inputs->media[i]);
+    voxel_guards_init(voxels, &params);
+}
+
 bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts, struct error *error)
 {
     const struct job_quality *quality = &sparse->job->quality;
@@ -148,6 +161,7 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     struct drawing *drawing = sparse->drawing;
     struct level_progress progress = {.drawing = drawing, .on_progress = drawing->on_progress, .user = drawing->user};
     struct scene_guards guards;
+    struct voxel_guards voxels;
     struct pixel_lattice lattice;
     int level_count = 2; // the last one is that of edges
     bool ok;
@@ -158,12 +172,14 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     drawing->on_progress = on_level_progress;
     drawing->user = &progress;
     scene_guards_init(&guards, sparse->job, drawing->scene->model.inputs, sparse->frame);
+    find_voxels(sparse, &voxels);
     pixel_lattice_init(&lattice, &(struct pixel_lattice_params){.image = image,
                                                                 .stride = quality->pixels.stride,
                                                                 .threshold = quality->pixels.threshold,
                                                                 .has_paths = sparse->has_paths,
                                                                 .guards = guards.list,
-                                                                .guard_count = guards.count});
+                                                                .guard_count = guards.count,
+                                                                .voxels = voxels.strides ? &voxels : NULL});
     sparse->traced = 0.0;
     if (drawing->passes->count > 1 && drawing->passes->are_still) {
         ok = draw_centres(sparse, &lattice, &progress, error);
@@ -179,5 +195,6 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
         memset(image->cut, 0, (size_t)image->width_px * (size_t)image->height_px * sizeof *image->cut);
     pixel_lattice_finish(&lattice);
     scene_guards_finish(&guards);
+    voxel_guards_finish(&voxels);
     return ok;
 }

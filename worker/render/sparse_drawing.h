@@ -8,6 +8,7 @@
 
 struct drawing;
 struct error;
+struct gl_grids;
 struct gl_target_params;
 struct image;
 struct job;
@@ -16,6 +17,7 @@ struct ray_counts;
 struct sparse_drawing {
     struct drawing *drawing; // borrowed; its program is found and its files are bound
     const struct job *job;   // borrowed; its quality says which pixels
+    struct gl_grids *grids;  // borrowed; the frame's are bound
     struct image *image;     // borrowed; of the job's size and channels
     int frame;
     bool has_paths;

@@ -189,8 +189,7 @@ static void write_media(FILE *out, const struct scene_model *model)
     if (features->is_sliced && features->is_random)
         fputs("    if (slice_is_begun) random_state = slice_random;\n", out);
     write_march(out, model);
-    if (features->has_extinction)
-        fputs("    pixel_sign(spectrum_mean(gathered.transmittance) < 1.0 ? 1u : 0u);\n", out);
+    if (features->has_extinction) fputs("    pixel_is_dimmed = spectrum_mean(gathered.transmittance) < 1.0;\n", out);
 }
 
 static void write_media_main(FILE *out, const struct scene_model *model)
@@ -232,5 +231,5 @@ void scene_glue_write_main(FILE *out, const struct scene_model *model, bool has_
     else
         write_media_main(out, model);
     fprintf(out, "    signature = %s;\n}\n",
-            model->features.has_objects || model->features.has_media ? "pixel_signature" : "0u");
+            model->features.has_objects || model->features.has_media ? "pixel_shown()" : "0u");
 }

@@ -128,6 +128,10 @@ static void write_media(FILE *out, const struct scene_model *model)
     fputs(", quality_min_transmittance * spectrum_max(ray.throughput)", out);
     fputs(features->media_are_lit ? ", region);\n" : ");\n", out);
     scene_glue_write_integrator(out, model, "ray.origin, ray.direction, media_interval(spans)");
+    if (features->has_extinction)
+        fputs(
+            "    if (spectrum_mean(gathered.transmittance) < spectrum_mean(ray.throughput)) pixel_is_dimmed = true;\n",
+            out);
     // Light behind the point where a ray is over counts for nothing.
     fputs(
         "    path_radiance = gathered.radiance;\n"

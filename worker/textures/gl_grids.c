@@ -267,3 +267,10 @@ bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl
     }
     return true;
 }
+
+const struct grid_bricks *gl_grids_find_bricks(struct gl_grids *grids, const struct scene_input *input)
+{
+    int index = input->source && !input->bricks ? lru_find(&grids->lru, input->hash) : -1;
+
+    return index < 0 ? NULL : &grids->grids[index].bricks;
+}

@@ -9,6 +9,7 @@
 struct error;
 struct gl_functions;
 struct gl_grids;
+struct scene_input;
 struct scene_inputs;
 
 struct gl_grids *gl_grids_create(const struct gl_functions *gl); // `gl` outlives the grids
@@ -19,3 +20,5 @@ void gl_grids_clear(struct gl_grids *grids);                     // drops all, f
 // hashed.
 bool gl_grids_bind(struct gl_grids *grids, const struct scene_inputs *inputs, gl_grid_progress *on_progress, void *user,
                    struct error *error);
+// Returns the bricks of an input's grid; NULL where it is sparse or not kept.
+const struct grid_bricks *gl_grids_find_bricks(struct gl_grids *grids, const struct scene_input *input);
