@@ -54,14 +54,10 @@ static bool is_dear(const struct plan_params *params, const struct plan *plan)
     return renderer_is_software(params->renderer) || plan->work > GPU_WORK;
 }
 
-// Glints, texture and single voxels may be small, and no guard knows where they are.
+// Glints and texture may be small, and no guard knows where they are.
 static int find_stride(const struct scene *scene)
 {
-    bool has_details = scene->object_count > 0;
-
-    for (size_t i = 0; i < scene->medium_count; i++)
-        has_details |= scene->media[i].density.kind == SCENE_DENSITY_GRID;
-    return has_details ? STRIDE_FINE : JOB_STRIDE_DEFAULT;
+    return scene->object_count > 0 ? STRIDE_FINE : JOB_STRIDE_DEFAULT;
 }
 
 static double round_digits(double value)
