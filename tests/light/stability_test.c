@@ -115,8 +115,8 @@ static const struct promise promises[] = {
     // What is as long or as wide as the lattice's steps; what is smaller may be missed.
     {"filament", "pixels 16", 1, 16, 1e-3, 1e-4},
     {"filament", "pixels 4", 1, 16, 1e-3, 1e-4},
-    {"speck", "pixels 16", 16, 16, 1e-4, 1e-4},
-    {"speck", "pixels 4", 4, 16, 1e-4, 1e-4},
+    {"speck", "pixels 16", 1, 16, 1e-4, 1e-4},
+    {"speck", "pixels 4", 1, 16, 1e-4, 1e-4},
     {"glint", "pixels 16", 16, 16, 1e-5, 1e-5},
     {"glint", "pixels 4", 4, 16, 1e-5, 1e-5},
     {"checker", "pixels 16", 32, 64, 1e-5, 1e-5},
