@@ -8,5 +8,3 @@ struct error;
 
 // `rgb` has 3 bytes a pixel, top row first. The file appears whole or not at all.
 bool image_png_write(const char *path, const unsigned char *rgb, int width_px, int height_px, struct error *error);
-// Likewise, soon rather than small, and without waiting for the disk.
-bool image_png_replace(const char *path, const unsigned char *rgb, int width_px, int height_px, struct error *error);

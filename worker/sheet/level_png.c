@@ -4,7 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "worker/picture/image.h"
-#include "worker/picture/image_png.h"
+#include "worker/picture/image_png_quick.h"
 #include "worker/picture/picture_level.h"
 #include "worker/picture/srgb.h"
 #include "worker/sheet/exposure.h"
@@ -65,7 +65,7 @@ bool level_png_write(const char *path, const struct picture_level *level, struct
             draw_row(level, row, gain, to);
         last = row;
     }
-    ok = image_png_replace(path, rgb, level->width_px, level->height_px, error);
+    ok = image_png_quick_write(path, rgb, level->width_px, level->height_px, error);
     free(rgb);
     return ok;
 }
