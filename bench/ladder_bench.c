@@ -1,9 +1,11 @@
-// Time against error of a frame: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB...
+// Time against error of a frame: ladder_bench [--frame N] [--once] [--first] TRUTH STRIDE JOB...
 // SPDX-License-Identifier: Apache-2.0
 // The jobs show the same scene at the same size with different methods. The file TRUTH has the light of every STRIDE-th
 // pixel and row, from STRIDE / 2 on, as doubles; it is measured when it is missing. With --once, times are of one
 // rendering, compiling and reading included, and the truth is converged to 1e-3. ladder_bench [--frame N] --extent JOB
-// prints the distances, in metres, between which camera rays meet media.
+// prints the distances, in metres, between which camera rays meet media. With --first, the picture of the first job
+// takes the place of reference/. Lines have wall and CPU seconds, the relative RMSE, the share of pixels traced, and
+// the job.
 #include "core/base/alloc.h"
 #include "core/base/clock.h"
 #include "core/base/error.h"
@@ -31,6 +33,7 @@ struct ladder {
     int stride;
     int32_t frame;
     bool is_once;
+    bool is_first_true;
 };
 
 static bool load_job(struct job *job, const char *path, struct error *error)
@@ -95,8 +98,9 @@ static bool load_truth(const struct ladder *ladder, const struct job *job, const
     return ok;
 }
 
-// The first frame compiles and reads; the fastest of the others counts.
-static bool render(const struct ladder *ladder, const struct job *job, struct image *image, double best[static 2],
+// The first frame compiles and reads; the fastest of the others counts. `best` has wall and CPU seconds and the share
+// of pixels traced.
+static bool render(const struct ladder *ladder, const struct job *job, struct image *image, double best[static 3],
                    struct error *error)
 {
     int runs = ladder->is_once ? 1 : RUNS;
@@ -114,17 +118,30 @@ static bool render(const struct ladder *ladder, const struct job *job, struct im
         cpu = clock_read_s(CLOCK_PROCESS_CPUTIME_ID) - cpu;
         if (i < runs && wall < best[0]) best[0] = wall;
         if (i < runs && cpu < best[1]) best[1] = cpu;
+        best[2] = result.traced;
     }
     return true;
 }
 
-static bool print_job(const struct ladder *ladder, const char *path, struct error *error)
+static bool save_truth(const char *path, const float *light, size_t count, struct error *error)
+{
+    FILE *file = fopen(path, "we");
+    bool ok = file != NULL;
+
+    for (size_t i = 0; ok && i < count; i++)
+        ok = fwrite(&(double){(double)light[i]}, sizeof(double), 1, file) == 1;
+    if (file && fclose(file) != 0) ok = false;
+    if (!ok) error_set(error, "%s: cannot be written", path);
+    return ok;
+}
+
+static bool print_job(struct ladder *ladder, const char *path, struct error *error)
 {
     struct pixel *points = NULL;
     struct reference_error found;
     struct image image = {0};
     struct job job = {0};
-    double *light = NULL, best[2];
+    double *light = NULL, best[3];
     float *seen = NULL;
     size_t count;
     bool ok = load_job(&job, path, error) && image_init(&image, job.width_px, job.height_px, false, false, error);
@@ -133,15 +150,21 @@ static bool print_job(const struct ladder *ladder, const char *path, struct erro
     points = list_points(&job, ladder->stride, &count);
     light = xcalloc(3 * count, sizeof *light);
     seen = xcalloc(3 * count, sizeof *seen);
-    ok = load_truth(ladder, &job, points, count, light, error) && render(ladder, &job, &image, best, error);
+    ok = (ladder->is_first_true || load_truth(ladder, &job, points, count, light, error)) &&
+         render(ladder, &job, &image, best, error);
     if (!ok) goto out;
     for (size_t i = 0; i < 3 * count; i++) {
         const struct pixel *point = &points[i / 3];
 
         seen[i] = image.rgba[4 * ((size_t)point->y * (size_t)job.width_px + (size_t)point->x) + i % 3];
     }
+    if (ladder->is_first_true) {
+        ladder->is_first_true = false;
+        ok = save_truth(ladder->truth, seen, 3 * count, error) && load_truth(ladder, &job, points, count, light, error);
+        if (!ok) goto out;
+    }
     found = reference_image_error(seen, light, 3 * count);
-    printf("%.6f %.6f %.6e %s\n", best[0], best[1], found.relative_rmse, path);
+    printf("%.6f %.6f %.6e %.5f %s\n", best[0], best[1], found.relative_rmse, best[2], path);
     fflush(stdout);
 out:
     free(seen);
@@ -195,6 +218,7 @@ int main(int argc, char *argv[])
     for (; *left && !strncmp(*left, "--", 2); left++) {
         if (!strcmp(*left, "--frame") && left[1]) ladder.frame = atoi(*++left);
         if (!strcmp(*left, "--once")) ladder.is_once = true;
+        if (!strcmp(*left, "--first")) ladder.is_first_true = true;
         if (!strcmp(*left, "--extent")) is_extent = true;
     }
     if (is_extent && left[0]) {
@@ -204,7 +228,8 @@ int main(int argc, char *argv[])
     }
     ladder.stride = argc - (left - argv) > 2 ? atoi(left[1]) : 0;
     if (ladder.stride < 1) {
-        fprintf(stderr, "usage: ladder_bench [--frame N] [--once] TRUTH STRIDE JOB... | [--frame N] --extent JOB\n");
+        fprintf(stderr, "usage: ladder_bench [--frame N] [--once] [--first] TRUTH STRIDE JOB... |\n"
+                        "       ladder_bench [--frame N] --extent JOB\n");
         return 2;
     }
     ladder.truth = left[0];
