@@ -20,7 +20,7 @@ struct tolerance *tolerance_create(struct renderer *renderer); // borrowed; outl
 void tolerance_destroy(struct tolerance *tolerance);           // accepts NULL
 
 struct tolerance_params {
-    const struct job *job; // borrowed for the call
+    const struct job *job; // borrowed, as long as frames of its serial are rendered
     int64_t serial;        // identifies the job: plans are kept by it, and no two jobs have the same
     int32_t frame;
     struct image *image; // as renderer_render takes it
