@@ -2,8 +2,8 @@
 
     blender -b --factory-startup --python bench/cycles_scene.py -- SPEC.json
 
-Prints "cycles CPU WALL SAMPLES FILE" for each picture; FILE has its RGB as numpy's float32, top row first. Pictures
-of few samples before them load the kernels and build the scene; their errors and times do not follow the samples.
+Prints "cycles CPU WALL SAMPLES FILE" for each picture; FILE has its RGB as numpy's float32, top row first. The first
+of the samples and a picture before it load the kernels and build the scene, and are not counted: neither has its samples.
 """
 import json
 import sys
@@ -179,9 +179,8 @@ def picture(path):
 
 
 set_up()
-for samples in 1, 2, 4:
-    scene.cycles.samples = samples
-    bpy.ops.render.render()
+scene.cycles.samples = 1
+bpy.ops.render.render()
 for samples in spec["samples"]:
     scene.cycles.samples = samples
     wall, cpu = time.monotonic(), time.process_time()
@@ -189,6 +188,8 @@ for samples in spec["samples"]:
     cpu, wall = time.process_time() - cpu, time.monotonic() - wall
     name = f"{spec['out']}_{samples}.npy"
     picture(name)
+    if samples == spec["samples"][0]:
+        continue
     print(f"cycles {cpu:.4f} {wall:.4f} {samples} {name}", flush=True)
     if cpu > spec["limit_s"]:
         break
