@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/audit/audit_weight.h"
 
+#include "worker/picture/four.h"
 #include "worker/picture/image.h"
 
 #include <math.h>
 #include <stdbool.h>
-#include <string.h>
-#ifdef __SSE__
-#include <xmmintrin.h>
-#endif
 
 enum { REACH = 2, CHUNK = 64 }; // px; pixels whose sums are kept in float
 
@@ -59,64 +56,23 @@ double audit_weight_cut(const struct image *image, size_t pixel)
     return image->cut ? (double)image->cut[pixel] * image->cut[pixel] : 0.0;
 }
 
-// The four values of a pixel, for which compilers use SIMD units; they make none of loops with least() and most().
-typedef float values __attribute__((vector_size(16)));
-
-static values load(const float *from)
-{
-    values loaded;
-
-    memcpy(&loaded, from, sizeof loaded);
-    return loaded;
-}
-
-#ifdef __SSE__
-// Compilers do not see that SSE has an instruction for each of these, of the same bits, NaN and signed zeros included.
-static values least_of(values a, values b)
-{
-    return (values)_mm_min_ps((__m128)a, (__m128)b);
-}
-
-static values most_of(values a, values b)
-{
-    return (values)_mm_max_ps((__m128)a, (__m128)b);
-}
-#else
-typedef int mask __attribute__((vector_size(16)));
-
-static values choose(mask first, values a, values b)
-{
-    return (values)((first & (mask)a) | (~first & (mask)b));
-}
-
-static values least_of(values a, values b)
-{
-    return choose(a < b, a, b);
-}
-
-static values most_of(values a, values b)
-{
-    return choose(a > b, a, b);
-}
-#endif
-
 // Sums over up to CHUNK pixels.
 struct sums {
-    values squares, spikes, brightest;
+    four squares, spikes, brightest;
 };
 
 // Pixels that have all four neighbours, REACH pixels and `stride` floats away.
-static values sum_spikes(const float *own, size_t stride, size_t count)
+static four sum_spikes(const float *own, size_t stride, size_t count)
 {
-    values sum = {0.0f};
+    four sum = {0.0f};
 
     for (size_t i = 0; i < 4 * count; i += 4) {
         const float *at = own + i;
-        values middle = load(at), left = load(at - 4 * REACH), right = load(at + 4 * REACH);
-        values up = load(at - stride), down = load(at + stride);
-        values low = least_of(least_of(left, right), least_of(up, down));
-        values high = most_of(most_of(left, right), most_of(up, down));
-        values off = most_of(most_of(low - middle, middle - high), (values){0.0f});
+        four middle = four_load(at), left = four_load(at - 4 * REACH), right = four_load(at + 4 * REACH);
+        four up = four_load(at - stride), down = four_load(at + stride);
+        four low = four_least(four_least(left, right), four_least(up, down));
+        four high = four_most(four_most(left, right), four_most(up, down));
+        four off = four_most(four_most(low - middle, middle - high), (four){0.0f});
 
         sum += off * off;
     }
@@ -128,10 +84,10 @@ static struct sums sum_pixels(const float *own, size_t count)
     struct sums sums = {.brightest = {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
 
     for (size_t i = 0; i < 4 * count; i += 4) {
-        values middle = load(own + i);
+        four middle = four_load(own + i);
 
         sums.squares += middle * middle;
-        sums.brightest = most_of(middle, sums.brightest);
+        sums.brightest = four_most(middle, sums.brightest);
     }
     return sums;
 }

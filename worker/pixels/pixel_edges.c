@@ -1,46 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/pixels/pixel_edges.h"
 
+#include "worker/picture/four.h"
 #include "worker/picture/image.h"
 #include "worker/pixels/pixel_lattice.h"
 #include "worker/pixels/voxel_guards.h"
 
 #include <math.h>
 #include <stdbool.h>
-#include <string.h>
 
 enum { MOST_DOUBT = 255 };
 
 static const float BENT = 2.0f; // thresholds: the second difference above which a centre does not stand for its pixel
 
-// Compilers use SIMD units for these.
-typedef float floats __attribute__((vector_size(16)));
-
 // The weights of a plane's four values, in thresholds.
 struct bend {
     const float *values;
-    floats scale;
+    four scale;
 };
-
-static floats load(const float *from)
-{
-    floats loaded;
-
-    memcpy(&loaded, from, sizeof loaded);
-    return loaded;
-}
 
 // The largest weighted second difference of four values between two neighbours.
 static float find_bend(const struct bend *bend, size_t before, size_t at, size_t after)
 {
-    floats second =
-        (load(bend->values + 4 * before) - 2.0f * load(bend->values + 4 * at) + load(bend->values + 4 * after)) *
-        bend->scale;
-    float most = 0.0f;
+    four second = (four_load(bend->values + 4 * before) - 2.0f * four_load(bend->values + 4 * at) +
+                   four_load(bend->values + 4 * after)) *
+                  bend->scale;
 
-    for (int i = 0; i < 4; i++)
-        most = fmaxf(most, fabsf(second[i]));
-    return most;
+    return four_largest(four_most(second, -second));
 }
 
 // A pixel of the picture and its four neighbours; at the picture's edge, itself.

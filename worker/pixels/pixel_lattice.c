@@ -24,6 +24,9 @@ static const double LEAST_RMS = 1e-30;
 // A level that is being made from the one before.
 struct refinement {
     struct pixel_lattice *lattice;
+    struct pixel_planes before; // of the level before, as are its doubts and columns
+    const uint8_t *doubts_before;
+    int columns_before;
     int stride, columns, rows; // of the new level
     struct pixel_planes planes;
     uint8_t *doubts;
@@ -114,7 +117,7 @@ static double find_rms(const struct pixel_lattice *lattice)
 
 static float most(float a, float b)
 {
-    return a >= b ? a : b;
+    return a > b ? a : b;
 }
 
 // The doubt that a point's own error leaves about the points around it: how far it was from what it had been expected
@@ -154,7 +157,11 @@ static void begin(struct refinement *finer, struct pixel_lattice *lattice)
     float scale = (float)(1.0 / (params->threshold * lattice->rms)), whole = (float)(1.0 / params->threshold);
     size_t count;
 
-    *finer = (struct refinement){.lattice = lattice, .stride = lattice->stride / 2};
+    *finer = (struct refinement){.lattice = lattice,
+                                 .before = lattice->planes,
+                                 .doubts_before = lattice->doubts,
+                                 .columns_before = lattice->columns,
+                                 .stride = lattice->stride / 2};
     finer->columns = count_points(image->width_px, finer->stride);
     finer->rows = count_points(image->height_px, finer->stride);
     count = (size_t)finer->columns * (size_t)finer->rows;
@@ -259,7 +266,7 @@ struct around {
 
 static struct around find_around(const struct refinement *finer, int column, int row)
 {
-    size_t columns = (size_t)finer->lattice->columns, at = (size_t)(row / 2) * columns + (size_t)(column / 2);
+    size_t columns = (size_t)finer->columns_before, at = (size_t)(row / 2) * columns + (size_t)(column / 2);
     size_t right = column % 2 == 1 ? 1 : 0, below = row % 2 == 1 ? columns : 0;
 
     return (struct around){{at, at + right, at + below, at + right + below}};
@@ -288,7 +295,7 @@ static bool is_clear(const struct pixel_planes *planes, const struct around *aro
 static bool is_forced(const struct refinement *finer, size_t place, const struct around *around)
 {
     if (!finer->forced || finer->forced[place] == 0) return false;
-    return finer->forced[place] != VOXEL_GUARD_IN_THE_CLEAR || is_clear(&finer->lattice->planes, around);
+    return finer->forced[place] != VOXEL_GUARD_IN_THE_CLEAR || is_clear(&finer->before, around);
 }
 
 static bool is_same(const struct pixel_planes *planes, const struct around *around)
@@ -303,7 +310,7 @@ static bool is_same(const struct pixel_planes *planes, const struct around *arou
 
 static void interpolate(const struct refinement *finer, const struct around *around, size_t place, float doubt)
 {
-    const struct pixel_planes *planes = &finer->lattice->planes;
+    const struct pixel_planes *planes = &finer->before;
     float coded = doubt * (MOST_DOUBT - 1);
 
     finer->doubts[place] = (uint8_t)(1 + (int)coded);
@@ -315,18 +322,16 @@ static void interpolate(const struct refinement *finer, const struct around *aro
 
 static void keep(const struct refinement *finer, size_t from, size_t place)
 {
-    const struct pixel_lattice *lattice = finer->lattice;
-
-    finer->doubts[place] = lattice->doubts[from];
-    finer->planes.signatures[place] = lattice->planes.signatures[from];
-    if (lattice->planes.depth) finer->planes.depth[place] = lattice->planes.depth[from];
+    finer->doubts[place] = finer->doubts_before[from];
+    finer->planes.signatures[place] = finer->before.signatures[from];
+    if (finer->before.depth) finer->planes.depth[place] = finer->before.depth[from];
 }
 
 // Decides which points of a row are traced: also those of the level before that were interpolated there and are
 // doubtful here. The rows up to REACH after it have been spread.
 static void decide_row(struct refinement *finer, int row)
 {
-    struct pixel_lattice *lattice = finer->lattice;
+    const struct refinement here = *finer; // which compilers know not to change when a doubt is stored
     size_t first = (size_t)row * (size_t)finer->columns;
     int top = row > REACH ? row - REACH : 0, bottom = row + REACH < finer->rows ? row + REACH : finer->rows - 1;
     float *doubt = finer->doubt;
@@ -335,16 +340,16 @@ static void decide_row(struct refinement *finer, int row)
     for (int y = top + 1; y <= bottom; y++)
         for (int x = 0; x < finer->columns; x++)
             doubt[x] = most(finer->ring[y % RING][x], doubt[x]);
-    for (int x = 0; x < finer->columns; x++) {
-        struct around around = find_around(finer, x, row);
+    for (int x = 0; x < here.columns; x++) {
+        struct around around = find_around(&here, x, row);
         size_t place = first + (size_t)x;
 
-        if (x % 2 == 0 && row % 2 == 0 && (lattice->doubts[around.at[0]] == 0 || doubt[x] <= 1.0f))
-            keep(finer, around.at[0], place);
-        else if (!(doubt[x] <= 1.0f) || is_forced(finer, place, &around) || !is_same(&lattice->planes, &around))
-            pixel_lattice_want(lattice, (struct pixel){x * finer->stride, row * finer->stride}, place);
+        if (x % 2 == 0 && row % 2 == 0 && (here.doubts_before[around.at[0]] == 0 || doubt[x] <= 1.0f))
+            keep(&here, around.at[0], place);
+        else if (!(doubt[x] <= 1.0f) || is_forced(&here, place, &around) || !is_same(&here.before, &around))
+            pixel_lattice_want(here.lattice, (struct pixel){x * here.stride, row * here.stride}, place);
         else
-            interpolate(finer, &around, place, doubt[x]);
+            interpolate(&here, &around, place, doubt[x]);
     }
 }
 
