@@ -101,8 +101,7 @@ void plan_scene_init(struct plan_scene *scene, const struct job *job)
                                  .has_extinction = features.has_extinction,
                                  .has_paths = features.has_paths,
                                  .has_roughness = features.has_roughness,
-                                 .pixels = (double)job->width_px * job->height_px,
-                                 .traced = 1.0};
+                                 .pixels = (double)job->width_px * job->height_px};
     for (size_t i = 0; i < job->scene.medium_count; i++) {
         const struct scene_density *density = &job->scene.media[i].density;
 
@@ -398,11 +397,11 @@ static double points_work(const struct plan_scene *scene, const struct job_quali
     return media > 0.0 && lights > 0.0 ? quality->points * lights * (2.0 * media - 1.0) * (1.0 + 0.3 * media) : 0.0;
 }
 
-// Work of the light grids that are filled for each frame, divided by its pixels that are traced.
+// Work of the light grids that are filled for each frame, divided by its pixels.
 static double grid_work(const struct plan_scene *scene, const struct job_quality *quality, double density)
 {
     static const double COLUMN = 16.0; // a node's sum over the nodes before it, which is bound by memory
-    double lights = (double)scene->job->scene.light_count, samples = scene->pixels * scene->traced * quality->samples;
+    double lights = (double)scene->job->scene.light_count, samples = scene->pixels * quality->samples;
 
     if (quality->method != JOB_METHOD_CACHED || !scene->has_lights) return 0.0;
     return lights * pow(quality->light_grid, 3) * (density + COLUMN) / samples;

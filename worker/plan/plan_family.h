@@ -35,7 +35,6 @@ struct plan_scene {
     size_t depth_count;
     double hit_share; // of the measured rays: those that meet a medium
     double pixels;    // of the frame
-    double traced;    // share of them that is expected to be traced: grids weigh the more, the fewer rays they serve
 };
 
 struct plan_family {

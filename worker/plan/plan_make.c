@@ -52,10 +52,8 @@ static double find_work(void *user, const struct plan_point *point)
 {
     const struct attempt *attempt = user;
     struct job_quality quality = plan_family_quality(attempt->family, attempt->scene, point);
-    struct plan_scene scene = *attempt->scene;
 
-    scene.traced = plan_pixels_expect(attempt->params, quality.method);
-    return plan_family_work(&scene, &quality);
+    return plan_family_work(attempt->scene, &quality);
 }
 
 static double with_rounding(double error, bool is_half)
@@ -167,14 +165,14 @@ static bool is_better(const struct choice *choice, const struct plan_finding *fi
 
 // The families that serve the scene, sorted by the work of the settings at which their walks begin. Returns their
 // number.
-static int sort_families(const struct plan_params *params, struct plan_pilot *pilot,
-                         size_t families[static FAMILY_LIMIT], double works[static FAMILY_LIMIT])
+static int sort_families(struct plan_pilot *pilot, size_t families[static FAMILY_LIMIT],
+                         double works[static FAMILY_LIMIT])
 {
     const struct plan_scene *scene = plan_pilot_scene(pilot);
     int count = 0;
 
     for (size_t i = 0; i < plan_family_count && count < FAMILY_LIMIT; i++) {
-        struct attempt attempt = {.params = params, .family = &plan_families[i], .scene = scene, .pilot = pilot};
+        struct attempt attempt = {.family = &plan_families[i], .scene = scene, .pilot = pilot};
         struct plan_point start;
         double work;
         int at = count;
@@ -207,7 +205,7 @@ static bool choose(struct plan_pilot *pilot, const struct plan_params *params, s
     const struct job *job = params->job;
     size_t families[FAMILY_LIMIT];
     double works[FAMILY_LIMIT], work_limit = WORK_LIMIT * plan_pilot_fine_work(pilot);
-    int count = sort_families(params, pilot, families, works);
+    int count = sort_families(pilot, families, works);
 
     *choice = (struct choice){.finding = {.error = INFINITY}, .family = plan_family_count, .serve_count = count};
     for (int i = 0; i < count; i++) {

@@ -24,7 +24,6 @@ static const double SHARE_LEAST = 0.3, SHARE_MOST = 0.5;          // of the tole
 static const double COARSER_MOST = 4.0, FINER_LEAST = 1.0 / 16.0; // than a threshold of the tolerance
 static const double CAUTION = 0.8;     // of the share: errors may rise faster than the threshold
 static const double GPU_WORK = 5000.0; // evaluations a pixel; not measured on a GPU
-static const double EXPECTED = 0.1;    // share of the pixels, of most scenes
 static const double TRACED_MOST = 0.6; // share of the pixels; above it all are traced
 // Above it a finer threshold is not tried; in segments of LONG frames and more, which repay it, not above TRACED_LONG.
 static const double TRACED_AGAIN = 0.35, TRACED_LONG = 0.5;
@@ -41,11 +40,6 @@ static bool is_worthwhile(const struct job *job, enum job_method method)
     // Frames that are all the same are copied.
     if (is_still && frame_range_count(&job->frames) > 1) return false;
     return !job_pixels_obstacle(scene, method);
-}
-
-double plan_pixels_expect(const struct plan_params *params, enum job_method method)
-{
-    return renderer_is_software(params->renderer) && is_worthwhile(params->job, method) ? EXPECTED : 1.0;
 }
 
 // Interpolation and reading lists back take tens of milliseconds of a processor in a frame of two million pixels.

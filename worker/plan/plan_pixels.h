@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "core/job/job.h"
 #include "worker/render/renderer_fault.h"
 
 #include <stdbool.h>
@@ -11,8 +10,6 @@ struct error;
 struct plan;
 struct plan_params;
 
-// The share of pixels that frames by that method are expected to trace, before anything is measured: 1 with a GPU.
-double plan_pixels_expect(const struct plan_params *params, enum job_method method);
 // Sets `pixels` of a plan whose other settings and predicted error are known, and what it predicts of them. The
 // middle frame of the segment is rendered so once or twice, and what it lacks is measured. The threshold follows from
 // that: interpolation may add what the settings leave of the error that plans aim at, but at least 0.3 and at most half
