@@ -135,7 +135,7 @@ bool finite_check_frame(const struct plan_params *params, int32_t frame, enum re
     plan_lattice_init(&lattice, job, part < PIXELS_MIN ? PIXELS_MIN : part > PIXELS_MAX ? PIXELS_MAX : (int)part);
     ok = plan_lattice_render(&lattice, params, job, frame, &image, &result, &unwanted);
     // Other faults are told by the frame itself, by its own rules.
-    is_stopped = !ok && (result.fault == RENDERER_FAULT_STOPPED || result.fault == RENDERER_FAULT_CONTEXT);
+    is_stopped = !ok && renderer_fault_is_final(result.fault);
     *fault = ok || is_stopped ? result.fault : RENDERER_FAULT_NONE;
     if (is_stopped && error) *error = unwanted;
     if (ok && finite_check_find(&image, &index)) {

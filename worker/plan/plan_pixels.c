@@ -61,11 +61,6 @@ static double round_digits(double value)
     return floor(value / unit) * unit;
 }
 
-static bool is_over_for_good(enum renderer_fault fault)
-{
-    return fault == RENDERER_FAULT_STOPPED || fault == RENDERER_FAULT_CONTEXT;
-}
-
 // Renders a frame by the plan and measures what interpolation adds. `traced` is 1 where that cannot be done.
 static bool measure(struct plan *plan, const struct plan_params *params, struct audit_verdict *verdict,
                     enum renderer_fault *fault, struct error *error)
@@ -93,7 +88,7 @@ static bool measure(struct plan *plan, const struct plan_params *params, struct 
     image_finish(&image);
     plan->predicted_traced = ok ? result.traced : 1.0;
     plan->predicted_spread_s = ok ? result.spread_s : 0.0;
-    return ok || !is_over_for_good(*fault);
+    return ok || !renderer_fault_is_final(*fault);
 }
 
 static void trace_all(struct plan *plan)

@@ -101,7 +101,7 @@ bool plan_probe_axes(const struct plan_probe *probe, struct plan_retry *retry, d
                              &result, error))
             changes[i] = root_mean_square_change(&image, &seen);
         *fault = result.fault;
-        ok = *fault != RENDERER_FAULT_STOPPED && *fault != RENDERER_FAULT_CONTEXT;
+        ok = !renderer_fault_is_final(*fault);
     }
     image_finish(&image);
     image_finish(&seen);

@@ -66,7 +66,7 @@ static bool measure_change(struct scout *scout, int32_t frame, double *change, s
 
     *change = ok ? find_change(&scout->coarse, &scout->fine) : 0.0;
     if (!isfinite(*change)) *change = 0.0;
-    return ok || (scout->result.fault != RENDERER_FAULT_STOPPED && scout->result.fault != RENDERER_FAULT_CONTEXT);
+    return ok || !renderer_fault_is_final(scout->result.fault);
 }
 
 static double square_mean(const double *values, int first, int last, int by)

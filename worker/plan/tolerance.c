@@ -25,8 +25,8 @@
 
 // The gain of a finer rendering that makes the next one finer too, instead of trying another family.
 static const double GAIN = 0.7;
-// Above this share of a frame's error, what interpolation adds is to blame for it.
-static const double BLAMED = 0.5;
+// Above this share of a frame's error, most of its square is what interpolation adds: that is to blame.
+static const double BLAMED = 0.71;
 
 struct tolerance {
     struct renderer *renderer; // borrowed
@@ -203,11 +203,6 @@ static void note_shown(struct rendering *rendering)
     rendering->tolerance->shown = *rendering->result;
 }
 
-static bool is_over_for_good(enum renderer_fault fault)
-{
-    return fault == RENDERER_FAULT_STOPPED || fault == RENDERER_FAULT_CONTEXT;
-}
-
 static bool keep_if_best(struct rendering *rendering, const struct plan *plan)
 {
     const struct tolerance_result *result = rendering->result;
@@ -329,7 +324,7 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
         rendering->is_finer = true;
         error_before = rendering->best.result.audit.error;
         if (!render_and_judge(rendering, &plan)) {
-            if (is_over_for_good(rendering->result->render.fault)) return false;
+            if (renderer_fault_is_final(rendering->result->render.fault)) return false;
             break;
         }
         if (is_within(rendering)) {
@@ -343,7 +338,7 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
     }
     if (retry->count == 0) {
         if (is_within_surely(rendering, first)) return true;
-        if (is_over_for_good(rendering->result->render.fault) || !keep_if_best(rendering, first)) return false;
+        if (renderer_fault_is_final(rendering->result->render.fault) || !keep_if_best(rendering, first)) return false;
     }
     return miss(rendering);
 }

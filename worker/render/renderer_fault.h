@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdbool.h>
+
 enum renderer_fault {
     RENDERER_FAULT_NONE,
     RENDERER_FAULT_JOB,      // the shader does not compile, a value is out of range, the scene needs more than GL has
@@ -12,3 +14,9 @@ enum renderer_fault {
     RENDERER_FAULT_STOPPED,  // on_progress asked for it
     RENDERER_FAULT_MISSED // over its tolerance, in finer steps too: worker/plan/tolerance says so, the renderer never
 };
+
+// True where no other rendering is to be tried: it was stopped, or no context is left.
+static inline bool renderer_fault_is_final(enum renderer_fault fault)
+{
+    return fault == RENDERER_FAULT_STOPPED || fault == RENDERER_FAULT_CONTEXT;
+}

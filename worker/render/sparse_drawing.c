@@ -22,7 +22,6 @@
 
 // Levels cost about the same each, after the first few.
 struct level_progress {
-    struct drawing *drawing;
     drawing_progress *on_progress;
     void *user;
     double begin, share;
@@ -159,7 +158,7 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     const struct job_quality *quality = &sparse->job->quality;
     struct image *image = sparse->image;
     struct drawing *drawing = sparse->drawing;
-    struct level_progress progress = {.drawing = drawing, .on_progress = drawing->on_progress, .user = drawing->user};
+    struct level_progress progress = {.on_progress = drawing->on_progress, .user = drawing->user};
     struct scene_guards guards;
     struct voxel_guards voxels;
     struct pixel_lattice lattice;
