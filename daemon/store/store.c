@@ -28,6 +28,7 @@ enum statement {
     TRIM_ATTEMPTS,
     ADD_PLAN,
     TRIM_PLANS,
+    SET_ROOT,
     KEEP_ID,
     DELETE_JOB,
     DELETE_DOCUMENT,
@@ -59,6 +60,7 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [ADD_PLAN] = "INSERT INTO plan (number, owner_uid, scene, segment, text) VALUES (?, ?, ?, ?, ?)",
     [TRIM_PLANS] = "DELETE FROM plan WHERE owner_uid = ?1 AND number <="
                    " (SELECT number FROM plan WHERE owner_uid = ?1 ORDER BY number DESC LIMIT 1 OFFSET ?2)",
+    [SET_ROOT] = "REPLACE INTO root (path, id) VALUES (?, ?)",
     [KEEP_ID] = "UPDATE daemon SET last_job_id = max(last_job_id, ?)",
     [DELETE_JOB] = "DELETE FROM job WHERE id = ?",
     [DELETE_DOCUMENT] = "DELETE FROM document WHERE job = ?",
@@ -294,6 +296,13 @@ static bool mark_frames(struct store *store, int64_t job, const int32_t *indices
     return true;
 }
 
+static bool set_root(struct store *store, const struct store_root *root, struct error *error)
+{
+    store_sql_bind_text(store->statements[SET_ROOT], 1, root->path);
+    store_sql_bind_text(store->statements[SET_ROOT], 2, root->id);
+    return store_sql_run(store->statements[SET_ROOT], "write an output root", error);
+}
+
 static bool delete_job(struct store *store, int64_t job, struct error *error)
 {
     for (int i = KEEP_ID; i <= DELETE_ATTEMPTS; i++) {
@@ -318,6 +327,8 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
         return add_attempt(store, &op->attempt, error);
     case STORE_ADD_PLAN:
         return add_plan(store, &op->plan, error);
+    case STORE_SET_ROOT:
+        return set_root(store, &op->root, error);
     case STORE_RESET_FRAMES:
         return reset_frames(store, op->reset.job, op->reset.indices, op->reset.count, error);
     case STORE_MARK_FRAMES:

@@ -40,6 +40,10 @@ void store_op_finish(struct store_op *op)
     case STORE_ADD_PLAN:
         free(op->plan.text);
         break;
+    case STORE_SET_ROOT:
+        free(op->root.path);
+        free(op->root.id);
+        break;
     case STORE_RESET_FRAMES:
         free(op->reset.indices);
         break;

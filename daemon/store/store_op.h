@@ -20,7 +20,8 @@ enum store_op_kind {
     STORE_RESET_FRAMES, // deletes frame rows of a job by index list: the frames are queued again
     STORE_DELETE_JOB,   // deletes all rows of the job `job.id`, whose id is not used again
     STORE_ADD_PLAN,     // adds a plan; only the newest STORE_PLAN_LIMIT of its owner are kept
-    STORE_MARK_FRAMES   // adds a row with only `state` for each frame of an index list that has none
+    STORE_MARK_FRAMES,  // adds a row with only `state` for each frame of an index list that has none
+    STORE_SET_ROOT      // writes the row of an output root, new or in place of the old one
 };
 
 // A frame has a row when it is done or is being published. A queued or running frame has none, so a million queued
@@ -68,6 +69,11 @@ struct store_plan {
     char *text; // owned; the plan as JSON
 };
 
+struct store_root {
+    char *path; // owned
+    char *id;   // owned; of its marker (core/job/root_marker.h)
+};
+
 // An op owns its strings and lists once it is in a batch.
 struct store_op {
     enum store_op_kind kind;
@@ -76,6 +82,7 @@ struct store_op {
         struct store_frame frame;
         struct store_attempt attempt;
         struct store_plan plan;
+        struct store_root root;
         struct {
             int64_t job;
             int32_t *indices; // owned; fastest when ascending

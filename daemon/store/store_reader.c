@@ -14,8 +14,8 @@
 enum { BUSY_TIMEOUT_MS = 5000 };
 
 struct store_reader {
-    sqlite3 *db;                                               // owned
-    sqlite3_stmt *frames, *bytes, *attempts, *document, *plan; // owned
+    sqlite3 *db;                                                              // owned
+    sqlite3_stmt *frames, *bytes, *attempts, *document, *plan, *farm, *roots; // owned
 };
 
 struct store_reader *store_reader_open(const char *folder, struct error *error)
@@ -45,7 +45,9 @@ struct store_reader *store_reader_open(const char *folder, struct error *error)
          store_sql_prepare(reader->db,
                            "SELECT number, text FROM plan WHERE owner_uid = ? AND scene = ? AND segment = ?"
                            " ORDER BY number DESC LIMIT 1",
-                           &reader->plan, error);
+                           &reader->plan, error) &&
+         store_sql_prepare(reader->db, "SELECT farm FROM daemon", &reader->farm, error) &&
+         store_sql_prepare(reader->db, "SELECT path, id FROM root ORDER BY path", &reader->roots, error);
 out:
     free(path);
     if (ok) return reader;
@@ -56,6 +58,8 @@ out:
 void store_reader_close(struct store_reader *reader)
 {
     if (!reader) return;
+    sqlite3_finalize(reader->roots);
+    sqlite3_finalize(reader->farm);
     sqlite3_finalize(reader->plan);
     sqlite3_finalize(reader->document);
     sqlite3_finalize(reader->attempts);
@@ -188,4 +192,39 @@ bool store_read_plan(struct store_reader *reader, const struct plan_key *key, in
     }
     sqlite3_reset(rows);
     return result == SQLITE_ROW || result == SQLITE_DONE;
+}
+
+bool store_read_farm(struct store_reader *reader, char farm[static ROOT_MARKER_ID_SIZE], struct error *error)
+{
+    const char *text = NULL;
+    int result = sqlite3_step(reader->farm);
+
+    if (result == SQLITE_ROW) text = store_sql_text(reader->farm, 0);
+    snprintf(farm, ROOT_MARKER_ID_SIZE, "%s", text ? text : "");
+    if (result != SQLITE_ROW)
+        store_sql_set_error(error, reader->db, "read the farm's id");
+    else if (!root_marker_is_id(farm))
+        error_set(error, "store: the farm's id is \"%s\", expected 32 hexadecimal digits", farm);
+    sqlite3_reset(reader->farm);
+    return root_marker_is_id(farm);
+}
+
+bool store_read_roots(struct store_reader *reader, store_on_root *on_root, void *user, struct error *error)
+{
+    sqlite3_stmt *rows = reader->roots;
+    bool ok = true;
+    int result;
+
+    while ((result = sqlite3_step(rows)) == SQLITE_ROW) {
+        const struct store_root root = {.path = store_sql_text(rows, 0), .id = store_sql_text(rows, 1)};
+
+        ok = on_root(user, &root, error);
+        if (!ok) break;
+    }
+    if (ok && result != SQLITE_DONE) {
+        store_sql_set_error(error, reader->db, "read the output roots");
+        ok = false;
+    }
+    sqlite3_reset(rows);
+    return ok;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/job/root_marker.h"
 #include "daemon/store/store.h"
 
 struct store_reader;
@@ -24,6 +25,10 @@ bool store_read_attempts(struct store_reader *reader, int64_t job, int32_t frame
 // `*document` is the job file as text, owned by the caller; NULL on failure. It is an error when the store has no such
 // job.
 bool store_read_document(struct store_reader *reader, int64_t job, char **document, struct error *error);
+// `farm` is the id of this farm, which is made with the store and never changes.
+bool store_read_farm(struct store_reader *reader, char farm[static ROOT_MARKER_ID_SIZE], struct error *error);
+typedef bool store_on_root(void *user, const struct store_root *root, struct error *error);
+bool store_read_roots(struct store_reader *reader, store_on_root *on_root, void *user, struct error *error); // by path
 // The newest plan of the key; its text is owned by the caller. `*number` is 0 and `*text` NULL where there is none.
 bool store_read_plan(struct store_reader *reader, const struct plan_key *key, int64_t *number, char **text,
                      struct error *error);

@@ -56,6 +56,10 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "CREATE INDEX plan_of_segment ON plan (owner_uid, scene, segment);"
           "ALTER TABLE frame ADD COLUMN plan INTEGER;",
     [4] = "ALTER TABLE frame ADD COLUMN traced REAL;",
+    // The farm's id, and the ids of the output roots that it has used.
+    [5] = "ALTER TABLE daemon ADD COLUMN farm TEXT;"
+          "UPDATE daemon SET farm = lower(hex(randomblob(16)));"
+          "CREATE TABLE root (path TEXT PRIMARY KEY, id TEXT NOT NULL) WITHOUT ROWID;",
 };
 
 bool store_schema_check(sqlite3 *db, int *found, struct error *error)

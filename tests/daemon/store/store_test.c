@@ -311,6 +311,38 @@ static void bytes_of_a_jobs_files_are_summed_up(void **state)
     store_close(store);
 }
 
+static bool on_root(void *user, const struct store_root *root, struct error *error)
+{
+    char *text = user;
+
+    strcat(strcat(strcat(strcat(text, root->path), " "), root->id), ";");
+    return true;
+}
+
+static void farm_and_roots_are_remembered(void **state)
+{
+    const struct folder *folder = *state;
+    struct store *store = open_store(folder);
+    struct store_reader *reader = store_reader_open(folder->path, NULL);
+    char farm[ROOT_MARKER_ID_SIZE], later[ROOT_MARKER_ID_SIZE], roots[64] = "";
+
+    assert_true(store_read_farm(reader, farm, NULL));
+    commit_one(store, (struct store_op){.kind = STORE_SET_ROOT, .root = {xstrdup("/films"), xstrdup("aa")}});
+    commit_one(store, (struct store_op){.kind = STORE_SET_ROOT, .root = {xstrdup("/art"), xstrdup("bb")}});
+    commit_one(store, (struct store_op){.kind = STORE_SET_ROOT, .root = {xstrdup("/films"), xstrdup("cc")}});
+    store_reader_close(reader);
+    store_close(store);
+
+    store = open_store(folder);
+    reader = store_reader_open(folder->path, NULL);
+    assert_true(store_read_farm(reader, later, NULL));
+    assert_string_equal(later, farm);
+    assert_true(store_read_roots(reader, on_root, roots, NULL));
+    assert_string_equal(roots, "/art bb;/films cc;");
+    store_reader_close(reader);
+    store_close(store);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -326,6 +358,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(attempts_are_read_newest_first, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_deleted_job_leaves_no_row_and_its_id_is_not_used_again, make_folder,
                                         remove_folder),
+        cmocka_unit_test_setup_teardown(farm_and_roots_are_remembered, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(bytes_of_a_jobs_files_are_summed_up, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(only_the_newest_attempts_of_a_job_are_kept, make_folder, remove_folder),
     };

@@ -101,6 +101,23 @@ static void store_of_the_first_version_is_kept_whole(void **state)
     store_close(store);
 }
 
+static void upgraded_store_is_a_farm_with_an_id(void **state)
+{
+    const struct folder *folder = *state;
+    struct store_reader *reader;
+    struct store *store;
+    char farm[ROOT_MARKER_ID_SIZE];
+    struct error error = {0};
+
+    make_first_version(folder);
+    store = open_store(folder);
+    reader = store_reader_open(folder->path, NULL);
+    assert_non_null(reader);
+    if (!store_read_farm(reader, farm, &error)) fail_msg("%s", error.message);
+    store_reader_close(reader);
+    store_close(store);
+}
+
 static void upgraded_store_takes_new_columns(void **state)
 {
     const struct folder *folder = *state;
@@ -122,6 +139,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(store_of_the_first_version_is_kept_whole, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(upgraded_store_is_a_farm_with_an_id, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(upgraded_store_takes_new_columns, make_folder, remove_folder),
     };
 
