@@ -30,6 +30,10 @@ static char *load_document(const struct options *options, struct error *error)
         free(document);
         return NULL;
     }
+    if (document && options->range && !json_set_text(&document, "frames", options->range, error)) {
+        free(document);
+        return NULL;
+    }
     if (!document || options->priority < 0) return document;
     assignment = xasprintf("priority=%" PRId64, options->priority);
     edited = json_set(document, assignment, error);

@@ -13,6 +13,7 @@
 #define EVERY (BIT(HELP) | BIT(JSON))
 #define DAEMON (EVERY | BIT(SOCKET))
 #define WORKER (EVERY | BIT(WORKER_PROGRAM))
+#define FRAMES (BIT(FRAMES) | BIT(RANGE)) // two words for one thing
 #define RENDERER (WORKER | BIT(BACKEND) | BIT(DEVICE) | BIT(SHADER_DIR))
 
 enum { ANY = 1 << 20 };
@@ -20,12 +21,12 @@ enum { ANY = 1 << 20 };
 // The verbs that need a daemon come first.
 static const struct command commands[] = {
     {"submit", "JOB", 1, 1,
-     DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(DRY_RUN) | BIT(SET) | BIT(DRAFT) | BIT(PAUSED) | BIT(PRIORITY),
+     DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(DRY_RUN) | FRAMES | BIT(SET) | BIT(DRAFT) | BIT(PAUSED) | BIT(PRIORITY),
      "Hands a job file (- for standard input) to the daemon and prints the job's id.",
-     "march submit --watch --set frames=0-99 jobs/cloud.json", command_submit},
+     "march submit --watch --frames 0-99 jobs/cloud.json", command_submit},
     {"list", "", 0, 0, DAEMON | BIT(STATE), "Lists the jobs.", "march list --state running,queued", command_list},
     {"show", "ID", 1, 1, DAEMON, "Shows a job.", "march show 7", command_show},
-    {"frames", "ID", 1, 1, DAEMON | BIT(STATE) | BIT(RANGE), "Lists a job's frames.", "march frames 7 --state failed",
+    {"frames", "ID", 1, 1, DAEMON | BIT(STATE) | FRAMES, "Lists a job's frames.", "march frames 7 --state failed",
      command_frames},
     {"log", "ID", 1, 1, DAEMON | BIT(FRAME), "Prints the messages of attempts that have ended, the newest last.",
      "march log 7 --frame 120", command_log},
@@ -38,9 +39,8 @@ static const struct command commands[] = {
     {"resume", "ID...", 1, ANY, DAEMON, "Resumes paused jobs.", "march resume 7", command_resume},
     {"cancel", "ID...", 1, ANY, DAEMON, "Cancels jobs; files already published stay.", "march cancel 7",
      command_cancel},
-    {"retry", "ID", 1, 1, DAEMON | BIT(STATE) | BIT(RANGE),
-     "Queues frames again: the failed ones, or those in --state.", "march retry 7 --state failed,canceled",
-     command_retry},
+    {"retry", "ID", 1, 1, DAEMON | BIT(STATE) | FRAMES, "Queues frames again: the failed ones, or those in --state.",
+     "march retry 7 --state failed,canceled", command_retry},
     {"prio", "ID PRIORITY", 2, 2, DAEMON, "Sets a job's priority, 0 to 100; higher goes first.", "march prio 7 80",
      command_prio},
     {"delete", "ID...", 1, ANY, DAEMON | BIT(FILES),
@@ -50,7 +50,7 @@ static const struct command commands[] = {
     {"validate", "FILE...", 1, ANY, EVERY | BIT(SET), "Checks job files.",
      "march validate jobs/cloud.json jobs/fog.json", command_validate},
     {"render", "JOB", 1, 1,
-     RENDERER | BIT(FRAMES) | BIT(DRAFT) | BIT(PLAN_OF) | BIT(PREVIEW) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS) |
+     RENDERER | FRAMES | BIT(DRAFT) | BIT(PLAN_OF) | BIT(PREVIEW) | BIT(SET) | BIT(OUT) | BIT(ENCODE_THREADS) |
          BIT(PROGRESS_LIMIT),
      "Renders a job here, without a daemon, into the current folder or to --out.",
      "march render jobs/cloud.json --frames 0-239x60 --out /tmp/cloud.####.exr", command_render},
@@ -62,10 +62,10 @@ static const struct command commands[] = {
      "Measures seconds and error of every method that can render a frame of the job, and draws one against the other.",
      "march chart jobs/cloud.json --frame 48 --quick --out /tmp/chart", command_chart},
     {"preview", "PATTERN|FILE...", 1, ANY,
-     WORKER | BIT(FRAMES) | BIT(OUT) | BIT(COLUMNS) | BIT(TILE_WIDTH) | BIT(EXPOSURE) | BIT(FPS),
+     WORKER | FRAMES | BIT(OUT) | BIT(COLUMNS) | BIT(TILE_WIDTH) | BIT(EXPOSURE) | BIT(FPS),
      "Makes a contact sheet (.png) or a film (.mp4) of a sequence, in one exposure.",
      "march preview cloud/cloud.####.exr --out sheet.png", command_preview},
-    {"verify", "DIR|JOB", 1, 1, WORKER | BIT(FRAMES) | BIT(SET) | BIT(OUT) | BIT(TOLERANCE),
+    {"verify", "DIR|JOB", 1, 1, WORKER | FRAMES | BIT(SET) | BIT(OUT) | BIT(TOLERANCE),
      "Checks a sequence: all frames are there, whole, of one job and within its tolerance; exit code 1 if not.",
      "march verify first --frames 0-47", command_verify},
     {"completion", "SHELL", 1, ANY, EVERY, "Prints the completion script for bash, zsh or fish.",

@@ -4,13 +4,14 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/nearest_name.h"
+#include "core/job/frame_range.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum option_kind { KIND_FLAG, KIND_TEXT, KIND_LIST, KIND_INTEGER, KIND_NUMBER, KIND_BACKEND };
+enum option_kind { KIND_FLAG, KIND_TEXT, KIND_LIST, KIND_INTEGER, KIND_NUMBER, KIND_FRAMES, KIND_BACKEND };
 
 struct option_rule {
     const char *name;
@@ -37,9 +38,9 @@ static const struct option_rule rules[OPTION_COUNT] = {
     [OPTION_SET] = {"set", KIND_LIST, FIELD(sets), "PATH=VALUE", 0, 0,
                     "change the job, as in camera.position=[0,0,-3]"},
     [OPTION_STATE] = {"state", KIND_TEXT, FIELD(state), "STATE[,STATE]", 0, 0, "only jobs or frames in these states"},
-    [OPTION_RANGE] = {"range", KIND_TEXT, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
+    [OPTION_RANGE] = {"range", KIND_FRAMES, FIELD(range), "RANGE", 0, 0, "the same as --frames"},
     [OPTION_FRAME] = {"frame", KIND_INTEGER, FIELD(frame), "N", 0, INT32_MAX, "only this frame"},
-    [OPTION_FRAMES] = {"frames", KIND_TEXT, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
+    [OPTION_FRAMES] = {"frames", KIND_FRAMES, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
     [OPTION_OUT] = {"out", KIND_TEXT, FIELD(out), "PATH", 0, 0, "where to write (verify: what to check)"},
     [OPTION_BACKEND] = {"backend", KIND_BACKEND, FIELD(backend), "NAME", 0, 0, "auto, egl, osmesa or software"},
     [OPTION_DEVICE] = {"device", KIND_TEXT, FIELD(device), "DEVICE", 0, 0, "EGL device by UUID or index"},
@@ -132,6 +133,17 @@ static bool set_number(struct options *options, const struct option_rule *rule, 
     return false;
 }
 
+static bool set_frames(struct options *options, const struct option_rule *rule, const char *value, struct error *error)
+{
+    struct frame_range range;
+    bool ok = frame_range_parse(&range, value, error);
+
+    frame_range_finish(&range);
+    if (!ok) error_prefix(error, "--%s", rule->name);
+    options->range = value;
+    return ok;
+}
+
 static bool set_backend(struct options *options, const char *value, struct error *error)
 {
     static const char *const names[] = {"auto", "egl", "osmesa", "software"};
@@ -161,6 +173,8 @@ static bool set_value(struct options *options, const struct option_rule *rule, c
         return set_integer(options, rule, value, error);
     case KIND_NUMBER:
         return set_number(options, rule, value, error);
+    case KIND_FRAMES:
+        return set_frames(options, rule, value, error);
     case KIND_BACKEND:
         return set_backend(options, value, error);
     }

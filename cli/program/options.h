@@ -50,7 +50,7 @@ enum option {
 
 #define OPTION_BIT(option) (UINT64_C(1) << (option))
 
-// Strings are borrowed from argv. Integers are -1 and numbers NAN when not given.
+// Strings are borrowed from argv; `range` is a valid frame range. Integers are -1 and numbers NAN when not given.
 struct options {
     bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,

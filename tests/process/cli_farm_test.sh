@@ -37,7 +37,7 @@ cloud.0050.exr" ] || fail "the job's files: $(ls pictures/cloud)"
 expect 0 submit --set frames=48,49 --set output.path=two/two.####.exr --watch
 expect_stdout 2
 grep -q "#2 cloud: 2/2" err || fail "--watch tells the end"
-expect 0 submit --json --set frames=48 --set output.path=three/three.####.exr --wait
+expect 0 submit --json --frames 48 --set output.path=three/three.####.exr --wait
 grep -q '{"jobs":\[{"id":3,.*"state":"succeeded"' out || fail "submit --wait --json"
 
 expect 2 submit --set output.path=../out.####.exr
@@ -61,8 +61,8 @@ expect 0 march prio 4 60
 expect_stdout "job 4: priority 60"
 expect 0 march frames 1
 [ "$(grep -c "succeeded.*$scratch/pictures/cloud/cloud.00" out)" -eq 3 ] || fail "frames"
-expect 0 march frames 4 --range 2-4 --json
-grep -q '"total":3}$' out || fail "frames --range"
+expect 0 march frames 4 --frames 2-4 --json
+grep -q '"total":3}$' out || fail "frames --frames"
 expect 0 march frames 1 --state failed --json
 expect_stdout '{"frames":[],"total":0}'
 expect 0 march cancel 4

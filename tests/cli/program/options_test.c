@@ -45,6 +45,19 @@ static void options_and_operands_come_in_any_order(void **state)
     options_finish(&options);
 }
 
+static void frames_have_two_names_and_are_checked(void **state)
+{
+    struct options options;
+
+    assert_true(options_parse(&options, every, ARGUMENTS("--frames", "1-9x2"), NULL));
+    assert_string_equal(options.range, "1-9x2");
+    options_finish(&options);
+    assert_true(options_parse(&options, every, ARGUMENTS("--range", "7"), NULL));
+    assert_string_equal(options.range, "7");
+    options_finish(&options);
+    assert_refused(every, ARGUMENTS("--frames", "1..9"), "--frames: expected \"1-100x2\", got \"1..9\"");
+}
+
 static void values_may_begin_with_a_dash(void **state)
 {
     struct options options;
@@ -106,9 +119,13 @@ static void job_ids_are_positive_integers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(options_and_operands_come_in_any_order), cmocka_unit_test(values_may_begin_with_a_dash),
-        cmocka_unit_test(what_is_not_given_is_told_apart),        cmocka_unit_test(unknown_options_name_the_nearest),
-        cmocka_unit_test(options_of_other_verbs_are_unknown),     cmocka_unit_test(wrong_values_say_what_was_expected),
+        cmocka_unit_test(options_and_operands_come_in_any_order),
+        cmocka_unit_test(frames_have_two_names_and_are_checked),
+        cmocka_unit_test(values_may_begin_with_a_dash),
+        cmocka_unit_test(what_is_not_given_is_told_apart),
+        cmocka_unit_test(unknown_options_name_the_nearest),
+        cmocka_unit_test(options_of_other_verbs_are_unknown),
+        cmocka_unit_test(wrong_values_say_what_was_expected),
         cmocka_unit_test(job_ids_are_positive_integers),
     };
 
