@@ -53,10 +53,20 @@ static size_t count_drafts(const struct verify_list *list, const struct verify_s
     return count;
 }
 
+// Frames of jobs that name their method, and of drafts.
+static size_t count_unmeasured(const struct verify_list *list, const struct verify_sequence *sequence)
+{
+    size_t count = 0;
+
+    for (size_t i = sequence->first; i < sequence->first + sequence->file_count; i++)
+        count += list->files[i].picture_hash[0] && !list->files[i].accuracy.audit[0];
+    return count;
+}
+
 static void print_summary(const struct verify_list *list, const struct verify_sequence *sequence)
 {
     const struct verify_file *worst = sequence->worst == SIZE_MAX ? NULL : &list->files[sequence->worst];
-    size_t drafts = count_drafts(list, sequence);
+    size_t drafts = count_drafts(list, sequence), unmeasured = count_unmeasured(list, sequence) - drafts;
 
     printf("%s: %zu file%s", sequence->pattern, sequence->file_count, sequence->file_count == 1 ? "" : "s");
     if (*sequence->frames) printf(", frames %s", sequence->frames);
@@ -68,6 +78,9 @@ static void print_summary(const struct verify_list *list, const struct verify_se
     }
     if (sequence->missed_count > 0) printf("; %zu published over the tolerance", sequence->missed_count);
     if (drafts > 0) printf("; %zu draft%s, of no promised accuracy", drafts, drafts == 1 ? "" : "s");
+    if (!worst && unmeasured > 0)
+        printf("; %zu whose error was not measured, for %s job states its method", unmeasured,
+               unmeasured == 1 ? "its" : "their");
     if (is_good(sequence))
         printf("; all well\n");
     else
@@ -98,6 +111,7 @@ static void write_sequence(const struct verify_list *list, const struct verify_s
     json_write_integer_member(writer, "missing", sequence->missing_count);
     json_write_string_member(writer, "missing_frames", sequence->missing);
     json_write_integer_member(writer, "drafts", (int64_t)count_drafts(list, sequence));
+    json_write_integer_member(writer, "unmeasured", (int64_t)count_unmeasured(list, sequence));
     if (worst) {
         json_write_number_member(writer, "worst_error", worst->accuracy.error);
         json_write_number_member(writer, "worst_error95", worst->accuracy.error95);

@@ -184,6 +184,18 @@ static void blame_odd_ones(struct verify_file *files, size_t file_count, char *c
     free(votes);
 }
 
+// Where a job has a tolerance, all its frames have an error.
+static void blame_unmeasured(struct verify_file *files, size_t file_count)
+{
+    bool is_measured = false;
+
+    for (size_t i = 0; i < file_count; i++)
+        is_measured = is_measured || files[i].accuracy.audit[0];
+    for (size_t i = 0; i < file_count && is_measured; i++)
+        if (files[i].picture_hash[0] && !files[i].is_draft && !files[i].accuracy.audit[0])
+            verify_file_blame(&files[i], "it has no measured error, other files of the sequence have one");
+}
+
 static void compare_with_each_other(struct verify_file *files, size_t file_count)
 {
     char **sizes = xcalloc(file_count + 1, sizeof *sizes), **jobs = xcalloc(file_count + 1, sizeof *jobs);
@@ -197,6 +209,7 @@ static void compare_with_each_other(struct verify_file *files, size_t file_count
     }
     blame_odd_ones(files, file_count, sizes, "its size is");
     blame_odd_ones(files, file_count, jobs, "it is of another job:");
+    blame_unmeasured(files, file_count);
     for (size_t i = 0; i < file_count; i++) {
         free(sizes[i]);
         free(jobs[i]);

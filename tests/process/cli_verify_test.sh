@@ -25,7 +25,7 @@ sequence good 5
 expect 0 march verify good
 [ "$(cat out)" = "a.####.exr: 6 files, frames 0-5; worst error 0.5 % (95 %: below 0.75 %) of 1 % in a.0005.exr; all well" ] || fail "the summary"
 expect 0 march verify good --json
-grep -q '^{"folder":".*/good","good":true,"being_written":0,"sequences":\[{"pattern":"a.####.exr","good":true,"files":6,"frames":"0-5","wrong":0,"missed":0,"missing":0,"missing_frames":"","drafts":0,"worst_error":0.005,"worst_error95":0.0075,"worst_file":"a.0005.exr"}\],"files":\[{"file":"a.0000.exr","frame":0,"wrong":null,"tolerance":0.01,"audit":"reference","measured_error":0,' out || fail "--json"
+grep -q '^{"folder":".*/good","good":true,"being_written":0,"sequences":\[{"pattern":"a.####.exr","good":true,"files":6,"frames":"0-5","wrong":0,"missed":0,"missing":0,"missing_frames":"","drafts":0,"unmeasured":0,"worst_error":0.005,"worst_error95":0.0075,"worst_file":"a.0005.exr"}\],"files":\[{"file":"a.0000.exr","frame":0,"wrong":null,"tolerance":0.01,"audit":"reference","measured_error":0,' out || fail "--json"
 expect 0 march verify good --tolerance 0.005
 expect 1 march verify good --tolerance 0.0049
 says "a.0005.exr  marchd:error: expected at most 0.0049 (tolerance), got 0.005" "1 wrong, 0 missing"
@@ -54,7 +54,7 @@ exr-make bad/a.0008.exr frame=9
 echo "no image" >bad/a.0009.exr
 mkdir bad/a.0010.exr
 expect 1 march verify bad
-says "a.0000.exr  marchd:error: expected the frame's measured error, got nothing" \
+says "a.0000.exr  it has no measured error, other files of the sequence have one" \
     "a.0001.exr  marchd:error: expected at most 0.01 (tolerance), got 0.0101" \
     "a.0002.exr  channel G at pixel (3, 2) is NaN: expected a finite number; of the frame's values 1 are NaN, 0 infinite" \
     "a.0003.exr  channel G at pixel (3, 2) is infinite" \
@@ -128,7 +128,9 @@ expect 1 march verify job.json
 says "missing: frames 0-3" "fog.####.exr: 0 files; 0 wrong, 4 missing"
 march render job.json --backend software >/dev/null 2>err || fail "render"
 expect 0 march verify job.json
-says "fog.####.exr: 4 files, frames 0-3; all well"
+says "fog.####.exr: 4 files, frames 0-3; 4 whose error was not measured, for their job states its method; all well"
+expect 0 march verify fog
+says "fog.####.exr: 4 files, frames 0-3; 4 whose error was not measured, for their job states its method; all well"
 march verify - <job.json >out 2>err || fail "a job from standard input"
 expect 0 march verify job.json --frames 1-2
 says "2 files, frames 1-2"
@@ -137,7 +139,7 @@ says "missing: frames 4-5"
 expect 1 march verify job.json --tolerance 0.01
 says "fog.0000.exr  marchd:error: expected the frame's measured error, at most 0.01 (tolerance), got nothing" "4 wrong"
 expect 1 march verify job.json --set fps=25
-says "marchd:jobHash: expected"
+says "fog.0000.exr  rendered from an older version of this job (marchd:jobHash: expected"
 cp fog/fog.0001.exr fog/fog.0002.exr
 expect 1 march verify job.json
 says "fog.0002.exr  marchd:frame: expected 2, got 1" "1 wrong, 0 missing"
