@@ -73,6 +73,25 @@ bool gate_check_audit(const struct audit_result *audit, const struct gate_tolera
     return false;
 }
 
+// Says what else the file may show: the names and hashes of its header tell.
+static bool fail_hash(const struct image_exr_facts *facts, const struct gate_params *params, struct error *error)
+{
+    const char *name = facts->job_name;
+
+    if (!facts->job_hash[0])
+        error_set(error, "marchd:jobHash: expected %s, got nothing", params->picture_hash);
+    else if (!strcmp(facts->sequence_hash, params->job->hash))
+        error_set(error, "rendered before a file that its job reads was changed (marchd:jobHash: expected %s, got %s)",
+                  params->picture_hash, facts->job_hash);
+    else if (name[0] && strcmp(name, params->job->name) != 0)
+        error_set(error, "rendered from another job, \"%s\" (marchd:jobHash: expected %s, got %s)", name,
+                  params->picture_hash, facts->job_hash);
+    else
+        error_set(error, "rendered from an older version of this job (marchd:jobHash: expected %s, got %s)",
+                  params->picture_hash, facts->job_hash);
+    return false;
+}
+
 static bool check_facts(const struct image_exr_facts *facts, const struct gate_params *params, struct error *error)
 {
     const struct job *job = params->job;
@@ -81,11 +100,7 @@ static bool check_facts(const struct image_exr_facts *facts, const struct gate_p
                                              .accepts_missed =
                                                  params->accepts_missed && job->quality.on_miss == JOB_ON_MISS_PUBLISH};
 
-    if (strcmp(facts->job_hash, params->picture_hash) != 0) {
-        error_set(error, "marchd:jobHash: expected %s, got %s", params->picture_hash,
-                  facts->job_hash[0] ? facts->job_hash : "nothing");
-        return false;
-    }
+    if (strcmp(facts->job_hash, params->picture_hash) != 0) return fail_hash(facts, params, error);
     if (facts->frame != params->frame) {
         error_set(error, "marchd:frame: expected %d, got %d", params->frame, facts->frame);
         return false;

@@ -32,6 +32,9 @@ struct image_exr_header {
     double world_to_camera[16]; // row vectors as OpenEXR has them (p' = p M), row-major
     double world_to_ndc[16];
     const char *owner;
+    const char *host, *farm; // where it was rendered, and for which farm; NULL: not written, like the next three
+    const char *job_name;
+    const char *comment, *tags; // the user's; tags in one line, separated by ", "
     int64_t job_id;
     const char *job_hash;      // the hash of the job and of what the frame's files hold
     const char *sequence_hash; // the hash of the job alone, the same in all files of a sequence
@@ -69,8 +72,9 @@ struct image_exr_facts {
     enum job_pixel pixel;
     bool has_alpha, has_depth, has_transmittance;
     int width_px, height_px;
-    char job_hash[64];      // marchd:jobHash, empty when absent
-    char sequence_hash[64]; // marchd:sequenceHash, empty when absent
+    char job_hash[64];                 // marchd:jobHash, empty when absent
+    char sequence_hash[64];            // marchd:sequenceHash, empty when absent
+    char job_name[JOB_NAME_LIMIT + 1]; // marchd:name, empty when absent
     int64_t job_id;
     int32_t frame;
     double render_seconds;

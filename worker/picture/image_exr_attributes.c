@@ -75,6 +75,7 @@ void image_exr_attributes_read(exr_context_t context, struct image_exr_facts *fa
 
     read_text(context, "marchd:jobHash", facts->job_hash, sizeof facts->job_hash);
     read_text(context, "marchd:sequenceHash", facts->sequence_hash, sizeof facts->sequence_hash);
+    read_text(context, "marchd:name", facts->job_name, sizeof facts->job_name);
     read_text(context, "marchd:method", facts->method, sizeof facts->method);
     read_double(context, "marchd:step", &facts->step);
     if (read_text(context, "marchd:job", job, sizeof job)) facts->job_id = strtoll(job, NULL, 10);

@@ -113,6 +113,7 @@ static exr_result_t set_standard_attributes(exr_context_t context, const struct 
     if (!result) result = set_capture_time(context, header->captured);
     if (!result) result = exr_attr_set_string(context, 0, "software", "marchd " MARCHD_VERSION);
     if (!result && header->owner) result = exr_attr_set_string(context, 0, "owner", header->owner);
+    if (!result && header->comment) result = exr_attr_set_string(context, 0, "comments", header->comment);
     return result;
 }
 
@@ -168,6 +169,10 @@ static exr_result_t set_own_attributes(exr_context_t context, const struct image
         const char *name, *text;
     } strings[] = {
         {"marchd:job", job},
+        {"marchd:name", header->job_name},
+        {"marchd:tags", header->tags},
+        {"marchd:host", header->host},
+        {"marchd:farm", header->farm},
         {"marchd:jobHash", header->job_hash},
         {"marchd:sequenceHash", header->sequence_hash},
         {"marchd:method", header->method},

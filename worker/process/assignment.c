@@ -17,6 +17,7 @@ void held_job_destroy(struct held_job *job)
     job_finish(&job->job);
     free(job->root);
     free(job->owner);
+    free(job->farm);
     free(job->draft);
     free(job->fault);
     free(job->plan_of);

@@ -15,6 +15,7 @@ struct held_job {
     int64_t serial; // unique among all jobs of this worker; 0 until the job is added
     char *root;     // owned
     char *owner;    // owned
+    char *farm;     // owned; the farm that it is rendered for; NULL: none
     struct job job;
     char *draft;           // owned; how a draft's settings were chosen; NULL: the job is no draft
     char *fault;           // owned; why none of its frames can be rendered; NULL if they can

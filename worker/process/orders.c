@@ -57,6 +57,13 @@ static bool read_plans(const struct json_node *params, struct held_job *job, str
            (json_node_is_absent(&plan_of) || read_text(params, "plan_of", &job->plan_of, error));
 }
 
+static bool read_farm(const struct json_node *params, struct held_job *job, struct error *error)
+{
+    struct json_node farm = json_node_child(params, "farm");
+
+    return json_node_is_absent(&farm) || read_text(params, "farm", &job->farm, error);
+}
+
 static bool read_preview(const struct json_node *params, struct held_job *job, struct error *error)
 {
     struct json_node preview = json_node_child(params, "preview");
@@ -75,7 +82,7 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
 
     if (!read_job_id(params, &job->id, error) || !json_read_integer(&epoch, 0, INT64_MAX, &job->epoch, error) ||
         !read_text(params, "root", &job->root, error) || !read_text(params, "owner", &job->owner, error) ||
-        !read_plans(params, job, error) || !read_preview(params, job, error)) {
+        !read_farm(params, job, error) || !read_plans(params, job, error) || !read_preview(params, job, error)) {
         held_job_destroy(job);
         return false;
     }

@@ -62,6 +62,7 @@ bool worker_init(struct worker *worker, const struct options *options)
         log_error("eventfd: %s", strerrordesc_np(errno));
         return false;
     }
+    if (gethostname(worker->host, sizeof worker->host - 1) != 0) worker->host[0] = '\0';
     connection_init(&worker->connection, options->fd);
     pthread_mutex_init(&worker->lock, NULL);
     pthread_cond_init(&worker->changed, NULL);

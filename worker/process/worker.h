@@ -12,6 +12,7 @@
 #include "worker/process/report.h"
 #include "worker/sandbox/sandbox.h"
 
+#include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -48,6 +49,7 @@ struct worker {
     struct connection connection;
     int wake_fd;                     // readable once a thread has ended
     atomic_ullong progress;          // grows with every step of rendering or encoding
+    char host[HOST_NAME_MAX + 1];    // of this machine; set before there are threads
     char backend[16];                // set before the first frame, then constant
     char renderer[128];              // likewise
     char sandbox[SANDBOX_TEXT_SIZE]; // likewise; what the sandbox restricts

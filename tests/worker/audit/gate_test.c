@@ -22,6 +22,7 @@ static struct job make_job(void)
     return (struct job){.width_px = 24,
                         .height_px = 20,
                         .output = {.pixel = JOB_PIXEL_HALF, .has_depth = true},
+                        .name = (char *)"smoke",
                         .hash = "0123456789abcdef0123456789abcdef"};
 }
 
@@ -32,6 +33,8 @@ static int make_measured_file(float spoilt, struct image_exr_rays rays, struct a
                                       .fps_numerator = 24,
                                       .fps_denominator = 1,
                                       .job_hash = "0123456789abcdef0123456789abcdef",
+                                      .sequence_hash = "00000000000000000000000000000001",
+                                      .job_name = "smoke",
                                       .rays = rays,
                                       .audit = audit,
                                       .frame = 7};
@@ -173,7 +176,23 @@ static void frame_of_another_job_is_refused(void **state)
     struct job job = make_job();
 
     job.hash[0] = 'f';
-    assert_refused(make_file(0), &job, 7, "marchd:jobHash");
+    assert_refused(make_file(0), &job, 7,
+                   "rendered from an older version of this job (marchd:jobHash: expected f123456789abcdef");
+    job.name = (char *)"fire";
+    assert_refused(make_file(0), &job, 7, "rendered from another job, \"smoke\" (marchd:jobHash: expected");
+}
+
+static void frame_of_other_inputs_is_refused(void **state)
+{
+    struct gate_params params = {.fd = make_file(0), .picture_hash = "f", .frame = 7};
+    struct job job = make_job();
+    struct error error;
+
+    params.job = &job;
+    memcpy(job.hash, "00000000000000000000000000000001", HASH_TEXT_SIZE);
+    assert_false(gate_check(&params, NULL, &error));
+    assert_non_null(strstr(error.message, "rendered before a file that its job reads was changed"));
+    close(params.fd);
 }
 
 static void frame_of_another_shape_is_refused(void **state)
@@ -316,6 +335,7 @@ int main(void)
         cmocka_unit_test(no_channel_and_no_pixel_is_left_out),
         cmocka_unit_test(frame_of_another_number_is_refused),
         cmocka_unit_test(frame_of_another_job_is_refused),
+        cmocka_unit_test(frame_of_other_inputs_is_refused),
         cmocka_unit_test(frame_of_another_shape_is_refused),
         cmocka_unit_test(cut_or_foreign_file_is_refused),
         cmocka_unit_test(frame_with_too_much_cut_is_refused),
