@@ -11,6 +11,7 @@
 #include "core/wire/message.h"
 
 #include <errno.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -104,10 +105,23 @@ static enum exit_status make_sheet(const struct options *options, const struct s
     return status;
 }
 
+// What the user says, else what the sequence says, else 24. Owned by the caller.
+static char *format_rate(const struct options *options, const struct json_node *result)
+{
+    struct json_node fps = json_node_child(result, "fps");
+    struct json_node over = json_node_element(&fps, 0), under = json_node_element(&fps, 1);
+    int64_t numerator, denominator;
+
+    if (!isnan(options->fps)) return xasprintf("%.10g", options->fps);
+    if (!json_read_integer(&over, 1, INT32_MAX, &numerator, NULL) ||
+        !json_read_integer(&under, 1, UINT32_MAX, &denominator, NULL))
+        return xstrdup("24");
+    return xasprintf("%" PRId64 "/%" PRId64, numerator, denominator);
+}
+
 static enum exit_status make_film(const struct options *options, const struct sequence *sequence, const char *out,
                                   struct error *error)
 {
-    double fps = isnan(options->fps) ? 24 : options->fps;
     struct json_writer params = {0};
     struct message reply;
     enum exit_status status = EXIT_STATUS_FAILED;
@@ -124,10 +138,13 @@ static enum exit_status make_film(const struct options *options, const struct se
                               &reply, error);
     json_writer_finish(&params);
     if (status == EXIT_STATUS_DONE) {
-        if (film_encode(folder, fps, out, error))
+        char *rate = format_rate(options, &reply.body);
+
+        if (film_encode(folder, rate, out, error))
             print_made(options, out, &reply.body);
         else
             status = EXIT_STATUS_FAILED;
+        free(rate);
         message_finish(&reply);
     }
     film_remove_folder(folder);

@@ -62,23 +62,32 @@ bool film_has_ffmpeg(struct error *error)
     return false;
 }
 
-bool film_encode(const char *folder, double fps, const char *out, struct error *error)
+bool film_encode(const char *folder, const char *rate, const char *out, struct error *error)
 {
-    char *rate = xasprintf("%.10g", fps), *in = xasprintf("%s/%%06d.png", folder);
+    char *in = xasprintf("%s/%%06d.png", folder);
     char *part = xasprintf("%s.%ld.part", out, (long)getpid());
-    // H.264 with 4:2:0 chroma needs even sides.
+    // H.264 with 4:2:0 chroma needs even sides. The pictures are sRGB; a film that does not say its colours is shown in
+    // other ones by each player.
     char *const arguments[] = {(char *)"ffmpeg",
                                (char *)"-y",
                                (char *)"-loglevel",
                                (char *)"error",
                                (char *)"-framerate",
-                               rate,
+                               (char *)rate,
                                (char *)"-i",
                                in,
                                (char *)"-vf",
-                               (char *)"pad=ceil(iw/2)*2:ceil(ih/2)*2",
+                               (char *)"pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
                                (char *)"-pix_fmt",
                                (char *)"yuv420p",
+                               (char *)"-color_range",
+                               (char *)"tv",
+                               (char *)"-colorspace",
+                               (char *)"bt709",
+                               (char *)"-color_primaries",
+                               (char *)"bt709",
+                               (char *)"-color_trc",
+                               (char *)"iec61966-2-1",
                                (char *)"-movflags",
                                (char *)"+faststart",
                                (char *)"-f",
@@ -97,7 +106,6 @@ bool film_encode(const char *folder, double fps, const char *out, struct error *
     else
         ok = true;
     if (!ok) unlink(part);
-    free(rate);
     free(in);
     free(part);
     return ok;

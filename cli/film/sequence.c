@@ -66,6 +66,82 @@ static bool add_folder(struct sequence *sequence, const char *folder, const stru
     return true;
 }
 
+// The pattern of a frame's file: the last number of the name is the frame's. False: the name has none.
+static bool find_pattern(struct output_path *pattern, const char *name)
+{
+    size_t length = strlen(name), end = length, start;
+
+    if (length < 4 || strcmp(name + length - 4, ".exr") != 0) return false;
+    while (end > 0 && !strchr("0123456789", name[end - 1]))
+        end--;
+    for (start = end; start > 0 && strchr("0123456789", name[start - 1]);)
+        start--;
+    if (start == end) return false;
+    *pattern =
+        (struct output_path){.prefix = xstrndup(name, start), .suffix = xstrdup(name + end), .pad = (int)(end - start)};
+    return true;
+}
+
+static bool is_same_pattern(const struct output_path *a, const struct output_path *b)
+{
+    return strcmp(a->prefix, b->prefix) == 0 && strcmp(a->suffix, b->suffix) == 0;
+}
+
+// The one pattern that files of the folder have, with the shortest number. Another one is an error.
+static bool find_only_pattern(struct output_path *only, const char *operand, DIR *directory, struct error *error)
+{
+    const struct dirent *entry;
+    struct output_path pattern;
+
+    while ((entry = readdir(directory))) {
+        bool is_same;
+
+        if (!find_pattern(&pattern, entry->d_name)) continue;
+        if (!only->prefix) {
+            *only = pattern;
+            continue;
+        }
+        is_same = is_same_pattern(only, &pattern);
+        if (is_same && pattern.pad < only->pad) only->pad = pattern.pad;
+        if (!is_same)
+            error_set(error,
+                      "%s: there are several sequences, %s#%s and %s#%s among them: name one, as in \"%s/%s#%s\"",
+                      operand, only->prefix, only->suffix, pattern.prefix, pattern.suffix, operand, only->prefix,
+                      only->suffix);
+        output_path_finish(&pattern);
+        if (!is_same) return false;
+    }
+    if (!only->prefix) error_set(error, "%s: there is no sequence of EXR files", operand);
+    return only->prefix;
+}
+
+static bool parse_range(struct frame_range *range, const char *text, struct error *error)
+{
+    if (!text || frame_range_parse(range, text, error)) return true;
+    error_prefix(error, "--frames");
+    return false;
+}
+
+// Takes over `directory`.
+static bool add_only_sequence(struct sequence *sequence, const char *operand, DIR *directory, const char *range_text,
+                              struct error *error)
+{
+    struct output_path pattern = {0};
+    struct frame_range range = {0};
+    size_t before = sequence->count;
+    bool ok = parse_range(&range, range_text, error) && find_only_pattern(&pattern, operand, directory, error) &&
+              add_folder(sequence, operand, &pattern, range_text ? &range : NULL, error);
+
+    if (ok && sequence->count == before) {
+        error_set(error, "%s: none of its files is one of the frames %s", operand, range_text);
+        ok = false;
+    }
+    closedir(directory);
+    output_path_finish(&pattern);
+    frame_range_finish(&range);
+    return ok;
+}
+
 static bool add_pattern(struct sequence *sequence, const char *operand, const char *range_text, struct error *error)
 {
     const char *slash = strrchr(operand, '/');
@@ -81,10 +157,7 @@ static bool add_pattern(struct sequence *sequence, const char *operand, const ch
         error_prefix(error, "%s", operand);
         goto out;
     }
-    if (range_text && !frame_range_parse(&range, range_text, error)) {
-        error_prefix(error, "--frames");
-        goto out;
-    }
+    if (!parse_range(&range, range_text, error)) goto out;
     if (!add_folder(sequence, folder, &pattern, range_text ? &range : NULL, error)) goto out;
     ok = sequence->count > before;
     if (!ok) error_set(error, "%s: no such files", operand);
@@ -99,9 +172,12 @@ bool sequence_add(struct sequence *sequence, const char *operand, const char *ra
 {
     const char *slash = strrchr(operand, '/');
     const char *name = slash ? slash + 1 : operand;
+    DIR *directory;
 
     if (strchr(name, '#') || strchr(name, '%')) return add_pattern(sequence, operand, range, error);
-    return add_single(sequence, operand, error);
+    directory = opendir(operand);
+    return directory ? add_only_sequence(sequence, operand, directory, range, error)
+                     : add_single(sequence, operand, error);
 }
 
 void sequence_finish(struct sequence *sequence)

@@ -1,4 +1,4 @@
-// The files of a sequence, given as a pattern or one by one.
+// The files of a sequence, given as a folder, as a pattern or one by one.
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
@@ -22,6 +22,7 @@ struct sequence {
 };
 
 // Adds the files of `operand`: for a pattern such as "cloud/cloud.####.exr" all existing files, in the order of their
-// frame numbers, else the file itself. Finding none is an error. `range` (NULL: all) selects frames of a pattern.
+// frame numbers; for a folder those of the one sequence that is in it; else the file itself. Finding none is an error.
+// `range` (NULL: all) selects frames of a pattern or a folder.
 bool sequence_add(struct sequence *sequence, const char *operand, const char *range, struct error *error);
 void sequence_finish(struct sequence *sequence);

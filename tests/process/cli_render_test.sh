@@ -125,6 +125,21 @@ expect 0 march preview cloud/cloud.0048.exr --out one.png --exposure -1 --json
 grep -q '"exposure":-1' out || fail "preview --json tells the exposure"
 expect 1 march preview "$cloud" --out no.png
 [ ! -e no.png ] || fail "a preview of no picture leaves no file"
+expect 0 march preview cloud --out folder.png
+# Of a film only the arguments are looked at: an ffmpeg of ours writes them down.
+mkdir tools
+cat >tools/ffmpeg <<'EOF'
+#!/bin/sh
+printf '%s\n' "$@" >film.arguments
+for film; do :; done
+echo film >"$film"
+EOF
+chmod +x tools/ffmpeg
+expect 0 env "PATH=$scratch/tools:$PATH" march preview cloud --frames 48-50 --out tags.mp4
+grep -A1 -x -e -framerate film.arguments | grep -qx 24/1 || fail "a film has its sequence's frames a second"
+grep -A1 -x -e -colorspace film.arguments | grep -qx bt709 || fail "a film says its colours"
+expect 0 env "PATH=$scratch/tools:$PATH" march preview cloud --frames 48-50 --out tags.mp4 --fps 12
+grep -A1 -x -e -framerate film.arguments | grep -qx 12 || fail "--fps overrides the sequence's own"
 if command -v ffmpeg >/dev/null; then
     expect 0 march preview 'cloud/cloud.####.exr' --out film.mp4 --fps 12
     [ -s film.mp4 ] || fail "a film"

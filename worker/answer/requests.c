@@ -156,6 +156,16 @@ static bool answer_preview(const struct json_node *params, const struct request_
     return ok;
 }
 
+static void write_fps(const struct preview_result *result, struct json_writer *writer)
+{
+    if (result->fps_numerator == 0) return;
+    json_write_key(writer, "fps");
+    json_write_begin_array(writer);
+    json_write_integer(writer, result->fps_numerator);
+    json_write_integer(writer, result->fps_denominator);
+    json_write_end_array(writer);
+}
+
 static bool answer_frames_png(const struct json_node *params, const struct request_tools *tools,
                               struct json_writer *writer, enum message_code *code, struct error *error)
 {
@@ -185,6 +195,7 @@ static bool answer_frames_png(const struct json_node *params, const struct reque
         }
         json_write_end_array(writer);
         json_write_number_member(writer, "exposure", result.exposure);
+        write_fps(&result, writer);
         json_write_end_object(writer);
     }
     free(names);

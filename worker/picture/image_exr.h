@@ -72,9 +72,10 @@ struct image_exr_facts {
     enum job_pixel pixel;
     bool has_alpha, has_depth, has_transmittance;
     int width_px, height_px;
-    char job_hash[64];                 // marchd:jobHash, empty when absent
-    char sequence_hash[64];            // marchd:sequenceHash, empty when absent
-    char job_name[JOB_NAME_LIMIT + 1]; // marchd:name, empty when absent
+    int64_t fps_numerator, fps_denominator; // 0: absent, or no positive number
+    char job_hash[64];                      // marchd:jobHash, empty when absent
+    char sequence_hash[64];                 // marchd:sequenceHash, empty when absent
+    char job_name[JOB_NAME_LIMIT + 1];      // marchd:name, empty when absent
     int64_t job_id;
     int32_t frame;
     double render_seconds;

@@ -36,6 +36,16 @@ static void read_traced(exr_context_t context, struct image_exr_facts *facts)
     if (read_double(context, "marchd:traced", &share) && share > 0.0 && share <= 1.0) facts->traced = share;
 }
 
+static void read_fps(exr_context_t context, struct image_exr_facts *facts)
+{
+    const exr_attribute_t *found;
+
+    if (exr_get_attribute_by_name(context, 0, "framesPerSecond", &found) || found->type != EXR_ATTR_RATIONAL) return;
+    if (found->rational->num <= 0 || found->rational->denom == 0) return;
+    facts->fps_numerator = found->rational->num;
+    facts->fps_denominator = found->rational->denom;
+}
+
 static void read_plan(exr_context_t context, struct image_exr_facts *facts)
 {
     char number[24];
@@ -73,6 +83,7 @@ void image_exr_attributes_read(exr_context_t context, struct image_exr_facts *fa
     const exr_attribute_t *found;
     char job[32];
 
+    read_fps(context, facts);
     read_text(context, "marchd:jobHash", facts->job_hash, sizeof facts->job_hash);
     read_text(context, "marchd:sequenceHash", facts->sequence_hash, sizeof facts->sequence_hash);
     read_text(context, "marchd:name", facts->job_name, sizeof facts->job_name);

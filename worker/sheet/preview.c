@@ -26,7 +26,8 @@ enum {
 };
 static const double SHEET_SHAPE = 1.5; // width to height
 
-static bool read_file(const char *path, struct image *image, struct error *error)
+// `facts` may be NULL.
+static bool read_file(const char *path, struct image *image, struct image_exr_facts *facts, struct error *error)
 {
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     bool ok = false;
@@ -35,7 +36,7 @@ static bool read_file(const char *path, struct image *image, struct error *error
         error_set_errno(error, errno, "%s", path);
         return false;
     }
-    ok = image_exr_read(fd, image, NULL, 1, error);
+    ok = image_exr_read(fd, image, facts, 1, error);
     if (!ok) error_prefix(error, "%s", path);
     close(fd);
     return ok;
@@ -164,7 +165,7 @@ static bool read_tiles(struct sheet *sheet, struct exposure *exposure, struct er
         struct image image;
         bool ok;
 
-        if (!read_file(params->files[i], &image, error)) return false;
+        if (!read_file(params->files[i], &image, NULL, error)) return false;
         ok = i > 0 ? check_size(params->files[i], &image, sheet->image_width, sheet->image_height, error)
                    : lay_out(sheet, &image, error);
         if (ok) {
@@ -233,7 +234,7 @@ static bool choose_exposure(const struct preview_params *params, double *stops, 
     for (size_t i = 0; i < params->file_count && ok; i++) {
         struct image image;
 
-        ok = read_file(params->files[i], &image, error);
+        ok = read_file(params->files[i], &image, NULL, error);
         if (!ok) break;
         exposure_add_image(exposure, &image);
         image_finish(&image);
@@ -275,11 +276,14 @@ bool preview_write_frames(const struct preview_params *params, struct preview_re
     *result = (struct preview_result){0};
     if (!choose_exposure(params, &result->exposure, error)) return false;
     for (size_t i = 0; i < params->file_count; i++) {
+        struct image_exr_facts facts;
         struct image image;
         bool ok;
 
-        if (!read_file(params->files[i], &image, error)) return false;
+        if (!read_file(params->files[i], &image, &facts, error)) return false;
         if (i == 0) {
+            result->fps_numerator = facts.fps_numerator;
+            result->fps_denominator = facts.fps_denominator;
             result->width_px = image.width_px;
             result->height_px = image.height_px;
         }

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 struct error;
 
@@ -21,6 +22,7 @@ struct preview_params {
 struct preview_result {
     double exposure;
     int width_px, height_px;
+    int64_t fps_numerator, fps_denominator; // of the first file, for frames alone; 0: it does not say
 };
 
 // Writes a contact sheet in sRGB, over black. An exposure that is chosen brings the 99th percentile of the sequence's

@@ -77,6 +77,29 @@ static void range_keeps_only_its_frames(void **state)
     sequence_finish(&sequence);
 }
 
+static void a_folder_is_its_only_sequence(void **state)
+{
+    struct sequence sequence = {0};
+    struct error error = {0};
+    char path[256];
+
+    assert_false(sequence_add(&sequence, folder, NULL, &error));
+    assert_non_null(strstr(error.message, "there are several sequences, "));
+    path_of(path, "b.0001.exr");
+    unlink(path);
+    assert_true(sequence_add(&sequence, folder, NULL, NULL));
+    assert_int_equal(sequence.count, 3);
+    assert_int_equal(sequence.files[2].frame, 10);
+    assert_true(sequence_add(&sequence, folder, "2", NULL));
+    assert_int_equal(sequence.count, 4);
+    assert_false(sequence_add(&sequence, folder, "7-9", &error));
+    assert_non_null(strstr(error.message, "none of its files is one of the frames 7-9"));
+    assert_false(sequence_add(&sequence, "/proc/self", NULL, &error));
+    assert_string_equal(error.message, "/proc/self: there is no sequence of EXR files");
+    fclose(fopen(path, "w"));
+    sequence_finish(&sequence);
+}
+
 static void files_are_taken_as_they_come(void **state)
 {
     struct sequence sequence = {0};
@@ -112,6 +135,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pattern_finds_its_files_by_number),
         cmocka_unit_test(range_keeps_only_its_frames),
+        cmocka_unit_test(a_folder_is_its_only_sequence),
         cmocka_unit_test(files_are_taken_as_they_come),
         cmocka_unit_test(nothing_found_is_an_error_that_names_the_operand),
     };
