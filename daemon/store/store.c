@@ -29,6 +29,7 @@ enum statement {
     ADD_PLAN,
     TRIM_PLANS,
     SET_ROOT,
+    SET_USAGE,
     KEEP_ID,
     DELETE_JOB,
     DELETE_DOCUMENT,
@@ -61,6 +62,7 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [TRIM_PLANS] = "DELETE FROM plan WHERE owner_uid = ?1 AND number <="
                    " (SELECT number FROM plan WHERE owner_uid = ?1 ORDER BY number DESC LIMIT 1 OFFSET ?2)",
     [SET_ROOT] = "REPLACE INTO root (path, id) VALUES (?, ?)",
+    [SET_USAGE] = "REPLACE INTO usage (owner_uid, used_s, at_ms) VALUES (?, ?, ?)",
     [KEEP_ID] = "UPDATE daemon SET last_job_id = max(last_job_id, ?)",
     [DELETE_JOB] = "DELETE FROM job WHERE id = ?",
     [DELETE_DOCUMENT] = "DELETE FROM document WHERE job = ?",
@@ -303,6 +305,14 @@ static bool set_root(struct store *store, const struct store_root *root, struct 
     return store_sql_run(store->statements[SET_ROOT], "write an output root", error);
 }
 
+static bool set_usage(struct store *store, const struct store_usage *usage, struct error *error)
+{
+    sqlite3_bind_int64(store->statements[SET_USAGE], 1, usage->owner_uid);
+    sqlite3_bind_double(store->statements[SET_USAGE], 2, usage->used_s);
+    sqlite3_bind_int64(store->statements[SET_USAGE], 3, usage->at_ms);
+    return store_sql_run(store->statements[SET_USAGE], "write an owner's use", error);
+}
+
 static bool delete_job(struct store *store, int64_t job, struct error *error)
 {
     for (int i = KEEP_ID; i <= DELETE_ATTEMPTS; i++) {
@@ -329,6 +339,8 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
         return add_plan(store, &op->plan, error);
     case STORE_SET_ROOT:
         return set_root(store, &op->root, error);
+    case STORE_SET_USAGE:
+        return set_usage(store, &op->usage, error);
     case STORE_RESET_FRAMES:
         return reset_frames(store, op->reset.job, op->reset.indices, op->reset.count, error);
     case STORE_MARK_FRAMES:

@@ -44,6 +44,8 @@ void store_op_finish(struct store_op *op)
         free(op->root.path);
         free(op->root.id);
         break;
+    case STORE_SET_USAGE:
+        break;
     case STORE_RESET_FRAMES:
         free(op->reset.indices);
         break;

@@ -21,7 +21,8 @@ enum store_op_kind {
     STORE_DELETE_JOB,   // deletes all rows of the job `job.id`, whose id is not used again
     STORE_ADD_PLAN,     // adds a plan; only the newest STORE_PLAN_LIMIT of its owner are kept
     STORE_MARK_FRAMES,  // adds a row with only `state` for each frame of an index list that has none
-    STORE_SET_ROOT      // writes the row of an output root, new or in place of the old one
+    STORE_SET_ROOT,     // writes the row of an output root, new or in place of the old one
+    STORE_SET_USAGE     // writes what an owner used of the farm, likewise
 };
 
 // A frame has a row when it is done or is being published. A queued or running frame has none, so a million queued
@@ -74,6 +75,12 @@ struct store_root {
     char *id;   // owned; of its marker (core/job/root_marker.h)
 };
 
+struct store_usage {
+    int64_t owner_uid;
+    double used_s; // of workers, as the owner's share counts it
+    int64_t at_ms; // unix time
+};
+
 // An op owns its strings and lists once it is in a batch.
 struct store_op {
     enum store_op_kind kind;
@@ -83,6 +90,7 @@ struct store_op {
         struct store_attempt attempt;
         struct store_plan plan;
         struct store_root root;
+        struct store_usage usage;
         struct {
             int64_t job;
             int32_t *indices; // owned; fastest when ascending

@@ -14,8 +14,8 @@
 enum { BUSY_TIMEOUT_MS = 5000 };
 
 struct store_reader {
-    sqlite3 *db;                                                              // owned
-    sqlite3_stmt *frames, *bytes, *attempts, *document, *plan, *farm, *roots; // owned
+    sqlite3 *db;                                                                      // owned
+    sqlite3_stmt *frames, *bytes, *attempts, *document, *plan, *farm, *roots, *usage; // owned
 };
 
 struct store_reader *store_reader_open(const char *folder, struct error *error)
@@ -47,7 +47,9 @@ struct store_reader *store_reader_open(const char *folder, struct error *error)
                            " ORDER BY number DESC LIMIT 1",
                            &reader->plan, error) &&
          store_sql_prepare(reader->db, "SELECT farm FROM daemon", &reader->farm, error) &&
-         store_sql_prepare(reader->db, "SELECT path, id FROM root ORDER BY path", &reader->roots, error);
+         store_sql_prepare(reader->db, "SELECT path, id FROM root ORDER BY path", &reader->roots, error) &&
+         store_sql_prepare(reader->db, "SELECT owner_uid, used_s, at_ms FROM usage ORDER BY owner_uid", &reader->usage,
+                           error);
 out:
     free(path);
     if (ok) return reader;
@@ -58,6 +60,7 @@ out:
 void store_reader_close(struct store_reader *reader)
 {
     if (!reader) return;
+    sqlite3_finalize(reader->usage);
     sqlite3_finalize(reader->roots);
     sqlite3_finalize(reader->farm);
     sqlite3_finalize(reader->plan);
@@ -223,6 +226,28 @@ bool store_read_roots(struct store_reader *reader, store_on_root *on_root, void 
     }
     if (ok && result != SQLITE_DONE) {
         store_sql_set_error(error, reader->db, "read the output roots");
+        ok = false;
+    }
+    sqlite3_reset(rows);
+    return ok;
+}
+
+bool store_read_usage(struct store_reader *reader, store_on_usage *on_usage, void *user, struct error *error)
+{
+    sqlite3_stmt *rows = reader->usage;
+    bool ok = true;
+    int result;
+
+    while ((result = sqlite3_step(rows)) == SQLITE_ROW) {
+        const struct store_usage usage = {.owner_uid = sqlite3_column_int64(rows, 0),
+                                          .used_s = sqlite3_column_double(rows, 1),
+                                          .at_ms = sqlite3_column_int64(rows, 2)};
+
+        ok = on_usage(user, &usage, error);
+        if (!ok) break;
+    }
+    if (ok && result != SQLITE_DONE) {
+        store_sql_set_error(error, reader->db, "read what owners used");
         ok = false;
     }
     sqlite3_reset(rows);

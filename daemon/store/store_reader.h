@@ -29,6 +29,8 @@ bool store_read_document(struct store_reader *reader, int64_t job, char **docume
 bool store_read_farm(struct store_reader *reader, char farm[static ROOT_MARKER_ID_SIZE], struct error *error);
 typedef bool store_on_root(void *user, const struct store_root *root, struct error *error);
 bool store_read_roots(struct store_reader *reader, store_on_root *on_root, void *user, struct error *error); // by path
+typedef bool store_on_usage(void *user, const struct store_usage *usage, struct error *error);
+bool store_read_usage(struct store_reader *reader, store_on_usage *on_usage, void *user, struct error *error); // by uid
 // The newest plan of the key; its text is owned by the caller. `*number` is 0 and `*text` NULL where there is none.
 bool store_read_plan(struct store_reader *reader, const struct plan_key *key, int64_t *number, char **text,
                      struct error *error);

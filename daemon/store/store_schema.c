@@ -60,6 +60,7 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
     [5] = "ALTER TABLE daemon ADD COLUMN farm TEXT;"
           "UPDATE daemon SET farm = lower(hex(randomblob(16)));"
           "CREATE TABLE root (path TEXT PRIMARY KEY, id TEXT NOT NULL) WITHOUT ROWID;",
+    [6] = "CREATE TABLE usage (owner_uid INTEGER PRIMARY KEY, used_s REAL NOT NULL, at_ms INTEGER NOT NULL);",
 };
 
 bool store_schema_check(sqlite3 *db, int *found, struct error *error)

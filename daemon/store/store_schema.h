@@ -10,7 +10,7 @@ struct sqlite3;
 struct sqlite3_stmt;
 struct store_frame;
 
-#define STORE_SCHEMA_VERSION 6 // a macro because SQL text holds it
+#define STORE_SCHEMA_VERSION 7 // a macro because SQL text holds it
 
 // Whether this version can use the database; `*found` is the version that wrote it (0: it is empty). Changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);

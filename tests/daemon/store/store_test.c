@@ -311,6 +311,34 @@ static void bytes_of_a_jobs_files_are_summed_up(void **state)
     store_close(store);
 }
 
+static bool on_usage(void *user, const struct store_usage *usage, struct error *error)
+{
+    char *text = user;
+
+    sprintf(text + strlen(text), "%" PRId64 " %g %" PRId64 ";", usage->owner_uid, usage->used_s, usage->at_ms);
+    return true;
+}
+
+static void use_of_the_farm_is_remembered(void **state)
+{
+    const struct folder *folder = *state;
+    struct store *store = open_store(folder);
+    struct store_reader *reader;
+    char text[64] = "";
+
+    commit_one(store, (struct store_op){.kind = STORE_SET_USAGE, .usage = {1000, 1.5, 7}});
+    commit_one(store, (struct store_op){.kind = STORE_SET_USAGE, .usage = {3, 2, 8}});
+    commit_one(store, (struct store_op){.kind = STORE_SET_USAGE, .usage = {1000, 0.25, 9}});
+    store_close(store);
+
+    store = open_store(folder);
+    reader = store_reader_open(folder->path, NULL);
+    assert_true(store_read_usage(reader, on_usage, text, NULL));
+    assert_string_equal(text, "3 2 8;1000 0.25 9;");
+    store_reader_close(reader);
+    store_close(store);
+}
+
 static bool on_root(void *user, const struct store_root *root, struct error *error)
 {
     char *text = user;
@@ -358,6 +386,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(attempts_are_read_newest_first, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_deleted_job_leaves_no_row_and_its_id_is_not_used_again, make_folder,
                                         remove_folder),
+        cmocka_unit_test_setup_teardown(use_of_the_farm_is_remembered, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(farm_and_roots_are_remembered, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(bytes_of_a_jobs_files_are_summed_up, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(only_the_newest_attempts_of_a_job_are_kept, make_folder, remove_folder),

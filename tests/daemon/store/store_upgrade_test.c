@@ -129,6 +129,7 @@ static void upgraded_store_takes_new_columns(void **state)
     store = open_store(folder);
     assert_int_equal(store_epoch(store), 7);
     commit_one(store, frame_op(3, 2, FRAME_SUCCEEDED));
+    commit_one(store, (struct store_op){.kind = STORE_SET_USAGE, .usage = {1000, 1.5, 7}});
     rows = read_rows(folder);
     assert_accuracy(&rows.frames[2].accuracy);
     assert_string_equal(rows.frames[0].accuracy.method, "");
