@@ -278,12 +278,13 @@ static void on_gone(void *user, struct worker_process *worker)
     // GLSL of the user that does not end is no fault of the slot.
     if (worker->done == 0 && !worker->suspect_code && !is_replaced)
         retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
-    if (is_replaced) {
+    // The next worker of the slot is started below: nothing is wrong, and nothing to tell.
+    if (is_replaced && !pool->is_stopping) {
         free(reason);
         reason = NULL;
     }
     worker_slot_set_reason(slot, reason);
-    pool->handlers->on_slot_changed(pool->farm, worker->id - 1);
+    if (reason) pool->handlers->on_slot_changed(pool->farm, worker->id - 1);
     worker_process_close(worker);
     farm_want_feed(pool->farm); // other workers may have left the next frames to it
     start_due(pool);

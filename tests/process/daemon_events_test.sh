@@ -24,6 +24,7 @@ expect "frames told begun" "$($all | jq --argjson id "$id" 'select(.type == "fra
 expect "jobs told to who asked for one" "$(jq -c 'select(.params) | .params | [.type, .job.id]' "$scratch/one" | grep -c job)" \
     "$(jq -c 'select(.params) | .params | [.type, .job.id]' "$scratch/one" | grep -c "\"job\",$id")"
 expect "frames told to who asked for none" "$(jq -c 'select(.params.type == "frame")' "$scratch/one")" ""
+expect "workers without a process or a reason" "$($all | jq 'select(.worker.state == "backing_off" and .worker.reason == null)')" ""
 told=$($all | jq --argjson id "$id" 'select(.type == "job" and .job.id == $id) | .type' | wc -l)
 # Its three states are told at once, its counts at most every 250 ms.
 [ "$told" -le $((4 + lasted_ms / 250)) ] || fail "a job of at most $lasted_ms ms was told $told times"
