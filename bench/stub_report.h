@@ -10,6 +10,7 @@ struct json_writer;
 struct stub_frame {
     int64_t job;
     int32_t frame, attempt;
+    bool is_forced; // not to be skipped
 };
 
 // The caller writes members between the two.

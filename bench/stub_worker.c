@@ -5,6 +5,7 @@
 //   skip         answers each frame with frame.skipped at once (default)
 //   sleep:MS     the same after MS milliseconds
 //   write:MS     writes a small file after MS milliseconds and reports it finished
+//   forced       skips frames, and writes like write those that it is told to render in any case
 //   audited:MS   the same, and reports its accuracy
 //   plan:MS      like write, and reports that it plans first, for 48 frames, and that a quarter is rendered
 //   phase:MS     like write, and plans for as long
@@ -88,7 +89,7 @@ static bool writes_files(const struct stub *stub)
 {
     return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "plan") || has_mode(stub, "phase") ||
            has_mode(stub, "lie") || has_mode(stub, "loyal") || has_mode(stub, "share") || has_mode(stub, "misplan") ||
-           has_mode(stub, "intrude");
+           has_mode(stub, "intrude") || has_mode(stub, "forced");
 }
 
 static bool shares_plans(const struct stub *stub)
@@ -176,9 +177,9 @@ static void say_finished(struct stub *stub, const struct stub_frame *frame, uint
 // Each would be published if the daemon did not check it.
 static void say_lies(struct stub *stub, const struct stub_frame *frame, const struct stat *status, const char *hash)
 {
-    const struct stub_frame untold[] = {{frame->job + 1, frame->frame, frame->attempt},
-                                        {frame->job, frame->frame + 1000, frame->attempt},
-                                        {frame->job, frame->frame, frame->attempt + 1}};
+    const struct stub_frame untold[] = {{frame->job + 1, frame->frame, frame->attempt, false},
+                                        {frame->job, frame->frame + 1000, frame->attempt, false},
+                                        {frame->job, frame->frame, frame->attempt + 1, false}};
 
     for (size_t i = 0; i < sizeof untold / sizeof untold[0]; i++)
         say_finished(stub, &untold[i], status->st_ino, status->st_size, hash);
@@ -264,7 +265,7 @@ static void end_frame(struct stub *stub)
     stub->plan = PLAN_NONE;
     if (has_mode(stub, "fail:"))
         stub_report_failed(&stub->out, &frame, stub->mode + 5, "the stub was told to fail");
-    else if (writes_files(stub))
+    else if (writes_files(stub) && (frame.is_forced || !has_mode(stub, "forced")))
         write_and_say_finished(stub, &frame);
     else
         stub_report_skipped(&stub->out, &frame);
@@ -307,13 +308,16 @@ static void note_assignment(struct stub *stub, const struct json_node *params)
 
     while (json_node_next(&frames, &pair)) {
         struct json_node frame = json_node_element(&pair, 0), attempt = json_node_element(&pair, 1);
+        struct json_node forced = json_node_element(&pair, 2);
         int64_t number = 0, tries = 0;
 
         json_read_integer(&frame, 0, INT32_MAX, &number, NULL);
         json_read_integer(&attempt, 0, INT32_MAX, &tries, NULL);
         stub->frames = xgrow(stub->frames, &stub->capacity, stub->count + 1, sizeof stub->frames[0]);
-        stub->frames[stub->count++] = (struct stub_frame){
-            .job = read_integer(params, "job"), .frame = (int32_t)number, .attempt = (int32_t)tries};
+        stub->frames[stub->count++] = (struct stub_frame){.job = read_integer(params, "job"),
+                                                          .frame = (int32_t)number,
+                                                          .attempt = (int32_t)tries,
+                                                          .is_forced = !json_node_is_absent(&forced)};
     }
 }
 

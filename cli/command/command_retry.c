@@ -7,6 +7,18 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
+
+static void tell(const struct options *options, int64_t id, int64_t count)
+{
+    bool may_skip = options->state && (strstr(options->state, "succeeded") || strstr(options->state, "skipped"));
+
+    printf("job %" PRId64 ": %" PRId64 " frame%s queued again\n", id, count, count == 1 ? "" : "s");
+    if (count == 0 && !options->state)
+        fprintf(stderr, "no frame has failed; --state succeeded,skipped,canceled means others\n");
+    if (count > 0 && may_skip && !options->force)
+        fprintf(stderr, "those whose files are whole and of this job will be skipped; --force renders them too\n");
+}
 
 enum exit_status command_retry(const struct options *options, struct error *error)
 {
@@ -20,6 +32,7 @@ enum exit_status command_retry(const struct options *options, struct error *erro
     json_write_begin_object(&params);
     json_write_integer_member(&params, "id", id);
     daemon_call_write_states(&params, options->state);
+    if (options->force) json_write_bool_member(&params, "force", true);
     if (options->range) json_write_string_member(&params, "range", options->range);
     json_write_end_object(&params);
     status = daemon_call(options, "job.retry", params.text, &reply, error);
@@ -31,7 +44,7 @@ enum exit_status command_retry(const struct options *options, struct error *erro
     else if (options->json)
         print_json(&reply.body);
     else
-        printf("job %" PRId64 ": %" PRId64 " frame%s queued again\n", id, count, count == 1 ? "" : "s");
+        tell(options, id, count);
     message_finish(&reply);
     return status;
 }

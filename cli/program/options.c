@@ -74,6 +74,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
                         "plan nothing: render with the settings of this frame of the job, and get the same pixels"},
     [OPTION_PREVIEW] = {"preview", KIND_TEXT, FIELD(preview), "FILE", 0, 0,
                         "show each frame in this .png as it refines, and whole at its end"},
+    [OPTION_FORCE] = {"force", KIND_FLAG, FIELD(force), NULL, 0, 0,
+                      "render also frames whose files are there, whole and of this job"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
                             "longest time of a picture (default 60; with --quick 8)"},
 };

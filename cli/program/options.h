@@ -45,6 +45,7 @@ enum option {
     OPTION_DRAFT,
     OPTION_PLAN_OF,
     OPTION_PREVIEW,
+    OPTION_FORCE,
     OPTION_COUNT
 };
 
@@ -52,7 +53,7 @@ enum option {
 
 // Strings are borrowed from argv; `range` is a valid frame range. Integers are -1 and numbers NAN when not given.
 struct options {
-    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft;
+    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
         *plan_of, *preview;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s;

@@ -46,6 +46,7 @@ static void write_assignment(int64_t job, const struct queue_ticket *tickets, si
         json_write_begin_array(writer);
         json_write_integer(writer, tickets[i].frame);
         json_write_integer(writer, tickets[i].attempt);
+        if (tickets[i].is_forced) json_write_bool(writer, true);
         json_write_end_array(writer);
     }
     json_write_end_array(writer);

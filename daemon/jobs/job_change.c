@@ -21,7 +21,7 @@ struct job_retry {
     unsigned states;
     struct frame_range range; // owned; empty: all frames
     struct answer *answer;    // owned
-    bool by_admin;
+    bool is_forced, by_admin; // as in struct job_retry_params
     int64_t retried;
     struct job_retry *next; // on the farm's list of waiting retries
 };
@@ -126,6 +126,21 @@ static void add_mark(const struct queue_job *queued, enum frame_state state, con
                             .mark = {.job = queued->id, .state = state, .indices = indices, .count = count}};
 }
 
+// Forces the frames of `reset`, which are queued, and returns the op that stores that.
+static struct store_op force(struct queue_job *queued, const struct store_op *reset)
+{
+    size_t count = reset->reset.count;
+    struct store_op op = {.kind = STORE_MARK_FRAMES,
+                          .mark = {.job = queued->id, .state = FRAME_QUEUED, .count = count}};
+
+    op.mark.indices = xmalloc((count + 1) * sizeof op.mark.indices[0]);
+    for (size_t i = 0; i < count; i++) {
+        op.mark.indices[i] = reset->reset.indices[i];
+        queue_force_frame(queued, op.mark.indices[i]);
+    }
+    return op;
+}
+
 static void revive(struct job_record *record)
 {
     record->is_ending = record->is_swept = false;
@@ -156,7 +171,7 @@ static void run_retry(struct job_retry *retry)
     struct job_record *record = retry->record;
     struct queue_job *queued = record->queued;
     const struct frame_range *range = frame_range_count(&retry->range) > 0 ? &retry->range : NULL;
-    struct store_op ops[4] = {{.kind = STORE_RESET_FRAMES, .reset = {.job = record->id}}};
+    struct store_op ops[5] = {{.kind = STORE_RESET_FRAMES, .reset = {.job = record->id}}};
     size_t op_count = 1;
     struct error error;
 
@@ -171,6 +186,7 @@ static void run_retry(struct job_retry *retry)
     if (ops[0].reset.count > 0 && queued->is_canceled) add_mark(queued, FRAME_CANCELED, &ops[0], &ops[op_count++]);
     if (ops[0].reset.count > 0 && queued->is_failed) add_mark(queued, FRAME_FAILED, &ops[0], &ops[op_count++]);
     retry->retried = queue_retry(farm->queue, queued, retry->states, range);
+    if (retry->retried > 0 && retry->is_forced) ops[op_count++] = force(queued, &ops[0]);
     if (retry->retried > 0) {
         log_change(record, "frames of it are queued again");
         revive(record);
@@ -189,6 +205,7 @@ void job_change_retry(struct farm *farm, struct job_record *record, const struct
                                 .record = record,
                                 .states = params->states,
                                 .range = params->range,
+                                .is_forced = params->is_forced,
                                 .by_admin = params->by_admin,
                                 .answer = params->answer};
     if (record->is_sweeping) {

@@ -18,6 +18,7 @@ void job_change_set_priority(struct farm *farm, struct job_record *record, int p
 struct job_retry_params {
     unsigned states;          // bits 1 << enum frame_state
     struct frame_range range; // moves in; empty: all frames
+    bool is_forced;           // they are rendered even if their files are there and good
     bool by_admin;            // the client is an administrator, whom no limits hold
     struct answer *answer;    // owned
 };

@@ -21,7 +21,7 @@ static const struct method {
     {"job.pause", requests_job_pause, {"id", NULL}},
     {"job.resume", requests_job_resume, {"id", NULL}},
     {"job.cancel", requests_job_cancel, {"id", NULL}},
-    {"job.retry", requests_job_retry, {"id", "state", "range", NULL}},
+    {"job.retry", requests_job_retry, {"id", "state", "range", "force", NULL}},
     {"job.delete", requests_job_delete, {"id", "files", NULL}},
     {"job.priority", requests_job_priority, {"id", "priority", NULL}},
     {"worker.list", requests_worker_list, {NULL}},

@@ -150,9 +150,10 @@ enum request_outcome requests_job_retry(struct request *request)
     const unsigned allowed = 1U << FRAME_FAILED | 1U << FRAME_CANCELED | 1U << FRAME_SUCCEEDED | 1U << FRAME_SKIPPED;
     struct job_record *record = request_find_own_job(request);
     struct frame_range range;
+    bool is_forced = false;
     unsigned states;
 
-    if (!record || !check_stays(request, record) ||
+    if (!record || !check_stays(request, record) || !request_read_flag(request, "force", &is_forced) ||
         !request_read_set(request, "state", frame_state_names, 1U << FRAME_FAILED, &states))
         return REQUEST_FAILED;
     if (states & ~allowed)
@@ -164,6 +165,7 @@ enum request_outcome requests_job_retry(struct request *request)
         request->farm, record,
         &(struct job_retry_params){.states = states,
                                    .range = range,
+                                   .is_forced = is_forced,
                                    .by_admin = rights_is_admin(&request->farm->rights, &request->client->peer),
                                    .answer = request_defer_answer(request)});
     return REQUEST_DEFERRED;

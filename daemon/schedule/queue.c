@@ -195,6 +195,7 @@ static void set_state(struct queue_job *job, int64_t index, enum frame_state sta
     job->queue->counts[state]++;
     job->missed_count -= frame->is_missed;
     frame->is_missed = false;
+    if (state != FRAME_QUEUED && state != FRAME_RUNNING) frame->is_forced = false;
     if (state != FRAME_RUNNING) {
         frame->worker = 0;
         frame->is_publishing = false;
@@ -272,8 +273,11 @@ size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tic
         frame->attempt++;
         frame->tries++;
         frame->worker = worker;
-        tickets[count++] = (struct queue_ticket){
-            .job = job->id, .frame = frame_range_at(&job->frames, index), .index = index, .attempt = frame->attempt};
+        tickets[count++] = (struct queue_ticket){.job = job->id,
+                                                 .frame = frame_range_at(&job->frames, index),
+                                                 .index = index,
+                                                 .attempt = frame->attempt,
+                                                 .is_forced = frame->is_forced};
     }
     if (count > 0) job->has_started = true;
     return count;
@@ -457,6 +461,12 @@ int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states,
     job->first_fresh = 0;
     note_ready(job);
     return count;
+}
+
+void queue_force_frame(struct queue_job *job, int64_t index)
+{
+    assert(job->states[index].state == FRAME_QUEUED);
+    job->states[index].is_forced = true;
 }
 
 int64_t queue_count(const struct queue *queue, enum frame_state state)

@@ -47,6 +47,7 @@ struct queue_frame {
     uint8_t state;      // enum frame_state
     bool is_publishing; // its file is being published: the end of the worker no longer matters
     bool is_missed;     // its file is published although it is over the job's tolerance
+    bool is_forced;     // it is rendered even if its file is there and good; until the frame is done
 };
 
 struct queue_job {
@@ -74,6 +75,7 @@ struct queue_ticket {
     int32_t frame; // number
     int32_t index; // in the job's range
     int32_t attempt;
+    bool is_forced; // as in struct queue_frame
 };
 
 struct queue *queue_create(int max_attempts); // attempts of a frame before it is failed, in [1, 65535]
@@ -128,6 +130,8 @@ int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states,
 // The ascending indices of the frames that queue_retry would queue; owned by the caller, NULL when there are none.
 size_t queue_find_frames(const struct queue_job *job, unsigned states, const struct frame_range *range,
                          int32_t **indices);
+// The queued frame of that index is rendered even if its file is there and good.
+void queue_force_frame(struct queue_job *job, int64_t index);
 // Removes and frees the job; its tickets own nothing any more.
 void queue_remove_job(struct queue *queue, struct queue_job *job);
 

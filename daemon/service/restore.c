@@ -81,6 +81,7 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
         return true;
     if (row->state != FRAME_RUNNING) {
         queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);
+        if (row->state == FRAME_QUEUED) queue_force_frame(state->record->queued, row->index);
         if (row->state == FRAME_SUCCEEDED) state->record->disk_bytes += (int64_t)row->size_bytes;
         if (has_file(row) && frame_accuracy_is_over(&row->accuracy, state->record->tolerance))
             queue_note_missed(state->record->queued, row->index);

@@ -52,7 +52,8 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
                   " ?, ?, ?, ?, ?, ?, ?, ?)",
     [RESET_FRAMES] = "DELETE FROM frame WHERE job = ? AND frame_index BETWEEN ? AND ?",
-    [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state) VALUES (?, ?, ?) ON CONFLICT DO NOTHING",
+    [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state) VALUES (?, ?, ?) "
+                   "ON CONFLICT DO UPDATE SET state = excluded.state WHERE state = 0", // FRAME_QUEUED
     [ADD_ATTEMPT] = "INSERT INTO attempt (job, number, frame, attempt, worker, ended_ms, outcome, log) VALUES (?1,"
                     " coalesce((SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1), 0) + 1,"
                     " ?2, ?3, ?4, ?5, ?6, ?7)",

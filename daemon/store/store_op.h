@@ -20,14 +20,15 @@ enum store_op_kind {
     STORE_RESET_FRAMES, // deletes frame rows of a job by index list: the frames are queued again
     STORE_DELETE_JOB,   // deletes all rows of the job `job.id`, whose id is not used again
     STORE_ADD_PLAN,     // adds a plan; only the newest STORE_PLAN_LIMIT of its owner are kept
-    STORE_MARK_FRAMES,  // adds a row with only `state` for each frame of an index list that has none
+    STORE_MARK_FRAMES,  // adds a row with only `state` for each frame of an index list; a row other than QUEUED stays
     STORE_SET_ROOT,     // writes the row of an output root, new or in place of the old one
     STORE_SET_USAGE     // writes what an owner used of the farm, likewise
 };
 
 // A frame has a row when it is done or is being published. A queued or running frame has none, so a million queued
 // frames take one row, that of their job. In a canceled or failed job the frames without a row are canceled or failed
-// too: before a retry queues some frames of the job, STORE_MARK_FRAMES stores the state of the others.
+// too: before a retry queues some frames of the job, STORE_MARK_FRAMES stores the state of the others. It also marks as
+// queued the frames that are to be rendered even if their files are good.
 struct store_job {
     int64_t id;
     char *document; // owned; the job file as JSON text

@@ -74,6 +74,15 @@ expect 0 march resume 4
 march wait 4 >/dev/null
 expect 0 march frames 4 --state succeeded --json
 grep -q '"total":2}$' out || fail "frames queued again are rendered"
+expect 0 march retry 4 --state succeeded
+grep -q -- "--force renders them too" err || fail "retry says what it leaves"
+march wait 4 >/dev/null
+expect 0 march frames 4 --state skipped --json
+grep -q '"total":2}$' out || fail "frames whose files are good are skipped"
+expect 0 march retry 4 --state skipped --frames 1 --force
+march wait 4 >/dev/null
+expect 0 march frames 4 --state succeeded --json
+grep -q '"total":1}$' out || fail "retry --force renders a frame whose file is good"
 expect 0 march watch 1 2 --json
 [ "$(grep -c '^{"type":"job"' out)" -eq 2 ] || fail "watch --json begins with the jobs as they are"
 expect 0 march wait 1 2 3 --json

@@ -76,3 +76,23 @@ kill_daemon
 start_daemon --workers 1 --worker-program "$(stub write:0)"
 wait_state "$third" succeeded
 stop_daemon
+
+# Frames that are rendered although their files are good are that after a crash, too.
+start_daemon --workers 1 --worker-program "$(stub nocontext)"
+expect "retried by force" "$(ask job.retry "{\"id\":$third,\"state\":\"succeeded\",\"range\":\"2\",\"force\":true}" | jq .result.retried)" 1
+expect "retried as usual" "$(ask job.retry "{\"id\":$third,\"state\":\"succeeded\"}" | jq .result.retried)" 2
+kill_daemon
+start_daemon --workers 1 --worker-program "$(stub forced)"
+wait_state "$third" succeeded
+expect "rendered again, and skipped" "$(field "$third" '[.succeeded, .skipped] | @csv')" 1,2
+# One whose job is canceled meanwhile is canceled, after a further retry of others and a restart, too.
+stop_daemon
+start_daemon --workers 1 --worker-program "$(stub nocontext)"
+ask job.retry "{\"id\":$third,\"state\":[\"succeeded\",\"skipped\"],\"force\":true}" >/dev/null
+ask job.cancel "{\"id\":$third}" >/dev/null
+expect "retried after a cancel" "$(ask job.retry "{\"id\":$third,\"state\":\"canceled\",\"range\":\"1\"}" | jq .result.retried)" 1
+kill_daemon
+start_daemon --workers 1 --worker-program "$(stub forced)"
+wait_state "$third" canceled
+expect "skipped, and canceled" "$(field "$third" '[.succeeded, .skipped, .canceled] | @csv')" 0,1,2
+stop_daemon

@@ -78,13 +78,13 @@ void assignment_forget_job(struct assignment *assignment, int64_t id)
     free_job_if_done(assignment, job);
 }
 
-bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t frame, int attempt)
+struct assignment_frame *assignment_add_frame(struct assignment *assignment, int64_t job, int32_t frame, int attempt)
 {
     struct held_job *held = assignment_find_job(assignment, job);
     struct assignment_frame **link = &assignment->frames;
     struct assignment_frame *added;
 
-    if (!held) return false;
+    if (!held) return NULL;
     added = xcalloc(1, sizeof *added);
     added->job = held;
     added->frame = frame;
@@ -93,7 +93,7 @@ bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t fr
     while (*link)
         link = &(*link)->next;
     *link = added;
-    return true;
+    return added;
 }
 
 const struct assignment_frame *assignment_find_waiting(const struct assignment *assignment)

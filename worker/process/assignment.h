@@ -37,6 +37,7 @@ struct assignment_frame {
     struct held_job *job; // borrowed; lives as long as the frame
     int32_t frame;
     int attempt;
+    bool is_forced; // rendered even if its file is there and good
     bool is_started;
     bool is_unwanted;              // started, but to be dropped
     struct assignment_frame *next; // in the assignment's list of frames
@@ -55,8 +56,8 @@ void assignment_finish(struct assignment *assignment);
 void assignment_add_job(struct assignment *assignment, struct held_job *job);
 // Frees the job now or with its last frame. Does nothing for an unknown job.
 void assignment_forget_job(struct assignment *assignment, int64_t id);
-// Appends the frame; false when the job is unknown.
-bool assignment_add_frame(struct assignment *assignment, int64_t job, int32_t frame, int attempt);
+// Appends and returns the frame; NULL when the job is unknown.
+struct assignment_frame *assignment_add_frame(struct assignment *assignment, int64_t job, int32_t frame, int attempt);
 
 // NULL: an unknown job.
 struct held_job *assignment_find_job(const struct assignment *assignment, int64_t id);

@@ -112,20 +112,24 @@ static bool take_plan(struct worker *worker, const struct json_node *params, str
 
 static bool take_frame(struct worker *worker, int64_t job, const struct json_node *pair, struct error *error)
 {
-    struct json_node first, second;
+    struct json_node first = json_node_element(pair, 0), second = json_node_element(pair, 1);
+    struct json_node forced = json_node_element(pair, 2);
+    struct assignment_frame *added;
     int64_t frame, attempt;
-    bool is_known = true;
+    bool is_known = true, is_forced = false;
 
-    if (!json_check_array(pair, 2, 2, error)) return false;
-    first = json_node_element(pair, 0);
-    second = json_node_element(pair, 1);
+    if (!json_check_array(pair, 2, 3, error)) return false;
+    if (!json_node_is_absent(&forced) && !json_read_bool(&forced, &is_forced, error)) return false;
     if (!json_read_integer(&first, 0, FRAME_NUMBER_LIMIT - 1, &frame, error)) return false;
     if (!json_read_integer(&second, 0, INT_MAX, &attempt, error)) return false;
     pthread_mutex_lock(&worker->lock);
-    if (worker->is_exiting)
+    if (worker->is_exiting) {
         report_dropped(&worker->connection, &(struct assignment_dropped){job, (int32_t)frame, (int)attempt});
-    else
-        is_known = assignment_add_frame(&worker->assignment, job, (int32_t)frame, (int)attempt);
+    } else {
+        added = assignment_add_frame(&worker->assignment, job, (int32_t)frame, (int)attempt);
+        is_known = added != NULL;
+        if (added) added->is_forced = is_forced;
+    }
     pthread_cond_broadcast(&worker->changed);
     pthread_mutex_unlock(&worker->lock);
     return is_known || json_fail(pair, error, "expected worker.job to tell of the job before");

@@ -46,7 +46,8 @@ enum part_file_existing part_file_find_existing(const struct assignment_frame *f
     int fd;
 
     output_path_format_name(&job->output.path, frame->frame, name);
-    if (job->output.existing == JOB_EXISTING_OVERWRITE || fstatat(folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) < 0)
+    if (frame->is_forced || job->output.existing == JOB_EXISTING_OVERWRITE ||
+        fstatat(folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) < 0)
         return PART_FILE_RENDER;
     if (job->output.existing == JOB_EXISTING_FAIL) {
         error_set(error, "%s exists, and the job's output.existing is \"fail\"", name);

@@ -149,6 +149,16 @@ static void marking_keeps_existing_rows(void **state)
     assert_int_equal(rows.frame.state, FRAME_SUCCEEDED);
     assert_true(store_read_frames(reader, 1, 6, 6, on_frame, &rows, NULL));
     assert_int_equal(rows.frame.state, FRAME_CANCELED);
+    op = (struct store_op){.kind = STORE_MARK_FRAMES, .mark = {.job = 1, .state = FRAME_QUEUED, .count = 1}};
+    op.mark.indices = xcalloc(1, sizeof(int32_t));
+    op.mark.indices[0] = 7;
+    commit_one(store, op);
+    op = (struct store_op){.kind = STORE_MARK_FRAMES, .mark = {.job = 1, .state = FRAME_CANCELED, .count = 1}};
+    op.mark.indices = xcalloc(1, sizeof(int32_t));
+    op.mark.indices[0] = 7;
+    commit_one(store, op);
+    assert_true(store_read_frames(reader, 1, 7, 7, on_frame, &rows, NULL));
+    assert_int_equal(rows.frame.state, FRAME_CANCELED); // a row that marks a queued frame gives way
     store_reader_close(reader);
     store_close(store);
 }
