@@ -6,6 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+enum { LARGE_BYTES = 4 << 20 }; // holds a large page wherever it begins
 
 static void *check(void *memory)
 {
@@ -16,14 +20,30 @@ static void *check(void *memory)
     return memory;
 }
 
+void alloc_prefer_large_pages(void *memory, size_t size_bytes)
+{
+    size_t page, before;
+
+    if (!memory || size_bytes < LARGE_BYTES) return;
+    page = (size_t)sysconf(_SC_PAGESIZE);
+    before = (page - (uintptr_t)memory % page) % page;
+    madvise((char *)memory + before, size_bytes - before, MADV_HUGEPAGE);
+}
+
 void *xmalloc(size_t size_bytes)
 {
-    return check(malloc(size_bytes ? size_bytes : 1));
+    void *memory = check(malloc(size_bytes ? size_bytes : 1));
+
+    alloc_prefer_large_pages(memory, size_bytes);
+    return memory;
 }
 
 void *xcalloc(size_t count, size_t size_bytes)
 {
-    return check(calloc(count ? count : 1, size_bytes ? size_bytes : 1));
+    void *memory = check(calloc(count ? count : 1, size_bytes ? size_bytes : 1));
+
+    alloc_prefer_large_pages(memory, count * size_bytes);
+    return memory;
 }
 
 void *xrealloc(void *memory, size_t size_bytes)

@@ -66,6 +66,7 @@ struct lattice_made lattice_make(const struct lattice_case *of)
                                                                 .stride = of->stride,
                                                                 .threshold = of->threshold,
                                                                 .has_paths = !of->is_colour_only,
+                                                                .has_edges = true,
                                                                 .guards = of->guards,
                                                                 .guard_count = of->guard_count});
     do {

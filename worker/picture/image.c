@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/picture/image.h"
 
+#include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
 
@@ -40,6 +41,9 @@ bool image_init(struct image *image, int width_px, int height_px, bool has_depth
         image_finish(image);
         return fail_memory(width_px, height_px, error);
     }
+    alloc_prefer_large_pages(image->rgba, count * 4 * sizeof *image->rgba);
+    alloc_prefer_large_pages(image->transmittance, count * 4 * sizeof *image->transmittance);
+    alloc_prefer_large_pages(image->depth, count * sizeof *image->depth);
     return true;
 }
 

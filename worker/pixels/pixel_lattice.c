@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "worker/picture/image.h"
+#include "worker/pixels/pixel_calm.h"
 #include "worker/pixels/pixel_guard.h"
 #include "worker/pixels/pixel_spread.h"
 #include "worker/pixels/voxel_guards.h"
@@ -14,10 +15,10 @@
 enum {
     REACH = 2, // points around a doubtful one that are traced, too
     RING = 2 * REACH + 1,
-    MOST_DOUBT = 255
+    MOST_DOUBT = 255,
+    ROUGH = 255
 };
 
-static const float APART = 0.02f;    // share of the smaller depth by which depths differ that are not interpolated
 static const float SURPRISE = 0.25f; // share of a point's error by which the points around it are doubted
 static const double LEAST_RMS = 1e-30;
 
@@ -29,11 +30,13 @@ struct refinement {
     int columns_before;
     int stride, columns, rows; // of the new level
     struct pixel_planes planes;
-    uint8_t *doubts;
+    uint8_t *doubts, *roughness;
     uint8_t *forced; // by pixel_guard_mark and voxel_guards_mark; NULL: there are no guards
     struct pixel_spread colour, transmittance, paths;
+    struct pixel_calm calm[2]; // of the last two rows of cells
     size_t surprise_count;     // of those of the level before: those of the rows so far
-    float *doubt, *ring[RING]; // of a row, and the largest of the points beside each, of the last rows
+    float *doubt;              // of a row, between REACH zeros
+    float *ring[RING];         // of the last rows, the largest of the points beside each
 };
 
 static int count_points(int size_px, int stride)
@@ -75,6 +78,8 @@ void pixel_lattice_init(struct pixel_lattice *lattice, const struct pixel_lattic
                                       .rows = count_points(params->image->height_px, params->stride)};
     pixel_planes_init(&lattice->planes, channels_of(params), (size_t)lattice->columns * (size_t)lattice->rows);
     lattice->doubts = xcalloc((size_t)lattice->columns * (size_t)lattice->rows, 1);
+    lattice->roughness = xmalloc((size_t)lattice->columns * (size_t)lattice->rows);
+    memset(lattice->roughness, ROUGH, (size_t)lattice->columns * (size_t)lattice->rows);
     for (int row = 0; row < lattice->rows; row++)
         for (int column = 0; column < lattice->columns; column++)
             pixel_lattice_want(lattice, (struct pixel){column * params->stride, row * params->stride}, place++);
@@ -93,6 +98,7 @@ void pixel_lattice_finish(struct pixel_lattice *lattice)
     disown(lattice);
     pixel_planes_finish(&lattice->planes);
     free(lattice->doubts);
+    free(lattice->roughness);
     free(lattice->forced);
     free(lattice->wanted);
     free(lattice->places);
@@ -168,13 +174,15 @@ static void begin(struct refinement *finer, struct pixel_lattice *lattice)
     if (finer->stride > 1) {
         pixel_planes_init(&finer->planes, channels_of(params), count);
     } else {
-        finer->planes = (struct pixel_planes){.rgba = image->rgba,
-                                              .transmittance = image->transmittance,
-                                              .paths = params->has_paths ? xmalloc(4 * count * sizeof(float)) : NULL,
-                                              .depth = image->depth,
-                                              .signatures = xmalloc(count * sizeof(uint32_t))};
+        finer->planes =
+            (struct pixel_planes){.rgba = image->rgba,
+                                  .transmittance = image->transmittance,
+                                  .paths = params->has_paths ? xmalloc(4 * count * sizeof(float)) : NULL,
+                                  .depth = image->depth,
+                                  .signatures = params->has_edges ? xmalloc(count * sizeof(uint32_t)) : NULL};
     }
     finer->doubts = xcalloc(count, 1);
+    if (finer->stride > 1) finer->roughness = xmalloc(count);
     if (params->guard_count > 0 || params->voxels) finer->forced = xcalloc(count, 1);
     for (size_t i = 0; i < params->guard_count; i++)
         pixel_guard_mark(&params->guards[i], finer->stride, finer->columns, finer->rows, finer->forced);
@@ -182,11 +190,20 @@ static void begin(struct refinement *finer, struct pixel_lattice *lattice)
     pixel_spread_init(&finer->colour, planes->rgba, lattice->columns, lattice->rows, finer->columns);
     pixel_spread_init(&finer->transmittance, planes->transmittance, lattice->columns, lattice->rows, finer->columns);
     pixel_spread_init(&finer->paths, planes->paths, lattice->columns, lattice->rows, finer->columns);
+    for (int i = 0; i < 2; i++)
+        pixel_calm_init(&finer->calm[i], &(struct pixel_calm_params){.planes = &finer->before,
+                                                                     .roughness = lattice->roughness,
+                                                                     .columns = lattice->columns,
+                                                                     .rows = lattice->rows,
+                                                                     .forced = finer->forced,
+                                                                     .finer_columns = finer->columns,
+                                                                     .finer_rows = finer->rows});
     for (int c = 0; c < 4; c++) {
         finer->colour.scale[c] = c < 3 ? scale : whole;
         finer->transmittance.scale[c] = c < 3 ? whole : 0.0f;
     }
-    finer->doubt = xmalloc((size_t)finer->columns * sizeof(float));
+    finer->doubt = xcalloc((size_t)finer->columns + 2 * REACH, sizeof(float));
+    finer->doubt += REACH;
     for (int i = 0; i < RING; i++)
         finer->ring[i] = xmalloc((size_t)finer->columns * sizeof(float));
 }
@@ -198,8 +215,10 @@ static void end(struct refinement *finer)
 
     pixel_planes_finish(&lattice->planes);
     free(lattice->doubts);
+    free(lattice->roughness);
     lattice->planes = finer->planes;
     lattice->doubts = finer->doubts;
+    lattice->roughness = finer->roughness;
     free(lattice->forced);
     lattice->forced = finer->forced;
     lattice->stride = finer->stride;
@@ -212,23 +231,27 @@ static void end(struct refinement *finer)
     pixel_spread_finish(&finer->colour);
     pixel_spread_finish(&finer->transmittance);
     pixel_spread_finish(&finer->paths);
-    free(finer->doubt);
+    for (int i = 0; i < 2; i++)
+        pixel_calm_finish(&finer->calm[i]);
+    free(finer->doubt - REACH);
     for (int i = 0; i < RING; i++)
         free(finer->ring[i]);
 }
 
-// The largest of each point and those up to REACH beside it. NaN, of light that is not finite, may be lost: the frame
-// fails anyway.
-static void widen(const float *doubt, int count, float *widened)
+// The points of a run of the new level, and `margin` beside it.
+static struct pixel_run find_points(const struct refinement *finer, struct pixel_run run, int margin)
 {
-    for (int x = 0; x < count; x++)
-        widened[x] = doubt[x];
-    for (int away = 1; away <= REACH; away++) {
-        for (int x = 0; x + away < count; x++)
-            widened[x] = most(widened[x], doubt[x + away]);
-        for (int x = away; x < count; x++)
-            widened[x] = most(widened[x], doubt[x - away]);
-    }
+    int first = 2 * run.first - margin, end = 2 * run.end + margin;
+
+    return (struct pixel_run){first > 0 ? first : 0, end < finer->columns ? end : finer->columns};
+}
+
+// The largest of each point of the new level and those up to REACH beside it. NaN, of light that is not finite, may be
+// lost: the frame fails anyway.
+static void widen(const float *doubt, struct pixel_run points, float *widened)
+{
+    for (int x = points.first; x < points.end; x++)
+        widened[x] = most(most(most(doubt[x - 2], doubt[x - 1]), most(doubt[x + 1], doubt[x + 2])), doubt[x]);
 }
 
 // The surprises of a row of the level before are in the order of its columns.
@@ -246,17 +269,46 @@ static void add_surprises(struct refinement *finer, int row)
     }
 }
 
+static const struct pixel_calm *calm_of(const struct refinement *finer, int row)
+{
+    return &finer->calm[row / 2 % 2];
+}
+
+// Cells before and between the runs, and after the last one.
+static struct pixel_run find_calm(const struct refinement *finer, const struct pixel_calm *calm, size_t i)
+{
+    return (struct pixel_run){i > 0 ? calm->runs[i - 1].end : 0,
+                              i < calm->run_count ? calm->runs[i].first : finer->columns_before};
+}
+
+static void spread_plane(const struct refinement *finer, const struct pixel_spread *spread, int row, float *plane)
+{
+    const struct pixel_calm *calm = calm_of(finer, row);
+    float *points = plane + 4 * (size_t)finer->columns * (size_t)row;
+
+    for (size_t i = 0; i <= calm->run_count; i++) {
+        pixel_spread_row_linear(spread, row, find_calm(finer, calm, i), points);
+        if (i < calm->run_count) pixel_spread_row(spread, row, calm->runs[i], points, finer->doubt);
+    }
+}
+
 static void spread_row(struct refinement *finer, int row)
 {
-    size_t at = 4 * (size_t)finer->columns * (size_t)row;
+    const struct pixel_calm *calm = calm_of(finer, row);
+    size_t size = (size_t)finer->columns * sizeof *finer->doubt;
+    float *widened = finer->ring[row % RING];
 
-    memset(finer->doubt, 0, (size_t)finer->columns * sizeof *finer->doubt);
-    pixel_spread_row(&finer->colour, row, finer->planes.rgba + at, finer->doubt);
-    if (finer->planes.transmittance)
-        pixel_spread_row(&finer->transmittance, row, finer->planes.transmittance + at, finer->doubt);
-    if (finer->planes.paths) pixel_spread_row_linear(&finer->paths, row, finer->planes.paths + at);
+    if (row % 2 == 0) pixel_calm_find(&finer->calm[row / 2 % 2], row / 2);
+    memset(finer->doubt, 0, size);
+    memset(widened, 0, size);
+    spread_plane(finer, &finer->colour, row, finer->planes.rgba);
+    if (finer->planes.transmittance) spread_plane(finer, &finer->transmittance, row, finer->planes.transmittance);
+    if (finer->planes.paths)
+        pixel_spread_row_linear(&finer->paths, row, (struct pixel_run){0, finer->columns_before},
+                                finer->planes.paths + 4 * (size_t)finer->columns * (size_t)row);
     if (row % 2 == 0) add_surprises(finer, row / 2);
-    widen(finer->doubt, finer->columns, finer->ring[row % RING]);
+    for (size_t i = 0; i < calm->run_count; i++)
+        widen(finer->doubt, find_points(finer, calm->runs[i], REACH), widened);
 }
 
 // The points of the level before around one of the new level: one, two or four of them.
@@ -270,17 +322,6 @@ static struct around find_around(const struct refinement *finer, int column, int
     size_t right = column % 2 == 1 ? 1 : 0, below = row % 2 == 1 ? columns : 0;
 
     return (struct around){{at, at + right, at + below, at + right + below}};
-}
-
-static bool is_apart(const float *depth, const struct around *around)
-{
-    float low = INFINITY, high = 0.0f;
-
-    for (int i = 0; i < 4; i++) {
-        low = depth[around->at[i]] < low ? depth[around->at[i]] : low;
-        high = most(depth[around->at[i]], high);
-    }
-    return !(high - low <= APART * low);
 }
 
 static bool is_clear(const struct pixel_planes *planes, const struct around *around)
@@ -305,51 +346,109 @@ static bool is_same(const struct pixel_planes *planes, const struct around *arou
 
     if (signatures[around->at[1]] != first || signatures[around->at[2]] != first || signatures[around->at[3]] != first)
         return false;
-    return !planes->depth || !is_apart(planes->depth, around);
+    return !planes->depth || !pixel_planes_are_apart(planes->depth[around->at[0]], planes->depth[around->at[1]],
+                                                     planes->depth[around->at[2]], planes->depth[around->at[3]]);
 }
 
-static void interpolate(const struct refinement *finer, const struct around *around, size_t place, float doubt)
+static float find_depth(const struct pixel_planes *planes, struct around around)
+{
+    return 0.25f * (planes->depth[around.at[0]] + planes->depth[around.at[1]] + planes->depth[around.at[2]] +
+                    planes->depth[around.at[3]]);
+}
+
+// `doubt`: coded.
+static void interpolate(const struct refinement *finer, const struct around *around, size_t place, uint8_t doubt)
 {
     const struct pixel_planes *planes = &finer->before;
-    float coded = doubt * (MOST_DOUBT - 1);
 
-    finer->doubts[place] = (uint8_t)(1 + (int)coded);
-    finer->planes.signatures[place] = planes->signatures[around->at[0]];
-    if (!planes->depth) return;
-    finer->planes.depth[place] = 0.25f * (planes->depth[around->at[0]] + planes->depth[around->at[1]] +
-                                          planes->depth[around->at[2]] + planes->depth[around->at[3]]);
+    finer->doubts[place] = doubt;
+    if (finer->roughness) finer->roughness[place] = doubt;
+    if (finer->planes.signatures) finer->planes.signatures[place] = planes->signatures[around->at[0]];
+    if (planes->depth) finer->planes.depth[place] = find_depth(planes, *around);
 }
 
-static void keep(const struct refinement *finer, size_t from, size_t place)
+static void keep(const struct refinement *finer, size_t from, size_t place, uint8_t roughness)
 {
     finer->doubts[place] = finer->doubts_before[from];
-    finer->planes.signatures[place] = finer->before.signatures[from];
+    if (finer->roughness) finer->roughness[place] = roughness;
+    if (finer->planes.signatures) finer->planes.signatures[place] = finer->before.signatures[from];
     if (finer->before.depth) finer->planes.depth[place] = finer->before.depth[from];
 }
 
-// Decides which points of a row are traced: also those of the level before that were interpolated there and are
+static uint8_t code_doubt(float doubt)
+{
+    return doubt <= 1.0f ? (uint8_t)(1 + (int)(doubt * (MOST_DOUBT - 1))) : ROUGH;
+}
+
+// Decides which points of a run are traced: also those of the level before that were interpolated there and are
 // doubtful here. The rows up to REACH after it have been spread.
-static void decide_row(struct refinement *finer, int row)
+static void decide(const struct refinement *finer, int row, struct pixel_run run)
 {
     const struct refinement here = *finer; // which compilers know not to change when a doubt is stored
     size_t first = (size_t)row * (size_t)finer->columns;
     int top = row > REACH ? row - REACH : 0, bottom = row + REACH < finer->rows ? row + REACH : finer->rows - 1;
+    const struct pixel_run points = find_points(finer, run, 0);
     float *doubt = finer->doubt;
 
-    memcpy(doubt, finer->ring[top % RING], (size_t)finer->columns * sizeof *doubt);
+    memcpy(doubt + points.first, finer->ring[top % RING] + points.first,
+           (size_t)(points.end - points.first) * sizeof *doubt);
     for (int y = top + 1; y <= bottom; y++)
-        for (int x = 0; x < finer->columns; x++)
+        for (int x = points.first; x < points.end; x++)
             doubt[x] = most(finer->ring[y % RING][x], doubt[x]);
-    for (int x = 0; x < here.columns; x++) {
+    for (int x = points.first; x < points.end; x++) {
         struct around around = find_around(&here, x, row);
         size_t place = first + (size_t)x;
 
-        if (x % 2 == 0 && row % 2 == 0 && (here.doubts_before[around.at[0]] == 0 || doubt[x] <= 1.0f))
-            keep(&here, around.at[0], place);
-        else if (!(doubt[x] <= 1.0f) || is_forced(&here, place, &around) || !is_same(&here.before, &around))
+        if (x % 2 == 0 && row % 2 == 0 && (here.doubts_before[around.at[0]] == 0 || doubt[x] <= 1.0f)) {
+            keep(&here, around.at[0], place, code_doubt(doubt[x]));
+        } else if (!(doubt[x] <= 1.0f) || is_forced(&here, place, &around) || !is_same(&here.before, &around)) {
             pixel_lattice_want(here.lattice, (struct pixel){x * here.stride, row * here.stride}, place);
-        else
-            interpolate(&here, &around, place, doubt[x]);
+            if (here.roughness) here.roughness[place] = ROUGH;
+        } else {
+            interpolate(&here, &around, place, code_doubt(doubt[x]));
+        }
+    }
+}
+
+// Half the stride quarters what a smooth picture bends.
+static uint8_t ease(uint8_t roughness)
+{
+    return (uint8_t)((roughness + 3) / 4);
+}
+
+static void glide(const struct refinement *finer, int row, struct pixel_run run)
+{
+    const struct refinement here = *finer;
+    size_t from = (size_t)(row / 2) * (size_t)here.columns_before, to = (size_t)row * (size_t)here.columns;
+    const uint8_t *roughness = here.lattice->roughness + from, *doubts = here.doubts_before + from;
+    const uint32_t *signatures = here.before.signatures + from;
+    const struct pixel_run points = find_points(finer, run, 0);
+
+    for (int cell = run.first; cell < run.end; cell++) {
+        size_t at = to + 2 * (size_t)cell;
+        bool has_right = 2 * cell + 1 < here.columns;
+        uint8_t eased = ease(roughness[cell]);
+
+        if (2 * cell == here.columns) break;
+        here.doubts[at] = row % 2 == 0 ? doubts[cell] : eased;
+        if (has_right) here.doubts[at + 1] = eased;
+        if (here.roughness) here.roughness[at] = eased;
+        if (here.roughness && has_right) here.roughness[at + 1] = eased;
+        if (here.planes.signatures) here.planes.signatures[at] = signatures[cell];
+        if (here.planes.signatures && has_right) here.planes.signatures[at + 1] = signatures[cell];
+    }
+    if (!here.planes.depth) return;
+    for (int x = points.first; x < points.end; x++)
+        here.planes.depth[to + (size_t)x] = find_depth(&here.before, find_around(&here, x, row));
+}
+
+static void decide_row(const struct refinement *finer, int row)
+{
+    const struct pixel_calm *calm = calm_of(finer, row);
+
+    for (size_t i = 0; i <= calm->run_count; i++) {
+        glide(finer, row, find_calm(finer, calm, i));
+        if (i < calm->run_count) decide(finer, row, calm->runs[i]);
     }
 }
 

@@ -20,6 +20,7 @@ struct pixel_lattice_params {
     double threshold; // a pixel is traced where the picture bends more (pixel_spread.h): colours relative to the RMS of
                       // the picture, alpha and transmittance as they are
     bool has_paths;
+    bool has_edges;                   // signatures are kept at stride 1, for pixel_edges_find
     const struct pixel_guard *guards; // borrowed; outlive the lattice
     size_t guard_count;
     const struct voxel_guards *voxels; // borrowed; outlive the lattice; NULL: none
@@ -39,8 +40,9 @@ struct pixel_lattice {
     struct pixel_planes planes; // owned, except those of the image at stride 1
     uint8_t *forced; // owned: by pixel_guard_mark and voxel_guards_mark; NULL where there are no guards, and at first
     uint8_t *doubts; // owned: 0: traced; else how doubtful the interpolation is, 255: as much as may be
-    double rms;      // of the colours of the first level
-    size_t traced;   // pixels of the picture that were traced, or are wanted
+    uint8_t *roughness; // owned: as pixel_calm_params has it; NULL at stride 1
+    double rms;         // of the colours of the first level
+    size_t traced;      // pixels of the picture that were traced, or are wanted
     // Points that are to be traced, in the order of rows, and where they are in `planes`. Owned.
     struct pixel *wanted;
     uint32_t *places;
@@ -62,6 +64,7 @@ void pixel_lattice_give(struct pixel_lattice *lattice, const struct pixel_planes
 // A point is traced where the interpolation is doubtful at it or at one of the points up to two away, where the points
 // that it lies between differ in their signature or by a fiftieth of their depth, and where a guard asks for it; one of
 // the level before that was interpolated there where its interpolation is doubtful on this one. All others are
-// interpolated: colours, alpha and transmittance as in pixel_spread.h, depth and paths linearly. Adaptive
+// interpolated: colours, alpha and transmittance as in pixel_spread.h, depth and paths linearly. Where the picture is
+// calm (pixel_calm.h) no ray is asked for, so all is interpolated linearly there. Adaptive
 // refinement in the image plane: M. Levoy, Volume rendering by adaptive refinement, The Visual Computer 6(1), 1990.
 bool pixel_lattice_refine(struct pixel_lattice *lattice);

@@ -41,5 +41,5 @@ void pixel_planes_copy(const struct pixel_planes *planes, size_t to, const struc
     copy(planes->transmittance, to, other->transmittance, from, 4);
     copy(planes->paths, to, other->paths, from, 4);
     copy(planes->depth, to, other->depth, from, 1);
-    planes->signatures[to] = other->signatures[from];
+    if (planes->signatures) planes->signatures[to] = other->signatures[from];
 }

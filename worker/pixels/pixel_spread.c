@@ -61,14 +61,15 @@ static const float *row_of(const struct pixel_spread *spread, int row)
     return spread->values + 4 * (size_t)spread->columns * (size_t)row;
 }
 
-// Interpolates down the columns, between rows `y` and `y` + 1 of the lattice.
-static void spread_down(const struct pixel_spread *spread, int y)
+// Interpolates down the columns of a run and those that its cubics take, between rows `y` and `y` + 1 of the lattice.
+static void spread_down(const struct pixel_spread *spread, int y, struct pixel_run run)
 {
+    int first = run.first > 0 ? run.first - 1 : 0, end = run.end + 2 < spread->columns ? run.end + 2 : spread->columns;
     bool has_a = y > 0, has_d = y + 2 < spread->rows;
     const float *b = row_of(spread, y), *c = row_of(spread, y + 1);
     const float *a = has_a ? row_of(spread, y - 1) : b, *d = has_d ? row_of(spread, y + 2) : c;
 
-    for (size_t i = 0; i < 4 * (size_t)spread->columns; i += 4) {
+    for (size_t i = 4 * (size_t)first; i < 4 * (size_t)end; i += 4) {
         struct between between =
             has_a && has_d ? find_between_four(four_load(a + i), four_load(b + i), four_load(c + i), four_load(d + i))
                            : find_between_at_edge(four_load(a + i), four_load(b + i), four_load(c + i),
@@ -100,36 +101,46 @@ static struct between find_between(const float *row, int column, int columns)
                                 has_d ? four_load(b + 8) : four_load(b + 4), has_a, has_d);
 }
 
-void pixel_spread_row(const struct pixel_spread *spread, int row, float *finer, float *doubt)
+// The column after a run's last point of the finer lattice.
+static int find_end(const struct pixel_spread *spread, struct pixel_run run)
+{
+    return 2 * run.end < spread->finer_columns ? 2 * run.end : spread->finer_columns;
+}
+
+void pixel_spread_row(const struct pixel_spread *spread, int row, struct pixel_run run, float *finer, float *doubt)
 {
     bool is_between = row % 2 == 1;
+    int end = find_end(spread, run);
     const float *cubic = is_between ? spread->cubic : row_of(spread, row / 2);
     four scale = four_load(spread->scale);
 
-    if (is_between) spread_down(spread, row / 2);
-    for (int x = 0; x < spread->finer_columns; x += 2) {
+    if (is_between) spread_down(spread, row / 2, run);
+    for (int x = 2 * run.first; x < end; x += 2) {
         size_t at = 2 * (size_t)x;
         struct between between;
 
         four_store(finer + 2 * at, four_load(cubic + at));
         if (doubt && is_between) note(&doubt[x], find_doubt(four_load(spread->bend + at), scale));
-        if (x + 1 == spread->finer_columns) break;
+        if (x + 1 == end) break;
         between = find_between(cubic, x / 2, spread->columns);
         four_store(finer + 2 * at + 4, between.cubic);
         if (doubt) note(&doubt[x + 1], find_doubt(between.bend, scale));
     }
 }
 
-void pixel_spread_row_linear(const struct pixel_spread *spread, int row, float *finer)
+void pixel_spread_row_linear(const struct pixel_spread *spread, int row, struct pixel_run run, float *finer)
 {
     const float *upper = row_of(spread, row / 2), *lower = row % 2 == 1 ? row_of(spread, row / 2 + 1) : upper;
+    int end = find_end(spread, run);
+    size_t at = 4 * (size_t)run.first;
+    four here, next = 0.5f * (four_load(upper + at) + four_load(lower + at));
 
-    for (int x = 0; x < spread->finer_columns; x += 2) {
-        size_t at = 2 * (size_t)x;
-        four here = 0.5f * (four_load(upper + at) + four_load(lower + at));
-
+    for (int x = 2 * run.first; x < end; x += 2) {
+        at = 2 * (size_t)x;
+        here = next;
         four_store(finer + 2 * at, here);
-        if (x + 1 == spread->finer_columns) break;
-        four_store(finer + 2 * at + 4, 0.5f * (here + 0.5f * (four_load(upper + at + 4) + four_load(lower + at + 4))));
+        if (x + 1 == end) break;
+        next = 0.5f * (four_load(upper + at + 4) + four_load(lower + at + 4));
+        four_store(finer + 2 * at + 4, 0.5f * (here + next));
     }
 }

@@ -162,8 +162,8 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
     struct scene_guards guards;
     struct voxel_guards voxels;
     struct pixel_lattice lattice;
+    bool ok, has_edges = drawing->passes->count > 1 && drawing->passes->are_still;
     int level_count = 2; // the last one is that of edges
-    bool ok;
 
     for (int stride = quality->pixels.stride; stride > 1; stride /= 2)
         level_count++;
@@ -176,11 +176,12 @@ bool sparse_drawing_run(struct sparse_drawing *sparse, struct ray_counts *counts
                                                                 .stride = quality->pixels.stride,
                                                                 .threshold = quality->pixels.threshold,
                                                                 .has_paths = sparse->has_paths,
+                                                                .has_edges = has_edges,
                                                                 .guards = guards.list,
                                                                 .guard_count = guards.count,
                                                                 .voxels = voxels.strides ? &voxels : NULL});
     sparse->traced = 0.0;
-    if (drawing->passes->count > 1 && drawing->passes->are_still) {
+    if (has_edges) {
         ok = draw_centres(sparse, &lattice, &progress, error);
     } else {
         ok = draw_levels(sparse, &lattice, &progress, error);

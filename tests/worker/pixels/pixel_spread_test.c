@@ -31,7 +31,7 @@ static void sample(struct stand *stand, int columns, int rows, picture *at)
         stand->values[i] = (float)at(i / 4 % columns, i / 4 / columns, i % 4); // NOLINT(bugprone-integer-division)
 }
 
-static void spread(struct stand *stand, bool is_linear)
+static void spread_run(struct stand *stand, struct pixel_run run, bool is_linear)
 {
     struct pixel_spread by;
 
@@ -42,11 +42,16 @@ static void spread(struct stand *stand, bool is_linear)
         float *finer = stand->finer + (size_t)row * (size_t)stand->finer_columns * 4;
 
         if (is_linear)
-            pixel_spread_row_linear(&by, row, finer);
+            pixel_spread_row_linear(&by, row, run, finer);
         else
-            pixel_spread_row(&by, row, finer, stand->doubt + (size_t)row * (size_t)stand->finer_columns);
+            pixel_spread_row(&by, row, run, finer, stand->doubt + (size_t)row * (size_t)stand->finer_columns);
     }
     pixel_spread_finish(&by);
+}
+
+static void spread(struct stand *stand, bool is_linear)
+{
+    spread_run(stand, (struct pixel_run){0, stand->columns}, is_linear);
 }
 
 static double finer_at(const struct stand *stand, int x, int y, int c)
