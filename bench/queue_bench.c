@@ -27,12 +27,12 @@ static void print_row(const char *what, double seconds, const char *target)
     printf("%-54s %9.3f %12.0f   %s\n", what, seconds, FRAME_COUNT / seconds, target);
 }
 
-static void add_job(struct queue *queue, int64_t id, const char *frames)
+static void add_job(struct queue *queue, int64_t id, int64_t owner, const char *frames)
 {
     struct frame_range range = {0};
 
     if (!frame_range_parse(&range, frames, NULL)) abort();
-    queue_add_job(queue, id, &range, 50, false);
+    queue_add_job(queue, &(struct queue_job_params){.id = id, .owner_uid = owner, .frames = &range, .priority = 50});
 }
 
 // Takes and publishes every frame, as the daemon does.
@@ -41,10 +41,10 @@ static void run_all(struct queue *queue, double frame_s)
     struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
     struct estimate estimate = {0};
 
-    for (struct queue_job *job; (job = queue_next_job(queue));) {
+    for (struct queue_job *job; (job = queue_choose_job(queue, NULL));) {
         const struct dispatch_load load = {
             .frame_s = estimate_median_s(&estimate), .left = job->counts[FRAME_QUEUED], .workers = WORKERS};
-        size_t count = queue_take(queue, 1, tickets, dispatch_count(&load));
+        size_t count = queue_take(job, 1, tickets, dispatch_count(&load));
 
         for (size_t i = 0; i < count; i++) {
             if (!queue_begin_publish(queue, &tickets[i])) abort();
@@ -60,7 +60,7 @@ static void measure(const char *what, const char *frames, double frame_s)
     struct queue *queue = queue_create(MAX_ATTEMPTS);
     double start;
 
-    add_job(queue, 1, frames);
+    add_job(queue, 1, 0, frames);
     start = clock_now_s();
     run_all(queue, frame_s);
     print_row(what, clock_now_s() - start, ">= 500000/s");
@@ -74,9 +74,11 @@ static void measure_retries(void)
     struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
     double start;
 
-    add_job(queue, 1, "0-999999");
+    add_job(queue, 1, 0, "0-999999");
     start = clock_now_s();
-    for (size_t count; (count = queue_take(queue, 1, tickets, DISPATCH_CHUNK_LIMIT)) > 0;) {
+    for (struct queue_job *job; (job = queue_choose_job(queue, NULL));) {
+        size_t count = queue_take(job, 1, tickets, DISPATCH_CHUNK_LIMIT);
+
         for (size_t i = 0; i < count; i++)
             if (tickets[i].attempt < MAX_ATTEMPTS)
                 queue_fail(queue, &tickets[i], false, NULL);
@@ -96,7 +98,7 @@ static void measure_jobs(void)
     char what[80];
 
     for (int64_t id = 1; id <= JOBS; id++)
-        add_job(queue, id, "0-9");
+        add_job(queue, id, 0, "0-9");
     run_all(queue, 0.001);
     snprintf(what, sizeof what, "%d jobs of %d frames, adding included", JOBS, FRAME_COUNT / JOBS);
     print_row(what, clock_now_s() - start, ">= 500000/s");
@@ -113,8 +115,8 @@ static void measure_memory(void)
     if (!tickets) abort();
     memset(tickets, 1, FRAME_COUNT * sizeof tickets[0]);
     before_mib = resident_mib();
-    add_job(queue, 1, "0-999999");
-    if (queue_take(queue, 1, tickets, FRAME_COUNT) != FRAME_COUNT) abort();
+    add_job(queue, 1, 0, "0-999999");
+    if (queue_take(queue_first_job(queue), 1, tickets, FRAME_COUNT) != FRAME_COUNT) abort();
     for (size_t i = 0; i < FRAME_COUNT; i++)
         queue_return(queue, &tickets[i]);
     mib = resident_mib() - before_mib;

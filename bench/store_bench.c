@@ -124,7 +124,9 @@ static bool on_job(void *user, const struct store_job *job, struct error *error)
     struct frame_range range = {0};
 
     if (!frame_range_parse(&range, job->id == 1 ? "0-999999" : "0", error)) return false;
-    restart->job = queue_add_job(restart->queue, job->id, &range, job->priority, job->is_paused);
+    restart->job = queue_add_job(
+        restart->queue, &(struct queue_job_params){
+                            .id = job->id, .frames = &range, .priority = job->priority, .is_paused = job->is_paused});
     return true;
 }
 

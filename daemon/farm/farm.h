@@ -39,7 +39,8 @@ struct farm {
     int64_t epoch;
     int64_t next_job_id;
     int64_t next_plan_number;
-    int64_t started_ms; // unix time
+    int64_t started_ms;       // unix time
+    int64_t shares_stored_ms; // monotonic; when the owners' use was stored last
     struct rights rights;
     struct plan_desk desk; // owned; the plans that are being made
     bool wants_feed;       // a worker may take frames: they are assigned at the end of the iteration

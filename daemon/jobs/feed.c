@@ -110,24 +110,88 @@ static void add_load(struct farm *farm, const struct in_flight *in_flight, int64
     }
 }
 
-// False when the worker has enough frames, or none can be assigned.
-static bool feed_worker(struct farm *farm, struct worker_process *worker, int workers)
+// Tells the worker to give back the frames of `job` that it has not begun.
+static void recall(struct worker_process *worker, int64_t job)
 {
-    struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
-    const struct queue_job *next = queue_next_job(farm->queue);
-    struct job_record *record;
-    struct dispatch_load load;
+    bool is_told = true;
+
+    for (size_t i = 0; i < worker->in_flight.count; i++) {
+        struct in_flight_frame *frame = &worker->in_flight.frames[i];
+
+        if (frame->ticket.job != job || frame->is_started || frame->is_recalled) continue;
+        frame->is_recalled = true;
+        is_told = false;
+    }
+    if (!is_told) worker_process_drop_job(worker, job, false);
+}
+
+// Frames in hand do not keep a job waiting that comes before theirs.
+static void recall_for(struct farm *farm, struct worker_process *worker, const struct turns_seat *seat,
+                       const struct queue_job *next)
+{
+    for (size_t i = 0; i < worker->in_flight.count; i++) {
+        const struct in_flight_frame *frame = &worker->in_flight.frames[i];
+        const struct queue_job *job = queue_find_job(farm->queue, frame->ticket.job);
+
+        if (job && job != next && !frame->is_started && !frame->is_recalled &&
+            turns_outranks(queue_turns(farm->queue), seat, &next->turn, &job->turn))
+            recall(worker, job->id);
+    }
+}
+
+// The job whose turn it is, and whether the worker can serve it; NULL: none.
+static struct queue_job *choose(struct farm *farm, int index, enum worker_fit *fit)
+{
+    const struct turns_seat *seat = worker_pool_seat(farm->pool, index);
+    struct queue_job *next;
+
+    while ((next = queue_choose_job(farm->queue, seat))) {
+        *fit = worker_pool_prepare(farm->pool, index, next);
+        if (*fit != WORKER_COVERED) break;
+        turns_cover(queue_turns(farm->queue), &next->turn);
+    }
+    return next;
+}
+
+static size_t count_to_assign(struct farm *farm, const struct worker_process *worker, const struct queue_job *next,
+                              int workers)
+{
+    struct job_record *record = job_table_find(&farm->jobs, next->id);
+    struct dispatch_load load = {.frame_s = estimate_median_s(&record->estimate),
+                                 .skip_run = record->estimate.skip_run,
+                                 .skip_s = (double)record->estimate.skip_s,
+                                 .left = next->counts[FRAME_QUEUED],
+                                 .workers = workers};
     size_t count;
 
-    if (!next || !worker_pool_prepare(farm->pool, worker, next)) return false;
-    record = job_table_find(&farm->jobs, next->id);
-    load = (struct dispatch_load){
-        .frame_s = estimate_median_s(&record->estimate), .left = next->counts[FRAME_QUEUED], .workers = workers};
     add_load(farm, &worker->in_flight, next->id, &load);
     count = dispatch_count(&load);
-    if (count == 0) return false;
-    if (count > DISPATCH_CHUNK_LIMIT) count = DISPATCH_CHUNK_LIMIT;
-    count = queue_take(farm->queue, (uint16_t)worker->id, tickets, count);
+    return count < DISPATCH_CHUNK_LIMIT ? count : DISPATCH_CHUNK_LIMIT;
+}
+
+// False when the worker has enough frames, or none can be assigned.
+static bool feed_worker(struct farm *farm, int index, int workers)
+{
+    struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
+    struct turns_seat *seat = worker_pool_seat(farm->pool, index);
+    struct worker_process *worker = worker_pool_ready_at(farm->pool, index);
+    struct queue_job *next;
+    enum worker_fit fit = WORKER_COVERED;
+    size_t count = 0;
+
+    if (!worker) return false;
+    worker->next_job = 0;
+    next = choose(farm, index, &fit);
+    if (!next && worker->in_flight.count == 0) turns_stand(queue_turns(farm->queue), seat);
+    if (!next || fit == WORKER_CHANGES) return false;
+    if (fit == WORKER_FITS) count = count_to_assign(farm, worker, next, workers);
+    if (count == 0) {
+        recall_for(farm, worker, seat, next);
+        return false;
+    }
+    worker_pool_charge(farm->pool, index);
+    turns_sit(queue_turns(farm->queue), seat, &next->turn, false);
+    count = queue_take(next, (uint16_t)worker->id, tickets, count);
     if (count > 0) assign(farm, worker, tickets, count);
     return count > 0;
 }
@@ -136,10 +200,22 @@ void feed_workers(struct farm *farm)
 {
     int workers = worker_pool_ready_count(farm->pool);
 
-    for (int i = 0; i < worker_pool_slot_count(farm->pool); i++) {
-        struct worker_process *worker = worker_pool_ready_at(farm->pool, i);
-
-        while (worker && feed_worker(farm, worker, workers)) {
+    turns_advance(queue_turns(farm->queue), farm_now_ms(farm));
+    for (int i = 0; i < worker_pool_slot_count(farm->pool); i++)
+        while (feed_worker(farm, i, workers)) {
         }
+    turns_uncover(queue_turns(farm->queue));
+}
+
+void feed_note_rendering(struct worker_process *worker, struct job_record *record)
+{
+    size_t count = 0;
+
+    for (size_t i = 0; i < worker->in_flight.count; i++) {
+        const struct in_flight_frame *frame = &worker->in_flight.frames[i];
+
+        count += frame->ticket.job == record->id && !frame->is_started && !frame->is_recalled;
     }
+    estimate_end_skips(&record->estimate);
+    if (dispatch_is_overfull(estimate_median_s(&record->estimate), count)) recall(worker, record->id);
 }

@@ -7,6 +7,7 @@
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/events.h"
+#include "daemon/jobs/feed.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/plan_life.h"
 #include "daemon/output/publisher.h"
@@ -214,7 +215,7 @@ static void note_skipped(struct farm *farm, struct worker_process *worker, const
                                       .accuracy = report->accuracy};
 
     worker->done++;
-    estimate_add(&record->estimate, pace_answer(&worker->pace, record->id, uv_hrtime(), NULL));
+    estimate_add_skip(&record->estimate, pace_answer(&worker->pace, record->id, uv_hrtime(), NULL));
     if (queue_skip(farm->queue, &frame->ticket)) {
         note_accuracy(&request);
         farm_store(farm, publish_request_format_op(&request, FRAME_SKIPPED));
@@ -287,6 +288,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         return;
     case WORKER_REPORT_PHASE:
         note_phase(farm, record, frame, report->phase, report->phase_progress);
+        feed_note_rendering(worker, record);
         return;
     case WORKER_REPORT_PLAN_WANTED:
     case WORKER_REPORT_PLAN_MADE:
@@ -294,6 +296,7 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
         return;
     case WORKER_REPORT_RENDERED:
         in_flight_mark_rendered(&worker->in_flight, frame);
+        feed_note_rendering(worker, record);
         farm_want_feed(farm);
         return;
     case WORKER_REPORT_FINISHED:

@@ -34,6 +34,31 @@ static void write_time(struct json_writer *writer, const char *key, int64_t unix
         json_write_null(writer);
 }
 
+// What its owner used of the farm for their weight.
+static double find_use(const struct queue_job *job)
+{
+    return job->turn.owner->used_s / job->turn.owner->weight;
+}
+
+// Who is before the job, which is not the next one.
+static char *format_turn(const struct farm *farm, const struct job_record *record, const struct queue_job *next)
+{
+    const struct queue_job *queued = record->queued, *own = queue_first_of_lane(queued);
+    const struct job_record *other;
+
+    if (own != queued) return xasprintf("waits behind job %lld (priority %d)", (long long)own->id, own->priority);
+    if (next->turn.owner == queued->turn.owner)
+        return xasprintf("waits behind job %lld (priority %d)", (long long)next->id, next->priority);
+    other = job_table_find(&farm->jobs, next->id);
+    if (next->priority != queued->priority)
+        return xasprintf("waits behind job %lld of %s (priority %d)", (long long)next->id, other->owner,
+                         next->priority);
+    if (find_use(next) < find_use(queued))
+        return xasprintf("waits behind job %lld of %s, who has used less of the farm lately", (long long)next->id,
+                         other->owner);
+    return xasprintf("waits behind job %lld of %s, whose turn it is", (long long)next->id, other->owner);
+}
+
 static char *reason_to_wait(const struct farm *farm, const struct job_record *record)
 {
     const struct queue_job *next;
@@ -42,10 +67,8 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
     if (record->queued->counts[FRAME_QUEUED] == 0 || record->queued->counts[FRAME_RUNNING] > 0) return NULL;
     trouble = worker_pool_format_trouble(farm->pool);
     if (trouble) return trouble;
-    next = queue_next_job(farm->queue);
-    if (next && next != record->queued)
-        return xasprintf("waits behind job %lld (priority %d)", (long long)next->id, next->priority);
-    return xstrdup("waits for a free worker");
+    next = queue_choose_job(farm->queue, NULL);
+    return next && next != record->queued ? format_turn(farm, record, next) : xstrdup("waits for a free worker");
 }
 
 // Why the job waits, is paused or failed, or what is wrong with its files; NULL: no reason. Owned by the caller.
@@ -88,21 +111,47 @@ static double find_own_eta_s(const struct farm *farm, struct job_record *record)
     return estimate_eta_s(&record->estimate, frame_range_count(&queued->frames), left, workers > 0 ? workers : 1);
 }
 
-// With the jobs in front of it, whose frames all workers take first. Negative: unknown.
+// The jobs of one owner, of the same priority as the job whose end is estimated.
+struct rival {
+    const struct turns_owner *owner;
+    double seconds; // infinite: unknown
+};
+
+static struct rival *find_rival(struct rival **rivals, size_t *count, size_t *capacity, const struct turns_owner *owner)
+{
+    for (size_t i = 0; i < *count; i++)
+        if ((*rivals)[i].owner == owner) return &(*rivals)[i];
+    *rivals = xgrow(*rivals, capacity, *count + 1, sizeof **rivals);
+    (*rivals)[*count] = (struct rival){.owner = owner};
+    return &(*rivals)[(*count)++];
+}
+
+// With the jobs in front of it, whose frames all workers take first, and with those of other owners beside it, who get
+// their shares meanwhile. Negative: unknown.
 static double find_eta_s(const struct farm *farm, struct job_record *record)
 {
     const struct queue_job *queued = record->queued, *job = NULL;
-    double eta_s = find_own_eta_s(farm, record);
+    double eta_s = find_own_eta_s(farm, record), beside_s = 0;
+    struct rival *rivals = NULL;
+    size_t count = 0, capacity = 0;
 
-    if (eta_s >= 0 && queued->counts[FRAME_QUEUED] > 0 && !queued->is_paused) job = queue_next_job(farm->queue);
-    for (; eta_s >= 0 && job && job != queued; job = job->next) {
-        double other_s = 0;
+    if (eta_s >= 0 && queued->counts[FRAME_QUEUED] > 0 && !queued->is_paused) job = queue_first_job(farm->queue);
+    for (; eta_s >= 0 && job && job->priority >= queued->priority; job = job->next) {
+        double other_s;
 
-        if (queue_job_is_live(job) && !job->is_paused)
-            other_s = find_own_eta_s(farm, job_table_find(&farm->jobs, job->id));
-        eta_s = other_s >= 0 ? eta_s + other_s : -1;
+        if (job == queued || !job->turn.is_ready ||
+            (job->turn.owner == queued->turn.owner && job->priority == queued->priority && job->id > queued->id))
+            continue;
+        other_s = find_own_eta_s(farm, job_table_find(&farm->jobs, job->id));
+        if (job->priority == queued->priority && job->turn.owner != queued->turn.owner)
+            find_rival(&rivals, &count, &capacity, job->turn.owner)->seconds += other_s >= 0 ? other_s : HUGE_VAL;
+        else
+            eta_s = other_s >= 0 ? eta_s + other_s : -1;
     }
-    return eta_s;
+    for (size_t i = 0; i < count; i++)
+        beside_s += fmin(rivals[i].seconds, eta_s * rivals[i].owner->weight / queued->turn.owner->weight);
+    free(rivals);
+    return eta_s >= 0 ? eta_s + beside_s : -1;
 }
 
 static void write_pace(const struct farm *farm, struct job_record *record, struct json_writer *writer)

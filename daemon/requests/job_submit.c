@@ -14,6 +14,7 @@
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/output/output_claims.h"
 #include "daemon/requests/request.h"
@@ -314,7 +315,12 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->frame_pixels = submit->frame_pixels;
     memcpy(record->hash, submit->hash, sizeof record->hash);
     record->tolerance = submit->tolerance;
-    record->queued = queue_add_job(farm->queue, row->id, &submit->frames, row->priority, row->is_paused);
+    record->queued = queue_add_job(farm->queue, &(struct queue_job_params){.id = row->id,
+                                                                           .owner_uid = row->owner_uid,
+                                                                           .frames = &submit->frames,
+                                                                           .priority = row->priority,
+                                                                           .is_paused = row->is_paused});
+    shares_set_weight(farm, row->owner_uid, record->owner);
     record->sent_state = JOB_STATE_COUNT;
     if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);
     row->name = row->owner = row->root = NULL;

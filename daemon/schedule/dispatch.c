@@ -8,6 +8,8 @@
 // The share of time that assignments may cost: a fifth of the 1 % that all overhead of the farm may cost.
 #define OVERHEAD_SHARE 0.002
 
+static const double SHORTEST_S = 1e-6;
+
 static size_t chunk_for_overhead(double frame_s, double overhead_s)
 {
     double chunk = ceil(overhead_s / (OVERHEAD_SHARE * frame_s));
@@ -16,16 +18,30 @@ static size_t chunk_for_overhead(double frame_s, double overhead_s)
     return chunk < DISPATCH_CHUNK_LIMIT ? (size_t)chunk : DISPATCH_CHUNK_LIMIT;
 }
 
+static size_t find_chunk(const struct dispatch_load *load)
+{
+    double overhead_s = load->overhead_s > 0 ? load->overhead_s : DEFAULT_OVERHEAD_S;
+    size_t chunk;
+
+    if (load->skip_run == 0) return load->frame_s > 0 ? chunk_for_overhead(load->frame_s, overhead_s) : 1;
+    chunk = chunk_for_overhead(fmax(load->skip_s, SHORTEST_S), overhead_s);
+    return chunk / 2 > load->skip_run ? 2 * load->skip_run : chunk;
+}
+
+bool dispatch_is_overfull(double frame_s, size_t count)
+{
+    return count > 2 * (frame_s > 0 ? chunk_for_overhead(frame_s, DEFAULT_OVERHEAD_S) : 1);
+}
+
 size_t dispatch_count(const struct dispatch_load *load)
 {
     int64_t share;
-    size_t chunk = 1;
+    size_t chunk;
     double in_flight;
 
     assert(load->workers >= 1);
     if (load->left <= 0) return 0;
-    if (load->frame_s > 0)
-        chunk = chunk_for_overhead(load->frame_s, load->overhead_s > 0 ? load->overhead_s : DEFAULT_OVERHEAD_S);
+    chunk = find_chunk(load);
     // A chunk is at most half of an equal share of what is left, so that chunks shrink and all workers end together.
     share = (load->left + 2 * (int64_t)load->workers - 1) / (2 * (int64_t)load->workers);
     if ((int64_t)chunk > share) chunk = (size_t)share;

@@ -17,6 +17,7 @@ void estimate_add(struct estimate *estimate, double seconds)
     estimate->next = (uint8_t)((estimate->next + 1) % ESTIMATE_RECENT);
     if (estimate->count < ESTIMATE_RECENT) estimate->count++;
     estimate->is_current = false;
+    estimate->skip_run = 0;
 }
 
 // The mean of the first values, then one that moves by a sixteenth.
@@ -48,6 +49,18 @@ void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_
     if (!(seconds >= 0 && seconds < LONGEST_S) || frame_count <= 0) return;
     estimate->plan_s = move_mean(estimate->plan_s, seconds, &estimate->plan_count);
     if (frame_count > estimate->planned_count) estimate->planned_count = frame_count; // the last segment may be short
+}
+
+void estimate_add_skip(struct estimate *estimate, double seconds)
+{
+    if (!(seconds >= 0 && seconds < LONGEST_S)) return;
+    estimate->skip_s = move_mean(estimate->skip_s, seconds, &estimate->skip_count);
+    if (estimate->skip_run < UINT32_MAX) estimate->skip_run++;
+}
+
+void estimate_end_skips(struct estimate *estimate)
+{
+    estimate->skip_run = 0;
 }
 
 size_t estimate_count(const struct estimate *estimate)

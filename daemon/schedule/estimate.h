@@ -20,7 +20,9 @@ struct estimate {
     double carried;        // frames of weight 1 that are left over, for those that are done had less
     float plan_s;          // a plan
     int64_t planned_count; // frames of a segment, which one plan serves
-    uint8_t pace_count, plan_count;
+    uint8_t pace_count, plan_count, skip_count;
+    float skip_s;      // a skipped frame
+    uint32_t skip_run; // frames that were skipped since one was rendered
 };
 
 void estimate_add(struct estimate *estimate, double seconds); // of one frame; ignored unless in [0, 1e9)
@@ -32,6 +34,9 @@ void estimate_add_pace(struct estimate *estimate, double seconds, double weight)
 void estimate_add_first(struct estimate *estimate, double seconds, double told_s, double weight);
 // Seconds that a worker planned for so many frames. Ignored likewise, and with 0 frames.
 void estimate_add_plan(struct estimate *estimate, double seconds, int64_t frame_count);
+// Seconds until a frame was skipped, for its file is there: nothing is learnt about frames that are rendered.
+void estimate_add_skip(struct estimate *estimate, double seconds);
+void estimate_end_skips(struct estimate *estimate);     // a frame is being rendered
 size_t estimate_count(const struct estimate *estimate); // number of durations, at most ESTIMATE_RECENT
 double estimate_median_s(struct estimate *estimate);    // 0: no durations
 // Seconds until `workers` have done the last `left` (queued and running) of `total` frames, in order, with the plans of

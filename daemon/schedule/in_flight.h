@@ -12,6 +12,7 @@
 struct in_flight_frame {
     struct queue_ticket ticket;
     bool is_started;
+    bool is_recalled; // its worker is told to give it back
     bool is_rendered; // it is rendered and being encoded
     enum frame_phase phase;
     double phase_progress; // 0 to 1; negative: unknown

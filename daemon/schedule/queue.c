@@ -19,7 +19,7 @@ struct queue {
     int max_attempts;
     int64_t counts[FRAME_STATE_COUNT];
     struct queue_job *first;
-    struct queue_job *first_ready;                // no job before it has a frame to take; NULL: no job has one
+    struct turns *turns;                          // owned
     struct queue_job *last[QUEUE_PRIORITY_LIMIT]; // per priority: the job with the highest id
     struct queue_slot *slots;                     // owned; by ascending id
     size_t slot_count, slot_capacity;
@@ -41,6 +41,7 @@ struct queue *queue_create(int max_attempts)
 
     assert(max_attempts >= 1 && max_attempts <= UINT16_MAX);
     queue->max_attempts = max_attempts;
+    queue->turns = turns_create();
     return queue;
 }
 
@@ -64,7 +65,13 @@ void queue_destroy(struct queue *queue)
     for (size_t i = 0; i < queue->slot_count; i++)
         destroy_job(queue->slots[i].job);
     free(queue->slots);
+    turns_destroy(queue->turns);
     free(queue);
+}
+
+struct turns *queue_turns(struct queue *queue)
+{
+    return queue->turns;
 }
 
 // The index of the id, or where to insert it.
@@ -107,11 +114,10 @@ static bool comes_before(const struct queue_job *a, const struct queue_job *b)
     return a->priority != b->priority ? a->priority > b->priority : a->id < b->id;
 }
 
+// To be called after any change that may make the job ready, or no longer.
 static void note_ready(struct queue_job *job)
 {
-    struct queue *queue = job->queue;
-
-    if (is_ready(job) && (!queue->first_ready || comes_before(job, queue->first_ready))) queue->first_ready = job;
+    turns_set_ready(job->queue->turns, &job->turn, is_ready(job));
 }
 
 static struct queue_job *find_predecessor(const struct queue *queue, const struct queue_job *job)
@@ -134,14 +140,12 @@ static void link_job(struct queue *queue, struct queue_job *job)
     *(previous ? &previous->next : &queue->first) = job;
     if (job->next) job->next->previous = job;
     if (!job->next || job->next->priority != job->priority) queue->last[job->priority] = job;
-    note_ready(job);
 }
 
 static void unlink_job(struct queue *queue, struct queue_job *job)
 {
     struct queue_job *previous = job->previous;
 
-    if (queue->first_ready == job) queue->first_ready = job->next;
     if (queue->last[job->priority] == job)
         queue->last[job->priority] = previous && previous->priority == job->priority ? previous : NULL;
     *(previous ? &previous->next : &queue->first) = job->next;
@@ -149,15 +153,22 @@ static void unlink_job(struct queue *queue, struct queue_job *job)
     job->next = job->previous = NULL;
 }
 
-struct queue_job *queue_add_job(struct queue *queue, int64_t id, struct frame_range *frames, int priority, bool paused)
+struct queue_job *queue_add_job(struct queue *queue, const struct queue_job_params *params)
 {
     struct queue_job *job = xcalloc(1, sizeof *job);
-    size_t slot = find_slot(queue, id);
+    size_t slot = find_slot(queue, params->id);
 
-    assert(priority >= 0 && priority < QUEUE_PRIORITY_LIMIT);
-    assert(slot == queue->slot_count || queue->slots[slot].id != id);
-    *job = (struct queue_job){.id = id, .frames = *frames, .priority = priority, .is_paused = paused, .queue = queue};
-    *frames = (struct frame_range){0};
+    assert(params->priority >= 0 && params->priority < QUEUE_PRIORITY_LIMIT);
+    assert(slot == queue->slot_count || queue->slots[slot].id != params->id);
+    *job = (struct queue_job){.id = params->id,
+                              .turn = {.id = params->id,
+                                       .priority = params->priority,
+                                       .owner = turns_find_owner(queue->turns, params->owner_uid)},
+                              .frames = *params->frames,
+                              .priority = params->priority,
+                              .is_paused = params->is_paused,
+                              .queue = queue};
+    *params->frames = (struct frame_range){0};
     job->frame_count = frame_range_count(&job->frames);
     job->states = xcalloc((size_t)job->frame_count, sizeof job->states[0]);
     job->counts[FRAME_QUEUED] = job->frame_count;
@@ -165,9 +176,10 @@ struct queue_job *queue_add_job(struct queue *queue, int64_t id, struct frame_ra
 
     queue->slots = xgrow(queue->slots, &queue->slot_capacity, queue->slot_count + 1, sizeof queue->slots[0]);
     memmove(&queue->slots[slot + 1], &queue->slots[slot], (queue->slot_count - slot) * sizeof queue->slots[0]);
-    queue->slots[slot] = (struct queue_slot){.id = id, .job = job};
+    queue->slots[slot] = (struct queue_slot){.id = params->id, .job = job};
     queue->slot_count++;
     link_job(queue, job);
+    note_ready(job);
     return job;
 }
 
@@ -177,6 +189,7 @@ void queue_remove_job(struct queue *queue, struct queue_job *job)
 
     for (int state = 0; state < FRAME_STATE_COUNT; state++)
         queue->counts[state] -= job->counts[state];
+    turns_set_ready(queue->turns, &job->turn, false);
     unlink_job(queue, job);
     queue->slot_count--;
     memmove(&queue->slots[slot], &queue->slots[slot + 1], (queue->slot_count - slot) * sizeof queue->slots[0]);
@@ -240,11 +253,16 @@ bool queue_job_is_live(const struct queue_job *job)
     return state == JOB_QUEUED || state == JOB_RUNNING || state == JOB_PAUSED;
 }
 
-struct queue_job *queue_next_job(struct queue *queue)
+struct queue_job *queue_choose_job(const struct queue *queue, const struct turns_seat *seat)
 {
-    while (queue->first_ready && !is_ready(queue->first_ready))
-        queue->first_ready = queue->first_ready->next;
-    return queue->first_ready;
+    const struct turns_job *turn = turns_choose(queue->turns, seat ? seat : &(struct turns_seat){0});
+
+    return turn ? queue_find_job(queue, turn->id) : NULL;
+}
+
+struct queue_job *queue_first_of_lane(const struct queue_job *job)
+{
+    return queue_find_job(job->queue, turns_first_of_lane(&job->turn)->id);
 }
 
 // The job must have a queued frame.
@@ -258,13 +276,12 @@ static int32_t take_index(struct queue_job *job)
     return (int32_t)job->first_fresh++;
 }
 
-size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tickets, size_t max)
+size_t queue_take(struct queue_job *job, uint16_t worker, struct queue_ticket *tickets, size_t max)
 {
-    struct queue_job *job = queue_next_job(queue);
     size_t count = 0;
 
     assert(worker > 0);
-    if (!job) return 0;
+    if (!is_ready(job)) return 0;
     while (count < max && job->counts[FRAME_QUEUED] > 0) {
         int32_t index = take_index(job);
         struct queue_frame *frame = &job->states[index];
@@ -280,6 +297,7 @@ size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tic
                                                  .is_forced = frame->is_forced};
     }
     if (count > 0) job->has_started = true;
+    note_ready(job);
     return count;
 }
 
@@ -367,14 +385,17 @@ bool queue_return(struct queue *queue, const struct queue_ticket *ticket)
 void queue_set_priority(struct queue *queue, struct queue_job *job, int priority)
 {
     assert(priority >= 0 && priority < QUEUE_PRIORITY_LIMIT);
+    turns_set_ready(queue->turns, &job->turn, false);
     unlink_job(queue, job);
-    job->priority = priority;
+    job->priority = job->turn.priority = priority;
     link_job(queue, job);
+    note_ready(job);
 }
 
 void queue_pause(struct queue *queue, struct queue_job *job)
 {
     job->is_paused = true;
+    note_ready(job);
 }
 
 void queue_resume(struct queue *queue, struct queue_job *job)
@@ -393,6 +414,7 @@ static void end_frames(struct queue_job *job, enum frame_state state)
     }
     index_heap_finish(&job->returned);
     job->first_fresh = job->frame_count;
+    note_ready(job);
 }
 
 void queue_cancel(struct queue *queue, struct queue_job *job)

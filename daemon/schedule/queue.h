@@ -4,6 +4,7 @@
 
 #include "core/job/frame_range.h"
 #include "daemon/schedule/index_heap.h"
+#include "daemon/schedule/turns.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -37,7 +38,9 @@ const char *frame_state_name(enum frame_state state);
 extern const char *const job_state_names[];   // end in NULL
 extern const char *const frame_state_names[]; // end in NULL
 
-enum { QUEUE_PRIORITY_LIMIT = 101 }; // priorities are in [0, QUEUE_PRIORITY_LIMIT); the highest is first
+enum {
+    QUEUE_PRIORITY_LIMIT = TURNS_PRIORITY_LIMIT
+}; // priorities are in [0, QUEUE_PRIORITY_LIMIT); the highest is first
 
 // At most 16 bytes, for a million of them are in memory.
 struct queue_frame {
@@ -52,6 +55,7 @@ struct queue_frame {
 
 struct queue_job {
     int64_t id;
+    struct turns_job turn;      // its owner, and whether it has frames to take
     struct frame_range frames;  // owned
     struct queue_frame *states; // owned; by index in the range
     int64_t counts[FRAME_STATE_COUNT];
@@ -82,8 +86,15 @@ struct queue *queue_create(int max_attempts); // attempts of a frame before it i
 void queue_destroy(struct queue *queue);      // accepts NULL
 void queue_set_max_attempts(struct queue *queue, int max_attempts); // holds for later failures
 
-// `frames` moves into the queue and is left empty. The id must be new. Returns the job.
-struct queue_job *queue_add_job(struct queue *queue, int64_t id, struct frame_range *frames, int priority, bool paused);
+struct queue_job_params {
+    int64_t id; // new
+    int64_t owner_uid;
+    struct frame_range *frames; // moves into the queue and is left empty
+    int priority;
+    bool is_paused;
+};
+
+struct queue_job *queue_add_job(struct queue *queue, const struct queue_job_params *params);
 struct queue_job *queue_find_job(const struct queue *queue, int64_t id); // NULL: none
 struct queue_job *queue_first_job(const struct queue *queue);            // the others follow by ->next
 // Sets one frame's state, other than FRAME_RUNNING, while the store is loaded, before a frame of the job is taken.
@@ -95,10 +106,14 @@ void queue_restore_end(struct queue_job *job, bool canceled, bool failed);
 enum job_state queue_job_state(const struct queue_job *job);
 bool queue_job_is_live(const struct queue_job *job); // queued, running or paused
 
-// Takes up to `max` frames of one job for `worker` (1..65535): the first job by priority, then id, that is live and not
-// paused. The frames become FRAME_RUNNING and their attempt counts. Returns their number.
-size_t queue_take(struct queue *queue, uint16_t worker, struct queue_ticket *tickets, size_t max);
-struct queue_job *queue_next_job(struct queue *queue); // the job whose frames queue_take would take; NULL: none
+struct turns *queue_turns(struct queue *queue); // of its jobs
+// The job that the seat serves next; NULL: none has a frame to take. NULL for `seat` is any worker.
+struct queue_job *queue_choose_job(const struct queue *queue, const struct turns_seat *seat);
+// The owner's first job of that priority which has a frame to take; the job must have one.
+struct queue_job *queue_first_of_lane(const struct queue_job *job);
+// Takes up to `max` frames of the job for `worker` (1..65535). They become FRAME_RUNNING and their attempt counts.
+// Returns their number, which is 0 for a job that is over or paused.
+size_t queue_take(struct queue_job *job, uint16_t worker, struct queue_ticket *tickets, size_t max);
 
 // True while that attempt of the frame is the running one. Otherwise every function below that takes a ticket does
 // nothing and returns false, so that late reports have no effect.

@@ -7,6 +7,7 @@
 #include "daemon/clients/listener.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/farm/shares.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
 #include "daemon/jobs/frame_life.h"
@@ -260,6 +261,7 @@ static void apply_options(struct daemon *daemon, struct options *fresh)
     log_set_level(daemon->options->log_level);
     if (was_quiet) log_changes(&changes);
     limits_refresh(&daemon->farm);
+    shares_refresh(&daemon->farm);
     queue_set_max_attempts(daemon->farm.queue, daemon->options->max_attempts);
     worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
 }
@@ -315,6 +317,7 @@ static void on_iteration(uv_prepare_t *iteration)
     }
     if (daemon->phase == DAEMON_STOPPING && worker_pool_is_empty(daemon->farm.pool)) {
         daemon->phase = DAEMON_FLUSHING;
+        shares_store(&daemon->farm);
         listener_stop_reading(daemon->listener);
         daemon->flushing_since_ms = farm_now_ms(&daemon->farm);
     }

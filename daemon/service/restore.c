@@ -10,6 +10,7 @@
 #include "core/wire/publish.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/store/store.h"
 
@@ -59,7 +60,11 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
     memcpy(record->hash, job.hash, sizeof record->hash);
     record->tolerance = job.quality.tolerance;
-    record->queued = queue_add_job(farm->queue, row->id, &job.frames, row->priority, row->is_paused);
+    record->queued = queue_add_job(farm->queue, &(struct queue_job_params){.id = row->id,
+                                                                           .owner_uid = row->owner_uid,
+                                                                           .frames = &job.frames,
+                                                                           .priority = row->priority,
+                                                                           .is_paused = row->is_paused});
     record->queued->has_started = row->started_ms != 0;
     record->restored_canceled = row->is_canceled;
     record->restored_failed = row->is_failed;
@@ -152,13 +157,14 @@ static void restore_ends(struct farm *farm)
 bool restore_farm(struct farm *farm, struct store *store, struct error *error)
 {
     struct restore_state state = {.farm = farm};
-    bool ok = store_load(store, on_job, on_frame, &state, error);
+    bool ok = shares_restore(farm, error) && store_load(store, on_job, on_frame, &state, error);
 
     for (size_t i = 0; i < state.intent_count && ok; i++)
         finish_publish(&state, &state.intents[i]);
     if (ok && state.op_count > 0) ok = store_commit(store, state.ops, state.op_count, error);
     restore_ends(farm);
     limits_refresh(farm);
+    shares_refresh(farm);
     for (size_t i = 0; i < state.op_count; i++)
         store_op_finish(&state.ops[i]);
     free(state.ops);

@@ -42,6 +42,9 @@ const char options_help[] =
     "  --user-frames N         frames of those jobs that are not done, or none (1M)\n"
     "  --user-pixels N         pixels of those frames, like 500G, or none (none)\n"
     "  --user-disk BYTES       published files of one user's jobs until their deletion, like 2T, or none (none)\n"
+    "  --user-weight NAME=N    share of the workers of a user who waits, beside 1 for others; repeatable\n"
+    "  --half-life SECONDS     half of what a user used of the workers is forgotten in this time (3600)\n"
+    "  --longest-wait SECONDS  a user's jobs get a worker after this time, whatever their priority (86400)\n"
     "  --log-level LEVEL       debug, info, warning or error (info)\n"
     "  --help, --version\n"
     "\n"
@@ -72,6 +75,9 @@ enum option_code {
     OPTION_USER_FRAMES,
     OPTION_USER_PIXELS,
     OPTION_USER_DISK,
+    OPTION_USER_WEIGHT,
+    OPTION_HALF_LIFE,
+    OPTION_LONGEST_WAIT,
     OPTION_WORKER_MEMORY,
     OPTION_SANDBOX,
     OPTION_LOG_LEVEL,
@@ -99,6 +105,9 @@ static const struct option long_options[] = {
     {"user-frames", required_argument, NULL, OPTION_USER_FRAMES},
     {"user-pixels", required_argument, NULL, OPTION_USER_PIXELS},
     {"user-disk", required_argument, NULL, OPTION_USER_DISK},
+    {"user-weight", required_argument, NULL, OPTION_USER_WEIGHT},
+    {"half-life", required_argument, NULL, OPTION_HALF_LIFE},
+    {"longest-wait", required_argument, NULL, OPTION_LONGEST_WAIT},
     {"worker-memory", required_argument, NULL, OPTION_WORKER_MEMORY},
     {"sandbox", required_argument, NULL, OPTION_SANDBOX},
     {"log-level", required_argument, NULL, OPTION_LOG_LEVEL},
@@ -110,8 +119,8 @@ static const struct option long_options[] = {
 // A source of options: the command line or the file.
 struct setter {
     struct options *options;
-    const char *current_folder;             // NULL: paths must be absolute
-    bool has_output_roots, has_input_roots; // the source has set such roots: it adds more to them
+    const char *current_folder;                          // NULL: paths must be absolute
+    bool has_output_roots, has_input_roots, has_weights; // the source has set such values: it adds more to them
 };
 
 static char *make_path(const struct setter *setter, const char *name, const char *text, struct error *error)
@@ -164,6 +173,14 @@ static bool set_group(struct options *options, const char *text, struct error *e
     free(options->admin_group);
     options->admin_group = xstrdup(text);
     return true;
+}
+
+// The first weight of a source replaces the weights of the sources before it.
+static bool add_weight(struct setter *setter, const char *text, struct error *error)
+{
+    if (!setter->has_weights) user_weights_finish(&setter->options->user_weights);
+    setter->has_weights = true;
+    return user_weights_add(&setter->options->user_weights, text, error);
 }
 
 static bool set_folder(struct setter *setter, int code, const char *text, struct error *error)
@@ -224,6 +241,12 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
     case OPTION_USER_PIXELS:
     case OPTION_USER_DISK:
         return set_user_limit(options, code, text, error);
+    case OPTION_USER_WEIGHT:
+        return add_weight(setter, text, error);
+    case OPTION_HALF_LIFE:
+        return options_value_seconds("half-life", text, 1, &options->half_life_ms, error);
+    case OPTION_LONGEST_WAIT:
+        return options_value_seconds("longest-wait", text, 1, &options->longest_wait_ms, error);
     case OPTION_WORKER_MEMORY:
         return options_value_memory("worker-memory", text, &options->worker_memory_bytes, error);
     case OPTION_SANDBOX:
@@ -348,6 +371,8 @@ bool options_parse(struct options *options, int argc, char **argv, const struct 
                                 .stop_timeout_ms = 30000,
                                 .progress_limit_ms = 120000,
                                 .user_jobs = 1000,
+                                .half_life_ms = 3600 * 1000,
+                                .longest_wait_ms = 24 * 3600 * 1000,
                                 .user_frames = 1000000,
                                 .has_sandbox = true,
                                 .log_level = LOG_INFO,
@@ -367,5 +392,6 @@ void options_finish(struct options *options)
     free(options->shader_folder);
     free(options->backend);
     free(options->admin_group);
+    user_weights_finish(&options->user_weights);
     *options = (struct options){0};
 }

@@ -4,6 +4,7 @@
 
 #include "core/base/log.h"
 #include "core/base/path_list.h"
+#include "daemon/settings/user_weights.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -35,10 +36,14 @@ struct options {
     int64_t stop_timeout_ms;
     int64_t progress_limit_ms; // a worker without progress for so long is killed
     // Limits of one user; 0: no limit.
-    int64_t user_jobs;           // jobs that are not over
-    int64_t user_frames;         // their frames that are not done
-    int64_t user_pixels;         // pixels of those frames
-    int64_t user_disk_bytes;     // published files of jobs that are not deleted
+    int64_t user_jobs;       // jobs that are not over
+    int64_t user_frames;     // their frames that are not done
+    int64_t user_pixels;     // pixels of those frames
+    int64_t user_disk_bytes; // published files of jobs that are not deleted
+    // Shares of users who wait for workers.
+    struct user_weights user_weights;
+    int64_t half_life_ms;        // after so long half of what a user used is forgotten
+    int64_t longest_wait_ms;     // after so long the jobs of one user and priority get a worker
     int64_t worker_memory_bytes; // memory of one worker; 0: its share of the machine's memory, -1: any amount
     bool has_sandbox;            // workers run in the sandbox
     enum log_level log_level;

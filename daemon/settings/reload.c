@@ -77,6 +77,16 @@ static void note_waiting(const struct options *current, const struct options *fr
         if (!fixed[i].is_same) add_name(changes->waiting, fixed[i].name);
 }
 
+static void take_weights(struct user_weights *current, struct user_weights *fresh, struct reload_changes *changes)
+{
+    struct user_weights before = *current;
+
+    if (user_weights_are_same(current, fresh)) return;
+    *current = *fresh;
+    *fresh = before;
+    add_name(changes->applied, "user-weight");
+}
+
 void reload_take(struct options *current, struct options *fresh, struct reload_changes *changes)
 {
     int64_t level = current->log_level, attempts = current->max_attempts;
@@ -93,6 +103,9 @@ void reload_take(struct options *current, struct options *fresh, struct reload_c
     take_integer(&current->user_frames, fresh->user_frames, "user-frames", changes);
     take_integer(&current->user_pixels, fresh->user_pixels, "user-pixels", changes);
     take_integer(&current->user_disk_bytes, fresh->user_disk_bytes, "user-disk", changes);
+    take_weights(&current->user_weights, &fresh->user_weights, changes);
+    take_integer(&current->half_life_ms, fresh->half_life_ms, "half-life", changes);
+    take_integer(&current->longest_wait_ms, fresh->longest_wait_ms, "longest-wait", changes);
     take_integer(&current->worker_memory_bytes, fresh->worker_memory_bytes, "worker-memory", changes);
     take_integer(&level, (int64_t)fresh->log_level, "log-level", changes);
     current->max_attempts = (int)attempts;

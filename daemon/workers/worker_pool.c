@@ -7,19 +7,17 @@
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
+#include "daemon/farm/shares.h"
 #include "daemon/settings/options.h"
 #include "daemon/workers/job_fence.h"
 #include "daemon/workers/worker_slot.h"
+#include "daemon/workers/worker_turns.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    TICK_MS = 250,
-    EXIT_MS = 5000,
-    START_LIMIT = 3 // failed starts for a job; further ones wait until a worker for another job starts
-};
+enum { TICK_MS = 250, EXIT_MS = 5000 };
 
 struct worker_pool {
     struct farm *farm;                           // borrowed; outlives us
@@ -28,7 +26,7 @@ struct worker_pool {
     uv_timer_t tick;
     struct worker_slot *slots; // owned
     int slot_count;
-    struct job_fence_files asked; // owned; of the latest job that a worker might go on to
+    struct worker_turns turns; // owned
     bool is_stopping;
 };
 
@@ -45,6 +43,7 @@ struct worker_pool *worker_pool_create(struct farm *farm, int slot_count, const 
     pool->process_handlers = (struct worker_handlers){.on_report = on_report, .on_gone = on_gone, .user = pool};
     pool->slots = xcalloc((size_t)slot_count, sizeof pool->slots[0]);
     pool->slot_count = slot_count;
+    pool->turns = (struct worker_turns){.farm = farm, .slots = pool->slots, .slot_count = slot_count};
     uv_timer_init(farm->loop, &pool->tick);
     pool->tick.data = pool;
     return pool;
@@ -53,50 +52,6 @@ struct worker_pool *worker_pool_create(struct farm *farm, int slot_count, const 
 static struct worker_slot *slot_of(struct worker_pool *pool, const struct worker_process *worker)
 {
     return &pool->slots[worker->id - 1];
-}
-
-static int64_t find_memory_limit(const struct worker_pool *pool)
-{
-    int64_t limit = pool->farm->options->worker_memory_bytes;
-
-    if (limit != 0) return limit > 0 ? limit : 0;
-    return (int64_t)((double)uv_get_total_memory() * 0.9 / pool->slot_count);
-}
-
-// A fenced worker goes on to serve jobs of the same owner which its fence opens, under the limits that hold now.
-static bool serves(struct worker_pool *pool, const struct worker_process *worker, const struct job_record *record)
-{
-    if (!pool->farm->options->has_sandbox || worker->job == record->id) return true;
-    return worker->fence && !record->needs_own_worker && worker->memory_bytes == find_memory_limit(pool) &&
-           job_fence_opens(worker->fence, pool->farm, record, &pool->asked);
-}
-
-// Number of workers that will soon take a frame of the job: idle, starting, or making room for it.
-static int64_t count_waiting_for(struct worker_pool *pool, const struct job_record *record)
-{
-    int64_t count = 0;
-
-    for (int i = 0; i < pool->slot_count; i++) {
-        const struct worker_process *worker = pool->slots[i].worker;
-
-        if (!worker) continue;
-        if (worker->state == WORKER_STOPPING)
-            count += worker->next_job == record->id;
-        else
-            count += worker->in_flight.count == 0 && serves(pool, worker, record);
-    }
-    return count;
-}
-
-// The job that the next worker serves; NULL: it serves any job, or none for now.
-static struct job_record *find_job_to_serve(struct worker_pool *pool)
-{
-    const struct queue_job *next = pool->farm->options->has_sandbox ? queue_next_job(pool->farm->queue) : NULL;
-    struct job_record *record;
-
-    record = next ? job_table_find(&pool->farm->jobs, next->id) : NULL;
-    if (!record || count_waiting_for(pool, record) >= next->counts[FRAME_QUEUED]) return NULL;
-    return record->failed_starts < START_LIMIT || record->is_last_start ? record : NULL;
 }
 
 // NULL when the job cannot be served: it is refused.
@@ -112,17 +67,17 @@ static struct job_fence *make_fence(struct worker_pool *pool, struct job_record 
 
 static void start_worker(struct worker_pool *pool, int index)
 {
-    struct job_record *record = find_job_to_serve(pool);
+    struct worker_slot *slot = &pool->slots[index];
+    struct job_record *record = worker_turns_choose(&pool->turns, slot);
     struct json_writer first = {0};
     const struct options *options = pool->farm->options;
-    struct worker_slot *slot = &pool->slots[index];
     struct worker_params params = {.program = options->worker_program,
                                    .backend = options->backend,
                                    .shader_folder = options->shader_folder,
                                    .thread_count = options->thread_count,
                                    .progress_limit_ms = options->progress_limit_ms,
                                    .has_sandbox = options->has_sandbox,
-                                   .memory_bytes = find_memory_limit(pool),
+                                   .memory_bytes = worker_turns_memory_limit(&pool->turns),
                                    .fence = record ? make_fence(pool, record) : NULL,
                                    .first = &first,
                                    .id = index + 1};
@@ -153,6 +108,7 @@ static void start_due(struct worker_pool *pool)
         if (!pool->slots[i].worker && retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0)
             start_worker(pool, i);
     }
+    turns_uncover(queue_turns(pool->farm->queue));
 }
 
 void worker_pool_start(struct worker_pool *pool)
@@ -182,7 +138,9 @@ static void on_tick(uv_timer_t *tick)
     struct worker_pool *pool = tick->data;
     int64_t now_ms = farm_now_ms(pool->farm);
 
+    shares_tick(pool->farm);
     for (int i = 0; i < pool->slot_count; i++) {
+        worker_turns_charge(&pool->slots[i]);
         if (pool->slots[i].worker) check_liveness(pool, pool->slots[i].worker, now_ms);
         if (pool->slots[i].worker) worker_process_check(pool->slots[i].worker, now_ms);
     }
@@ -206,7 +164,7 @@ static void note_failed_start(const struct worker_pool *pool, const struct worke
 
     if (!record || pool->is_stopping) return;
     if (!record->is_last_start) {
-        if (record->failed_starts < START_LIMIT) record->failed_starts++;
+        if (record->failed_starts < WORKER_TURNS_START_LIMIT) record->failed_starts++;
         return;
     }
     record->failed_starts = 0;
@@ -221,6 +179,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     if (worker->state != WORKER_STARTING) return;
     liveness_ready(&worker->liveness, farm_now_ms(pool->farm));
     worker_process_note_ready(worker, report);
+    worker_turns_end_change(&pool->turns, slot_of(pool, worker));
     note_start(pool, worker);
     // A worker for one job starts often, so its start is logged at debug level only.
     log_about(worker->job ? LOG_DEBUG : LOG_INFO,
@@ -250,6 +209,7 @@ static void on_report(void *user, struct worker_process *worker, const struct wo
     struct worker_pool *pool = user;
     int64_t now_ms = farm_now_ms(pool->farm);
 
+    worker_turns_charge(slot_of(pool, worker));
     worker_process_note_clocks(worker, report, now_ms);
     if (report->kind == WORKER_REPORT_READY) note_ready(pool, worker, report);
     if (report->kind == WORKER_REPORT_UNABLE) note_unable(pool, worker, report, now_ms);
@@ -271,6 +231,8 @@ static void on_gone(void *user, struct worker_process *worker)
 
     if (!is_expected)
         log_about(LOG_WARN, &subject, "worker %d: pid %d ended: %s", worker->id, worker_process_pid(worker), reason);
+    worker_turns_charge(slot);
+    if (!is_replaced) turns_stand(queue_turns(pool->farm->queue), &slot->seat);
     pool->handlers->on_frames_lost(pool->farm, worker, reason);
     if (!worker->backend && !is_replaced) note_failed_start(pool, worker, reason);
     slot->done += worker->done;
@@ -333,7 +295,7 @@ void worker_pool_destroy(struct worker_pool *pool)
     for (int i = 0; i < pool->slot_count; i++)
         worker_slot_finish(&pool->slots[i]);
     free(pool->slots);
-    job_fence_files_finish(&pool->asked);
+    worker_turns_finish(&pool->turns);
     free(pool);
 }
 
@@ -349,15 +311,26 @@ struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int 
     return worker && worker->state == WORKER_READY ? worker : NULL;
 }
 
+struct turns_seat *worker_pool_seat(struct worker_pool *pool, int index)
+{
+    return &pool->slots[index].seat;
+}
+
+void worker_pool_charge(struct worker_pool *pool, int index)
+{
+    worker_turns_charge(&pool->slots[index]);
+}
+
 // The next worker in its slot serves another job.
-static void replace(const struct worker_pool *pool, struct worker_process *worker)
+static void replace(struct worker_pool *pool, struct worker_process *worker)
 {
     worker->is_replaced = true;
+    worker_turns_begin_change(&pool->turns, slot_of(pool, worker));
     worker_process_exit(worker, farm_now_ms(pool->farm) + EXIT_MS);
 }
 
 // A worker that has nothing to do does not stay where other owners' files are.
-static void leave_if_shared(const struct worker_pool *pool, struct worker_process *worker)
+static void leave_if_shared(struct worker_pool *pool, struct worker_process *worker)
 {
     if (worker->state == WORKER_READY && worker->in_flight.count == 0 && worker->fence &&
         job_fence_is_shared(worker->fence))
@@ -373,16 +346,15 @@ void worker_pool_note_job(struct worker_pool *pool, const struct job_record *rec
     }
 }
 
-bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job)
+enum worker_fit worker_pool_prepare(struct worker_pool *pool, int index, struct queue_job *job)
 {
-    struct job_record *record = job_table_find(&pool->farm->jobs, job->id);
+    struct worker_slot *slot = &pool->slots[index];
+    enum worker_fit fit = worker_turns_fit(&pool->turns, slot, job);
 
-    if (serves(pool, worker, record)) return true;
-    if (record->failed_starts == START_LIMIT) record->is_last_start = true; // because this worker did start
-    if (worker->in_flight.count > 0 || count_waiting_for(pool, record) >= job->counts[FRAME_QUEUED]) return false;
-    worker->next_job = job->id;
-    replace(pool, worker);
-    return false;
+    if (fit != WORKER_CHANGES) return fit;
+    turns_sit(queue_turns(pool->farm->queue), &slot->seat, &job->turn, true);
+    replace(pool, slot->worker);
+    return fit;
 }
 
 int worker_pool_ready_count(const struct worker_pool *pool)

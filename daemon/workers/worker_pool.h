@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "daemon/schedule/turns.h"
 #include "daemon/workers/worker_process.h"
+#include "daemon/workers/worker_turns.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -40,9 +42,12 @@ int worker_pool_ready_count(const struct worker_pool *pool);
 int worker_pool_usable_count(const struct worker_pool *pool); // slots that do not back off: ready, or soon
 // The worker in slot `index` if it can be assigned frames, else NULL.
 struct worker_process *worker_pool_ready_at(const struct worker_pool *pool, int index);
-// Whether the worker can be assigned frames of the job. If its fence does not open the job, it has no frames in flight
-// and no other worker is about to take the frames, it is told to exit: the next worker in its slot serves the job.
-bool worker_pool_prepare(struct worker_pool *pool, struct worker_process *worker, const struct queue_job *job);
+// Whom the worker in slot `index` serves.
+struct turns_seat *worker_pool_seat(struct worker_pool *pool, int index);
+void worker_pool_charge(struct worker_pool *pool, int index); // its owner, for the time up to now
+// Whether the ready worker in slot `index` can be assigned frames of the job, which was chosen for its seat. With
+// WORKER_CHANGES it was told to exit.
+enum worker_fit worker_pool_prepare(struct worker_pool *pool, int index, struct queue_job *job);
 // To be told of each job when it is queued: no worker of another owner stays idle where the job writes.
 void worker_pool_note_job(struct worker_pool *pool, const struct job_record *record);
 // Why no worker can be assigned frames; NULL when one can. Owned by the caller.

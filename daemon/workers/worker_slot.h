@@ -3,6 +3,7 @@
 #pragma once
 
 #include "daemon/schedule/retry.h"
+#include "daemon/schedule/turns.h"
 
 #include <stdint.h>
 
@@ -15,6 +16,9 @@ struct worker_slot {
     struct retry_backoff backoff;
     char *reason; // owned; why the latest worker ended or did not start; NULL: no fault
     int64_t done; // count of frames by earlier workers
+    struct turns_seat seat;
+    uint64_t changing_ns; // monotonic; when its worker was told to make room; 0: it was not
+    uint64_t charged_ns;  // monotonic; up to when the owner is charged
 };
 
 void worker_slot_finish(struct worker_slot *slot);                   // legal when no worker runs

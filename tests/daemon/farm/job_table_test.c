@@ -42,7 +42,8 @@ static struct job_record *add(struct fixture *fixture, int64_t id, const char *p
     assert_true(output_path_parse(&path, pattern, NULL));
     record = job_table_add(&fixture->table, id, xstrdup("/out"), &path);
     assert_true(frame_range_parse(&frames, range, NULL));
-    record->queued = queue_add_job(fixture->queue, id, &frames, 50, false);
+    record->queued =
+        queue_add_job(fixture->queue, &(struct queue_job_params){.id = id, .frames = &frames, .priority = 50});
     return record;
 }
 

@@ -102,6 +102,31 @@ static void no_frame_waits_behind_another_job_of_unknown_length(void **state)
     assert_int_equal(count_behind(1e-6, 0), 0);
 }
 
+static size_t count_after_skips(double frame_s, size_t skip_run)
+{
+    return dispatch_count(&(struct dispatch_load){
+        .frame_s = frame_s, .skip_s = 1e-3, .skip_run = skip_run, .left = 1000000, .workers = 2});
+}
+
+static void chunks_of_skipped_frames_grow_with_their_number(void **state)
+{
+    for (int frame_s = 0; frame_s <= 60; frame_s += 60) {
+        assert_int_equal(count_after_skips(frame_s, 0), 1);
+        assert_int_equal(count_after_skips(frame_s, 1), 2);
+        assert_int_equal(count_after_skips(frame_s, 20), 40);
+        assert_true(count_after_skips(frame_s, 10000) > 100);
+        assert_true(count_after_skips(frame_s, 10000) <= DISPATCH_CHUNK_LIMIT);
+    }
+}
+
+static void chunk_of_skipped_frames_is_too_much_once_one_is_rendered(void **state)
+{
+    assert_true(dispatch_is_overfull(0, 127));
+    assert_true(dispatch_is_overfull(60, 127));
+    assert_false(dispatch_is_overfull(60, 2));
+    assert_false(dispatch_is_overfull(1e-6, DISPATCH_CHUNK_LIMIT));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -115,6 +140,8 @@ int main(void)
         cmocka_unit_test(no_worker_gets_more_than_is_left),
         cmocka_unit_test(idle_worker_always_gets_a_frame),
         cmocka_unit_test(frame_of_another_job_counts_by_its_length),
+        cmocka_unit_test(chunks_of_skipped_frames_grow_with_their_number),
+        cmocka_unit_test(chunk_of_skipped_frames_is_too_much_once_one_is_rendered),
         cmocka_unit_test(no_frame_waits_behind_another_job_of_unknown_length),
     };
 

@@ -55,6 +55,21 @@ static void immeasurable_frame_is_known_to_be_short(void **state)
     assert_true(estimate_median_s(&estimate) <= 1e-6);
 }
 
+static void skipped_frames_teach_nothing_about_rendering(void **state)
+{
+    struct estimate estimate = {0};
+
+    estimate_add_skip(&estimate, 1e-3);
+    estimate_add_skip(&estimate, 3e-3);
+    assert_true(estimate_median_s(&estimate) == 0);
+    assert_true(estimate_eta_s(&estimate, 10, 10, 2) < 0);
+    assert_int_equal(estimate.skip_run, 2);
+    assert_float_equal(estimate.skip_s, 2e-3, FLOAT_TOLERANCE);
+    estimate_add(&estimate, 5);
+    assert_int_equal(estimate.skip_run, 0);
+    assert_float_equal(estimate_median_s(&estimate), 5, FLOAT_TOLERANCE);
+}
+
 static void impossible_durations_are_ignored(void **state)
 {
     struct estimate estimate = {0};
@@ -161,12 +176,19 @@ static void eta_is_unknown_without_workers(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_is_known_at_first),          cmocka_unit_test(median_ignores_one_slow_frame),
-        cmocka_unit_test(median_follows_the_recent_frames),   cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
-        cmocka_unit_test(impossible_durations_are_ignored),   cmocka_unit_test(eta_counts_rounds_of_all_workers),
-        cmocka_unit_test(eta_counts_all_that_a_worker_does),  cmocka_unit_test(eta_forgets_a_slow_frame),
-        cmocka_unit_test(eta_leaves_out_how_workers_begin),   cmocka_unit_test(eta_goes_by_the_work_of_frames),
-        cmocka_unit_test(eta_counts_the_plans_that_are_left), cmocka_unit_test(eta_is_unknown_without_workers),
+        cmocka_unit_test(nothing_is_known_at_first),
+        cmocka_unit_test(median_ignores_one_slow_frame),
+        cmocka_unit_test(median_follows_the_recent_frames),
+        cmocka_unit_test(immeasurable_frame_is_known_to_be_short),
+        cmocka_unit_test(skipped_frames_teach_nothing_about_rendering),
+        cmocka_unit_test(impossible_durations_are_ignored),
+        cmocka_unit_test(eta_counts_rounds_of_all_workers),
+        cmocka_unit_test(eta_counts_all_that_a_worker_does),
+        cmocka_unit_test(eta_forgets_a_slow_frame),
+        cmocka_unit_test(eta_leaves_out_how_workers_begin),
+        cmocka_unit_test(eta_goes_by_the_work_of_frames),
+        cmocka_unit_test(eta_counts_the_plans_that_are_left),
+        cmocka_unit_test(eta_is_unknown_without_workers),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -72,7 +72,8 @@ static void take(struct world *world)
 {
     struct queue_ticket tickets[6];
     size_t wanted = 1 + pick(world, 6);
-    size_t count = queue_take(world->queue, 1, tickets, wanted);
+    struct queue_job *next = queue_choose_job(world->queue, NULL);
+    size_t count = next ? queue_take(next, 1, tickets, wanted) : 0;
     int ready = find_first_ready(world);
     size_t taken = 0;
 
@@ -171,7 +172,9 @@ static void add(struct world *world, int at)
                               .frame_count = 1 + (int)pick(world, FRAME_LIMIT)};
     snprintf(text, sizeof text, "%d-0", job->frame_count - 1);
     assert_true(frame_range_parse(&range, text, NULL));
-    queue_add_job(world->queue, at + 1, &range, job->priority, job->is_paused);
+    queue_add_job(world->queue,
+                  &(struct queue_job_params){
+                      .id = at + 1, .frames = &range, .priority = job->priority, .is_paused = job->is_paused});
 }
 
 static void stop(struct model_job *job, enum frame_state state)
@@ -295,7 +298,6 @@ static void compare(const struct world *world)
 static void drain(struct world *world)
 {
     struct queue_ticket tickets[FRAME_LIMIT];
-    size_t count;
 
     for (struct queue_job *job = queue_first_job(world->queue); job; job = job->next) {
         queue_resume(world->queue, job);
@@ -305,9 +307,13 @@ static void drain(struct world *world)
             queue_fail(world->queue, &ticket, false, NULL);
         }
     }
-    while ((count = queue_take(world->queue, 1, tickets, FRAME_LIMIT)) > 0)
+    for (struct queue_job *next; (next = queue_choose_job(world->queue, NULL));) {
+        size_t count = queue_take(next, 1, tickets, FRAME_LIMIT);
+
+        assert_true(count > 0);
         for (size_t i = 0; i < count; i++)
             assert_true(queue_succeed(world->queue, &tickets[i]));
+    }
     assert_int_equal(queue_count(world->queue, FRAME_QUEUED), 0);
     assert_int_equal(queue_count(world->queue, FRAME_RUNNING), 0);
 }

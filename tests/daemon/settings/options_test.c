@@ -205,7 +205,9 @@ static size_t uncomment(char *text)
 
     for (char *line = text; line; line = strchr(line, '\n')) {
         line += *line == '\n';
-        if (line[0] != '#' || line[1] == ' ' || strncmp(line, "#shader-dir", 11) == 0) continue;
+        if (line[0] != '#' || line[1] == ' ' || strncmp(line, "#shader-dir", 11) == 0 ||
+            strncmp(line, "#user-weight", 12) == 0)
+            continue;
         line[0] = ' ';
         count++;
     }
@@ -228,7 +230,7 @@ static void the_shipped_file_has_the_defaults(void **state)
     path = write_config(state, text);
     assert_true(PARSE(&told, &root, (char[]){"--config"}, path));
     options_finish(&told);
-    assert_int_equal(uncomment(text), 20);
+    assert_int_equal(uncomment(text), 22);
     path = write_config(state, text);
     assert_true(PARSE(&told, &user, (char[]){"--config"}, path));
     assert_true(parse(&held, &root, (char *[]){(char[]){"marchd"}, NULL}, NULL));
@@ -249,6 +251,8 @@ static void the_shipped_file_has_the_defaults(void **state)
     assert_int_equal(told.user_frames, held.user_frames);
     assert_int_equal(told.user_pixels, held.user_pixels);
     assert_int_equal(told.user_disk_bytes, held.user_disk_bytes);
+    assert_int_equal(told.half_life_ms, held.half_life_ms);
+    assert_int_equal(told.longest_wait_ms, held.longest_wait_ms);
     assert_int_equal(told.worker_memory_bytes, held.worker_memory_bytes);
     assert_int_equal(told.has_sandbox, held.has_sandbox);
     options_finish(&held);
@@ -282,6 +286,29 @@ static void amounts_have_suffixes(void **state)
     REFUSE("--worker-memory: expected", (char[]){"--worker-memory=all"});
     REFUSE("--sandbox: expected yes or no", (char[]){"--sandbox=maybe"});
     REFUSE("--admin-group: expected", (char[]){"--admin-group="});
+}
+
+static void weights_add_up_within_one_source(void **state)
+{
+    char *path = write_config(state, "user-weight = ann=2\nuser-weight = 1003=0.5\nhalf-life = 60\n");
+    struct options options;
+
+    assert_true(PARSE(&options, &user, (char[]){"--config"}, path, (char[]){"--longest-wait=7"}));
+    assert_true(user_weights_find(&options.user_weights, 1000, "ann") == 2);
+    assert_true(user_weights_find(&options.user_weights, 1003, "ben") == 0.5);
+    assert_true(user_weights_find(&options.user_weights, 1004, "carl") == 1);
+    assert_int_equal(options.half_life_ms, 60000);
+    assert_int_equal(options.longest_wait_ms, 7000);
+    options_finish(&options);
+    assert_true(PARSE(&options, &user, (char[]){"--config"}, path, (char[]){"--user-weight=carl=3"},
+                      (char[]){"--user-weight=carl=4"}));
+    assert_true(user_weights_find(&options.user_weights, 1000, "ann") == 1);
+    assert_true(user_weights_find(&options.user_weights, 1004, "carl") == 4);
+    options_finish(&options);
+    REFUSE("--user-weight: expected NAME=NUMBER from 0.01 to 100, as in anna=2, got \"ann\"",
+           (char[]){"--user-weight=ann"});
+    REFUSE("--user-weight: expected", (char[]){"--user-weight=ann=0"});
+    REFUSE("--user-weight: expected", (char[]){"--user-weight==2"});
 }
 
 static void roots_add_up_within_one_source(void **state)
@@ -348,6 +375,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(errors_of_a_file_name_the_line, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(the_shipped_file_has_the_defaults, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(amounts_have_suffixes),
+        cmocka_unit_test_setup_teardown(weights_add_up_within_one_source, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(roots_add_up_within_one_source, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(a_system_daemon_need_not_be_root, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(without_a_home_the_folders_must_be_given),

@@ -36,8 +36,9 @@ static struct options read_options(const char *const *given)
 static void a_setting_that_may_change_is_applied_and_named(void **state)
 {
     struct options held = OPTIONS("--log-level=info"),
-                   fresh = OPTIONS("--log-level=debug", "--progress-limit=9", "--stop-timeout=4", "--max-attempts=7",
-                                   "--admin-group=wheel", "--worker-memory=none"),
+                   fresh =
+                       OPTIONS("--log-level=debug", "--progress-limit=9", "--stop-timeout=4", "--max-attempts=7",
+                               "--admin-group=wheel", "--worker-memory=none", "--half-life=5", "--user-weight=ann=2"),
                    limits = OPTIONS("--user-jobs=1", "--user-frames=2", "--user-pixels=3", "--user-disk=4",
                                     "--output-root=/a", "--output-root=/b", "--input-root=/c");
     struct reload_changes changes;
@@ -45,13 +46,16 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
     reload_take(&held, &fresh, &changes);
     assert_string_equal(changes.waiting, "");
     assert_string_equal(changes.applied,
-                        "admin-group, max-attempts, stop-timeout, progress-limit, worker-memory, log-level");
+                        "admin-group, max-attempts, stop-timeout, progress-limit, user-weight, half-life, "
+                        "worker-memory, log-level");
     assert_int_equal(held.log_level, LOG_DEBUG);
     assert_int_equal(held.progress_limit_ms, 9000);
     assert_int_equal(held.stop_timeout_ms, 4000);
     assert_int_equal(held.max_attempts, 7);
     assert_int_equal(held.worker_memory_bytes, -1);
     assert_string_equal(held.admin_group, "wheel");
+    assert_int_equal(held.half_life_ms, 5000);
+    assert_true(user_weights_find(&held.user_weights, 1000, "ann") == 2);
     reload_take(&held, &limits, &changes);
     assert_int_equal(held.user_jobs, 1);
     assert_int_equal(held.user_frames, 2);
@@ -63,6 +67,7 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
     // A setting removed from the file gets its default again.
     assert_int_equal(held.log_level, LOG_INFO);
     assert_string_equal(held.admin_group, "marchd-admin");
+    assert_int_equal(held.user_weights.count, 0);
     options_finish(&limits);
     options_finish(&fresh);
     options_finish(&held);

@@ -83,7 +83,8 @@ static struct job_record *add_job(struct stage *stage, int64_t owner_uid, const 
     assert_true(frame_range_parse(&frames, "1-2", NULL));
     record = job_table_add(&stage->farm.jobs, stage->id, xstrdup("/out"), &path);
     record->owner_uid = owner_uid;
-    record->queued = queue_add_job(stage->farm.queue, stage->id, &frames, 50, false);
+    record->queued = queue_add_job(stage->farm.queue,
+                                   &(struct queue_job_params){.id = stage->id, .frames = &frames, .priority = 50});
     free(pattern);
     return record;
 }

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/schedule/turns.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { ANNA = 1000, BEN = 1001, CARL = 1002, STAY_MS = 5000, HOUR_MS = 3600 * 1000 };
+
+struct fixture {
+    struct turns *turns;
+    int64_t now_ms;
+    struct turns_job jobs[8];
+    size_t count;
+};
+
+static int setup(void **state)
+{
+    static struct fixture fixture;
+
+    fixture = (struct fixture){.turns = turns_create()};
+    *state = &fixture;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *fixture = *state;
+
+    turns_destroy(fixture->turns);
+    return 0;
+}
+
+static void pass(struct fixture *fixture, int64_t ms)
+{
+    turns_advance(fixture->turns, fixture->now_ms += ms);
+}
+
+static struct turns_owner *owner(struct fixture *fixture, int64_t uid)
+{
+    return turns_find_owner(fixture->turns, uid);
+}
+
+// Ids count from 1.
+static struct turns_job *add(struct fixture *fixture, int64_t uid, int priority)
+{
+    struct turns_job *job = &fixture->jobs[fixture->count++];
+
+    *job = (struct turns_job){.id = (int64_t)fixture->count, .priority = priority, .owner = owner(fixture, uid)};
+    turns_set_ready(fixture->turns, job, true);
+    return job;
+}
+
+static int64_t choose(struct fixture *fixture, const struct turns_seat *seat)
+{
+    const struct turns_job *job = turns_choose(fixture->turns, seat ? seat : &(struct turns_seat){0});
+
+    return job ? job->id : 0;
+}
+
+// The seat's worker serves the owner for so long.
+static void work(struct fixture *fixture, struct turns_seat *seat, struct turns_job *job, int64_t ms)
+{
+    turns_sit(fixture->turns, seat, job, false);
+    pass(fixture, ms);
+    turns_charge(seat, (double)ms / 1000);
+}
+
+static void of_one_owner_priority_then_id_decides(void **state)
+{
+    struct fixture *fixture = *state;
+    const int64_t expected[] = {3, 5, 1, 2, 4, 0};
+
+    for (int i = 0; i < 5; i++)
+        add(fixture, ANNA, (int[]){50, 50, 200, 0, 200}[i]);
+    for (int i = 0; i < 6; i++) {
+        assert_int_equal(choose(fixture, NULL), expected[i]);
+        if (expected[i]) turns_set_ready(fixture->turns, &fixture->jobs[expected[i] - 1], false);
+    }
+    // A job that comes back takes its place.
+    turns_set_ready(fixture->turns, &fixture->jobs[1], true);
+    turns_set_ready(fixture->turns, &fixture->jobs[0], true);
+    assert_int_equal(choose(fixture, NULL), 1);
+}
+
+static void who_used_less_for_their_weight_is_first(void **state)
+{
+    struct fixture *fixture = *state;
+
+    add(fixture, ANNA, 50);
+    add(fixture, BEN, 50);
+    assert_int_equal(choose(fixture, NULL), 1); // nobody used anything: the first job
+    owner(fixture, ANNA)->used_s = 10;
+    owner(fixture, BEN)->used_s = 6;
+    assert_int_equal(choose(fixture, NULL), 2);
+    owner(fixture, ANNA)->weight = 2;
+    assert_int_equal(choose(fixture, NULL), 1);
+    add(fixture, BEN, 51);
+    assert_int_equal(choose(fixture, NULL), 3);
+}
+
+static void half_of_the_use_is_forgotten_in_a_half_life(void **state)
+{
+    struct fixture *fixture = *state;
+
+    owner(fixture, ANNA)->used_s = 8;
+    pass(fixture, HOUR_MS);
+    assert_true(owner(fixture, ANNA)->used_s > 3.99 && owner(fixture, ANNA)->used_s < 4.01);
+    turns_set_rules(fixture->turns, &(struct turns_rules){.half_life_s = 1800});
+    pass(fixture, HOUR_MS);
+    assert_true(owner(fixture, ANNA)->used_s > 0.99 && owner(fixture, ANNA)->used_s < 1.01);
+}
+
+static void seat_stays_with_its_owner_for_the_stay(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat seat = {0}, other = {0};
+    struct turns_job *annas = add(fixture, ANNA, 50), *bens = add(fixture, BEN, 50);
+
+    pass(fixture, 1);
+    work(fixture, &other, bens, 1); // Ben has a worker
+    work(fixture, &seat, annas, STAY_MS - 1);
+    owner(fixture, ANNA)->used_s = 100;
+    assert_int_equal(choose(fixture, &seat), 1);
+    assert_false(turns_outranks(fixture->turns, &seat, bens, annas));
+    pass(fixture, 1);
+    assert_int_equal(choose(fixture, &seat), 2);
+    assert_true(turns_outranks(fixture->turns, &seat, bens, annas));
+    // A higher priority does not wait.
+    turns_sit(fixture->turns, &seat, bens, false);
+    assert_int_equal(choose(fixture, &seat), 2);
+    add(fixture, ANNA, 51);
+    assert_int_equal(choose(fixture, &seat), 3);
+    assert_true(turns_outranks(fixture->turns, &seat, &fixture->jobs[2], bens));
+}
+
+static void who_has_no_worker_does_not_wait_for_the_stay(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat seat = {0};
+    struct turns_job *annas = add(fixture, ANNA, 50), *bens;
+
+    pass(fixture, 1);
+    work(fixture, &seat, annas, 10);
+    bens = add(fixture, BEN, 50);
+    assert_int_equal(choose(fixture, &seat), 2);
+    // The one who interrupted is not interrupted: 20 such users would keep workers changing.
+    turns_sit(fixture->turns, &seat, bens, false);
+    add(fixture, CARL, 50);
+    assert_int_equal(choose(fixture, &seat), 2);
+    work(fixture, &seat, bens, STAY_MS);
+    assert_int_equal(choose(fixture, &seat), 3);
+    // Ben has left just now: he is no newcomer when he is back.
+    work(fixture, &seat, &fixture->jobs[2], STAY_MS - 1);
+    turns_set_ready(fixture->turns, annas, false);
+    owner(fixture, CARL)->used_s = 100;
+    assert_int_equal(choose(fixture, &seat), 3);
+}
+
+static void who_has_no_worker_for_20_stays_of_each_is_served_whatever_they_used(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat seat = {0};
+    struct turns_job *annas = add(fixture, ANNA, 50), *bens = add(fixture, BEN, 50);
+
+    pass(fixture, 1);
+    work(fixture, &seat, bens, 1);
+    owner(fixture, BEN)->used_s = 1e6;
+    work(fixture, &seat, annas, 40 * STAY_MS - 1);
+    assert_int_equal(choose(fixture, &seat), 1);
+    pass(fixture, 1);
+    assert_int_equal(choose(fixture, &seat), 2);
+}
+
+static void owners_share_workers_rather_than_swap_them(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat seats[2] = {0};
+    struct turns_job *jobs[2] = {add(fixture, ANNA, 50), add(fixture, BEN, 50)};
+
+    pass(fixture, 1);
+    for (int i = 0; i < 2; i++)
+        turns_sit(fixture->turns, &seats[i], jobs[choose(fixture, &seats[i]) - 1], false);
+    assert_int_equal(owner(fixture, ANNA)->workers, 1);
+    for (int round = 0; round < 20; round++) {
+        pass(fixture, STAY_MS);
+        for (int i = 0; i < 2; i++) {
+            turns_charge(&seats[i], (round + i) % 2 ? 4.9 : 5.1);
+            assert_int_equal(choose(fixture, &seats[i]), i + 1);
+        }
+    }
+}
+
+static void what_waited_longest_comes_once_whatever_its_priority(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat seat = {0}, other = {0};
+    struct turns_job *annas = add(fixture, ANNA, 100), *bens = add(fixture, BEN, 0);
+
+    turns_set_rules(fixture->turns, &(struct turns_rules){.longest_wait_ms = HOUR_MS});
+    for (int minute = 1; minute < 60; minute++) {
+        pass(fixture, HOUR_MS / 60);
+        assert_int_equal(choose(fixture, &seat), 1);
+        turns_sit(fixture->turns, &seat, annas, false);
+    }
+    pass(fixture, HOUR_MS / 60);
+    assert_int_equal(choose(fixture, &seat), 2);
+    // While the worker changes, others do not, and its choice stays.
+    turns_sit(fixture->turns, &seat, bens, true);
+    turns_sit(fixture->turns, &seat, bens, true);
+    assert_int_equal(choose(fixture, &other), 1);
+    assert_int_equal(choose(fixture, &seat), 2);
+    turns_sit(fixture->turns, &seat, bens, false);
+    assert_int_equal(choose(fixture, &seat), 1);
+}
+
+static void covered_jobs_leave_the_turn_to_the_next(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_job *first = add(fixture, ANNA, 50);
+
+    add(fixture, ANNA, 50);
+    add(fixture, BEN, 20);
+    turns_cover(fixture->turns, first);
+    assert_int_equal(choose(fixture, NULL), 2);
+    turns_cover(fixture->turns, &fixture->jobs[1]);
+    assert_int_equal(choose(fixture, NULL), 3);
+    turns_set_ready(fixture->turns, first, false);
+    turns_uncover(fixture->turns);
+    assert_int_equal(choose(fixture, NULL), 2);
+    turns_set_ready(fixture->turns, first, true);
+    assert_int_equal(choose(fixture, NULL), 1);
+}
+
+static void worker_that_changes_for_a_job_gets_it_unless_a_higher_priority_comes(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat seat = {0};
+    struct turns_job *bens;
+
+    add(fixture, ANNA, 50);
+    bens = add(fixture, BEN, 50);
+    turns_sit(fixture->turns, &seat, bens, true);
+    owner(fixture, BEN)->used_s = 1e6;
+    pass(fixture, 2 * STAY_MS);
+    assert_int_equal(choose(fixture, &seat), 2);
+    add(fixture, ANNA, 51);
+    assert_int_equal(choose(fixture, &seat), 3);
+    turns_stand(fixture->turns, &seat);
+    assert_int_equal(owner(fixture, BEN)->workers, 0);
+}
+
+#define TEST(name) cmocka_unit_test_setup_teardown(name, setup, teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        TEST(of_one_owner_priority_then_id_decides),
+        TEST(who_used_less_for_their_weight_is_first),
+        TEST(half_of_the_use_is_forgotten_in_a_half_life),
+        TEST(seat_stays_with_its_owner_for_the_stay),
+        TEST(who_has_no_worker_does_not_wait_for_the_stay),
+        TEST(who_has_no_worker_for_20_stays_of_each_is_served_whatever_they_used),
+        TEST(owners_share_workers_rather_than_swap_them),
+        TEST(what_waited_longest_comes_once_whatever_its_priority),
+        TEST(covered_jobs_leave_the_turn_to_the_next),
+        TEST(worker_that_changes_for_a_job_gets_it_unless_a_higher_priority_comes),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
