@@ -185,6 +185,7 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
                                       .file = report->file,
                                       .render_s = report->render_s,
                                       .encode_s = report->encode_s,
+                                      .audit_s = report->audit_s,
                                       .accuracy = report->accuracy};
 
     worker->done++;

@@ -74,6 +74,7 @@ struct store_op publish_request_format_op(const struct publish_request *request,
                   .size_bytes = request->file.size_bytes,
                   .render_s = request->render_s,
                   .encode_s = request->encode_s,
+                  .audit_s = request->audit_s,
                   .accuracy = request->accuracy},
     };
 

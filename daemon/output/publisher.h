@@ -30,7 +30,7 @@ struct publish_request {
     int worker;    // id of the worker that rendered it
     int64_t epoch; // of the part file
     struct published_file file;
-    double render_s, encode_s;
+    double render_s, encode_s, audit_s;
     struct frame_accuracy accuracy;
     enum publish_outcome outcome;
     struct error error;

@@ -209,6 +209,7 @@ static void write_frame(struct details_task *task, const struct listed_frame *fr
     write_maybe_integer(writer, "worker", frame->worker != 0, frame->worker);
     json_write_number_member(writer, "render_s", has_times ? row->render_s : NAN);
     json_write_number_member(writer, "encode_s", has_times ? row->encode_s : NAN);
+    json_write_number_member(writer, "audit_s", has_times ? row->audit_s : NAN);
     write_maybe_integer(writer, "size_bytes", has_file, has_file ? (int64_t)row->size_bytes : 0);
     json_write_string_member(writer, "hash", has_file && row->hash[0] ? row->hash : NULL);
     if (is_done)

@@ -77,6 +77,12 @@ static bool has_file(const struct store_frame *row)
     return row->state == FRAME_SUCCEEDED || row->state == FRAME_SKIPPED;
 }
 
+static void note_published(struct job_record *record, const struct store_frame *row)
+{
+    record->disk_bytes += (int64_t)row->size_bytes;
+    estimate_add(&record->estimate, row->render_s + row->audit_s);
+}
+
 static bool on_frame(void *user, const struct store_frame *row, struct error *error)
 {
     struct restore_state *state = user;
@@ -87,7 +93,7 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
     if (row->state != FRAME_RUNNING) {
         queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);
         if (row->state == FRAME_QUEUED) queue_force_frame(state->record->queued, row->index);
-        if (row->state == FRAME_SUCCEEDED) state->record->disk_bytes += (int64_t)row->size_bytes;
+        if (row->state == FRAME_SUCCEEDED) note_published(state->record, row);
         if (has_file(row) && frame_accuracy_is_over(&row->accuracy, state->record->tolerance))
             queue_note_missed(state->record->queued, row->index);
         return true;
@@ -128,7 +134,7 @@ static void finish_publish(struct restore_state *state, const struct store_frame
 
     queue_restore_frame(record->queued, row->index, is_published ? FRAME_SUCCEEDED : FRAME_QUEUED, row->attempts);
     if (is_published) {
-        record->disk_bytes += (int64_t)row->size_bytes;
+        note_published(record, row);
         if (frame_accuracy_is_over(&row->accuracy, record->tolerance)) queue_note_missed(record->queued, row->index);
         op.frame.state = FRAME_SUCCEEDED;
     } else {

@@ -50,7 +50,7 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [SET_JOB] = "UPDATE job SET priority = ?2, is_paused = ?3, is_canceled = ?4, is_failed = ?5, submitted_ms = ?6,"
                 " started_ms = ?7, finished_ms = ?8, reason = ?9 WHERE id = ?1",
     [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
-                  " ?, ?, ?, ?, ?, ?, ?, ?)",
+                  " ?, ?, ?, ?, ?, ?, ?, ?, ?)",
     [RESET_FRAMES] = "DELETE FROM frame WHERE job = ? AND frame_index BETWEEN ? AND ?",
     [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state) VALUES (?, ?, ?) "
                    "ON CONFLICT DO UPDATE SET state = excluded.state WHERE state = 0", // FRAME_QUEUED
@@ -72,8 +72,8 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [LOAD_JOBS] =
         "SELECT id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms, finished_ms, reason,"
         " name, owner, owner_uid, root, text FROM job JOIN document ON document.job = id ORDER BY id",
-    [LOAD_FRAMES] = "SELECT job, frame_index, state, attempts, size_bytes, audit, measured_error FROM frame ORDER BY "
-                    "job, frame_index",
+    [LOAD_FRAMES] = "SELECT job, frame_index, state, attempts, size_bytes, audit, measured_error, render_s, audit_s"
+                    " FROM frame ORDER BY job, frame_index",
     [LOAD_FRAME] = "SELECT " STORE_SCHEMA_FRAME_COLUMNS " FROM frame WHERE job = ? AND frame_index = ?",
 };
 
@@ -234,6 +234,7 @@ static bool set_frame(struct store *store, const struct store_frame *frame, stru
     sqlite3_bind_double(statement, 10, frame->encode_s);
     store_sql_bind_text(statement, 11, frame->error);
     bind_accuracy(statement, &frame->accuracy);
+    sqlite3_bind_double(statement, 20, frame->audit_s);
     return store_sql_run(statement, "write a frame", error);
 }
 
@@ -439,6 +440,8 @@ static bool load_frames(struct store *store, store_on_frame *on_frame, void *use
         ok = store_schema_read_state(rows, &frame, error);
         frame.size_bytes = (uint64_t)sqlite3_column_int64(rows, 4);
         store_schema_read_error(rows, 5, &frame.accuracy);
+        frame.render_s = sqlite3_column_double(rows, 7);
+        frame.audit_s = sqlite3_column_double(rows, 8);
         if (ok && frame.state == FRAME_RUNNING)
             ok = load_intent(store, frame.job, frame.index, on_frame, user, error);
         else if (ok)

@@ -29,5 +29,5 @@ bool store_commit(struct store *store, const struct store_op *ops, size_t op_cou
 typedef bool store_on_job(void *user, const struct store_job *job, struct error *error);
 typedef bool store_on_frame(void *user, const struct store_frame *frame, struct error *error);
 // Reads all jobs by id, then all frames by job and index. A frame without a publish intent has only job, index, state,
-// attempts and size_bytes set: a restart needs no more, and a million rows are read in a second.
+// attempts, size_bytes, render_s and audit_s set: a restart needs no more, and a million rows are read in a second.
 bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error);

@@ -50,7 +50,7 @@ struct store_frame {
     int64_t epoch;
     uint64_t inode, size_bytes;
     char hash[HASH_TEXT_SIZE];
-    double render_s, encode_s;
+    double render_s, encode_s, audit_s;
     struct frame_accuracy accuracy;
     char *error; // owned; NULL: none
 };

@@ -61,6 +61,7 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "UPDATE daemon SET farm = lower(hex(randomblob(16)));"
           "CREATE TABLE root (path TEXT PRIMARY KEY, id TEXT NOT NULL) WITHOUT ROWID;",
     [6] = "CREATE TABLE usage (owner_uid INTEGER PRIMARY KEY, used_s REAL NOT NULL, at_ms INTEGER NOT NULL);",
+    [7] = "ALTER TABLE frame ADD COLUMN audit_s REAL;",
 };
 
 bool store_schema_check(sqlite3 *db, int *found, struct error *error)
@@ -150,6 +151,7 @@ bool store_schema_read_frame(sqlite3_stmt *row, struct store_frame *frame, struc
     frame->render_s = sqlite3_column_double(row, 8);
     frame->encode_s = sqlite3_column_double(row, 9);
     frame->error = store_sql_text(row, 10);
+    frame->audit_s = sqlite3_column_double(row, 19);
     read_accuracy(row, &frame->accuracy);
     return true;
 }

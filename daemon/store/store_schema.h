@@ -10,7 +10,7 @@ struct sqlite3;
 struct sqlite3_stmt;
 struct store_frame;
 
-#define STORE_SCHEMA_VERSION 7 // a macro because SQL text holds it
+#define STORE_SCHEMA_VERSION 8 // a macro because SQL text holds it
 
 // Whether this version can use the database; `*found` is the version that wrote it (0: it is empty). Changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);
@@ -20,7 +20,7 @@ bool store_schema_upgrade(struct sqlite3 *db, int found, struct error *error);
 // The order that store_schema_read_frame expects.
 #define STORE_SCHEMA_FRAME_COLUMNS                                                                                     \
     "job, frame_index, state, attempts, epoch, inode, size_bytes, hash, render_s, encode_s, error, audit, "            \
-    "measured_error, error95, audit_rays, method, cut_share, plan, traced"
+    "measured_error, error95, audit_rays, method, cut_share, plan, traced, audit_s"
 
 // Reads a row that starts with the first four of those columns. False for an invalid row.
 bool store_schema_read_state(struct sqlite3_stmt *row, struct store_frame *frame, struct error *error);

@@ -50,11 +50,12 @@ expect_error "$(ask job.retry "{\"id\":$first,\"state\":\"succeeded\"}")" 3 "wri
 expect_error "$(ask job.retry "{\"id\":$first,\"state\":\"queued\"}")" -32602 "params.state"
 
 # A restart changes nothing.
-list=$(ask job.list | jq -c '[.result.jobs[] | {id, name, state, priority, owner, submitted, succeeded, finished}]')
+list=$(ask job.list | jq -c '[.result.jobs[] | {id, name, state, priority, owner, submitted, succeeded, finished, seconds_per_frame}]')
+[[ $list == *'"seconds_per_frame":0.'* ]] || fail "no job has seconds a frame: $list"
 stop_daemon
 start_daemon --workers 1 --worker-program "$(stub write:0)"
 expect "the list after a restart" \
-    "$(ask job.list | jq -c '[.result.jobs[] | {id, name, state, priority, owner, submitted, succeeded, finished}]')" "$list"
+    "$(ask job.list | jq -c '[.result.jobs[] | {id, name, state, priority, owner, submitted, succeeded, finished, seconds_per_frame}]')" "$list"
 expect "succeeded jobs" "$(ask job.list '{"state":"succeeded"}' | jq -c '[.result.jobs[].id]')" "[$first,$second]"
 expect "frames of the farm" "$(ask daemon.status | jq -c '.result | [.frames.succeeded, .frames.queued, .jobs.paused]')" '[1003,1000,1]'
 stop_daemon

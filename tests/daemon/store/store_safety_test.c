@@ -3,6 +3,7 @@
 #include "daemon/store/store.h"
 
 #include "core/base/error.h"
+#include "daemon/store/store_schema.h"
 #include "tests/daemon/store/store_fixture.h"
 
 #include <errno.h>
@@ -183,13 +184,16 @@ static void assert_refused(const struct folder *folder, const char *message)
 static void newer_store_is_refused_and_unchanged(void **state)
 {
     const struct folder *folder = *state;
-    const unsigned char version[4] = {0, 0, 0, 6}; // the header's user_version, big-endian at byte 60
-    char path[128];
+    // The header's user_version, big-endian at byte 60.
+    const unsigned char version[4] = {0, 0, 0, STORE_SCHEMA_VERSION + 1};
+    char path[128], message[128];
 
     store_close(open_store(folder));
     snprintf(path, sizeof path, "%s/queue.db", folder->path);
     write_bytes(path, 60, version, sizeof version);
-    assert_refused(folder, "store: written by a newer marchd (version 6, this one reads 5)");
+    snprintf(message, sizeof message, "store: written by a newer marchd (version %d, this one reads %d)",
+             STORE_SCHEMA_VERSION + 1, STORE_SCHEMA_VERSION);
+    assert_refused(folder, message);
 }
 
 static void database_of_another_program_is_refused(void **state)

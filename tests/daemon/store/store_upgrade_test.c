@@ -122,16 +122,20 @@ static void upgraded_store_takes_new_columns(void **state)
 {
     const struct folder *folder = *state;
     struct store *store;
+    struct store_op op;
     struct rows rows;
 
     make_first_version(folder);
     store_close(open_store(folder));
     store = open_store(folder);
     assert_int_equal(store_epoch(store), 7);
-    commit_one(store, frame_op(3, 2, FRAME_SUCCEEDED));
+    op = frame_op(3, 2, FRAME_SUCCEEDED);
+    op.frame.audit_s = 0.75;
+    commit_one(store, op);
     commit_one(store, (struct store_op){.kind = STORE_SET_USAGE, .usage = {1000, 1.5, 7}});
     rows = read_rows(folder);
     assert_accuracy(&rows.frames[2].accuracy);
+    assert_true(rows.frames[2].audit_s == 0.75 && rows.frames[0].audit_s == 0);
     assert_string_equal(rows.frames[0].accuracy.method, "");
     store_close(store);
 }
