@@ -14,8 +14,10 @@
 enum {
     SIDE_MIN = 128, // px: small pictures are mostly edges
     TRIES = 2,
-    LONG = 8,       // frames
-    STRIDE_FINE = 4 // px: a sixteenth of the pixels is traced, which in these scenes are hardly more
+    LONG = 8,        // frames
+    STRIDE_FINE = 4, // px: a sixteenth of the pixels is traced, which in these scenes are hardly more
+    STRIDE_MOST = 64,
+    SIDE_STRIDE = 1920 // px: the longer side for which strides are meant; double strides from the double of it on
 };
 
 // Set by hand; bench/whole_frames shows what follows from them.
@@ -48,10 +50,16 @@ static bool is_dear(const struct plan_params *params, const struct plan *plan)
     return renderer_is_software(params->renderer) || plan->work > GPU_WORK;
 }
 
-// Glints and texture may be small, and no guard knows where they are.
-static int find_stride(const struct scene *scene)
+// Glints and texture may be small, and no guard knows where they are. A larger picture of a scene shows no more of them,
+// so that its stride is about the same part of it.
+static int find_stride(const struct job *job)
 {
-    return scene->object_count > 0 ? STRIDE_FINE : JOB_STRIDE_DEFAULT;
+    int stride = job->scene.object_count > 0 ? STRIDE_FINE : JOB_STRIDE_DEFAULT;
+    int side = job->width_px > job->height_px ? job->width_px : job->height_px;
+
+    for (; side >= 2 * SIDE_STRIDE && stride < STRIDE_MOST; side /= 2)
+        stride *= 2;
+    return stride;
 }
 
 static double round_digits(double value)
@@ -127,7 +135,7 @@ bool plan_pixels_choose(struct plan *plan, const struct plan_params *params, enu
     if (params->choice != PLAN_CHOICE_CHEAPEST || !is_worthwhile(params->job, plan->quality.method) ||
         !is_dear(params, plan))
         return true;
-    plan->pixels = (struct job_pixels){.stride = find_stride(&params->job->scene), .threshold = tolerance};
+    plan->pixels = (struct job_pixels){.stride = find_stride(params->job), .threshold = tolerance};
     for (int tried = 0; tried < TRIES; tried++) {
         struct audit_verdict verdict;
 

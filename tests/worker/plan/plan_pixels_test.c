@@ -146,6 +146,21 @@ static void every_pixel_is_traced_where_that_is_no_gain(void **state)
     tolerance_stage_close(stage);
 }
 
+static void larger_pictures_have_a_stride_of_the_same_share(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct job job = cloud_job(0.05);
+
+    (void)state;
+    job.height_px = 128;
+    job.width_px = 3839;
+    assert_int_equal(choose(stage, &job, PLAN_CHOICE_CHEAPEST).stride, 16);
+    job.width_px = 3840;
+    assert_int_equal(choose(stage, &job, PLAN_CHOICE_CHEAPEST).stride, 32);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
 // Glints and texture are small, and no guard knows of them.
 static void scenes_with_objects_get_a_finer_lattice(void **state)
 {
@@ -189,6 +204,7 @@ int main(void)
         cmocka_unit_test(planned_frames_trace_a_part_of_their_pixels),
         cmocka_unit_test(an_audit_sees_what_pixels_lack),
         cmocka_unit_test(every_pixel_is_traced_where_that_is_no_gain),
+        cmocka_unit_test(larger_pictures_have_a_stride_of_the_same_share),
         cmocka_unit_test(scenes_with_objects_get_a_finer_lattice),
         cmocka_unit_test(a_frame_over_its_tolerance_gets_a_finer_threshold),
     };
