@@ -22,8 +22,8 @@ enum exit_status command_prio(const struct options *options, struct error *error
     int64_t id;
 
     if (!options_parse_id(options->operands[0], &id, error)) return EXIT_STATUS_USAGE;
-    if (digits == 0 || digits > 3 || text[digits] || atoi(text) > 100) {
-        error_set(error, "expected a priority in [0, 100], got \"%s\"", text);
+    if (digits == 0 || digits > 3 || text[digits] || atoi(text) > 200) {
+        error_set(error, "expected a priority in [0, 200], got \"%s\"", text);
         return EXIT_STATUS_USAGE;
     }
     snprintf(params, sizeof params, "{\"id\":%" PRId64 ",\"priority\":%d}", id, atoi(text));

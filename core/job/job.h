@@ -14,7 +14,8 @@ enum {
     JOB_VERSION = 1,      // of the job format
     JOB_NAME_LIMIT = 128, // bytes
     JOB_PRIORITY_DEFAULT = 50,
-    JOB_PRIORITY_MAX = 100,
+    JOB_PRIORITY_USER_MAX = 100, // higher ones are for administrators
+    JOB_PRIORITY_MAX = 200,
     JOB_RESOLUTION_LIMIT = 16384,       // pixels a side
     JOB_PIXEL_LIMIT = 64 * 1024 * 1024, // pixels in all
     // Software GL ends a loop after 65535 iterations, so the shaders' loops are bounded a little below.

@@ -21,6 +21,7 @@ struct job_retry {
     unsigned states;
     struct frame_range range; // owned; empty: all frames
     struct answer *answer;    // owned
+    char *user;               // owned; names the client
     bool is_forced, by_admin; // as in struct job_retry_params
     int64_t retried;
     struct job_retry *next; // on the farm's list of waiting retries
@@ -31,6 +32,14 @@ static void log_change(const struct job_record *record, const char *what)
     struct log_subject subject = job_record_subject(record);
 
     log_about(LOG_INFO, &subject, "job %lld (\"%s\"): %s", (long long)record->id, record->name, what);
+}
+
+static void log_change_by(const struct job_record *record, const char *what, const char *user)
+{
+    char *text = xasprintf("%s by %s", what, user);
+
+    log_change(record, text);
+    free(text);
 }
 
 static void set_reason_by(struct job_record *record, const char *what, const char *user)
@@ -51,12 +60,12 @@ void job_change_pause(struct farm *farm, struct job_record *record, const char *
     job_life_note_change(farm, record);
 }
 
-void job_change_resume(struct farm *farm, struct job_record *record)
+void job_change_resume(struct farm *farm, struct job_record *record, const char *user)
 {
     if (!record->queued->is_paused) return;
     queue_resume(farm->queue, record->queued);
     job_record_set_reason(record, NULL);
-    log_change(record, "resumed");
+    log_change_by(record, "resumed", user);
     farm_want_feed(farm);
     job_life_note_change(farm, record);
 }
@@ -71,8 +80,12 @@ void job_change_cancel(struct farm *farm, struct job_record *record, const char 
     job_life_note_change(farm, record);
 }
 
-void job_change_set_priority(struct farm *farm, struct job_record *record, int priority)
+void job_change_set_priority(struct farm *farm, struct job_record *record, int priority, const char *user)
 {
+    char *what = xasprintf("priority %d, before %d, set", priority, record->queued->priority);
+
+    log_change_by(record, what, user);
+    free(what);
     queue_set_priority(farm->queue, record->queued, priority);
     farm_want_feed(farm);
     job_life_note_change(farm, record);
@@ -81,6 +94,7 @@ void job_change_set_priority(struct farm *farm, struct job_record *record, int p
 static void finish_retry(struct job_retry *retry)
 {
     frame_range_finish(&retry->range);
+    free(retry->user);
     free(retry);
 }
 
@@ -188,7 +202,7 @@ static void run_retry(struct job_retry *retry)
     retry->retried = queue_retry(farm->queue, queued, retry->states, range);
     if (retry->retried > 0 && retry->is_forced) ops[op_count++] = force(queued, &ops[0]);
     if (retry->retried > 0) {
-        log_change(record, "frames of it are queued again");
+        log_change_by(record, "frames of it are queued again", retry->user);
         revive(record);
     }
     ops[op_count++] = job_record_format_op(record);
@@ -206,6 +220,7 @@ void job_change_retry(struct farm *farm, struct job_record *record, const struct
                                 .states = params->states,
                                 .range = params->range,
                                 .is_forced = params->is_forced,
+                                .user = xstrdup(params->user),
                                 .by_admin = params->by_admin,
                                 .answer = params->answer};
     if (record->is_sweeping) {

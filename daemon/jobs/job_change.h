@@ -10,15 +10,16 @@ struct job_record;
 
 // Each changes the job at once; the caller stores it. `user` names the client.
 void job_change_pause(struct farm *farm, struct job_record *record, const char *user);
-void job_change_resume(struct farm *farm, struct job_record *record);
+void job_change_resume(struct farm *farm, struct job_record *record, const char *user);
 void job_change_cancel(struct farm *farm, struct job_record *record, const char *user);
-void job_change_set_priority(struct farm *farm, struct job_record *record, int priority);
+void job_change_set_priority(struct farm *farm, struct job_record *record, int priority, const char *user);
 
 // The frames to queue again.
 struct job_retry_params {
     unsigned states;          // bits 1 << enum frame_state
     struct frame_range range; // moves in; empty: all frames
     bool is_forced;           // they are rendered even if their files are there and good
+    const char *user;         // borrowed during the call; names the client
     bool by_admin;            // the client is an administrator, whom no limits hold
     struct answer *answer;    // owned
 };

@@ -232,8 +232,8 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     request->code = MESSAGE_CODE_PARAMS;
     if (!job_from_json(&job, document, root, &request->error) || !job_check_inputs(&job, document, &request->error))
         goto out;
-    if (!check_folder(request, &job, root) || !find_inputs(request, &job, &inputs) || !check_limits(request, &job) ||
-        !check_collisions(request, &job, root))
+    if (!request_may_have_priority(request, job.priority) || !check_folder(request, &job, root) ||
+        !find_inputs(request, &job, &inputs) || !check_limits(request, &job) || !check_collisions(request, &job, root))
         goto out;
     submit = create_submit(request, &job, json_node_format(document), root);
     submit->row.is_paused = paused;

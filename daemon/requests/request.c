@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/requests/request.h"
 
-#include "core/job/frame_range.h"
+#include "core/job/job.h"
 #include "daemon/clients/answer.h"
 #include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
@@ -37,6 +37,16 @@ struct job_record *request_find_job(struct request *request)
 bool request_may_change(const struct request *request, const struct job_record *record)
 {
     return rights_may_change(&request->farm->rights, &request->client->peer, record->owner_uid);
+}
+
+bool request_may_have_priority(struct request *request, int64_t priority)
+{
+    if (priority <= JOB_PRIORITY_USER_MAX || rights_is_admin(&request->farm->rights, &request->client->peer))
+        return true;
+    request_fail(request, MESSAGE_CODE_NOT_ALLOWED,
+                 "priority: expected at most %d, got %lld: higher ones are for root, the daemon's user and group %s",
+                 JOB_PRIORITY_USER_MAX, (long long)priority, request->farm->options->admin_group);
+    return false;
 }
 
 struct job_record *request_find_own_job(struct request *request)

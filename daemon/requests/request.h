@@ -7,6 +7,7 @@
 #include "core/wire/message.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 
 struct answer;
 struct client;
@@ -38,6 +39,8 @@ enum request_outcome request_fail(struct request *request, enum message_code cod
 // Reads params.id; NULL: REQUEST_FAILED, with code and error filled.
 struct job_record *request_find_job(struct request *request);
 bool request_may_change(const struct request *request, const struct job_record *record);
+// Whether the client may give a job that priority; false with code and error filled.
+bool request_may_have_priority(struct request *request, int64_t priority);
 // As request_find_job; a job that the client may not change is a failure.
 struct job_record *request_find_own_job(struct request *request);
 // Reads a set of names, one string or an array of them, as bits 1 << index. Absent: `fallback`.

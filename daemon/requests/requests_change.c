@@ -78,7 +78,7 @@ enum request_outcome requests_job_resume(struct request *request)
     if (!record) return REQUEST_FAILED;
     request->code = MESSAGE_CODE_NOT_ALLOWED;
     if (!limits_check_disk(request->farm, record, &request->error)) return REQUEST_FAILED;
-    job_change_resume(request->farm, record);
+    job_change_resume(request->farm, record, request->client->user);
     return commit_change(request, record);
 }
 
@@ -87,6 +87,11 @@ enum request_outcome requests_job_cancel(struct request *request)
     struct job_record *record = find_live_job(request);
 
     if (!record) return REQUEST_FAILED;
+    if (!queue_has_frame_to_cancel(record->queued))
+        return request_fail(request, MESSAGE_CODE_CONFLICT,
+                            "job %lld succeeds in a moment: nothing is left to cancel, its last %lld frames are being "
+                            "published",
+                            (long long)record->id, (long long)record->queued->counts[FRAME_RUNNING]);
     job_change_cancel(request->farm, record, request->client->user);
     return commit_change(request, record);
 }
@@ -100,7 +105,8 @@ enum request_outcome requests_job_priority(struct request *request)
     if (!record) return REQUEST_FAILED;
     request->code = MESSAGE_CODE_PARAMS;
     if (!json_read_integer(&node, 0, JOB_PRIORITY_MAX, &priority, &request->error)) return REQUEST_FAILED;
-    job_change_set_priority(request->farm, record, (int)priority);
+    if (!request_may_have_priority(request, priority)) return REQUEST_FAILED;
+    job_change_set_priority(request->farm, record, (int)priority, request->client->user);
     return commit_change(request, record);
 }
 
@@ -166,6 +172,7 @@ enum request_outcome requests_job_retry(struct request *request)
         &(struct job_retry_params){.states = states,
                                    .range = range,
                                    .is_forced = is_forced,
+                                   .user = request->client->user,
                                    .by_admin = rights_is_admin(&request->farm->rights, &request->client->peer),
                                    .answer = request_defer_answer(request)});
     return REQUEST_DEFERRED;

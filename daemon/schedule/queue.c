@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const job_state_names[] = {"queued", "running", "paused", "succeeded", "failed", "canceled", NULL};
-const char *const frame_state_names[] = {"queued", "running", "succeeded", "failed", "canceled", "skipped", NULL};
-
 struct queue_slot {
     int64_t id;
     struct queue_job *job; // owned
@@ -24,16 +21,6 @@ struct queue {
     struct queue_slot *slots;                     // owned; by ascending id
     size_t slot_count, slot_capacity;
 };
-
-const char *job_state_name(enum job_state state)
-{
-    return job_state_names[state];
-}
-
-const char *frame_state_name(enum frame_state state)
-{
-    return frame_state_names[state];
-}
 
 struct queue *queue_create(int max_attempts)
 {
@@ -402,6 +389,15 @@ void queue_resume(struct queue *queue, struct queue_job *job)
 {
     job->is_paused = false;
     note_ready(job);
+}
+
+bool queue_has_frame_to_cancel(const struct queue_job *job)
+{
+    for (int64_t i = 0; i < job->frame_count; i++)
+        if (job->states[i].state == FRAME_QUEUED ||
+            (job->states[i].state == FRAME_RUNNING && !job->states[i].is_publishing))
+            return true;
+    return false;
 }
 
 static void end_frames(struct queue_job *job, enum frame_state state)

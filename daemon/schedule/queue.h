@@ -4,6 +4,7 @@
 
 #include "core/job/frame_range.h"
 #include "daemon/schedule/index_heap.h"
+#include "daemon/schedule/states.h"
 #include "daemon/schedule/turns.h"
 
 #include <stdbool.h>
@@ -13,34 +14,8 @@
 struct error;
 struct queue;
 
-enum job_state {
-    JOB_QUEUED, // none of its frames has started
-    JOB_RUNNING,
-    JOB_PAUSED,
-    JOB_SUCCEEDED,
-    JOB_FAILED,
-    JOB_CANCELED,
-    JOB_STATE_COUNT
-};
-
-enum frame_state {
-    FRAME_QUEUED,
-    FRAME_RUNNING,
-    FRAME_SUCCEEDED,
-    FRAME_FAILED,
-    FRAME_CANCELED,
-    FRAME_SKIPPED,
-    FRAME_STATE_COUNT
-};
-
-const char *job_state_name(enum job_state state);
-const char *frame_state_name(enum frame_state state);
-extern const char *const job_state_names[];   // end in NULL
-extern const char *const frame_state_names[]; // end in NULL
-
-enum {
-    QUEUE_PRIORITY_LIMIT = TURNS_PRIORITY_LIMIT
-}; // priorities are in [0, QUEUE_PRIORITY_LIMIT); the highest is first
+// Priorities are in [0, QUEUE_PRIORITY_LIMIT); the highest is first.
+enum { QUEUE_PRIORITY_LIMIT = TURNS_PRIORITY_LIMIT };
 
 // At most 16 bytes, for a million of them are in memory.
 struct queue_frame {
@@ -133,6 +108,8 @@ bool queue_return(struct queue *queue, const struct queue_ticket *ticket);
 void queue_set_priority(struct queue *queue, struct queue_job *job, int priority);
 void queue_pause(struct queue *queue, struct queue_job *job);
 void queue_resume(struct queue *queue, struct queue_job *job);
+// Whether queue_cancel would cancel a frame: not when all that are not over are being published.
+bool queue_has_frame_to_cancel(const struct queue_job *job);
 // Queued and running frames become canceled: tickets of running frames own them no more, and the caller stops the
 // workers. Frames that are being published may still succeed. Does nothing to a job that is not live.
 void queue_cancel(struct queue *queue, struct queue_job *job);

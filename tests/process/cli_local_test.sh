@@ -84,8 +84,8 @@ expect 0 "reads      $scratch/a#b/scan.01.nii (interior of object 1)" march subm
 expect 0 "light step 0.1 m, rays up to depth 5" march submit --dry-run glass.json
 expect 0 '"objects":2' march submit --dry-run --json glass.json
 expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10
-expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=101
-expect 2 "--priority: expected an integer in [0, 100]" march submit --dry-run "$cloud" --priority 101
+expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=201
+expect 2 "--priority: expected an integer in [0, 200]" march submit --dry-run "$cloud" --priority 201
 
 for verb in list workers "show 1" "frames 1" "log 1" "watch 1" "wait 1" "pause 1" "resume 1" "cancel 1" "retry 1" "prio 1 5"; do
     # shellcheck disable=SC2086 # the verb and its operands
@@ -106,7 +106,7 @@ expect 2 "--backend: expected auto, egl, osmesa or software" march render "$clou
 expect 2 "unknown option --wiat, did you mean --wait?" march submit --wiat "$cloud"
 expect 2 "expected ID" march show
 expect 2 'expected a job id such as 7, got "x"' march show x
-expect 2 "expected a priority in [0, 100]" march prio 1 200
+expect 2 "expected a priority in [0, 200]" march prio 1 201
 expect 2 "usage: march VERB" march
 expect 0 "Example:" march render --help
 expect 0 "march retry 7" march help retry

@@ -43,6 +43,10 @@ for who in "${ann[*]}" "${chief[*]}" "7 37" "7 7,$many,37" "0 0" "${service[*]}"
     # shellcheck disable=SC2086 # two words
     expect "the priority that $who sets" "$(ask_as $who job.priority "{\"id\":$id,\"priority\":60}" | jq .result.priority)" 60
 done
+expect_error "$(ask_as "${ann[@]}" job.priority "{\"id\":$id,\"priority\":101}")" 2 "priority: expected at most 100, got 101"
+expect_error "$(ask_as "${ann[@]}" job.submit "{\"document\":$(job 1 '.priority = 150')}")" 2 "expected at most 100, got 150"
+expect "a priority for administrators" "$(ask_as "${chief[@]}" job.priority "{\"id\":$id,\"priority\":200}" | jq .result.priority)" 200
+grep -q "priority 200, before 60, set by lp" "$scratch/daemon.log" || fail "the log does not say who set the priority"
 expect "the priority by the primary group alone" "$(printf '{"jsonrpc":"2.0","id":1,"method":"job.priority","params":{"id":%s,"priority":60}}\n' "$id" |
     setpriv --reuid=7 --regid=37 --clear-groups "$bin/socket-client" "$socket" | jq .result.priority)" 60
 expect_error "$(ask_as 7 "7,$many" job.priority "{\"id\":$id,\"priority\":61}")" 2 "belongs to games"
