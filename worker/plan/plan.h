@@ -18,7 +18,6 @@ struct plan {
     struct job_quality quality; // its method is never auto; the number of samples is the job's own
     struct job_pixels pixels;   // which are traced; `quality` has none
     double predicted_traced;    // share of the pixels that are
-    double predicted_spread_s;  // s a frame for interpolating the others
     // Predictions for a frame at the job's resolution on this worker, in seconds; 0: not known.
     double predicted_s;                           // rendering alone
     double predicted_processor_s;                 // the same, summed over processors; 0 where a GPU renders

@@ -95,7 +95,6 @@ static bool measure(struct plan *plan, const struct plan_params *params, struct 
     ok = ok && pixel_audit_measure(&audit, verdict, fault, error);
     image_finish(&image);
     plan->predicted_traced = ok ? result.traced : 1.0;
-    plan->predicted_spread_s = ok ? result.spread_s : 0.0;
     return ok || !renderer_fault_is_final(*fault);
 }
 
@@ -103,7 +102,6 @@ static void trace_all(struct plan *plan)
 {
     plan->pixels = (struct job_pixels){0};
     plan->predicted_traced = 1.0;
-    plan->predicted_spread_s = 0.0;
 }
 
 // The threshold at which interpolation adds `share` of the tolerance, if errors are in proportion to thresholds.

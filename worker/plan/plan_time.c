@@ -19,7 +19,7 @@ enum {
     PIXELS = 480 * 270, // of the larger renders, at most
     SMALLER = 2,        // the smaller renders' sides are this part of the larger ones'
     FRAMES = 5,         // of the segment that are timed
-    REPEATS = 3         // of each timing, of which the median counts
+    REPEATS = 3
 };
 static const double LONG_S = 2.0; // a timing that takes longer is not repeated
 
@@ -28,13 +28,20 @@ struct timing {
     const struct plan *plan;
     enum renderer_fault *fault;
     struct error *error;
-    double scale; // of the larger renders' sides
+    double scale;     // of the larger renders' sides
+    int repeat_count; // of each timing, of which the median counts
     bool by_processor;
     bool keeps_grids; // light grids stay from frame to frame
     double shown;     // share of the segment's frames that are rendered; the others are copies of the frame before
     double parallel;  // processor seconds per second, in the least disturbed render
     int render_count; // so far
 };
+
+// Which pixels are traced depends on the size, so that frames with interpolated pixels are timed as they are.
+static bool is_sparse(const struct plan *plan)
+{
+    return plan->pixels.stride > 0;
+}
 
 static double pixels_at(const struct timing *timing, double scale)
 {
@@ -51,7 +58,7 @@ static int count_frames(const struct timing *timing)
 static void note_render(struct timing *timing)
 {
     // Each timing of all frames also finds the fixed part by two renders; two come before them all.
-    double most = 2.0 + REPEATS * (count_frames(timing) + 2.0);
+    double most = 2.0 + timing->repeat_count * (count_frames(timing) + 2.0);
 
     plan_progress_note(timing->params, PLAN_STAGE_TIMING, ++timing->render_count / most);
 }
@@ -60,7 +67,8 @@ static bool render(struct timing *timing, int32_t frame, double scale, struct re
 {
     struct job planned = plan_apply(timing->plan, timing->params->job), small = plan_small_job(&planned, scale);
     struct image image = {0};
-    bool ok = plan_small_render(timing->params, &small, frame, &image, result, timing->error);
+    bool ok = plan_small_render(timing->params, is_sparse(timing->plan) ? &planned : &small, frame, &image, result,
+                                timing->error);
 
     if (!ok) *timing->fault = result->fault;
     image_finish(&image);
@@ -120,8 +128,7 @@ static bool time_frames(struct timing *timing, double *seconds)
         if (i == 0 && ratio > 1.0 && !find_fixed(timing, frame, frame_s, &fixed)) return false;
         sum += count > 1 ? frame_s * (is_end ? 0.5 : 1.0) / (count - 1) : frame_s;
     }
-    *seconds = fmax(sum - fixed.frame_s - fixed.grids_s, 0.0) * ratio * timing->plan->predicted_traced +
-               timing->plan->predicted_spread_s + fixed.frame_s + fixed.grids_s;
+    *seconds = fmax(sum - fixed.frame_s - fixed.grids_s, 0.0) * ratio + fixed.frame_s + fixed.grids_s;
     return true;
 }
 
@@ -158,13 +165,14 @@ bool plan_time_predict(struct plan *plan, const struct plan_params *params, enum
                             .plan = plan,
                             .fault = fault,
                             .error = error,
-                            .scale = plan_small_scale(job, PIXELS),
+                            .scale = is_sparse(plan) ? 1.0 : plan_small_scale(job, PIXELS),
+                            .repeat_count = is_sparse(plan) ? 1 : REPEATS,
                             .by_processor = renderer_is_software(params->renderer)};
     double seconds[REPEATS];
     int count = 0;
 
     if (!begin(&timing)) return false;
-    while (count < REPEATS) {
+    while (count < timing.repeat_count) {
         if (!time_frames(&timing, &seconds[count])) return false;
         if (seconds[count++] > LONG_S) break;
     }

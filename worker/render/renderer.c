@@ -177,7 +177,6 @@ static bool render_sparse(struct renderer *renderer, struct rendering *rendering
         return false;
     ray_counts_find_share(&rendering->result->ray_counts, sparse.image);
     rendering->result->traced = sparse.traced;
-    rendering->result->spread_s = sparse.spread_s;
     return true;
 }
 

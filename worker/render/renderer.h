@@ -46,7 +46,6 @@ struct renderer_result {
     const char *shader_hash;                      // borrowed from the renderer until the next call
     char picture_hash[HASH_TEXT_SIZE];            // as renderer_hash_picture makes it
     double step;                                  // m, along camera rays
-    double spread_s;                              // of `seconds`, for interpolating pixels
     double traced;                                // share of the frame's samples that were traced; 1 for lists
     struct ray_counts ray_counts;                 // also set for a copy
     double world_to_camera[16], world_to_ndc[16]; // as image_exr_header has them

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "worker/render/sparse_drawing.h"
 
-#include "core/base/clock.h"
 #include "core/job/job.h"
 #include "worker/picture/image.h"
 #include "worker/picture/ray_counts.h"
@@ -96,15 +95,6 @@ static void show_level(const struct sparse_drawing *sparse, const struct pixel_l
                                                            .height_px = sparse->image->height_px});
 }
 
-static bool refine(struct sparse_drawing *sparse, struct pixel_lattice *lattice)
-{
-    double start = clock_now_s();
-    bool is_finer = pixel_lattice_refine(lattice);
-
-    sparse->spread_s += clock_now_s() - start;
-    return is_finer;
-}
-
 // Levels of pixels, of all samples each or, where these differ in their points alone, of their centres.
 static bool draw_levels(struct sparse_drawing *sparse, struct pixel_lattice *lattice, struct level_progress *progress,
                         struct error *error)
@@ -113,7 +103,7 @@ static bool draw_levels(struct sparse_drawing *sparse, struct pixel_lattice *lat
         if (!trace_wanted(sparse, lattice, error)) return false;
         show_level(sparse, lattice);
         progress->begin += progress->share;
-    } while (refine(sparse, lattice));
+    } while (pixel_lattice_refine(lattice));
     return true;
 }
 

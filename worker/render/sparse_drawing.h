@@ -24,8 +24,7 @@ struct sparse_drawing {
     int thread_count;                 // of processors that draw
     picture_level_callback *on_level; // may be NULL
     void *user;
-    double traced;   // set: the share of the frame's samples that were traced
-    double spread_s; // set: the time that the other pixels took
+    double traced; // set: the share of the frame's samples that were traced
 };
 
 // Draws level after level. Counts of rays are set where there are paths; an interpolated pixel counts as its neighbours
