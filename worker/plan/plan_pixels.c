@@ -50,8 +50,8 @@ static bool is_dear(const struct plan_params *params, const struct plan *plan)
     return renderer_is_software(params->renderer) || plan->work > GPU_WORK;
 }
 
-// Glints and texture may be small, and no guard knows where they are. A larger picture of a scene shows no more of them,
-// so that its stride is about the same part of it.
+// Glints and texture may be small, and no guard knows where they are. A larger picture of a scene shows no more of
+// them, so that its stride is about the same part of it.
 static int find_stride(const struct job *job)
 {
     int stride = job->scene.object_count > 0 ? STRIDE_FINE : JOB_STRIDE_DEFAULT;

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // These are small frames, not lists of pixels: they are drawn in rows, and copied where nothing changes, as the job's
 // frames are. A list is never a copy, and its pixels cost up to a third more where rays end early. Frames with
-// interpolated pixels are timed at their own size: traced pixels are those in which most is to be seen, and cost several
-// times as much as others.
+// interpolated pixels are timed at their own size: traced pixels are those in which most is to be seen, and cost
+// several times as much as others.
 #pragma once
 
 #include "worker/render/renderer_fault.h"
