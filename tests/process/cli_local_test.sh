@@ -63,8 +63,11 @@ expect 0 "midpoint, step 1 voxels" march submit --dry-run "a#b/scan.json"
 expect 0 "scan.json: ok" march validate "a#b/scan.json" --set 'scene.media[0].density.file=scan.01.nii'
 expect 2 "$scratch/a#b/scan.1.nii: No such file" march validate "a#b/scan.json" --set 'scene.media[0].density.file=scan.#.nii'
 
-expect 0 "cloud/cloud.0000.exr to cloud/cloud.0230.exr" march submit --dry-run "$cloud" --set frames=0-239x10
-expect 0 "files      /srv/a/b.0000.exr" march submit --dry-run "$cloud" --set 'output.path="/srv/a/b.####.exr"'
+# A dry run plans where no method is stated.
+expect 0 "planned in" march submit --dry-run "$cloud" --set frames=0 --set resolution=[32,18]
+stated='quality={"method":"midpoint","step":0.1,"light_step":0.1}'
+expect 0 "cloud/cloud.0000.exr to cloud/cloud.0230.exr" march submit --dry-run "$cloud" --set frames=0-239x10 --set "$stated"
+expect 0 "files      /srv/a/b.0000.exr" march submit --dry-run "$cloud" --set 'output.path="/srv/a/b.####.exr"' --set "$stated"
 expect 0 "1 medium (grid), 0 lights" march submit --dry-run "a#b/scan.json"
 expect 0 "reads      $scratch/a#b/scan.##.nii (medium 0)" march submit --dry-run "a#b/scan.json"
 cat >glass.json <<END
@@ -83,7 +86,7 @@ expect 0 "reads      $scratch/tiles.png (texture of object 0)" march submit --dr
 expect 0 "reads      $scratch/a#b/scan.01.nii (interior of object 1)" march submit --dry-run glass.json
 expect 0 "light step 0.1 m, rays up to depth 5" march submit --dry-run glass.json
 expect 0 '"objects":2' march submit --dry-run --json glass.json
-expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10
+expect 0 '"frames":24' march submit --dry-run --json "$cloud" --set frames=0-239x10 --set "$stated"
 expect 2 "priority: expected" march submit --dry-run "$cloud" --set priority=201
 expect 2 "--priority: expected an integer in [0, 200]" march submit --dry-run "$cloud" --priority 201
 

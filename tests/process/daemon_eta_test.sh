@@ -15,19 +15,20 @@ wait_until "frames are done" has_done "$behind" 8
 ask job.pause "{\"id\":$behind}" >/dev/null
 wait_until "no frame runs" rests "$behind"
 alone=$(field "$behind" .eta_s)
-front=$(submit "$(job 0-999 '.output.path = "b/b.####.exr" | .priority = 90')")
+# So many frames that no scatter of the others' pace is like what they take.
+front=$(submit "$(job 0-9999 '.output.path = "b/b.####.exr" | .priority = 90')")
 wait_until "frames are done" has_done "$front" 8
 check "a paused job waits for none" "$(both "$behind" "$front")" '.[0] == $alone and .[1] > 0'
 ask job.resume "{\"id\":$behind}" >/dev/null
 check "a job waits for the one in front" "$(both "$behind" "$front")" '.[1] > 0 and (.[0] - $alone - .[1] | fabs) < 1e-3'
 ask job.pause "{\"id\":$front}" >/dev/null
 # Its frames go on meanwhile, so what it takes alone is not quite what it was.
-check "no job waits for a paused one" "$(both "$behind" "$front")" '.[0] <= $alone * 1.4'
+check "no job waits for a paused one" "$(both "$behind" "$front")" '.[0] < .[1]'
 ask job.resume "{\"id\":$front}" >/dev/null
 third=$(submit "$(job 0-999 '.output.path = "c/c.####.exr" | .priority = 99')")
 wait_until "frames are done" has_done "$third" 8
 ask job.pause "{\"id\":$front}" >/dev/null
-check "nor for a paused one between" "$(both "$behind" "$third")" '.[1] > 0 and (.[0] - .[1]) <= $alone * 1.4'
+check "nor for a paused one between" "$(both "$behind" "$front")" '.[0] < .[1]'
 ask job.cancel "{\"id\":$third}" >/dev/null
 ask job.cancel "{\"id\":$front}" >/dev/null
 ask job.cancel "{\"id\":$behind}" >/dev/null

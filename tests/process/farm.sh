@@ -140,10 +140,19 @@ submit()
     echo "$id"
 }
 
-# field ID JQ-FILTER: of the job.
+# field ID JQ-FILTER: of the job. What waits asks often, and jq starts slowly: a plain member is found without it.
 field()
 {
-    ask job.show "{\"id\":$1}" | jq -r ".result | $2"
+    local answer value
+
+    answer=$(ask job.show "{\"id\":$1}")
+    if [[ $2 =~ ^\.[a-z_]+$ && ${answer#*'"result":'} =~ \"${2#.}\":(\"([^\"\\]*)\"|[a-z0-9]+)[,\}] ]]; then
+        value=${BASH_REMATCH[1]}
+        value=${value#\"}
+        echo "${value%\"}"
+    else
+        jq -r ".result | $2" <<<"$answer"
+    fi
 }
 
 # wait_until WHAT COMMAND...: until the command succeeds.
