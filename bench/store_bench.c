@@ -24,7 +24,7 @@ static void check(bool ok, const struct error *error)
 static struct store *open_store(const char *folder)
 {
     struct error error = {0};
-    struct store *store = store_open(folder, &error);
+    struct store *store = store_open(folder, NULL, &error);
 
     check(store != NULL, &error);
     return store;

@@ -4,7 +4,7 @@
 // stub-worker --fd N [--mode MODE], other options are ignored. MODE is
 //   skip         answers each frame with frame.skipped at once (default)
 //   sleep:MS     the same after MS milliseconds
-//   write:MS     writes a small file after MS milliseconds and reports it finished
+//   write:MS     writes a small file after MS milliseconds, or at once after SIGUSR1, and reports it finished
 //   forced       skips frames, and writes like write those that it is told to render in any case
 //   audited:MS   the same, and reports its accuracy
 //   plan:MS      like write, and reports that it plans first, for 48 frames, and that a quarter is rendered
@@ -52,6 +52,8 @@ struct stub_job {
     char *root;
     struct output_path path;
 };
+
+static volatile sig_atomic_t is_hurried;
 
 enum stub_plan { PLAN_NONE, PLAN_ASKED, PLAN_MAKES, PLAN_SENT, PLAN_HAS };
 
@@ -280,7 +282,7 @@ static int work(struct stub *stub)
         if (!stub->is_begun) begin_frame(stub);
         if (has_mode(stub, "hang") || has_mode(stub, "garbage")) return -1;
         if (stub->plan == PLAN_ASKED || stub->plan == PLAN_SENT) return -1;
-        left_ms = stub->plan != PLAN_HAS && stub->frame_ms > 0 ? stub->due_ms - now_ms() : 0;
+        left_ms = stub->plan != PLAN_HAS && stub->frame_ms > 0 && !is_hurried ? stub->due_ms - now_ms() : 0;
         if (left_ms > 0) return (int)left_ms;
         if (stub->plan == PLAN_MAKES) {
             send_plan(stub, &stub->frames[stub->next]);
@@ -461,6 +463,12 @@ static void finish(struct stub *stub)
     json_writer_finish(&stub->out);
 }
 
+static void on_hurry(int number)
+{
+    (void)number;
+    is_hurried = 1;
+}
+
 int main(int argc, char **argv)
 {
     struct stub stub = {.fd = 3, .mode = "skip"};
@@ -473,6 +481,7 @@ int main(int argc, char **argv)
     colon = strchr(stub.mode, ':');
     if (colon) stub.frame_ms = atoi(colon + 1);
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGUSR1, on_hurry);
     // Ends with the daemon, as march-worker does: nothing removes what a dead daemon's worker writes.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (has_mode(&stub, "nocontext")) {

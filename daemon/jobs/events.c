@@ -146,6 +146,15 @@ static void on_interval(uv_timer_t *timer)
     events->changed_count = 0;
 }
 
+void events_note_store(struct events *events)
+{
+    for (size_t i = 0; i < events->farm->jobs.count; i++) {
+        struct job_record *record = events->farm->jobs.records[i];
+
+        if (queue_job_is_live(record->queued)) events_note_job(events, record);
+    }
+}
+
 static void forget_change(struct events *events, const struct job_record *record)
 {
     size_t kept = 0;

@@ -7,6 +7,7 @@
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/schedule/dispatch.h"
+#include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
 
@@ -200,6 +201,7 @@ void feed_workers(struct farm *farm)
 {
     int workers = worker_pool_ready_count(farm->pool);
 
+    if (committer_trouble(farm->committer)) return;
     turns_advance(queue_turns(farm->queue), farm_now_ms(farm));
     for (int i = 0; i < worker_pool_slot_count(farm->pool); i++)
         while (feed_worker(farm, i, workers)) {

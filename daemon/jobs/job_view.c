@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/json/json_write.h"
 #include "daemon/farm/farm.h"
+#include "daemon/store/committer.h"
 #include "daemon/workers/worker_pool.h"
 
 #include <math.h>
@@ -61,9 +62,11 @@ static char *format_turn(const struct farm *farm, const struct job_record *recor
 
 static char *reason_to_wait(const struct farm *farm, const struct job_record *record)
 {
+    const char *store_trouble = committer_trouble(farm->committer);
     const struct queue_job *next;
     char *trouble;
 
+    if (store_trouble) return xstrdup(store_trouble);
     if (record->queued->counts[FRAME_QUEUED] == 0 || record->queued->counts[FRAME_RUNNING] > 0) return NULL;
     trouble = worker_pool_format_trouble(farm->pool);
     if (trouble) return trouble;

@@ -286,10 +286,15 @@ static struct store_op format_op(const struct job_submit *submit)
 static void on_folder_done(uv_work_t *work, int status)
 {
     struct job_submit *submit = work->data;
+    const char *trouble = committer_trouble(submit->farm->committer);
     struct store_op op;
 
     if (submit->failure) {
         refuse(submit, (enum message_code)submit->failure, submit->error.message);
+        return;
+    }
+    if (trouble) {
+        refuse(submit, MESSAGE_CODE_STORE, trouble);
         return;
     }
     submit->row.id = submit->farm->next_job_id++;

@@ -154,6 +154,7 @@ enum request_outcome requests_job_delete(struct request *request)
 enum request_outcome requests_job_retry(struct request *request)
 {
     const unsigned allowed = 1U << FRAME_FAILED | 1U << FRAME_CANCELED | 1U << FRAME_SUCCEEDED | 1U << FRAME_SKIPPED;
+    const char *trouble = committer_trouble(request->farm->committer);
     struct job_record *record = request_find_own_job(request);
     struct frame_range range;
     bool is_forced = false;
@@ -166,6 +167,7 @@ enum request_outcome requests_job_retry(struct request *request)
         return request_fail(request, MESSAGE_CODE_PARAMS,
                             "params.state: expected failed, canceled, succeeded or skipped: queued and running frames "
                             "cannot be retried");
+    if (trouble) return request_fail(request, MESSAGE_CODE_STORE, "%s", trouble);
     if (!check_files_are_free(request, record) || !request_read_range(request, &range)) return REQUEST_FAILED;
     job_change_retry(
         request->farm, record,

@@ -7,6 +7,7 @@
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/settings/options.h"
+#include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
 
@@ -44,6 +45,18 @@ static void write_roots(struct json_writer *writer, const char *key, const struc
     json_write_end_array(writer);
 }
 
+static void write_store(const struct farm *farm, struct json_writer *writer)
+{
+    const struct committer *committer = farm->committer;
+    const char *trouble = committer_trouble(committer);
+
+    json_write_begin_object(writer);
+    json_write_string_member(writer, "state", !trouble ? "ok" : committer_has_failed(committer) ? "failing" : "short");
+    json_write_string_member(writer, "reason", trouble);
+    json_write_integer_member(writer, "waiting", (int64_t)committer_waiting(committer));
+    json_write_end_object(writer);
+}
+
 enum request_outcome requests_daemon_status(struct request *request)
 {
     const struct farm *farm = request->farm;
@@ -57,6 +70,8 @@ enum request_outcome requests_daemon_status(struct request *request)
     write_roots(writer, "output_roots", &farm->options->output_roots);
     write_roots(writer, "input_roots", &farm->options->input_roots);
     json_write_string_member(writer, "state_folder", farm->options->state_folder);
+    json_write_key(writer, "store");
+    write_store(farm, writer);
     json_write_key(writer, "jobs");
     write_job_counts(farm, writer);
     json_write_key(writer, "frames");

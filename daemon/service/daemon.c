@@ -19,6 +19,7 @@
 #include "daemon/requests/requests.h"
 #include "daemon/service/folders.h"
 #include "daemon/service/manager.h"
+#include "daemon/service/opening.h"
 #include "daemon/service/restore.h"
 #include "daemon/service/watchdog.h"
 #include "daemon/settings/options.h"
@@ -59,6 +60,7 @@ struct daemon {
 
 static void on_swept(void *user, struct job_record *record);
 static void on_slot_changed(struct farm *farm, int slot_index);
+static void on_store_trouble(void *user);
 static void on_message(void *user, struct client *client, const struct message *message);
 static void on_client_gone(void *user, struct client *client);
 static void on_iteration(uv_prepare_t *iteration);
@@ -74,7 +76,7 @@ static bool open_store(struct daemon *daemon, const struct options *options, str
 {
     if (!folders_make(options->state_folder, 0700, error) || !folders_make(options->output_roots.paths[0], 0755, error))
         return false;
-    daemon->store = store_open(options->state_folder, error);
+    daemon->store = opening_wait(options->state_folder, error);
     if (!daemon->store) return false;
     daemon->farm.reader = store_reader_open(options->state_folder, error);
     return daemon->farm.reader != NULL;
@@ -86,6 +88,7 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     int slots = options->worker_count ? options->worker_count : (int)uv_available_parallelism();
 
     farm->committer = committer_create(farm->loop, daemon->store);
+    committer_watch(farm->committer, on_store_trouble, daemon);
     farm->publisher = publisher_create(farm->loop, farm->committer, frame_life_on_published, farm);
     farm->sweeper = sweeper_create(farm->loop, on_swept, farm);
     farm->events = events_create(farm);
@@ -205,6 +208,14 @@ static void on_swept(void *user, struct job_record *record)
 static void on_slot_changed(struct farm *farm, int slot_index)
 {
     events_send_worker(farm->events, slot_index);
+}
+
+static void on_store_trouble(void *user)
+{
+    struct daemon *daemon = user;
+
+    events_note_store(daemon->farm.events);
+    farm_want_feed(&daemon->farm);
 }
 
 static void on_message(void *user, struct client *client, const struct message *message)

@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "daemon/farm/farm.h"
 #include "daemon/schedule/queue.h"
+#include "daemon/store/committer.h"
 #include "daemon/workers/worker_pool.h"
 
 #include <inttypes.h>
@@ -12,7 +13,7 @@
 #include <string.h>
 #include <systemd/sd-daemon.h>
 
-enum { LINE_SIZE = 256, INTERVAL_MS = 2000, WRITING_MS = 20000 };
+enum { LINE_SIZE = 512, INTERVAL_MS = 2000, WRITING_MS = 20000 };
 
 struct manager {
     struct farm *farm; // borrowed; outlives us
@@ -26,7 +27,10 @@ static void on_interval(uv_timer_t *timer);
 static void format_line(const struct manager *manager, char line[static LINE_SIZE])
 {
     const struct queue *queue = manager->farm->queue;
-    char *trouble = manager->is_stopping ? NULL : worker_pool_format_trouble(manager->farm->pool);
+    const char *store_trouble = committer_trouble(manager->farm->committer);
+    char *trouble = store_trouble          ? xstrdup(store_trouble)
+                    : manager->is_stopping ? NULL
+                                           : worker_pool_format_trouble(manager->farm->pool);
     int64_t jobs = 0;
 
     for (const struct queue_job *job = queue_first_job(queue); job; job = job->next)

@@ -12,6 +12,8 @@
 #include "daemon/farm/limits.h"
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/service/opening.h"
+#include "daemon/settings/options.h"
 #include "daemon/store/store.h"
 
 #include <stdlib.h>
@@ -167,7 +169,8 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
 
     for (size_t i = 0; i < state.intent_count && ok; i++)
         finish_publish(&state, &state.intents[i]);
-    if (ok && state.op_count > 0) ok = store_commit(store, state.ops, state.op_count, error);
+    if (ok && state.op_count > 0)
+        ok = opening_commit(store, farm->options->state_folder, state.ops, state.op_count, error);
     restore_ends(farm);
     limits_refresh(farm);
     shares_refresh(farm);

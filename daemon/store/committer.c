@@ -33,17 +33,40 @@ struct committer {
     uv_timer_t retry_timer;
     uv_work_t work;
     struct commit_batch gathering, in_flight;
-    bool is_working;    // `work` is queued: its thread uses in_flight
-    bool result;        // set by the thread
-    struct error error; // set by the thread
-    bool has_failed;
-    struct error trouble; // the error of the latest failure
+    bool is_working;           // `work` is queued: its thread uses in_flight, and reads `trouble`
+    bool is_due;               // a try is due, even without ops
+    bool result, probe_result; // set by the thread
+    struct error error;        // set by the thread: of the commit or the probe
+    bool has_failed;           // the latest commit failed
+    struct error trouble;      // empty: none
+    committer_on_trouble *on_trouble;
+    void *watcher; // borrowed
 };
 
 static void start_batch(struct committer *committer);
 static void on_commit_run(uv_work_t *work);
 static void on_commit_done(uv_work_t *work, int status);
 static void on_retry(uv_timer_t *timer);
+
+static void set_trouble(struct committer *committer, const struct error *trouble)
+{
+    if (trouble->message[0]) uv_timer_start(&committer->retry_timer, on_retry, RETRY_MS, 0);
+    if (strcmp(committer->trouble.message, trouble->message) == 0) return;
+    if (trouble->message[0])
+        log_error("%s", trouble->message);
+    else
+        log_info("store: commits again");
+    committer->trouble = *trouble;
+    if (committer->on_trouble) committer->on_trouble(committer->watcher);
+}
+
+static void note_no_reserve(struct committer *committer, const struct error *cause)
+{
+    struct error trouble;
+
+    error_set(&trouble, "%s: what is in flight is stored, nothing new is begun until there is room", cause->message);
+    set_trouble(committer, &trouble);
+}
 
 struct committer *committer_create(uv_loop_t *loop, struct store *store)
 {
@@ -54,7 +77,15 @@ struct committer *committer_create(uv_loop_t *loop, struct store *store)
     uv_timer_init(loop, &committer->retry_timer);
     committer->retry_timer.data = committer;
     committer->work.data = committer;
+    if (!store_has_reserve(store) && !store_probe(store, &committer->error))
+        note_no_reserve(committer, &committer->error);
     return committer;
+}
+
+void committer_watch(struct committer *committer, committer_on_trouble *on_trouble, void *user)
+{
+    committer->on_trouble = on_trouble;
+    committer->watcher = user;
 }
 
 static void batch_finish(struct commit_batch *batch)
@@ -111,7 +142,12 @@ bool committer_is_idle(const struct committer *committer)
 
 const char *committer_trouble(const struct committer *committer)
 {
-    return committer->has_failed ? committer->trouble.message : NULL;
+    return committer->trouble.message[0] ? committer->trouble.message : NULL;
+}
+
+bool committer_has_failed(const struct committer *committer)
+{
+    return committer->has_failed;
 }
 
 void committer_close(struct committer *committer)
@@ -140,7 +176,7 @@ static void gather_into_flight(struct committer *committer)
 
 static void start_batch(struct committer *committer)
 {
-    if (committer->is_working || uv_is_active((uv_handle_t *)&committer->retry_timer)) return;
+    if (committer->is_working || (committer->has_failed && !committer->is_due)) return;
     if (committer->in_flight.entry_count == 0) {
         struct commit_batch emptied = committer->in_flight;
 
@@ -149,7 +185,8 @@ static void start_batch(struct committer *committer)
     } else if (committer->gathering.entry_count > 0) {
         gather_into_flight(committer);
     }
-    if (committer->in_flight.entry_count == 0) return;
+    if (committer->in_flight.entry_count == 0 && !committer->is_due) return;
+    committer->is_due = false;
     committer->is_working = true;
     uv_queue_work(committer->loop, &committer->work, on_commit_run, on_commit_done);
 }
@@ -160,11 +197,22 @@ static void on_commit_run(uv_work_t *work)
     const struct commit_batch *batch = &committer->in_flight;
 
     committer->result = store_commit(committer->store, batch->ops, batch->op_count, &committer->error);
+    committer->probe_result = committer->result;
+    if (committer->result && (committer->trouble.message[0] || !store_has_reserve(committer->store)))
+        committer->probe_result = store_probe(committer->store, &committer->error);
 }
 
 static void tell(const struct commit_entry *entry, bool ok, const struct error *error)
 {
     if (entry->on_done) entry->on_done(entry->user, ok, error);
+}
+
+static void note_failure(struct committer *committer)
+{
+    struct error trouble;
+
+    error_set(&trouble, "%s; nothing new is begun, tried again every second", committer->error.message);
+    set_trouble(committer, &trouble);
 }
 
 static void end_success(struct committer *committer)
@@ -173,10 +221,13 @@ static void end_success(struct committer *committer)
     struct commit_batch batch = committer->in_flight;
 
     committer->in_flight = (struct commit_batch){0};
-    if (batch.op_count > 0) { // a batch without ops does not show that the store works
-        if (committer->has_failed) log_info("store: commits again");
-        committer->has_failed = false;
-    }
+    committer->has_failed = !committer->probe_result && store_has_reserve(committer->store);
+    if (committer->has_failed)
+        note_failure(committer);
+    else if (!committer->probe_result)
+        note_no_reserve(committer, &committer->error);
+    else
+        set_trouble(committer, &(struct error){0});
     start_batch(committer);
     for (size_t i = 0; i < batch.entry_count; i++)
         tell(&batch.entries[i], true, NULL);
@@ -190,9 +241,8 @@ static void end_failure(struct committer *committer)
     struct commit_batch kept = {0};
     struct error error = committer->error;
 
-    if (!committer->has_failed) log_error("%s; tried again every second", error.message);
     committer->has_failed = true;
-    committer->trouble = error;
+    note_failure(committer);
     kept.ops = xmalloc(batch.op_count * sizeof *kept.ops);
     kept.op_capacity = batch.op_count;
     kept.entries = xmalloc(batch.entry_count * sizeof *kept.entries);
@@ -213,7 +263,6 @@ static void end_failure(struct committer *committer)
         kept.entries[kept.entry_count++] = entry;
     }
     committer->in_flight = kept;
-    uv_timer_start(&committer->retry_timer, on_retry, RETRY_MS, 0);
     for (size_t i = 0; i < batch.entry_count; i++) {
         if (batch.entries[i].policy == COMMIT_OR_DROP || batch.entries[i].policy == COMMIT_REPORTED)
             tell(&batch.entries[i], false, &error);
@@ -235,5 +284,8 @@ static void on_commit_done(uv_work_t *work, int status)
 
 static void on_retry(uv_timer_t *timer)
 {
-    start_batch(timer->data);
+    struct committer *committer = timer->data;
+
+    committer->is_due = true;
+    start_batch(committer);
 }

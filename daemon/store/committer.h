@@ -12,7 +12,9 @@ struct error;
 struct store;
 struct store_op;
 
-// A failed batch is tried again every second: its changes have been made in memory and must be stored.
+// A failed batch is tried again every second: its changes have been made in memory and must be stored. While the store
+// is in trouble, nothing new should be begun. Trouble ends when a commit succeeds and the reserve is there again, which
+// is tried every second too.
 enum commit_policy {
     COMMIT_SILENT,   // no callback
     COMMIT_CERTAIN,  // the callback comes when the ops are on disk
@@ -21,8 +23,10 @@ enum commit_policy {
 };
 
 typedef void committer_on_done(void *user, bool ok, const struct error *error);
+typedef void committer_on_trouble(void *user); // the trouble began, has another reason, or ended
 
 struct committer *committer_create(uv_loop_t *loop, struct store *store); // `store` is borrowed until committer_destroy
+void committer_watch(struct committer *committer, committer_on_trouble *on_trouble, void *user); // one watcher
 void committer_destroy(struct committer *committer); // after the loop closed its handles; accepts NULL
 // Moves `op_count` ops in. They are committed together, in the order of the calls. `on_done` is called on the loop.
 void committer_put(struct committer *committer, enum commit_policy policy, struct store_op *ops, size_t op_count,
@@ -31,5 +35,8 @@ void committer_put(struct committer *committer, enum commit_policy policy, struc
 void committer_flush(struct committer *committer, committer_on_done *on_done, void *user);
 size_t committer_waiting(const struct committer *committer); // count of ops that are not on disk
 bool committer_is_idle(const struct committer *committer);
-const char *committer_trouble(const struct committer *committer); // why the last try failed; NULL: it succeeded
-void committer_close(struct committer *committer);                // legal once idle
+// Why the store takes nothing new, as a sentence; NULL: it does. With `has_failed`, nothing is committed at present;
+// without, what is in flight is committed by means of the reserve.
+const char *committer_trouble(const struct committer *committer);
+bool committer_has_failed(const struct committer *committer);
+void committer_close(struct committer *committer); // legal once idle

@@ -4,7 +4,9 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "daemon/schedule/queue.h"
+#include "daemon/store/store_load.h"
 #include "daemon/store/store_lock.h"
+#include "daemon/store/store_reserve.h"
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sql.h"
 
@@ -18,6 +20,7 @@ enum { BUSY_TIMEOUT_MS = 5000 };
 enum statement {
     BEGIN,
     COMMIT,
+    PROBE,
     ADD_JOB,
     ADD_DOCUMENT,
     SET_JOB,
@@ -35,15 +38,13 @@ enum statement {
     DELETE_DOCUMENT,
     DELETE_FRAMES,
     DELETE_ATTEMPTS,
-    LOAD_JOBS,
-    LOAD_FRAMES,
-    LOAD_FRAME,
     STATEMENT_COUNT
 };
 
 static const char *const statement_texts[STATEMENT_COUNT] = {
     [BEGIN] = "BEGIN IMMEDIATE",
     [COMMIT] = "COMMIT",
+    [PROBE] = "UPDATE daemon SET epoch = epoch + 1",
     [ADD_JOB] = "INSERT INTO job (id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms,"
                 " finished_ms, reason, name, owner, owner_uid, root) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
     [ADD_DOCUMENT] = "INSERT INTO document VALUES (?, ?)",
@@ -69,21 +70,18 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [DELETE_DOCUMENT] = "DELETE FROM document WHERE job = ?",
     [DELETE_FRAMES] = "DELETE FROM frame WHERE job = ?",
     [DELETE_ATTEMPTS] = "DELETE FROM attempt WHERE job = ?",
-    [LOAD_JOBS] =
-        "SELECT id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms, finished_ms, reason,"
-        " name, owner, owner_uid, root, text FROM job JOIN document ON document.job = id ORDER BY id",
-    [LOAD_FRAMES] = "SELECT job, frame_index, state, attempts, size_bytes, audit, measured_error, render_s, audit_s"
-                    " FROM frame ORDER BY job, frame_index",
-    [LOAD_FRAME] = "SELECT " STORE_SCHEMA_FRAME_COLUMNS " FROM frame WHERE job = ? AND frame_index = ?",
 };
 
 struct store {
+    char *folder; // owned
     int lock_fd;
     sqlite3 *db;                               // owned
     sqlite3_stmt *statements[STATEMENT_COUNT]; // owned
     int64_t epoch;
     int64_t next_job_id;
     int64_t next_plan_number;
+    bool has_reserve;
+    bool is_full; // the latest failure was a full disk
 };
 
 // Writes nothing before the database is known to be a store; then the tables and the new epoch are one transaction.
@@ -121,20 +119,38 @@ static bool open_database(struct store *store, const char *path, struct error *e
     return true;
 }
 
-struct store *store_open(const char *folder, struct error *error)
+static bool try_to_open(struct store *store, struct error *error)
+{
+    char *path = xasprintf("%s/queue.db", store->folder);
+    bool ok = open_database(store, path, error);
+
+    store->is_full = !ok && store_sql_is_full(store->db);
+    if (!ok) {
+        sqlite3_close(store->db);
+        store->db = NULL;
+    }
+    free(path);
+    return ok;
+}
+
+struct store *store_open(const char *folder, bool *is_full, struct error *error)
 {
     struct store *store = xcalloc(1, sizeof *store);
-    char *path = xasprintf("%s/queue.db", folder);
     bool ok = false;
 
+    store->folder = xstrdup(folder);
     store->lock_fd = store_lock_take(folder, error);
     if (store->lock_fd < 0) goto out;
-    if (!open_database(store, path, error)) goto out;
+    ok = try_to_open(store, error);
+    if (!ok && store->is_full && store_reserve_release(folder)) ok = try_to_open(store, error);
+    if (!ok) goto out;
+    ok = false;
     for (int i = 0; i < STATEMENT_COUNT; i++)
         if (!store_sql_prepare(store->db, statement_texts[i], &store->statements[i], error)) goto out;
+    store->has_reserve = store_reserve_make(folder, NULL);
     ok = true;
 out:
-    free(path);
+    if (is_full) *is_full = store->is_full;
     if (ok) return store;
     store_close(store);
     return NULL;
@@ -147,6 +163,7 @@ void store_close(struct store *store)
         sqlite3_finalize(store->statements[i]);
     sqlite3_close(store->db);
     if (store->lock_fd >= 0) close(store->lock_fd);
+    free(store->folder);
     free(store);
 }
 
@@ -351,16 +368,16 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
     return false;
 }
 
-bool store_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
+static bool try_to_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
 {
     bool ok = false;
 
-    if (op_count == 0) return true;
-    if (!store_sql_run(store->statements[BEGIN], "begin", error)) return false;
+    if (!store_sql_run(store->statements[BEGIN], "begin", error)) goto out;
     for (size_t i = 0; i < op_count; i++)
         if (!apply(store, &ops[i], error)) goto out;
     ok = store_sql_run(store->statements[COMMIT], "commit", error);
 out:
+    store->is_full = !ok && store_sql_is_full(store->db);
     // After some failures SQLite has rolled back already.
     if (!ok && !sqlite3_get_autocommit(store->db)) sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
     for (size_t i = 0; ok && i < op_count; i++)
@@ -368,95 +385,31 @@ out:
     return ok;
 }
 
-static bool read_job(sqlite3_stmt *row, struct store_job *job, struct error *error)
+bool store_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
 {
-    *job = (struct store_job){.id = sqlite3_column_int64(row, 0),
-                              .priority = sqlite3_column_int(row, 1),
-                              .is_paused = sqlite3_column_int(row, 2) != 0,
-                              .is_canceled = sqlite3_column_int(row, 3) != 0,
-                              .is_failed = sqlite3_column_int(row, 4) != 0,
-                              .submitted_ms = sqlite3_column_int64(row, 5),
-                              .started_ms = sqlite3_column_int64(row, 6),
-                              .finished_ms = sqlite3_column_int64(row, 7),
-                              .reason = store_sql_text(row, 8),
-                              .name = store_sql_text(row, 9),
-                              .owner = store_sql_text(row, 10),
-                              .owner_uid = sqlite3_column_int64(row, 11),
-                              .root = store_sql_text(row, 12),
-                              .document = store_sql_text(row, 13)};
-    if (job->id > 0 && job->priority >= 0 && job->priority < QUEUE_PRIORITY_LIMIT && job->document) return true;
-    error_set(error, "store: job %" PRId64 " has priority %d, expected 0 to %d", job->id, job->priority,
-              QUEUE_PRIORITY_LIMIT - 1);
-    return false;
+    if (op_count == 0 || try_to_commit(store, ops, op_count, error)) return true;
+    if (!store->is_full || !store_reserve_release(store->folder)) return false;
+    store->has_reserve = false;
+    return try_to_commit(store, ops, op_count, error);
 }
 
-static bool load_jobs(struct store *store, store_on_job *on_job, void *user, struct error *error)
+bool store_is_full(const struct store *store)
 {
-    sqlite3_stmt *rows = store->statements[LOAD_JOBS];
-    bool ok = true;
-    int result;
-
-    while ((result = sqlite3_step(rows)) == SQLITE_ROW) {
-        struct store_job job;
-
-        ok = read_job(rows, &job, error) && on_job(user, &job, error);
-        if (!ok) break;
-    }
-    if (ok && result != SQLITE_DONE) {
-        store_sql_set_error(error, store->db, "load the jobs");
-        ok = false;
-    }
-    sqlite3_reset(rows);
-    return ok;
+    return store->is_full;
 }
 
-// A frame that was being published needs its whole row.
-static bool load_intent(struct store *store, int64_t job, int32_t index, store_on_frame *on_frame, void *user,
-                        struct error *error)
+bool store_has_reserve(const struct store *store)
 {
-    sqlite3_stmt *row = store->statements[LOAD_FRAME];
-    struct store_frame frame;
-    bool ok = false;
-
-    sqlite3_bind_int64(row, 1, job);
-    sqlite3_bind_int(row, 2, index);
-    if (sqlite3_step(row) != SQLITE_ROW)
-        store_sql_set_error(error, store->db, "load a frame");
-    else
-        ok = store_schema_read_frame(row, &frame, error) && on_frame(user, &frame, error);
-    sqlite3_reset(row);
-    return ok;
+    return store->has_reserve;
 }
 
-static bool load_frames(struct store *store, store_on_frame *on_frame, void *user, struct error *error)
+bool store_probe(struct store *store, struct error *error)
 {
-    sqlite3_stmt *rows = store->statements[LOAD_FRAMES];
-    bool ok = true;
-    int result;
-
-    while ((result = sqlite3_step(rows)) == SQLITE_ROW) {
-        struct store_frame frame;
-
-        ok = store_schema_read_state(rows, &frame, error);
-        frame.size_bytes = (uint64_t)sqlite3_column_int64(rows, 4);
-        store_schema_read_error(rows, 5, &frame.accuracy);
-        frame.render_s = sqlite3_column_double(rows, 7);
-        frame.audit_s = sqlite3_column_double(rows, 8);
-        if (ok && frame.state == FRAME_RUNNING)
-            ok = load_intent(store, frame.job, frame.index, on_frame, user, error);
-        else if (ok)
-            ok = on_frame(user, &frame, error);
-        if (!ok) break;
-    }
-    if (ok && result != SQLITE_DONE) {
-        store_sql_set_error(error, store->db, "load the frames");
-        ok = false;
-    }
-    sqlite3_reset(rows);
-    return ok;
+    if (!store->has_reserve) store->has_reserve = store_reserve_make(store->folder, error);
+    return store->has_reserve && store_sql_run(store->statements[PROBE], "commit", error);
 }
 
 bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error)
 {
-    return load_jobs(store, on_job, user, error) && load_frames(store, on_frame, user, error);
+    return store_load_rows(store->db, on_job, on_frame, user, error);
 }

@@ -26,15 +26,21 @@ static int find_errno(sqlite3 *db)
     return errnum ? errnum : last_errno_of(db, SQLITE_FCNTL_FILE_POINTER);
 }
 
+bool store_sql_is_full(sqlite3 *db)
+{
+    int code = sqlite3_errcode(db), errnum = find_errno(db);
+
+    return code == SQLITE_FULL ||
+           ((code == SQLITE_IOERR || code == SQLITE_CANTOPEN) && (errnum == ENOSPC || errnum == EDQUOT));
+}
+
 static const char *describe_cause(sqlite3 *db)
 {
     int errnum = find_errno(db);
 
+    if (store_sql_is_full(db)) return "disk full";
     switch (sqlite3_errcode(db)) {
-    case SQLITE_FULL:
-        return "disk full";
     case SQLITE_IOERR:
-        if (errnum == ENOSPC) return "disk full";
         return errnum ? strerrordesc_np(errnum) : sqlite3_errmsg(db);
     case SQLITE_NOTADB:
         return "queue.db is no SQLite database, or its start is damaged";

@@ -9,6 +9,8 @@ struct error;
 struct sqlite3;
 struct sqlite3_stmt;
 
+bool store_sql_is_full(struct sqlite3 *db); // the connection's latest error is a full disk
+
 // Sets "store: cannot WHAT: CAUSE", with the cause of the connection's latest error.
 void store_sql_set_error(struct error *error, struct sqlite3 *db, const char *what);
 

@@ -30,48 +30,73 @@ wait_state "$id" succeeded
 stop_daemon
 umount "$scratch/disk"
 
-# A store on a full disk: a submit is refused with the cause, and accepted when there is room.
-mount -t tmpfs -o size=600k tmpfs "$scratch/disk"
-start_daemon --worker-program "$(stub skip)" --state "$scratch/disk/state"
-dd if=/dev/zero of="$scratch/disk/filler" bs=1k 2>/dev/null
-big=$(job 1 '.name = ("x" * 100) | .lights = [range(12) as $i | .lights[0]]')
-for _ in $(seq 60); do
-    answer=$(ask job.submit "{\"paused\":true,\"document\":$(jq -c --arg n "$RANDOM$RANDOM" '.output.path = "f" + $n + "/x.####.exr"' <<<"$big")}")
-    [ "$(jq 'has("error")' <<<"$answer")" = true ] && break
-done
-expect_error "$answer" 4 ""
-rm "$scratch/disk/filler"
-wait_until "it takes jobs again" eval 'ask job.submit "{\"paused\":true,\"document\":$big}" | grep -q result'
-stop_daemon
-
-# Jobs canceled while their only frame is being published: a restart does not change their state.
+# A store on a full disk: a submit is refused with the cause, nothing is handed out, and all goes on when there is room.
+store_is()
+{
+    [ "$(ask daemon.status | jq -r .result.store.state)" = "$1" ]
+}
+fill_disk()
+{
+    dd if=/dev/zero of="$scratch/disk/filler" bs=1k oflag=append conv=notrunc 2>/dev/null
+}
+# fill_store: until the reserve is given up.
 fill_store()
 {
-    dd if=/dev/zero of="$scratch/disk/filler" bs=1k 2>/dev/null
+    fill_disk
     for n in $(seq 60); do
-        ask job.submit "{\"paused\":true,\"document\":$(jq -c ".output.path = \"fill$n/x.####.exr\"" <<<"$big")}" | grep -q '"code":4' && return
+        store_is short && return
+        ask job.submit "{\"paused\":true,\"document\":$(jq -c --arg n "$RANDOM$n" '.output.path = "f" + $n + "/x.####.exr"' <<<"$big")}" >/dev/null
     done
     fail "the store is not full"
 }
+mount -t tmpfs -o size=600k tmpfs "$scratch/disk"
 start_daemon --worker-program "$(stub write:0)" --state "$scratch/disk/state"
+big=$(job 1 '.name = ("x" * 100) | .lights = [range(12) as $i | .lights[0]]')
+waiting=$(submit "$(job 1-9 '.output.path = "waiting/w.####.exr"')" true)
+fill_store
+expect_error "$(ask job.submit "{\"document\":$big}")" 4 "the disk of $scratch/disk/state is full"
+ask job.resume "{\"id\":$waiting}" >/dev/null
+expect "a job that waits for room" "$(field "$waiting" '[.state, .running, .reason] | join(" ")')" \
+    "queued 0 store: the disk of $scratch/disk/state is full: what is in flight is stored, nothing new is begun until there is room"
+expect "files while the disk is full" "$(find "$scratch/out/waiting" -type f)" ""
+# Killed in the middle, with the reserve given up and the disk full.
+fill_disk
+kill_daemon
+"$bin/notify-listener" "$scratch/notify" >"$scratch/notes" &
+wait_until "the manager listens" test -S "$scratch/notify"
+NOTIFY_SOCKET=$scratch/notify "$bin/marchd" --state "$scratch/disk/state" --socket "$socket" --workers 2 \
+    --output-root "$scratch/out" --input-root / --worker-program "$(stub write:0)" 2>>"$scratch/daemon.log" &
+daemon_pid=$!
+wait_until "the start waits for room or has begun nothing" eval \
+    'grep -q "EXTEND_TIMEOUT_USEC=" "$scratch/notes" || store_is short || store_is failing'
+rm "$scratch/disk/filler"
+wait_state "$waiting" succeeded
+expect_files waiting 9
+wait_until "it takes jobs again" eval 'ask job.submit "{\"paused\":true,\"document\":$big}" | grep -q result'
+stop_daemon
+
+# Frames that were in hand before the disk was full are rendered after, and published when there is room.
+start_daemon --worker-program "$(stub write:200000)" --sandbox no --state "$scratch/disk/state"
 named=$(submit "$(job 1 '.output.path = "named/n.####.exr"')" true)
 lost=$(submit "$(job 1 '.output.path = "lost/l.####.exr"')" true)
-fill_store
 for id in "$named" "$lost"; do
-    expect_error "$(ask job.resume "{\"id\":$id}")" 4 ""
+    ask job.resume "{\"id\":$id}" >/dev/null
+    wait_until "its frame is in hand" eval '[ "$(field "$id" .running)" = 1 ]'
 done
+fill_store
+fill_disk
+mapfile -t workers < <(ask worker.list | jq '.result.workers[].pid')
+kill -USR1 "${workers[@]}"
 wait_until "both files are written" eval '[ "$(find "$scratch/out" -name "*.part" | wc -l)" = 2 ]'
+wait_until "nothing is stored" store_is failing
 for id in "$named" "$lost"; do
-    expect_error "$(ask job.cancel "{\"id\":$id}")" 4 ""
+    expect_error "$(ask job.cancel "{\"id\":$id}")" 3 "succeeds in a moment"
 done
 rm "$scratch/out/lost/"*.part "$scratch/disk/filler"
-wait_until "both are done with" eval '[ "$(field "$named" .running)$(field "$lost" .running)" = 00 ]'
-expect "a canceled job whose frame got its name" "$(field "$named" '[.state, .succeeded] | join(" ")')" "canceled 1"
-expect "a canceled job whose frame was lost" "$(field "$lost" '[.state, .canceled] | join(" ")')" "canceled 1"
+wait_state "$named" succeeded
+wait_state "$lost" succeeded
+expect "attempts at the frame whose file stayed" "$(ask job.frames "{\"id\":$named}" | jq '.result.frames[0].attempts')" 1
+expect "attempts at the frame whose file was lost" "$(ask job.frames "{\"id\":$lost}" | jq '.result.frames[0].attempts')" 2
 stop_daemon
-start_daemon --worker-program "$(stub write:0)" --state "$scratch/disk/state"
-expect "the first after a restart" "$(field "$named" '[.state, .succeeded] | join(" ")')" "canceled 1"
-expect "the second after a restart" "$(field "$lost" '[.state, .canceled] | join(" ")')" "canceled 1"
 expect_files named 1
-expect_files lost 0
-stop_daemon
+expect_files lost 1

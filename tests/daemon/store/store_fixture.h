@@ -35,8 +35,8 @@ static inline int make_folder(void **state)
 
 static inline int remove_folder(void **state)
 {
-    static const char *const names[] = {"state/queue.db", "state/queue.db-wal", "state/queue.db-shm", "state/lock",
-                                        "state"};
+    static const char *const names[] = {"state/queue.db", "state/queue.db-wal", "state/queue.db-shm",
+                                        "state/lock",     "state/reserve",      "state"};
     struct folder *folder = *state;
     char path[128];
 
@@ -52,7 +52,7 @@ static inline int remove_folder(void **state)
 static inline struct store *open_store(const struct folder *folder)
 {
     struct error error = {0};
-    struct store *store = store_open(folder->path, &error);
+    struct store *store = store_open(folder->path, NULL, &error);
 
     if (!store) fail_msg("%s", error.message);
     return store;

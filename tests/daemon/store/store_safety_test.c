@@ -19,15 +19,24 @@
 
 // When not 0, every write of SQLite fails with this errno, as on a full or broken disk.
 static int write_errno;
+// When set, a full disk on which only this reserve keeps room.
+static const char *full_reserve;
 
 ssize_t pwrite64(int fd, const void *bytes, size_t size_bytes, off64_t offset);
 ssize_t pwrite64(int fd, const void *bytes, size_t size_bytes, off64_t offset)
 {
-    if (write_errno) {
-        errno = write_errno;
+    if (write_errno || (full_reserve && access(full_reserve, F_OK) == 0)) {
+        errno = write_errno ? write_errno : ENOSPC;
         return -1;
     }
     return syscall(SYS_pwrite64, fd, bytes, size_bytes, offset);
+}
+
+int posix_fallocate(int fd, off_t offset, off_t size_bytes);
+int posix_fallocate(int fd, off_t offset, off_t size_bytes)
+{
+    if (full_reserve) return ENOSPC;
+    return ftruncate(fd, offset + size_bytes) == 0 ? 0 : errno;
 }
 
 static int sync_count;
@@ -118,6 +127,53 @@ static void full_disk_is_named_and_later_commits_work(void **state)
     store_close(store);
 }
 
+static void reserve_stores_what_a_full_disk_refuses(void **state)
+{
+    const struct folder *folder = *state;
+    struct store *store = open_store(folder);
+    struct error error = {0};
+    struct store_op op = job_op(1);
+    char reserve[128], expected[256];
+
+    snprintf(reserve, sizeof reserve, "%s/reserve", folder->path);
+    snprintf(expected, sizeof expected, "store: the disk of %s is full", folder->path);
+    assert_true(store_has_reserve(store));
+    full_reserve = reserve;
+    assert_true(commit(store, &op, 1, &error));
+    assert_int_equal(load(store).jobs, 1);
+    assert_false(store_has_reserve(store));
+    assert_false(store_probe(store, &error));
+    assert_string_equal(error.message, expected);
+    full_reserve = NULL;
+    assert_true(store_probe(store, &error));
+    assert_true(store_has_reserve(store) && access(reserve, F_OK) == 0);
+    store_close(store);
+}
+
+static void start_on_a_full_disk_uses_the_reserve_or_says_why(void **state)
+{
+    const struct folder *folder = *state;
+    char reserve[128];
+    struct error error = {0};
+    struct store *store;
+    bool is_full = false;
+
+    snprintf(reserve, sizeof reserve, "%s/reserve", folder->path);
+    store_close(open_store(folder));
+    full_reserve = reserve;
+    store = store_open(folder->path, &is_full, &error);
+    assert_non_null(store);
+    assert_false(store_has_reserve(store));
+    store_close(store);
+    full_reserve = NULL;
+    write_errno = ENOSPC;
+    assert_null(store_open(folder->path, &is_full, &error));
+    write_errno = 0;
+    assert_true(is_full);
+    assert_string_equal(error.message, "store: cannot read: disk full");
+    store_close(open_store(folder));
+}
+
 static void broken_disk_is_named(void **state)
 {
     struct store *store = open_store(*state);
@@ -139,7 +195,7 @@ static void second_daemon_is_refused(void **state)
     char expected[256];
 
     snprintf(expected, sizeof expected, "another marchd (pid %ld) uses %s", (long)getpid(), folder->path);
-    assert_null(store_open(folder->path, &error));
+    assert_null(store_open(folder->path, NULL, &error));
     assert_string_equal(error.message, expected);
     commit_one(store, job_op(1)); // the first daemon goes on
     store_close(store);
@@ -176,7 +232,7 @@ static void assert_refused(const struct folder *folder, const char *message)
 
     snprintf(path, sizeof path, "%s/queue.db", folder->path);
     before = checksum(path);
-    assert_null(store_open(folder->path, &error));
+    assert_null(store_open(folder->path, NULL, &error));
     assert_string_equal(error.message, message);
     assert_true(checksum(path) == before);
 }
@@ -255,14 +311,14 @@ static void impossible_folder_is_named(void **state)
 
     snprintf(path, sizeof path, "%s/deeper", folder->path);
     snprintf(expected, sizeof expected, "store: cannot make the folder %s: No such file or directory", path);
-    assert_null(store_open(path, &error));
+    assert_null(store_open(path, NULL, &error));
     assert_string_equal(error.message, expected);
 }
 
 // Commits frame after frame and writes each to the pipe when it is acknowledged.
 static void commit_for_ever(const struct folder *folder, int pipe_fd)
 {
-    struct store *store = store_open(folder->path, NULL);
+    struct store *store = store_open(folder->path, NULL, NULL);
 
     if (!store) _exit(1);
     for (int32_t i = 0;; i++) {
@@ -309,7 +365,7 @@ static void acknowledged_commits_survive_sigkill(void **state)
 static int fill_up(const struct folder *folder)
 {
     const struct rlimit limit = {.rlim_cur = 256 * 1024, .rlim_max = 256 * 1024};
-    struct store *store = store_open(folder->path, NULL);
+    struct store *store = store_open(folder->path, NULL, NULL);
     struct error error = {0};
     int32_t committed = 0;
 
@@ -349,6 +405,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(failed_sync_fails_the_commit, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(failed_commit_leaves_nothing, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(full_disk_is_named_and_later_commits_work, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(reserve_stores_what_a_full_disk_refuses, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(start_on_a_full_disk_uses_the_reserve_or_says_why, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(broken_disk_is_named, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(second_daemon_is_refused, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(newer_store_is_refused_and_unchanged, make_folder, remove_folder),
