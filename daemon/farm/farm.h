@@ -33,9 +33,10 @@ struct farm {
     struct sweeper *sweeper;
     struct worker_pool *pool;
     struct events *events;
-    struct output_claim *claims;       // list: files of jobs being submitted or deleted
-    struct job_delete *deletions;      // list: deletions that are not done
-    struct job_retry *waiting_retries; // list: retries that wait until their job is swept
+    struct output_claim *claims;        // list: files of jobs being submitted or deleted
+    struct job_delete *deletions;       // list: deletions that are not done
+    struct job_submit *waiting_submits; // list: submissions that wait until canceled jobs have left their files
+    struct job_retry *waiting_retries;  // list: retries that wait until their job is swept
     int64_t epoch;
     int64_t next_job_id;
     int64_t next_plan_number;

@@ -195,8 +195,23 @@ static struct job_record *next_neighbour(const struct job_table *table, uint64_t
     return NULL;
 }
 
-struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
-                                            int32_t *frame)
+struct job_record *job_table_next_neighbour(const struct job_table *table, const struct job_files *files, size_t *index)
+{
+    return next_neighbour(table, hash_folder(files->root, files->path->folder), index);
+}
+
+static bool will_change_files(const struct job_record *record)
+{
+    return queue_job_is_live(record->queued) || record->is_retry_waiting || record->is_deleting;
+}
+
+static bool is_ending(const struct job_record *record)
+{
+    return !will_change_files(record) && record->frames_in_flight > 0;
+}
+
+static struct job_record *find_other(const struct job_table *table, const struct job_files *files,
+                                     bool is_wanted(const struct job_record *record), int32_t *frame)
 {
     uint64_t hash = hash_folder(files->root, files->path->folder);
     struct job_record *record;
@@ -204,13 +219,21 @@ struct job_record *job_table_find_collision(const struct job_table *table, const
     for (size_t i = 0; (record = next_neighbour(table, hash, &i));) {
         const struct job_files others = job_record_files(record);
 
-        if (others.frames == files->frames) continue;
-        if (!queue_job_is_live(record->queued) && record->frames_in_flight == 0 && !record->is_retry_waiting &&
-            !record->is_deleting)
-            continue;
-        if (job_files_collide(files, &others, frame)) return record;
+        if (others.frames != files->frames && is_wanted(record) && job_files_collide(files, &others, frame))
+            return record;
     }
     return NULL;
+}
+
+struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
+                                            int32_t *frame)
+{
+    return find_other(table, files, will_change_files, frame);
+}
+
+struct job_record *job_table_find_ending(const struct job_table *table, const struct job_files *files, int32_t *frame)
+{
+    return find_other(table, files, is_ending, frame);
 }
 
 struct job_record *job_table_find_owned_files(const struct job_table *table, const struct job_files *files,

@@ -83,7 +83,12 @@ bool job_files_collide(const struct job_files *files, const struct job_files *ot
 // The first job of another user with published files that collides with `files`; NULL: none.
 struct job_record *job_table_find_owned_files(const struct job_table *table, const struct job_files *files,
                                               int64_t owner_uid, int32_t *frame);
-// The first other job that collides with `files` and is not over for good: it is live, is being deleted, has frames in
-// flight or a retry that waits. NULL: none.
+// The first other job that collides with `files` and will write or remove them: it is live, is being deleted, or has a
+// retry that waits. NULL: none.
 struct job_record *job_table_find_collision(const struct job_table *table, const struct job_files *files,
                                             int32_t *frame);
+// The first other job that collides with `files` and is over but for frames in flight, which will soon end. NULL: none.
+struct job_record *job_table_find_ending(const struct job_table *table, const struct job_files *files, int32_t *frame);
+// The next job at or after `*index`, 0 at first, that writes into the folder of `files`; NULL at the end.
+struct job_record *job_table_next_neighbour(const struct job_table *table, const struct job_files *files,
+                                            size_t *index);

@@ -17,6 +17,7 @@
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/output/output_claims.h"
+#include "daemon/output/output_older.h"
 #include "daemon/requests/request.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
@@ -46,6 +47,10 @@ struct job_submit {
     int failure;                // enum message_code of `error`; 0: none
     struct error error;
     struct output_claim claim; // of its files
+    bool may_replace;          // pictures of an older version of the job
+    int32_t *existing;         // owned; its frames whose files are there, if `may_replace`
+    size_t existing_count;
+    struct job_submit *next; // on the farm's list of waiting submissions
 };
 
 static void on_folder_run(uv_work_t *work);
@@ -62,6 +67,7 @@ static void submit_destroy(struct job_submit *submit)
     output_path_finish(&submit->path);
     job_inputs_finish(&submit->inputs);
     free(submit->code);
+    free(submit->existing);
     free(submit);
 }
 
@@ -218,6 +224,33 @@ static bool find_inputs(struct request *request, const struct job *job, struct j
     return input_roots_find(inputs, job, &request->farm->options->input_roots, &request->error);
 }
 
+// Waits for canceled jobs whose last frames are still with workers, and will soon leave these files alone.
+static void begin(struct job_submit *submit)
+{
+    struct farm *farm = submit->farm;
+    int32_t frame;
+
+    if (job_table_find_ending(&farm->jobs, &submit->claim.files, &frame)) {
+        submit->next = farm->waiting_submits;
+        farm->waiting_submits = submit;
+    } else {
+        uv_queue_work(farm->loop, &submit->work, on_folder_run, on_folder_done);
+    }
+}
+
+void job_submit_go_on(struct farm *farm)
+{
+    struct job_submit *waiting = farm->waiting_submits;
+
+    farm->waiting_submits = NULL;
+    while (waiting) {
+        struct job_submit *submit = waiting;
+
+        waiting = submit->next;
+        begin(submit);
+    }
+}
+
 bool job_submit_start(struct request *request, const struct json_node *document, bool paused)
 {
     struct farm *farm = request->farm;
@@ -241,9 +274,11 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     inputs = (struct job_inputs){0};
     submit->claim =
         (struct output_claim){.files = {submit->row.root, &submit->path, &submit->frames}, .name = submit->row.name};
+    submit->may_replace = job.output.existing == JOB_EXISTING_VERIFY &&
+                          output_older_is_likely(&farm->jobs, &submit->claim.files, submit->hash);
     output_claims_add(farm, &submit->claim);
     submit->work.data = submit;
-    uv_queue_work(farm->loop, &submit->work, on_folder_run, on_folder_done);
+    begin(submit);
     ok = true;
 out:
     job_inputs_finish(&inputs);
@@ -265,6 +300,8 @@ static void on_folder_run(uv_work_t *work)
     }
     folder = output_path_open_folder(&submit->path, submit->row.root, true, &submit->error);
     if (folder >= 0) {
+        if (submit->may_replace)
+            submit->existing = output_older_list(&submit->claim.files, folder, &submit->existing_count);
         close(folder);
         return;
     }
@@ -289,6 +326,9 @@ static void on_folder_done(uv_work_t *work, int status)
     const char *trouble = committer_trouble(submit->farm->committer);
     struct store_op op;
 
+    if (!submit->failure && !output_older_check(&submit->farm->jobs, &submit->claim.files, submit->hash,
+                                                submit->existing, submit->existing_count, &submit->error))
+        submit->failure = MESSAGE_CODE_CONFLICT;
     if (submit->failure) {
         refuse(submit, (enum message_code)submit->failure, submit->error.message);
         return;

@@ -6,7 +6,10 @@
 
 #include <stdbool.h>
 
+struct farm;
 struct request;
 
 // False, with the request's code and error filled, when the document is refused at once; else the answer comes later.
 bool job_submit_start(struct request *request, const struct json_node *document, bool paused);
+// To be called when a job is swept: goes on with submissions that waited for it to leave its files.
+void job_submit_go_on(struct farm *farm);

@@ -120,6 +120,7 @@ static bool check_files_are_free(struct request *request, const struct job_recor
 
     if (queue_job_is_live(record->queued)) return true;
     other = job_table_find_collision(&request->farm->jobs, &files, &frame);
+    if (!other) other = job_table_find_ending(&request->farm->jobs, &files, &frame);
     name = other ? NULL : output_claims_find_collision(request->farm, &files, &frame);
     if (other)
         request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: job %lld (\"%s\") writes its frame %d too",

@@ -16,6 +16,7 @@
 #include "daemon/jobs/job_life.h"
 #include "daemon/output/publisher.h"
 #include "daemon/output/sweeper.h"
+#include "daemon/requests/job_submit.h"
 #include "daemon/requests/requests.h"
 #include "daemon/service/folders.h"
 #include "daemon/service/manager.h"
@@ -203,6 +204,7 @@ static void on_swept(void *user, struct job_record *record)
     job_life_note_swept(farm, record);
     job_change_retry_waiting(farm, record);
     job_delete_go_on(farm);
+    job_submit_go_on(farm);
 }
 
 static void on_slot_changed(struct farm *farm, int slot_index)

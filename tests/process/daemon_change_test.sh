@@ -97,3 +97,20 @@ start_daemon --workers 1 --worker-program "$(stub forced)"
 wait_state "$third" canceled
 expect "skipped, and canceled" "$(field "$third" '[.succeeded, .skipped, .canceled] | @csv')" 0,1,2
 stop_daemon
+
+# A submission of a canceled job's files waits until a worker has left its last frame.
+rm -rf "$scratch/state"
+start_daemon --workers 1 --worker-program "$(stub hang)"
+first=$(submit "$(job 1-3 '.output.path = "same/s.####.exr"')")
+wait_until "it runs" has_state "$first" running
+pid=$(ask worker.list | jq '.result.workers[0].pid')
+kill -STOP "$pid"
+ask job.cancel "{\"id\":$first}" >/dev/null
+for n in 1 2; do
+    printf '{"jsonrpc":"2.0","id":%d,"method":"job.submit","params":{"document":%s}}\n' $n "$(job 1-3 '.output.path = "same/s.####.exr"')"
+done | "$bin/socket-client" --keep "$socket" >"$scratch/submitted" &
+wait_until "the second of them is refused" grep -q "a job just submitted" "$scratch/submitted"
+! grep -q '"id":1' "$scratch/submitted" || fail "the first did not wait: $(cat "$scratch/submitted")"
+kill -CONT "$pid"
+wait_until "the first is accepted" grep -q '"id":1,"result":{"id":2}' "$scratch/submitted"
+stop_daemon

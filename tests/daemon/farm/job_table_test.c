@@ -111,13 +111,20 @@ static void a_job_that_is_over_does_not_collide(void **state)
 {
     struct fixture *fixture = *state;
     struct job_record *record = add(fixture, 1, "c.#.exr", "1-9");
+    struct frame_range nine;
+    const struct job_files others = {"/out", &record->path, &nine};
     int32_t frame = -1;
 
+    assert_true(frame_range_parse(&nine, "9", NULL));
+    assert_null(job_table_find_ending(&fixture->table, &others, &frame)); // it is live
     queue_cancel(fixture->queue, record->queued);
     record->frames_in_flight = 1;
-    assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 1);
-    record->frames_in_flight = 0;
     assert_int_equal(find(fixture, "/out", "c.#.exr", "9", &frame), 0);
+    assert_ptr_equal(job_table_find_ending(&fixture->table, &others, &frame), record);
+    assert_int_equal(frame, 9);
+    record->frames_in_flight = 0;
+    assert_null(job_table_find_ending(&fixture->table, &others, &frame));
+    frame_range_finish(&nine);
 }
 
 static void a_job_that_is_being_deleted_collides(void **state)

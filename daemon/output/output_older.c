@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/output/output_older.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "daemon/farm/job_table.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// Drafts are there to be replaced.
+static bool has_pictures(const struct job_record *record)
+{
+    const int64_t *counts = record->queued->counts;
+
+    return !record->is_draft && counts[FRAME_SUCCEEDED] + counts[FRAME_SKIPPED] > 0;
+}
+
+bool output_older_is_likely(const struct job_table *table, const struct job_files *files, const char *hash)
+{
+    const struct job_record *record;
+    int32_t frame;
+
+    for (size_t i = 0; (record = job_table_next_neighbour(table, files, &i));) {
+        const struct job_files others = job_record_files(record);
+
+        if (has_pictures(record) && strcmp(record->hash, hash) != 0 && job_files_collide(files, &others, &frame))
+            return true;
+    }
+    return false;
+}
+
+int32_t *output_older_list(const struct job_files *files, int folder, size_t *count)
+{
+    int own = dup(folder);
+    DIR *directory = own >= 0 ? fdopendir(own) : NULL;
+    const struct dirent *entry;
+    int32_t *frames = NULL;
+    size_t capacity = 0;
+
+    *count = 0;
+    while (directory && (entry = readdir(directory))) {
+        int32_t frame = output_path_frame_of(files->path, entry->d_name);
+
+        if (frame < 0 || frame_range_index(files->frames, frame) < 0) continue;
+        frames = xgrow(frames, &capacity, *count + 1, sizeof frames[0]);
+        frames[(*count)++] = frame;
+    }
+    if (directory)
+        closedir(directory);
+    else if (own >= 0)
+        close(own);
+    return frames;
+}
+
+static bool has_published(const struct job_record *record, const struct job_files *files, int32_t frame)
+{
+    char name[OUTPUT_NAME_SIZE];
+    int64_t index;
+    int state;
+
+    output_path_format_name(files->path, frame, name);
+    frame = output_path_frame_of(&record->path, name);
+    index = frame >= 0 ? frame_range_index(&record->queued->frames, frame) : -1;
+    if (index < 0) return false;
+    state = record->queued->states[index].state;
+    return state == FRAME_SUCCEEDED || state == FRAME_SKIPPED;
+}
+
+// Jobs that may have published files, the latest first. Owned by the caller.
+static const struct job_record **list_publishers(const struct job_table *table, const struct job_files *files,
+                                                 size_t *count)
+{
+    const struct job_record **list = NULL, *record;
+    size_t capacity = 0;
+
+    *count = 0;
+    for (size_t i = 0; (record = job_table_next_neighbour(table, files, &i));) {
+        size_t at;
+
+        if (!has_pictures(record)) continue;
+        list = xgrow(list, &capacity, *count + 1, sizeof(struct job_record *));
+        for (at = (*count)++; at > 0 && list[at - 1]->finished_ms <= record->finished_ms; at--)
+            list[at] = list[at - 1];
+        list[at] = record;
+    }
+    return list;
+}
+
+bool output_older_check(const struct job_table *table, const struct job_files *files, const char *hash,
+                        const int32_t *frames, size_t count, struct error *error)
+{
+    const struct job_record *older = NULL, **publishers;
+    char name[OUTPUT_NAME_SIZE], others[48] = "";
+    size_t replaced = 0, publisher_count;
+    int32_t first = 0;
+
+    if (count == 0) return true;
+    publishers = list_publishers(table, files, &publisher_count);
+    for (size_t i = 0; i < count; i++) {
+        size_t k = 0;
+
+        while (k < publisher_count && !has_published(publishers[k], files, frames[i]))
+            k++;
+        if (k == publisher_count || strcmp(publishers[k]->hash, hash) == 0) continue;
+        if (replaced++ > 0 && frames[i] > first) continue;
+        first = frames[i];
+        older = publishers[k];
+    }
+    free(publishers);
+    if (!older) return true;
+    output_path_format_name(files->path, first, name);
+    if (replaced > 1) snprintf(others, sizeof others, " and %zu more", replaced - 1);
+    error_set(
+        error,
+        "output.path: %s%s would be replaced, which job %lld (\"%s\") rendered from an older version of this job, "
+        "or another; say so by \"existing\": \"overwrite\" in output (--set output.existing=overwrite), or write "
+        "elsewhere",
+        name, others, (long long)older->id, older->name);
+    return false;
+}
