@@ -203,10 +203,11 @@ void feed_workers(struct farm *farm)
 
     if (committer_trouble(farm->committer)) return;
     turns_advance(queue_turns(farm->queue), farm_now_ms(farm));
-    for (int i = 0; i < worker_pool_slot_count(farm->pool); i++)
+    for (int i = 0; i < worker_pool_slot_count(farm->pool); i++) {
         while (feed_worker(farm, i, workers)) {
         }
-    turns_uncover(queue_turns(farm->queue));
+        turns_uncover(queue_turns(farm->queue)); // what another worker is to take must be there for that one
+    }
 }
 
 void feed_note_rendering(struct worker_process *worker, struct job_record *record)

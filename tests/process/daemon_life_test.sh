@@ -20,4 +20,16 @@ wait_until "all is over" eval '[ "$(ask daemon.status | jq .result.jobs.succeede
 wait_state "$(submit "$(job 7 "$edited | .output.existing = \"overwrite\"")")" succeeded
 rm "$scratch/out/cloud/"*.exr
 wait_state "$(submit "$(job 8-9 "$edited")")" succeeded
+
+# Of two idle workers, the one whose fence opens the folder takes the frame, whichever is asked first.
+for folder in 1 2; do
+    ids[folder]=$(submit "$(job 1-3 ".output.path = \"fence$folder/s.####.exr\"")")
+done
+wait_state "${ids[1]}" succeeded
+wait_state "${ids[2]}" succeeded
+for frame in 11 12; do
+    for folder in 1 2; do
+        wait_state "$(submit "$(job $frame ".output.path = \"fence$folder/s.####.exr\"")")" succeeded
+    done
+done
 stop_daemon
