@@ -4,6 +4,8 @@
 #include "core/base/alloc.h"
 
 #include <assert.h>
+#include <blosc.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
@@ -18,7 +20,7 @@ enum {
     ROOT_TILE = 32,
     UPPER = 8256 + 32768 * 8,
     LOWER = 1088 + 4096 * 8,
-    LEAF = 96 + 512 * 4,
+    BLOSC_CHUNK = 1 << 20,
     UPPER_LIMIT = 16
 };
 
@@ -53,6 +55,7 @@ struct making {
         int lower_of[32768]; // 0: none, else one more than its number
     } places[UPPER_LIMIT];
     size_t upper_count, lower_count, leaf_count;
+    size_t leaf_bytes; // of all leaves so far
 };
 
 static unsigned upper_slot(const int voxel[3])
@@ -127,26 +130,67 @@ static bool is_active(const struct nanovdb_params *params, const int voxel[3])
     return true;
 }
 
+// The bits of a value of the latest leaf.
+static unsigned bits_of(const struct making *making)
+{
+    int bits = making->params->bits;
+
+    if (bits == 0) return 32;
+    return bits > 0 ? (unsigned)bits : 1U << making->leaf_count % 5;
+}
+
+static unsigned type_of(const struct nanovdb_params *params)
+{
+    if (params->bits == 0) return 1;
+    return params->bits == NANOVDB_MAKER_VARIABLE ? 16 : params->bits == 4 ? 13 : params->bits == 8 ? 14 : 15;
+}
+
+// Writes codes between the least and the greatest value.
+static void write_codes(unsigned char *leaf, const float values[512], unsigned bits)
+{
+    float least = values[0], most = values[0], quantum;
+
+    for (unsigned n = 0; n < 512; ++n) {
+        least = fminf(least, values[n]);
+        most = fmaxf(most, values[n]);
+    }
+    quantum = (most - least) / (float)((1U << bits) - 1);
+    put(leaf + 80, &least, 4);
+    put(leaf + 84, &quantum, 4);
+    for (unsigned n = 0; n < 512; ++n) {
+        unsigned code = quantum > 0 ? (unsigned)lrintf((values[n] - least) / quantum) : 0;
+
+        for (unsigned bit = 0; bit < bits; ++bit)
+            if (code >> bit & 1) put_bit(leaf + 96, n * bits + bit);
+    }
+}
+
 static void write_leaf(struct making *making, const int origin[3])
 {
     const struct nanovdb_params *params = making->params;
-    unsigned char *leaf = making->leaves + making->leaf_count++ * LEAF;
+    unsigned char *leaf = making->leaves + making->leaf_bytes;
     unsigned char *lower = lower_at(making, origin);
-    unsigned slot = lower_slot(origin);
+    unsigned slot = lower_slot(origin), bits = bits_of(making);
+    float values[512];
 
     put_bit(lower + 544, slot);
     put_u64(lower + 1088 + 8 * (size_t)slot, (uint64_t)(leaf - lower));
     put(leaf, origin, 12);
     for (unsigned n = 0; n < 512; ++n) {
         int voxel[3] = {origin[0] + (int)(n >> 6), origin[1] + (int)(n >> 3 & 7), origin[2] + (int)(n & 7)};
-        float value = params->background;
 
-        if (is_active(params, voxel)) {
-            value = params->value(voxel);
-            put_bit(leaf + 16, n);
-        }
-        put(leaf + 96 + 4 * (size_t)n, &value, 4);
+        values[n] = params->background;
+        if (!is_active(params, voxel)) continue;
+        values[n] = params->value(voxel);
+        put_bit(leaf + 16, n);
     }
+    if (params->bits == NANOVDB_MAKER_VARIABLE) leaf[15] = (unsigned char)(making->leaf_count % 5 << 5);
+    if (params->bits == 0)
+        put(leaf + 96, values, sizeof values);
+    else
+        write_codes(leaf, values, bits);
+    ++making->leaf_count;
+    making->leaf_bytes += 96 + 64 * (size_t)bits;
 }
 
 static void fill_upper(struct making *making, size_t i)
@@ -212,7 +256,7 @@ static void write_grid(struct making *making)
         put(grid + 296 + 232 + 8 * row, &params->map[4 * row + 3], 8);
     }
     put_u32(grid + 632, 2); // fog volume
-    put_u32(grid + 636, 1); // float
+    put_u32(grid + 636, type_of(params));
     put_u64(tree, (uint64_t)(making->leaves - tree));
     put_u64(tree + 8, (uint64_t)(making->lowers - tree));
     put_u64(tree + 16, (uint64_t)(making->uppers - tree));
@@ -222,6 +266,23 @@ static void write_grid(struct making *making)
     put_u32(tree + 40, (uint32_t)making->upper_count);
     put_u32(making->root + 24, (uint32_t)making->root_tile_count);
     put(making->root + 28, &params->background, 4);
+}
+
+// Returns the bytes that it wrote: chunks, each with its size before it.
+static size_t write_blosc(unsigned char *at, const struct making *making)
+{
+    unsigned char *begin = at;
+
+    for (size_t done = 0; done < making->grid_bytes; done += BLOSC_CHUNK) {
+        size_t rest = making->grid_bytes - done, count = rest < BLOSC_CHUNK ? rest : BLOSC_CHUNK;
+        int packed = blosc_compress_ctx(9, 1, 4, count, making->grid + done, at + 8, count + BLOSC_MAX_OVERHEAD, "lz4",
+                                        1 << 18, 1);
+
+        assert(packed > 0);
+        put_u64(at, (uint64_t)packed);
+        at += 8 + packed;
+    }
+    return (size_t)(at - begin);
 }
 
 static void write_file(struct nanovdb_made *made, const struct making *making)
@@ -234,21 +295,23 @@ static void write_file(struct nanovdb_made *made, const struct making *making)
 
     made->grid = SEGMENT + METADATA + name_bytes;
     made->metadata = SEGMENT;
-    made->bytes = at = xcalloc(1, made->grid + 8 + packed_bytes);
+    made->bytes = at = xcalloc(1, made->grid + 4096 + packed_bytes);
     if (params->is_zip) {
         compress(at + made->grid + 8, &packed_bytes, making->grid, making->grid_bytes);
         put_u64(at + made->grid, packed_bytes);
         file_bytes = 8 + packed_bytes;
+    } else if (params->is_blosc) {
+        file_bytes = write_blosc(at + made->grid, making);
     } else {
         memcpy(at + made->grid, making->grid, making->grid_bytes);
     }
     put(at, "NanoVDB0", 8);
     put_u32(at + 8, 32U << 21 | 4U << 10 | 2U);
     put(at + 12, &(uint16_t){1}, 2);
-    put(at + 14, &(uint16_t){params->is_zip ? 1 : 0}, 2);
+    put(at + 14, &(uint16_t){params->is_zip ? 1 : params->is_blosc ? 2 : 0}, 2);
     put_u64(at + SEGMENT, making->grid_bytes);
     put_u64(at + SEGMENT + 8, file_bytes);
-    put_u32(at + SEGMENT + 32, 1);
+    put_u32(at + SEGMENT + 32, type_of(params));
     put_u32(at + SEGMENT + 36, 2);
     put_u32(at + SEGMENT + 136, (uint32_t)name_bytes);
     memcpy(at + SEGMENT + METADATA, params->name, name_bytes);
@@ -270,6 +333,7 @@ static void lay_out(struct making *making, struct nanovdb_made *made)
         else
             need_lower(making, params->tiles[i].origin);
     root_tiles += making->upper_count;
+    made->leaf_count = making->leaf_count;
     made->tree = GRID;
     made->root = made->tree + TREE;
     made->root_tiles = made->root + ROOT;
@@ -280,7 +344,12 @@ static void lay_out(struct making *making, struct nanovdb_made *made)
     made->upper_table = 8256;
     made->lower_table = 1088;
     made->leaf_values = 96;
-    making->grid_bytes = made->leaves + making->leaf_count * LEAF;
+    making->grid_bytes = made->leaves;
+    for (size_t i = making->leaf_count; i > 0; --i) {
+        making->leaf_count = i - 1;
+        making->grid_bytes += 96 + 64 * (size_t)bits_of(making);
+    }
+    making->leaf_count = made->leaf_count;
     making->grid = xcalloc(1, making->grid_bytes);
     making->root = making->grid + made->root;
     making->uppers = making->grid + made->uppers;

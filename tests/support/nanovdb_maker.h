@@ -22,8 +22,12 @@ struct nanovdb_params {
     float background;                   // of voxels outside of leaves and tiles
     const struct nanovdb_tile *tiles;
     size_t tile_count;
-    bool is_zip;
+    bool is_zip, is_blosc;
+    // Of a value: 4, 8 or 16; 0: values are floats; NANOVDB_MAKER_VARIABLE: 1, 2, 4, 8 and 16, another in each leaf.
+    int bits;
 };
+
+enum { NANOVDB_MAKER_VARIABLE = -1 };
 
 // Owned by the caller.
 struct nanovdb_made {
@@ -32,6 +36,7 @@ struct nanovdb_made {
     // Offsets of parts in an uncompressed file, and of parts in a node.
     size_t metadata, grid, tree, root, root_tiles, uppers, lowers, leaves;
     size_t lower_bytes, upper_table, lower_table, leaf_values;
+    size_t leaf_count;
 };
 
 void nanovdb_make(struct nanovdb_made *made, const struct nanovdb_params *params);

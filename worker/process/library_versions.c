@@ -2,6 +2,7 @@
 #include "worker/process/library_versions.h"
 
 #include <OpenEXR/openexr.h>
+#include <blosc.h>
 #include <isa-l.h>
 #include <libdeflate.h>
 #include <png.h>
@@ -19,5 +20,6 @@ void library_versions_print(FILE *out)
     fprintf(out, "libisal %d.%d.%d (compiled with)\n", ISAL_MAJOR_VERSION, ISAL_MINOR_VERSION, ISAL_PATCH_VERSION);
     fprintf(out, "libdeflate %s (compiled with)\n", LIBDEFLATE_VERSION_STRING);
     fprintf(out, "zlib %s\nlibpng %s\n", zlibVersion(), png_get_libpng_ver(NULL));
+    fprintf(out, "Blosc %s\n", blosc_get_version_string());
     fprintf(out, "libseccomp %u.%u.%u\n", seccomp->major, seccomp->minor, seccomp->micro);
 }

@@ -2,9 +2,12 @@
 #include "worker/sparse/nanovdb_file.h"
 
 #include "core/base/error.h"
+#include "worker/sparse/nanovdb_leaf.h"
 #include "worker/volume/volume_memory.h"
 
+#include <blosc.h>
 #include <inttypes.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,12 +18,12 @@ enum {
     METADATA_BYTES = 176, // of a grid's metadata before its name
     MAJOR_VERSION = 32,   // the layout in memory; minor versions share it
     NAME_LIMIT = 4096,
-    DEFLATE_RATIO_LIMIT = 1032 // the largest ratio that deflate reaches
+    RATIO_LIMIT = 1032 // the largest ratio that deflate reaches; LZ4, which Blosc packs with, reaches 255
 };
 
 enum codec { CODEC_NONE, CODEC_ZIP, CODEC_BLOSC };
 
-enum { TYPE_FLOAT = 1, TYPE_COUNT = 20 };
+enum { TYPE_COUNT = 20 };
 
 // "NanoVDB0", and the magic of files since version 32.6.
 static const uint64_t magic_first = 0x304244566f6e614e, magic_file = 0x324244566f6e614e;
@@ -102,7 +105,7 @@ static bool read_segment(struct reader *reader, struct segment *segment, struct 
     }
     segment->grid_count = read_u16(header + 12);
     if (read_u16(header + 14) > CODEC_BLOSC) {
-        error_set(error, "codec: expected none or zip, got number %u", (unsigned)read_u16(header + 14));
+        error_set(error, "codec: expected none, zip or Blosc, got number %u", (unsigned)read_u16(header + 14));
         return false;
     }
     segment->codec = read_u16(header + 14);
@@ -138,7 +141,7 @@ static bool read_entry(struct reader *reader, const struct segment *segment, str
 
 static bool is_wanted(const struct grid_entry *entry, const char *name)
 {
-    return name ? strcmp(entry->name, name) == 0 : entry->type == TYPE_FLOAT;
+    return name ? strcmp(entry->name, name) == 0 : nanovdb_leaf_has_floats(entry->type);
 }
 
 // Searches a segment for the grid and moves the reader behind the segment.
@@ -189,10 +192,25 @@ static void set_missing_error(const struct nanovdb_bytes *file, const char *name
         error_set(error, "expected a grid of floats; there are %s", length ? names : "none");
 }
 
+// Memory for a grid that `packed_bytes` are to unpack to.
+static void *allocate_grid(const struct grid_entry *entry, uint64_t packed_bytes, const char *codec,
+                           struct error *error)
+{
+    void *grid;
+
+    if (entry->grid_bytes / RATIO_LIMIT > packed_bytes) {
+        error_set(error, "%s: %" PRIu64 " bytes cannot unpack to %" PRIu64, codec, packed_bytes, entry->grid_bytes);
+        return NULL;
+    }
+    if (!volume_memory_check((int64_t)entry->grid_bytes, volume_memory_limit(), error)) return NULL;
+    grid = malloc(entry->grid_bytes ? entry->grid_bytes : 1);
+    if (!grid) error_set(error, "out of memory for %" PRIu64 " bytes", entry->grid_bytes);
+    return grid;
+}
+
 static void *inflate_grid(const struct nanovdb_bytes *file, const struct grid_entry *entry, struct error *error)
 {
     const unsigned char *packed = (const unsigned char *)file->bytes + entry->offset;
-    uint64_t packed_bytes;
     uLongf grid_bytes = entry->grid_bytes;
     void *grid;
 
@@ -200,23 +218,44 @@ static void *inflate_grid(const struct nanovdb_bytes *file, const struct grid_en
         error_set(error, "zip: the packed size differs from the one in the grid's entry");
         return NULL;
     }
-    packed_bytes = entry->file_bytes - 8;
-    if (entry->grid_bytes / DEFLATE_RATIO_LIMIT > packed_bytes) {
-        error_set(error, "zip: %" PRIu64 " bytes cannot unpack to %" PRIu64, packed_bytes, entry->grid_bytes);
-        return NULL;
-    }
-    if (!volume_memory_check((int64_t)entry->grid_bytes, volume_memory_limit(), error)) return NULL;
-    grid = malloc(entry->grid_bytes ? entry->grid_bytes : 1);
-    if (!grid) {
-        error_set(error, "out of memory for %" PRIu64 " bytes", entry->grid_bytes);
-        return NULL;
-    }
-    if (uncompress(grid, &grid_bytes, packed + 8, packed_bytes) != Z_OK || grid_bytes != entry->grid_bytes) {
+    grid = allocate_grid(entry, entry->file_bytes - 8, "zip", error);
+    if (!grid) return NULL;
+    if (uncompress(grid, &grid_bytes, packed + 8, entry->file_bytes - 8) != Z_OK || grid_bytes != entry->grid_bytes) {
         error_set(error, "zip: the packed grid is damaged");
         free(grid);
         return NULL;
     }
     return grid;
+}
+
+// Chunks of at most 1 GiB, each with its packed size before it. True when they are the whole grid.
+static bool unpack_chunks(struct reader *packed, unsigned char *grid, uint64_t grid_bytes)
+{
+    uint64_t done = 0;
+
+    while (done < grid_bytes) {
+        const unsigned char *size = take(packed, 8, "chunk", NULL);
+        const unsigned char *chunk = size ? take(packed, read_u64(size), "chunk", NULL) : NULL;
+        uint64_t room = grid_bytes - done < INT_MAX ? grid_bytes - done : INT_MAX;
+        size_t count = 0;
+
+        if (!chunk || blosc_cbuffer_validate(chunk, read_u64(size), &count) != 0 || count == 0 || count > room ||
+            blosc_decompress_ctx(chunk, grid + done, room, 1) != (int)count)
+            return false;
+        done += count;
+    }
+    return packed->at == packed->size_bytes;
+}
+
+static void *unblosc_grid(const struct nanovdb_bytes *file, const struct grid_entry *entry, struct error *error)
+{
+    struct reader packed = {(const unsigned char *)file->bytes + entry->offset, entry->file_bytes, 0};
+    void *grid = allocate_grid(entry, entry->file_bytes, "Blosc", error);
+
+    if (!grid || unpack_chunks(&packed, grid, entry->grid_bytes)) return grid;
+    error_set(error, "Blosc: the packed grid is damaged");
+    free(grid);
+    return NULL;
 }
 
 static void *copy_grid(const struct nanovdb_bytes *file, const struct grid_entry *entry, struct error *error)
@@ -238,24 +277,23 @@ static void *copy_grid(const struct nanovdb_bytes *file, const struct grid_entry
 
 static void *unpack(const struct nanovdb_bytes *file, const struct grid_entry *entry, struct error *error)
 {
-    if (entry->type != TYPE_FLOAT) {
+    if (!nanovdb_leaf_has_floats(entry->type)) {
         error_set(error, "expected float values, got %s",
                   entry->type < TYPE_COUNT ? type_names[entry->type] : "unknown ones");
         return NULL;
     }
     switch (entry->codec) {
-    case CODEC_NONE:
-        return copy_grid(file, entry, error);
     case CODEC_ZIP:
         return inflate_grid(file, entry, error);
     case CODEC_BLOSC:
-        break;
+        return unblosc_grid(file, entry, error);
+    default:
+        return copy_grid(file, entry, error);
     }
-    error_set(error, "packed with Blosc; expected none or zip, as `nanovdb_convert -z` makes");
-    return NULL;
 }
 
-void *nanovdb_file_unpack(const struct nanovdb_bytes *file, const char *name, size_t *size_bytes, struct error *error)
+void *nanovdb_file_unpack(const struct nanovdb_bytes *file, const char *name, struct nanovdb_unpacked *unpacked,
+                          struct error *error)
 {
     struct reader reader = {file->bytes, file->size_bytes, 0};
     struct grid_entry entry = {0};
@@ -270,6 +308,6 @@ void *nanovdb_file_unpack(const struct nanovdb_bytes *file, const char *name, si
     }
     grid = unpack(file, &entry, error);
     if (!grid) error_prefix(error, "grid \"%s\"", entry.name);
-    *size_bytes = entry.grid_bytes;
+    *unpacked = (struct nanovdb_unpacked){.size_bytes = entry.grid_bytes, .type = entry.type};
     return grid;
 }

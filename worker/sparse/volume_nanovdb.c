@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "worker/sparse/nanovdb_leaf.h"
 #include "worker/sparse/sparse_grid.h"
 
 #include <inttypes.h>
@@ -30,8 +31,10 @@ static const uint64_t magic_first = 0x304244566f6e614e, magic_grid = 0x314244566
 // The nodes of one level: their position in the buffer, and which of them a parent has named.
 struct level {
     const char *name;
-    uint64_t begin, count, node_bytes;
-    unsigned char *is_used; // owned
+    uint64_t begin, count, node_bytes; // each has at least so many bytes
+    uint64_t step_bytes, step_count;   // nodes begin at multiples of a step: a node, or less where their sizes differ
+    uint64_t used_count;
+    unsigned char *is_used; // owned; by step
 };
 
 struct tile {
@@ -48,7 +51,9 @@ struct leaf {
 
 struct tree {
     pnanovdb_buf_t buffer;
+    const unsigned char *bytes; // the same
     uint64_t size_bytes;
+    uint32_t type;
     pnanovdb_root_handle_t root;
     struct level uppers, lowers, leaves;
     float background;
@@ -90,8 +95,8 @@ static bool check_grid(const struct tree *tree, pnanovdb_grid_handle_t grid, str
                   pnanovdb_version_get_major(version));
         return false;
     }
-    if (pnanovdb_grid_get_grid_type(tree->buffer, grid) != FLOAT) {
-        error_set(error, "the grid's own type is not float, as its entry says");
+    if (pnanovdb_grid_get_grid_type(tree->buffer, grid) != tree->type) {
+        error_set(error, "the grid's own type is another than its entry says");
         return false;
     }
     if (pnanovdb_grid_get_grid_size(tree->buffer, grid) != tree->size_bytes) {
@@ -112,7 +117,9 @@ static bool init_level(struct level *level, const struct tree *tree, uint64_t of
                   level->count, level->name, offset, rest);
         return false;
     }
-    level->is_used = xcalloc(level->count + 1, 1);
+    if (level->step_bytes == 0) level->step_bytes = level->node_bytes;
+    level->step_count = level->step_bytes == level->node_bytes ? level->count : (rest - offset) / level->step_bytes;
+    level->is_used = xcalloc(level->step_count + 1, 1);
     return true;
 }
 
@@ -163,7 +170,8 @@ static bool open_tree(struct tree *tree, struct error *error)
                                   .node_bytes = PNANOVDB_GRID_TYPE_GET(FLOAT, lower_size)};
     tree->leaves = (struct level){.name = "leaf",
                                   .count = pnanovdb_tree_get_node_count_leaf(tree->buffer, handle),
-                                  .node_bytes = PNANOVDB_GRID_TYPE_GET(FLOAT, leaf_size)};
+                                  .node_bytes = nanovdb_leaf_least_bytes(tree->type),
+                                  .step_bytes = tree->type == NANOVDB_FPN ? ALIGNMENT : 0};
     return init_level(&tree->uppers, tree, pnanovdb_tree_get_node_offset_upper(tree->buffer, handle), error) &&
            init_level(&tree->lowers, tree, pnanovdb_tree_get_node_offset_lower(tree->buffer, handle), error) &&
            init_level(&tree->leaves, tree, pnanovdb_tree_get_node_offset_leaf(tree->buffer, handle), error) &&
@@ -175,12 +183,16 @@ static bool claim_child(struct level *level, uint64_t parent, int64_t offset, ui
 {
     uint64_t position = parent + (uint64_t)offset - level->begin; // wraps to a huge number when it is before them
 
-    if (position % level->node_bytes != 0 || position / level->node_bytes >= level->count) {
+    if (position % level->step_bytes != 0 || position / level->step_bytes >= level->step_count) {
         error_set(error, "a child at offset %" PRId64 " is no %s node", offset, level->name);
         return false;
     }
-    if (level->is_used[position / level->node_bytes]++) {
+    if (level->is_used[position / level->step_bytes]++) {
         error_set(error, "two nodes share a %s node", level->name);
+        return false;
+    }
+    if (level->used_count++ == level->count) {
+        error_set(error, "expected %" PRIu64 " %s nodes, got more", level->count, level->name);
         return false;
     }
     *address = level->begin + position;
@@ -201,6 +213,20 @@ static void add_tile(struct tree *tree, struct tile tile)
     if (tile.value == tree->background) return;
     tree->tiles = xgrow(tree->tiles, &tree->tile_capacity, tree->tile_count + 1, sizeof *tree->tiles);
     tree->tiles[tree->tile_count++] = tile;
+}
+
+// Checks that the leaf lies in the grid, with all its values.
+static bool check_leaf(const struct tree *tree, uint64_t address, struct error *error)
+{
+    uint64_t rest = tree->size_bytes - address;
+
+    if (nanovdb_leaf_least_bytes(tree->type) <= rest) {
+        uint64_t leaf_bytes = nanovdb_leaf_bytes(tree->type, tree->bytes + address);
+
+        if (leaf_bytes > 0 && leaf_bytes <= rest) return true;
+    }
+    error_set(error, "the leaf node at byte %" PRIu64 " names no number of bits, or lies outside of the grid", address);
+    return false;
 }
 
 static void add_leaf(struct tree *tree, const int64_t origin[3], uint64_t address)
@@ -228,7 +254,8 @@ static bool walk_lower(struct tree *tree, const int64_t origin[3], uint64_t addr
 
         if (pnanovdb_lower_get_child_mask(tree->buffer, lower, n)) {
             if (!claim_child(&tree->leaves, address, pnanovdb_lower_get_table_child(FLOAT, tree->buffer, lower, n),
-                             &child, error))
+                             &child, error) ||
+                !check_leaf(tree, child, error))
                 return false;
             add_leaf(tree, child_origin, child);
         } else {
@@ -374,8 +401,7 @@ static bool paint_tile(struct sparse_grid *grid, const struct tile *tile, struct
 
 static bool copy_leaf(struct sparse_grid *grid, const struct tree *tree, const struct leaf *leaf, struct error *error)
 {
-    pnanovdb_leaf_handle_t handle = {{leaf->address}};
-    float *values = grid->leaves + grid->leaf_count * SPARSE_BRICK_VOXELS;
+    float own[NANOVDB_LEAF_VOXELS], *values = grid->leaves + grid->leaf_count * SPARSE_BRICK_VOXELS;
     int64_t brick[3];
 
     for (int axis = 0; axis < 3; ++axis) {
@@ -383,15 +409,14 @@ static bool copy_leaf(struct sparse_grid *grid, const struct tree *tree, const s
         // No voxel of the leaf is active, and it is outside of the lattice.
         if (brick[axis] < 0 || brick[axis] >= grid->brick_count[axis]) return true;
     }
+    nanovdb_leaf_read(tree->type, tree->bytes + leaf->address, own);
     for (uint32_t n = 0; n < SPARSE_BRICK_VOXELS; ++n) {
-        float value = read_float(tree, pnanovdb_leaf_get_table_address(FLOAT, tree->buffer, handle, n));
-
-        if (!isfinite(value)) {
+        if (!isfinite(own[n])) {
             error_set(error, "voxel (%" PRId64 ", %" PRId64 ", %" PRId64 ") is not finite", leaf->origin[0] + (n >> 6),
                       leaf->origin[1] + (n >> 3 & 7), leaf->origin[2] + (n & 7));
             return false;
         }
-        values[(n >> 6) + 8 * (n >> 3 & 7) + 64 * (n & 7)] = value;
+        values[(n >> 6) + 8 * (n >> 3 & 7) + 64 * (n & 7)] = own[n];
     }
     brick_at(grid, brick[0], brick[1], brick[2])->leaf = (int32_t)grid->leaf_count++;
     return true;
@@ -438,13 +463,15 @@ struct sparse_grid *volume_nanovdb_decode(const struct nanovdb_bytes *file, cons
 {
     struct tree tree = {0};
     struct sparse_grid *grid = NULL;
-    size_t size_bytes = 0;
-    void *bytes = nanovdb_file_unpack(file, name, &size_bytes, error);
+    struct nanovdb_unpacked unpacked;
+    void *bytes = nanovdb_file_unpack(file, name, &unpacked, error);
     bool ok = false;
 
     if (!bytes) return NULL;
-    tree.size_bytes = size_bytes;
-    tree.buffer = pnanovdb_make_buf(bytes, size_bytes / 4);
+    tree.bytes = bytes;
+    tree.size_bytes = unpacked.size_bytes;
+    tree.type = unpacked.type;
+    tree.buffer = pnanovdb_make_buf(bytes, unpacked.size_bytes / 4);
     if (!open_tree(&tree, error) || !walk_tree(&tree, error)) goto out;
     grid = xcalloc(1, sizeof *grid);
     ok = read_map(grid, &tree, error) && place_lattice(grid, &tree, error) && fill_bricks(grid, &tree, error);
