@@ -19,15 +19,13 @@
 //   hang         begins a frame and sends nothing more
 //   garbage      begins a frame and sends bytes that are no message
 //   nocontext    sends worker.failed and exits 1
+#include "bench/stub_job.h"
 #include "bench/stub_report.h"
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/base/hash.h"
-#include "core/job/job.h"
-#include "core/job/job_json.h"
-#include "core/job/output_path.h"
 #include "core/json/json_write.h"
 #include "core/wire/frame_accuracy.h"
 #include "core/wire/message.h"
@@ -46,12 +44,6 @@
 #include <unistd.h>
 
 enum { BEAT_MS = 1000 };
-
-struct stub_job {
-    int64_t id, epoch;
-    char *root;
-    struct output_path path;
-};
 
 static volatile sig_atomic_t is_hurried;
 
@@ -121,36 +113,6 @@ static const struct stub_job *find_job(const struct stub *stub, int64_t id)
     return NULL;
 }
 
-static bool write_part(const struct stub_job *job, const struct stub_frame *frame, struct stat *status,
-                       char hash[static HASH_TEXT_SIZE], struct error *error)
-{
-    char part[OUTPUT_NAME_SIZE], text[64];
-    int folder = output_path_open_folder(&job->path, job->root, true, error);
-    int file = -1;
-    bool ok = false;
-
-    if (folder < 0) return false;
-    output_path_format_part(&job->path, frame->frame, frame->job, job->epoch, frame->attempt, part);
-    snprintf(text, sizeof text, "frame %d\n", frame->frame);
-    file = openat(folder, part, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-    if (file < 0) {
-        error_set_errno(error, errno, "%s", part);
-        goto out;
-    }
-    if (!file_write_all(file, text, strlen(text), error)) goto out;
-    if (fsync(file) != 0 || fstat(file, status) != 0) {
-        error_set_errno(error, errno, "%s", part);
-        goto out;
-    }
-    hash_bytes(text, strlen(text), hash);
-    ok = true;
-out:
-    if (file >= 0) close(file);
-    if (!ok) unlinkat(folder, part, 0);
-    close(folder);
-    return ok;
-}
-
 static const struct frame_accuracy audited = {.audit = "reference",
                                               .error = 0.00625,
                                               .error95 = 0.0075,
@@ -197,12 +159,13 @@ static void write_and_say_finished(struct stub *stub, const struct stub_frame *f
     const struct stub_job *job = find_job(stub, frame->job);
     struct error error = {0};
     char hash[HASH_TEXT_SIZE];
+    const char *fault;
     struct stat status;
 
     if (!job) {
         stub_report_failed(&stub->out, frame, "frame", "the job was not told");
-    } else if (!write_part(job, frame, &status, hash, &error)) {
-        stub_report_failed(&stub->out, frame, "output", error.message);
+    } else if (!stub_job_write_part(job, frame, &status, hash, &fault, &error)) {
+        stub_report_failed(&stub->out, frame, fault, error.message);
     } else if (has_mode(stub, "lie")) {
         say_lies(stub, frame, &status, hash);
     } else {
@@ -325,33 +288,18 @@ static void note_assignment(struct stub *stub, const struct json_node *params)
 
 static void note_job(struct stub *stub, const struct json_node *params)
 {
-    struct json_node document = json_node_child(params, "document"), root = json_node_child(params, "root");
-    struct stub_job *job;
-    struct job parsed = {0};
-    struct error error = {0};
-    const char *folder = "";
+    struct stub_job job;
 
-    if (!writes_files(stub) || !json_read_string(&root, &folder, NULL)) return;
-    if (!job_from_json(&parsed, &document, folder, &error)) {
-        fprintf(stderr, "stub: %s\n", error.message);
-        return;
-    }
+    if (!writes_files(stub) || !stub_job_read(&job, params)) return;
     stub->jobs = xgrow(stub->jobs, &stub->job_capacity, stub->job_count + 1, sizeof stub->jobs[0]);
-    job = &stub->jobs[stub->job_count++];
-    *job = (struct stub_job){.id = read_integer(params, "job"),
-                             .epoch = read_integer(params, "epoch"),
-                             .root = xstrdup(folder),
-                             .path = parsed.output.path};
-    parsed.output.path = (struct output_path){0};
-    job_finish(&parsed);
+    stub->jobs[stub->job_count++] = job;
 }
 
 static void forget_job(struct stub *stub, int64_t id)
 {
     for (size_t i = 0; i < stub->job_count; i++) {
         if (stub->jobs[i].id != id) continue;
-        free(stub->jobs[i].root);
-        output_path_finish(&stub->jobs[i].path);
+        stub_job_finish(&stub->jobs[i]);
         stub->jobs[i--] = stub->jobs[--stub->job_count];
     }
 }

@@ -173,7 +173,7 @@ static bool receive_fence(struct connection *connection, struct fence *fence, st
 
 static bool fence_in(struct worker *worker)
 {
-    static const char *const faults[] = {"worker", "job", "output"};
+    static const char *const faults[] = {"worker", "job", "output", "root"};
     const struct options *options = worker->options;
     enum sandbox_fault fault = SANDBOX_FAULT_WORKER;
     struct fence fence = {0};

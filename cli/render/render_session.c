@@ -61,12 +61,20 @@ static void report_failed(struct session *session, int32_t frame, const char *wh
     report(session, &result);
 }
 
+static void format_part(const struct session *session, const struct render_ticket *ticket,
+                        char name[static OUTPUT_NAME_SIZE])
+{
+    const struct output_part part = {
+        .job = JOB_ID, .epoch = session->epoch, .frame = ticket->frame, .attempt = ticket->attempt};
+
+    output_path_format_part(&session->params->job->output.path, &part, name);
+}
+
 static void remove_part(struct session *session, const struct render_ticket *ticket)
 {
     char part[OUTPUT_NAME_SIZE];
 
-    output_path_format_part(&session->params->job->output.path, ticket->frame, JOB_ID, session->epoch, ticket->attempt,
-                            part);
+    format_part(session, ticket, part);
     unlinkat(session->folder_fd, part, 0);
 }
 
@@ -169,10 +177,9 @@ static void on_finished(struct session *session, const struct render_ticket *tic
     struct published_file file = {0};
     struct error error = {0};
     char part[OUTPUT_NAME_SIZE], name[OUTPUT_NAME_SIZE];
-    const struct output_path *path = &session->params->job->output.path;
 
-    output_path_format_part(path, ticket->frame, JOB_ID, session->epoch, ticket->attempt, part);
-    output_path_format_name(path, ticket->frame, name);
+    format_part(session, ticket, part);
+    output_path_format_name(&session->params->job->output.path, ticket->frame, name);
     if (!read_file(body, &file, &result, &error) || !publish_file(session->folder_fd, part, name, &file, &error) ||
         !publish_sync(session->folder_fd, &error)) {
         unlinkat(session->folder_fd, part, 0);

@@ -21,8 +21,8 @@ enum {
     COMPONENT_LIMIT = 255,
     PAD_LIMIT = 9,
     NUMBER_WIDTH = 7, // of the largest frame number
-    // ".<job>.<epoch>.<attempt>.part" with the longest numbers of their types
-    PART_SUFFIX_LIMIT = 1 + 19 + 1 + 19 + 1 + 10 + 5,
+    // ".<farm>.<job>.<epoch>.<attempt>.part" with the longest numbers
+    PART_SUFFIX_LIMIT = 1 + OUTPUT_FARM_DIGITS + 1 + 19 + 1 + 10 + 1 + 10 + 5,
     FOLDER_FLAGS = O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC,
     // The folders above the last one are only passed: that needs no permission to list them, from modes or from a
     // sandbox.
@@ -209,11 +209,14 @@ void output_path_format_name(const struct output_path *path, int32_t frame, char
     snprintf(name, OUTPUT_NAME_SIZE, "%s%0*" PRId32 "%s", path->prefix, path->pad, frame, path->suffix);
 }
 
-void output_path_format_part(const struct output_path *path, int32_t frame, int64_t job, int64_t epoch, int attempt,
+void output_path_format_part(const struct output_path *path, const struct output_part *part,
                              char name[static OUTPUT_NAME_SIZE])
 {
-    snprintf(name, OUTPUT_NAME_SIZE, "%s%0*" PRId32 "%s.%" PRId64 ".%" PRId64 ".%d.part", path->prefix, path->pad,
-             frame, path->suffix, job, epoch, attempt);
+    const char *farm = part->farm ? part->farm : "";
+
+    snprintf(name, OUTPUT_NAME_SIZE, "%s%0*" PRId32 "%s%s%.*s.%" PRId64 ".%" PRId64 ".%d.part", path->prefix, path->pad,
+             part->frame, path->suffix, *farm ? "." : "", OUTPUT_FARM_DIGITS, farm, part->job, part->epoch,
+             part->attempt);
 }
 
 int32_t output_path_frame_of(const struct output_path *path, const char *name)
@@ -314,14 +317,28 @@ static int enter_component(int parent_fd, const char *name, int flags, const cha
         }
         fd = open_component(parent_fd, name, flags);
     }
-    if (fd < 0) set_reason(error, errno, parent_fd, name, reached, root);
+    if (fd < 0) {
+        int errnum = errno;
+
+        set_reason(error, errnum, parent_fd, name, reached, root);
+        errno = errnum;
+    }
     return fd;
 }
 
-int output_path_open_folder(const struct output_path *path, const char *root, bool create, struct error *error)
+static void close_quietly(int fd)
+{
+    int errnum = errno;
+
+    close(fd);
+    errno = errnum;
+}
+
+int output_path_open_below(const struct output_path *path, int root_fd, const char *root, bool create,
+                           struct error *error)
 {
     size_t length = strlen(path->folder);
-    int fd = open(root, (length > 0 ? O_PATH : O_RDONLY) | O_DIRECTORY | O_CLOEXEC);
+    int fd = openat(root_fd, ".", (length > 0 ? O_PATH : O_RDONLY) | O_DIRECTORY | O_CLOEXEC);
     char reached[sizeof error->message];
 
     if (fd < 0) error_set_errno(error, errno, "cannot open output root \"%s\"", root);
@@ -333,7 +350,20 @@ int output_path_open_folder(const struct output_path *path, const char *root, bo
         snprintf(name, sizeof name, "%.*s", (int)(end - start), path->folder + start);
         snprintf(reached, sizeof reached, "%.*s", (int)end, path->folder);
         fd = enter_component(parent_fd, name, end < length ? PASSED_FLAGS : FOLDER_FLAGS, reached, root, create, error);
-        close(parent_fd);
+        close_quietly(parent_fd);
     }
+    return fd;
+}
+
+int output_path_open_folder(const struct output_path *path, const char *root, bool create, struct error *error)
+{
+    int root_fd = open(root, O_PATH | O_DIRECTORY | O_CLOEXEC), fd;
+
+    if (root_fd < 0) {
+        error_set_errno(error, errno, "cannot open output root \"%s\"", root);
+        return -1;
+    }
+    fd = output_path_open_below(path, root_fd, root, create, error);
+    close(root_fd);
     return fd;
 }

@@ -8,7 +8,10 @@
 
 struct error;
 
-enum { OUTPUT_NAME_SIZE = 256 }; // a file name with its NUL
+enum {
+    OUTPUT_NAME_SIZE = 256, // a file name with its NUL
+    OUTPUT_FARM_DIGITS = 8  // of a farm's id in part files' names
+};
 
 // The zero value is empty. `folder` is relative to the output root ("" for the root itself), the file name is
 // prefix + number padded to `pad` digits + suffix.
@@ -29,8 +32,17 @@ void output_path_finish(struct output_path *path);
 const char *output_path_below(const char *pattern, const char *root, struct error *error);
 
 void output_path_format_name(const struct output_path *path, int32_t frame, char name[static OUTPUT_NAME_SIZE]);
-// The name of the file that an attempt writes: NAME.<job>.<epoch>.<attempt>.part.
-void output_path_format_part(const struct output_path *path, int32_t frame, int64_t job, int64_t epoch, int attempt,
+// An attempt at a frame. Farms that share a root have the same numbers of jobs, but not the same id.
+struct output_part {
+    const char *farm; // its id, of which the first OUTPUT_FARM_DIGITS count; NULL or "": of no farm
+    int64_t job;
+    int64_t epoch; // of at most 10 digits
+    int32_t frame;
+    int attempt;
+};
+
+// The name of the file that an attempt writes: NAME.<farm>.<job>.<epoch>.<attempt>.part, without <farm> for no farm.
+void output_path_format_part(const struct output_path *path, const struct output_part *part,
                              char name[static OUTPUT_NAME_SIZE]);
 // The frame whose file `name` is, or -1.
 int32_t output_path_frame_of(const struct output_path *path, const char *name);
@@ -41,3 +53,7 @@ bool output_path_may_collide(const struct output_path *a, const struct output_pa
 // RESOLVE_NO_SYMLINKS; openat with O_NOFOLLOW where the kernel lacks it). Makes missing folders if `create`. Returns a
 // descriptor, or -1 with the component named in `error`. `root` itself may be reached through links.
 int output_path_open_folder(const struct output_path *path, const char *root, bool create, struct error *error);
+// Likewise below an open folder, which may be an O_PATH descriptor; `root` is its name in messages. errno is ENOENT
+// when a component is missing.
+int output_path_open_below(const struct output_path *path, int root_fd, const char *root, bool create,
+                           struct error *error);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "daemon/farm/job_table.h"
+#include "daemon/farm/root_table.h"
 #include "daemon/schedule/plan_desk.h"
 #include "daemon/users/quota.h"
 #include "daemon/users/rights.h"
@@ -26,8 +27,10 @@ struct farm {
     const struct options *options;
     struct store_reader *reader; // for small reads on the loop
     struct queue *queue;
-    struct job_table jobs; // owned
-    struct quota quota;    // owned; what each user has
+    struct job_table jobs;        // owned
+    struct root_table roots;      // owned
+    char id[ROOT_MARKER_ID_SIZE]; // of the farm; it never changes
+    struct quota quota;           // owned; what each user has
     struct committer *committer;
     struct publisher *publisher;
     struct sweeper *sweeper;
@@ -37,6 +40,7 @@ struct farm {
     struct job_delete *deletions;       // list: deletions that are not done
     struct job_submit *waiting_submits; // list: submissions that wait until canceled jobs have left their files
     struct job_retry *waiting_retries;  // list: retries that wait until their job is swept
+    int output_checks;                  // jobs whose output is being checked
     int64_t epoch;
     int64_t next_job_id;
     int64_t next_plan_number;

@@ -4,6 +4,7 @@
 
 #include "core/base/log.h"
 #include "core/job/output_path.h"
+#include "daemon/farm/root_table.h"
 #include "daemon/schedule/estimate.h"
 #include "daemon/schedule/queue.h"
 #include "daemon/store/store_op.h"
@@ -14,13 +15,14 @@
 #include <stdint.h>
 
 // A record lives until it is removed from the table and nobody holds it. Threads may read what never changes: id, root,
-// path.
+// path, and path and id of the output root.
 struct job_record {
     int64_t id;
     struct queue_job *queued; // borrowed from the queue
     char *name, *owner;       // owned
     int64_t owner_uid;
     char *root;                                    // owned; output root below which it was accepted
+    struct root *output_root;                      // borrowed from the farm; `root` is its path
     struct output_path path;                       // owned
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; why it is paused or failed; NULL: none
@@ -36,6 +38,9 @@ struct job_record {
     int frames_in_flight;                    // frames that workers hold or that are being published
     int failed_starts;                       // consecutive workers for it that ended before they were ready
     bool is_last_start;                      // workers for other jobs do start: one more failed start pauses the job
+    int root_doubts;                         // faults of a root that was there all the same, since the latest frame
+    bool is_output_checked;                  // a check of its output is under way
+    bool needs_sweep;                        // its root was not there when it was swept
     bool needs_own_worker;                   // a frame of it failed in a worker that was started for another job
     int holds;                               // users that keep it alive after its removal
     bool is_removed;                         // from the table

@@ -26,6 +26,8 @@ static bool write_job(struct farm *farm, const struct job_record *record, struct
     json_write_integer_member(writer, "job", record->id);
     json_write_integer_member(writer, "epoch", farm->epoch);
     json_write_string_member(writer, "root", record->root);
+    json_write_string_member(writer, "root_id", record->output_root->id);
+    json_write_string_member(writer, "farm_id", farm->id);
     json_write_string_member(writer, "owner", record->owner);
     json_write_bool_member(writer, "plans", true);
     json_write_key(writer, "document");

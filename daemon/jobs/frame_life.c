@@ -10,11 +10,13 @@
 #include "daemon/jobs/feed.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/plan_life.h"
+#include "daemon/jobs/root_life.h"
 #include "daemon/output/publisher.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/schedule/retry.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
+#include "daemon/workers/job_fence.h"
 #include "daemon/workers/worker_pool.h"
 
 #include <assert.h>
@@ -31,6 +33,7 @@ struct attempt_end {
     bool is_started;
     bool is_lost;   // the worker is gone
     bool is_hosted; // the worker was started for another job
+    bool is_old;    // the output root has changed since the worker was fenced in
     bool has_row;   // the store holds a publish intent for it
     int worker;
     const char *error;
@@ -74,13 +77,14 @@ static void store_failed_frame(struct farm *farm, const struct attempt_end *end)
                                                  .error = xstrdup(end->error)}});
 }
 
-static void pause_job(struct farm *farm, const struct attempt_end *end)
+// Who published has seen itself that the root is gone; what a worker says is checked.
+static void await_root(struct farm *farm, const struct attempt_end *end)
 {
-    char *reason = xasprintf("output: %s", end->error);
-
     queue_return(farm->queue, &end->ticket);
-    job_life_hold(farm, end->record, reason);
-    free(reason);
+    if (end->has_row)
+        root_life_lose(farm, end->record->output_root, end->error);
+    else
+        root_life_check(farm, end->record, ROOT_LIFE_ROOT_FAILED, end->error);
 }
 
 static bool is_hopeless(const struct queue_job *queued)
@@ -94,6 +98,7 @@ static enum retry_action decide(const struct farm *farm, const struct attempt_en
 {
     int tries = end->record->queued->states[end->ticket.index].tries;
 
+    if (end->is_old && (end->fault == RETRY_FAULT_OUTPUT || end->fault == RETRY_FAULT_ROOT)) return RETRY_FREE;
     if (end->is_hosted && retry_blames_host(end->fault)) {
         if (end->is_started) end->record->needs_own_worker = true;
         return RETRY_FREE;
@@ -122,7 +127,11 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
         job_life_fail(farm, end->record, end->error);
         break;
     case RETRY_PAUSE_JOB:
-        pause_job(farm, end);
+        queue_return(farm->queue, &end->ticket);
+        root_life_check(farm, end->record, ROOT_LIFE_OUTPUT_FAILED, end->error);
+        break;
+    case RETRY_AWAIT_ROOT:
+        await_root(farm, end);
         break;
     }
     // A frame of a job that was canceled in the meantime is canceled, which needs no row.
@@ -236,6 +245,7 @@ static void note_failed(struct farm *farm, struct worker_process *worker, const 
                               .fault = report->fault,
                               .is_started = true,
                               .is_hosted = worker_process_is_host(worker, ticket.job),
+                              .is_old = worker->fence && job_fence_is_old(worker->fence),
                               .worker = worker->id,
                               .error = error,
                               .log = log};
@@ -356,12 +366,17 @@ void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, co
     free(log);
 }
 
+static enum retry_fault fault_of(enum publish_outcome outcome)
+{
+    if (outcome == PUBLISH_OUTCOME_NO_ROOT) return RETRY_FAULT_ROOT;
+    return outcome == PUBLISH_OUTCOME_BAD_FOLDER ? RETRY_FAULT_OUTPUT : RETRY_FAULT_FRAME;
+}
+
 static void note_unpublished(struct farm *farm, const struct publish_request *request)
 {
     struct attempt_end end = {.record = request->record,
                               .ticket = request->ticket,
-                              .fault = request->outcome == PUBLISH_OUTCOME_BAD_FOLDER ? RETRY_FAULT_OUTPUT
-                                                                                      : RETRY_FAULT_FRAME,
+                              .fault = fault_of(request->outcome),
                               .is_started = true,
                               .has_row = true,
                               .worker = request->worker,
@@ -382,6 +397,7 @@ void frame_life_on_published(void *user, const struct publish_request *request)
         note_unpublished(farm, request);
     } else if (queue_succeed(farm->queue, &request->ticket)) {
         note_accuracy(request);
+        request->record->root_doubts = 0;
         log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
         farm_store(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
         request->record->disk_bytes += (int64_t)request->file.size_bytes;

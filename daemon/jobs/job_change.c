@@ -9,6 +9,7 @@
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/root_life.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
@@ -66,6 +67,7 @@ void job_change_resume(struct farm *farm, struct job_record *record, const char 
     queue_resume(farm->queue, record->queued);
     job_record_set_reason(record, NULL);
     log_change_by(record, "resumed", user);
+    root_life_check(farm, record, ROOT_LIFE_FOLDER_WANTED, NULL);
     farm_want_feed(farm);
     job_life_note_change(farm, record);
 }
@@ -205,6 +207,7 @@ static void run_retry(struct job_retry *retry)
         log_change_by(record, "frames of it are queued again", retry->user);
         revive(record);
     }
+    root_life_check(farm, record, ROOT_LIFE_FOLDER_WANTED, NULL);
     ops[op_count++] = job_record_format_op(record);
     committer_put(farm->committer, COMMIT_REPORTED, ops, op_count, on_retry_committed, retry);
     farm_want_feed(farm);

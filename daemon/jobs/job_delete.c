@@ -138,6 +138,7 @@ static void on_flushed(void *user, bool ok, const struct error *error)
     deletion->remover = (struct file_remover){.state_folder = deletion->farm->options->state_folder,
                                               .job = record->id,
                                               .root = record->root,
+                                              .root_id = record->output_root->id,
                                               .path = &record->path,
                                               .frames = &record->queued->frames,
                                               .finished_ms = record->finished_ms,

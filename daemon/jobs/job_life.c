@@ -38,9 +38,10 @@ void job_life_note_change(struct farm *farm, struct job_record *record)
     events_note_job(farm->events, record);
 }
 
-void job_life_note_swept(struct farm *farm, struct job_record *record)
+void job_life_note_swept(struct farm *farm, struct job_record *record, bool was_away)
 {
     record->is_sweeping = false;
+    record->needs_sweep = was_away;
     record->is_swept = record->is_ending;
     farm_store_job(farm, record);
 }

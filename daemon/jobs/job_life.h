@@ -11,7 +11,7 @@ struct job_record;
 // job that ended is swept once none of its frames is in flight.
 void job_life_note_change(struct farm *farm, struct job_record *record);
 // To be called when the sweeper removed the part files of the job: its end is stored.
-void job_life_note_swept(struct farm *farm, struct job_record *record);
+void job_life_note_swept(struct farm *farm, struct job_record *record, bool was_away);
 
 // Pauses the job for a fault and stores that. Does nothing when it is paused or over.
 void job_life_hold(struct farm *farm, struct job_record *record, const char *why);

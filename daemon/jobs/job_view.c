@@ -90,6 +90,8 @@ static char *format_reason(const struct farm *farm, const struct job_record *rec
         if (queued->missed_count == 0) return NULL;
         return xasprintf("%lld of its frames missed the tolerance", (long long)queued->missed_count);
     case JOB_PAUSED:
+        if (!queued->is_paused) return root_format_reason(record->output_root);
+        return record->reason ? xstrdup(record->reason) : NULL;
     case JOB_CANCELED:
         return record->reason ? xstrdup(record->reason) : NULL;
     default:
@@ -138,7 +140,8 @@ static double find_eta_s(const struct farm *farm, struct job_record *record)
     struct rival *rivals = NULL;
     size_t count = 0, capacity = 0;
 
-    if (eta_s >= 0 && queued->counts[FRAME_QUEUED] > 0 && !queued->is_paused) job = queue_first_job(farm->queue);
+    if (eta_s >= 0 && queued->counts[FRAME_QUEUED] > 0 && queue_job_state(queued) != JOB_PAUSED)
+        job = queue_first_job(farm->queue);
     for (; eta_s >= 0 && job && job->priority >= queued->priority; job = job->next) {
         double other_s;
 

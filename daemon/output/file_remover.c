@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/job/frame_range.h"
 #include "core/job/output_path.h"
+#include "core/job/output_root.h"
 #include "core/wire/publish.h"
 #include "daemon/schedule/queue.h"
 #include "daemon/store/store_reader.h"
@@ -72,29 +73,20 @@ static void remove_folder(const struct file_remover *remover)
 
     if (!*folder) return;
     parent.folder = slash ? xstrndup(folder, (size_t)(slash - folder)) : xstrdup("");
-    parent_fd = output_path_open_folder(&parent, remover->root, false, NULL);
+    parent_fd = output_root_open_folder(&parent, remover->root, remover->root_id, false, NULL);
     free(parent.folder);
     if (parent_fd < 0) return;
     if (unlinkat(parent_fd, slash ? slash + 1 : folder, AT_REMOVEDIR) == 0) publish_sync(parent_fd, NULL);
     close(parent_fd);
 }
 
-static bool is_gone(const struct file_remover *remover)
-{
-    char *full = xasprintf("%s/%s", remover->root, remover->path->folder);
-    struct stat status;
-    bool gone = stat(full, &status) < 0 && errno == ENOENT;
-
-    free(full);
-    return gone;
-}
-
 bool file_remover_run(struct file_remover *remover, struct error *error)
 {
-    int folder_fd = output_path_open_folder(remover->path, remover->root, false, error);
+    int folder_fd = output_root_open_folder(remover->path, remover->root, remover->root_id, false, error);
+    bool is_gone = folder_fd == -1 && errno == ENOENT;
     bool ok;
 
-    if (folder_fd < 0) return is_gone(remover);
+    if (folder_fd < 0) return is_gone;
     ok = remove_files(remover, folder_fd, error);
     close(folder_fd);
     if (ok && remover->may_remove_folder) remove_folder(remover);

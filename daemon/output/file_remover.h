@@ -12,7 +12,7 @@ struct output_path;
 struct file_remover {
     const char *state_folder; // pointers are borrowed
     int64_t job;
-    const char *root;
+    const char *root, *root_id;
     const struct output_path *path;
     const struct frame_range *frames;
     int64_t finished_ms;    // unix time; a file written later is not removed
@@ -21,5 +21,6 @@ struct file_remover {
     int64_t removed_bytes;
 };
 
-// On success the removals are on disk. A file that is missing is counted neither as removed nor as kept.
+// On success the removals are on disk. A file that is missing is counted neither as removed nor as kept. A root that is
+// not there is an error: its files are elsewhere.
 bool file_remover_run(struct file_remover *remover, struct error *error);

@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/job/output_path.h"
+#include "core/job/output_root.h"
 #include "daemon/farm/job_table.h"
 #include "daemon/store/committer.h"
 
@@ -19,6 +20,7 @@ struct publish_list {
 
 struct publisher {
     uv_loop_t *loop;             // borrowed; outlives us
+    const char *farm;            // borrowed; outlives us; the farm's id
     struct committer *committer; // borrowed; outlives us
     publisher_on_done *on_done;
     void *user; // borrowed
@@ -40,11 +42,13 @@ static void start_batch(struct publisher *publisher);
 static void on_publish_run(uv_work_t *work);
 static void on_publish_done(uv_work_t *work, int status);
 
-struct publisher *publisher_create(uv_loop_t *loop, struct committer *committer, publisher_on_done *on_done, void *user)
+struct publisher *publisher_create(uv_loop_t *loop, const char *farm, struct committer *committer,
+                                   publisher_on_done *on_done, void *user)
 {
     struct publisher *publisher = xcalloc(1, sizeof *publisher);
 
     publisher->loop = loop;
+    publisher->farm = farm;
     publisher->committer = committer;
     publisher->on_done = on_done;
     publisher->user = user;
@@ -136,34 +140,59 @@ static int compare_requests(const void *a, const void *b)
     return left->ticket.index < right->ticket.index ? -1 : left->ticket.index > right->ticket.index;
 }
 
-static void rename_part(struct publish_request *request, int folder)
+static void rename_part(const char *farm, struct publish_request *request, int folder)
 {
     const struct output_path *path = &request->record->path;
+    const struct output_part names = {.farm = farm,
+                                      .job = request->ticket.job,
+                                      .epoch = request->epoch,
+                                      .frame = request->ticket.frame,
+                                      .attempt = request->ticket.attempt};
     char part[OUTPUT_NAME_SIZE], name[OUTPUT_NAME_SIZE];
 
-    output_path_format_part(path, request->ticket.frame, request->ticket.job, request->epoch, request->ticket.attempt,
-                            part);
+    output_path_format_part(path, &names, part);
     output_path_format_name(path, request->ticket.frame, name);
     if (!publish_file(folder, part, name, &request->file, &request->error)) request->outcome = PUBLISH_OUTCOME_BAD_FILE;
 }
 
-// `requests` are of one job, whose files share a folder.
-static void publish_group(struct publish_request **requests, size_t count)
+static void fail_group(struct publish_request **requests, size_t count, enum publish_outcome outcome,
+                       const struct error *error)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (requests[i]->outcome != PUBLISH_OUTCOME_DONE && outcome != PUBLISH_OUTCOME_NO_ROOT) continue;
+        requests[i]->outcome = outcome;
+        requests[i]->error = *error;
+    }
+}
+
+static enum publish_outcome publish_in(const char *farm, struct publish_request **requests, size_t count, int root_fd,
+                                       struct error *error)
 {
     const struct job_record *record = requests[0]->record;
-    struct error error = {0};
-    int folder = output_path_open_folder(&record->path, record->root, false, &error);
+    int folder = output_path_open_below(&record->path, root_fd, record->root, false, error);
     bool ok = folder >= 0;
 
     for (size_t i = 0; i < count && ok; i++)
-        rename_part(requests[i], folder);
-    if (ok) ok = publish_sync(folder, &error);
-    for (size_t i = 0; i < count && !ok; i++) {
-        if (requests[i]->outcome != PUBLISH_OUTCOME_DONE) continue;
-        requests[i]->outcome = PUBLISH_OUTCOME_BAD_FOLDER;
-        requests[i]->error = error;
-    }
+        rename_part(farm, requests[i], folder);
+    if (ok) ok = publish_sync(folder, error);
     if (folder >= 0) close(folder);
+    // What was unmounted since has the files: they count once it is back, when their frames are found there.
+    if (output_root_is_at(root_fd, record->root)) return ok ? PUBLISH_OUTCOME_DONE : PUBLISH_OUTCOME_BAD_FOLDER;
+    error_set(error, "output root %s was taken away while files were published in it", record->root);
+    return PUBLISH_OUTCOME_NO_ROOT;
+}
+
+// `requests` are of one job, whose files share a folder.
+static void publish_group(const char *farm, struct publish_request **requests, size_t count)
+{
+    const struct job_record *record = requests[0]->record;
+    struct error error = {0};
+    int root_fd = output_root_open(record->root, record->output_root->id, &error);
+    enum publish_outcome outcome =
+        root_fd < 0 ? PUBLISH_OUTCOME_NO_ROOT : publish_in(farm, requests, count, root_fd, &error);
+
+    if (outcome != PUBLISH_OUTCOME_DONE) fail_group(requests, count, outcome, &error);
+    if (root_fd >= 0) close(root_fd);
 }
 
 static void on_publish_run(uv_work_t *work)
@@ -175,7 +204,7 @@ static void on_publish_run(uv_work_t *work)
     qsort(list->requests, list->count, sizeof(struct publish_request *), compare_requests);
     for (size_t i = 1; i <= list->count; i++) {
         if (i < list->count && list->requests[i]->ticket.job == list->requests[first]->ticket.job) continue;
-        publish_group(list->requests + first, i - first);
+        publish_group(publisher->farm, list->requests + first, i - first);
         first = i;
     }
 }

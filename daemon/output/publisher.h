@@ -18,9 +18,10 @@ struct job_record;
 struct publisher;
 
 enum publish_outcome {
-    PUBLISH_OUTCOME_DONE,
-    PUBLISH_OUTCOME_BAD_FILE,  // the part file differs from the report of the worker
-    PUBLISH_OUTCOME_BAD_FOLDER // the folder cannot be opened or synced: every frame would fail
+    PUBLISH_OUTCOME_DONE,       // the file has its name, is on disk, and the root with it was still there afterwards
+    PUBLISH_OUTCOME_BAD_FILE,   // the part file differs from the report of the worker
+    PUBLISH_OUTCOME_BAD_FOLDER, // the folder cannot be opened or synced: every frame would fail
+    PUBLISH_OUTCOME_NO_ROOT     // the output root is not there, or was taken away meanwhile, with or without the file
 };
 
 // One frame to publish, and the outcome.
@@ -39,8 +40,9 @@ struct publish_request {
 // Called on the loop when the file is published on disk, or cannot be. The callee commits the result.
 typedef void publisher_on_done(void *user, const struct publish_request *request);
 
-struct publisher *publisher_create(uv_loop_t *loop, struct committer *committer, publisher_on_done *on_done,
-                                   void *user);
+// `farm` is the farm's id, borrowed.
+struct publisher *publisher_create(uv_loop_t *loop, const char *farm, struct committer *committer,
+                                   publisher_on_done *on_done, void *user);
 void publisher_destroy(struct publisher *publisher);                                    // legal once idle; accepts NULL
 void publisher_put(struct publisher *publisher, const struct publish_request *request); // copies
 bool publisher_is_idle(const struct publisher *publisher);

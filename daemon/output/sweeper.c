@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/job/output_path.h"
+#include "core/job/output_root.h"
 #include "daemon/farm/job_table.h"
 
 #include <assert.h>
@@ -16,11 +17,13 @@
 struct sweep_task {
     struct job_record *record;   // borrowed; outlives us
     char part[OUTPUT_NAME_SIZE]; // empty: all part files of the job
+    bool was_away;               // result
     struct sweep_task *next;     // on the sweeper's queue
 };
 
 struct sweeper {
-    uv_loop_t *loop; // borrowed; outlives us
+    uv_loop_t *loop;  // borrowed; outlives us
+    const char *farm; // borrowed; outlives us; the farm's id
     sweeper_on_done *on_swept;
     void *user; // borrowed
     uv_work_t work;
@@ -32,11 +35,12 @@ static void start_next(struct sweeper *sweeper);
 static void on_sweep_run(uv_work_t *work);
 static void on_sweep_done(uv_work_t *work, int status);
 
-struct sweeper *sweeper_create(uv_loop_t *loop, sweeper_on_done *on_swept, void *user)
+struct sweeper *sweeper_create(uv_loop_t *loop, const char *farm, sweeper_on_done *on_swept, void *user)
 {
     struct sweeper *sweeper = xcalloc(1, sizeof *sweeper);
 
     sweeper->loop = loop;
+    sweeper->farm = farm;
     sweeper->on_swept = on_swept;
     sweeper->user = user;
     sweeper->work.data = sweeper;
@@ -69,9 +73,11 @@ void sweeper_remove_part(struct sweeper *sweeper, const struct job_record *recor
                          int attempt)
 {
     struct sweep_task *task = xcalloc(1, sizeof *task);
+    const struct output_part part = {
+        .farm = sweeper->farm, .job = record->id, .epoch = epoch, .frame = frame, .attempt = attempt};
 
     task->record = (struct job_record *)record;
-    output_path_format_part(&record->path, frame, record->id, epoch, attempt, task->part);
+    output_path_format_part(&record->path, &part, task->part);
     add_task(sweeper, task);
 }
 
@@ -106,7 +112,17 @@ static int64_t cut_number(char *name)
     return number;
 }
 
-bool sweeper_is_part_of(const struct job_record *record, const char *name)
+// Cuts ".<farm>" off the end of `name`, if it ends so.
+static bool cut_farm(char *name, const char *farm)
+{
+    char *dot = strrchr(name, '.');
+
+    if (!dot || strlen(dot + 1) != OUTPUT_FARM_DIGITS || strncmp(dot + 1, farm, OUTPUT_FARM_DIGITS) != 0) return false;
+    *dot = '\0';
+    return true;
+}
+
+bool sweeper_is_part_of(const struct job_record *record, const char *farm, const char *name)
 {
     char cut[OUTPUT_NAME_SIZE];
     size_t length = strlen(name);
@@ -118,10 +134,12 @@ bool sweeper_is_part_of(const struct job_record *record, const char *name)
     attempt = cut_number(cut);
     epoch = cut_number(cut);
     job = cut_number(cut);
-    return attempt >= 0 && epoch >= 0 && job == record->id && output_path_frame_of(&record->path, cut) >= 0;
+    if (attempt < 0 || epoch < 0 || job != record->id) return false;
+    return output_path_frame_of(&record->path, cut) >= 0 ||
+           (cut_farm(cut, farm) && output_path_frame_of(&record->path, cut) >= 0);
 }
 
-static void remove_parts(const struct job_record *record, int folder)
+static void remove_parts(const struct job_record *record, const char *farm, int folder)
 {
     DIR *entries = fdopendir(folder);
     struct dirent *entry;
@@ -131,7 +149,7 @@ static void remove_parts(const struct job_record *record, int folder)
         return;
     }
     while ((entry = readdir(entries))) {
-        if (sweeper_is_part_of(record, entry->d_name)) unlinkat(folder, entry->d_name, 0);
+        if (sweeper_is_part_of(record, farm, entry->d_name)) unlinkat(folder, entry->d_name, 0);
     }
     closedir(entries);
 }
@@ -139,12 +157,14 @@ static void remove_parts(const struct job_record *record, int folder)
 static void on_sweep_run(uv_work_t *work)
 {
     const struct sweeper *sweeper = work->data;
-    const struct sweep_task *task = sweeper->in_flight;
-    int folder = output_path_open_folder(&task->record->path, task->record->root, false, NULL);
+    struct sweep_task *task = sweeper->in_flight;
+    const struct job_record *record = task->record;
+    int folder = output_root_open_folder(&record->path, record->root, record->output_root->id, false, NULL);
 
+    task->was_away = folder == OUTPUT_ROOT_AWAY;
     if (folder < 0) return;
     if (!task->part[0]) {
-        remove_parts(task->record, folder);
+        remove_parts(record, sweeper->farm, folder);
         return;
     }
     unlinkat(folder, task->part, 0);
@@ -158,6 +178,6 @@ static void on_sweep_done(uv_work_t *work, int status)
 
     sweeper->in_flight = NULL;
     start_next(sweeper);
-    if (!task->part[0]) sweeper->on_swept(sweeper->user, task->record);
+    if (!task->part[0]) sweeper->on_swept(sweeper->user, task->record, task->was_away);
     free(task);
 }

@@ -10,9 +10,11 @@
 struct job_record;
 struct sweeper;
 
-typedef void sweeper_on_done(void *user, struct job_record *record);
+// `was_away`: the output root was not there, and nothing could be removed.
+typedef void sweeper_on_done(void *user, struct job_record *record, bool was_away);
 
-struct sweeper *sweeper_create(uv_loop_t *loop, sweeper_on_done *on_swept, void *user);
+// `farm` is the farm's id, borrowed.
+struct sweeper *sweeper_create(uv_loop_t *loop, const char *farm, sweeper_on_done *on_swept, void *user);
 void sweeper_destroy(struct sweeper *sweeper); // legal once idle; accepts NULL
 // Removes the part file of one attempt.
 void sweeper_remove_part(struct sweeper *sweeper, const struct job_record *record, int32_t frame, int64_t epoch,
@@ -21,5 +23,6 @@ void sweeper_remove_part(struct sweeper *sweeper, const struct job_record *recor
 void sweeper_sweep_job(struct sweeper *sweeper, struct job_record *record);
 bool sweeper_is_idle(const struct sweeper *sweeper);
 
-// Whether `name` is "NAME.<job>.<epoch>.<attempt>.part", where NAME is a file of the job.
-bool sweeper_is_part_of(const struct job_record *record, const char *name);
+// Whether `name` is "NAME.<farm>.<job>.<epoch>.<attempt>.part", where NAME is a file of the job and the farm is `farm`,
+// or is left out, as older versions did.
+bool sweeper_is_part_of(const struct job_record *record, const char *farm, const char *name);

@@ -9,6 +9,7 @@
 #include "core/job/job.h"
 #include "core/job/job_check.h"
 #include "core/job/job_json.h"
+#include "core/job/output_root.h"
 #include "core/json/json_write.h"
 #include "daemon/clients/answer.h"
 #include "daemon/clients/client.h"
@@ -16,6 +17,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/root_life.h"
 #include "daemon/output/output_claims.h"
 #include "daemon/output/output_older.h"
 #include "daemon/requests/request.h"
@@ -35,6 +37,7 @@ struct job_submit {
     uv_work_t work;
     struct store_job row;      // owned, until it moves into the commit
     struct frame_range frames; // owned
+    struct root *output_root;  // borrowed from the farm
     struct output_path path;   // owned
     struct job_inputs inputs;  // owned
     char *code;                // owned; as in struct job_record
@@ -218,6 +221,17 @@ static bool check_folder(struct request *request, const struct job *job, const c
     return false;
 }
 
+// A root that was never there has no marker to open folders by.
+static struct root *find_root(struct request *request, const char *path)
+{
+    struct root *root = root_table_find(&request->farm->roots, path);
+
+    if (root && root->is_there) return root;
+    request_fail(request, MESSAGE_CODE_CONFLICT, "output.path: %s",
+                 root && root->trouble ? root->trouble : "its output root is not known yet: try again");
+    return NULL;
+}
+
 static bool find_inputs(struct request *request, const struct job *job, struct job_inputs *inputs)
 {
     request->code = MESSAGE_CODE_NOT_ALLOWED;
@@ -257,6 +271,7 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     struct job job = {0};
     struct job_inputs inputs = {0};
     struct job_submit *submit;
+    struct root *output_root;
     const char *root = choose_root(request, document);
     bool ok = false;
 
@@ -265,11 +280,13 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     request->code = MESSAGE_CODE_PARAMS;
     if (!job_from_json(&job, document, root, &request->error) || !job_check_inputs(&job, document, &request->error))
         goto out;
-    if (!request_may_have_priority(request, job.priority) || !check_folder(request, &job, root) ||
+    output_root = find_root(request, root);
+    if (!output_root || !request_may_have_priority(request, job.priority) || !check_folder(request, &job, root) ||
         !find_inputs(request, &job, &inputs) || !check_limits(request, &job) || !check_collisions(request, &job, root))
         goto out;
     submit = create_submit(request, &job, json_node_format(document), root);
     submit->row.is_paused = paused;
+    submit->output_root = output_root;
     submit->inputs = inputs;
     inputs = (struct job_inputs){0};
     submit->claim =
@@ -298,7 +315,7 @@ static void on_folder_run(uv_work_t *work)
         submit->failure = reason == EXDEV || reason == ELOOP ? MESSAGE_CODE_NOT_ALLOWED : MESSAGE_CODE_PARAMS;
         return;
     }
-    folder = output_path_open_folder(&submit->path, submit->row.root, true, &submit->error);
+    folder = output_root_open_folder(&submit->path, submit->row.root, submit->output_root->id, true, &submit->error);
     if (folder >= 0) {
         if (submit->may_replace)
             submit->existing = output_older_list(&submit->claim.files, folder, &submit->existing_count);
@@ -306,7 +323,7 @@ static void on_folder_run(uv_work_t *work)
         return;
     }
     error_prefix(&submit->error, "output.path");
-    submit->failure = MESSAGE_CODE_PARAMS;
+    submit->failure = folder == OUTPUT_ROOT_AWAY ? MESSAGE_CODE_CONFLICT : MESSAGE_CODE_PARAMS;
 }
 
 static struct store_op format_op(const struct job_submit *submit)
@@ -351,6 +368,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
 
     output_claims_remove(farm, &submit->claim); // its files move into the record
     record = job_table_add(&farm->jobs, row->id, row->root, &submit->path);
+    record->output_root = submit->output_root;
     record->name = row->name;
     record->owner = row->owner;
     record->owner_uid = row->owner_uid;
@@ -367,6 +385,7 @@ static struct job_record *queue_submit(struct job_submit *submit)
                                                                            .is_paused = row->is_paused});
     shares_set_weight(farm, row->owner_uid, record->owner);
     record->sent_state = JOB_STATE_COUNT;
+    root_life_note_job(farm, record);
     if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);
     row->name = row->owner = row->root = NULL;
     submit->code = NULL;

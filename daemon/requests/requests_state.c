@@ -57,6 +57,24 @@ static void write_store(const struct farm *farm, struct json_writer *writer)
     json_write_end_object(writer);
 }
 
+static void write_known_roots(struct json_writer *writer, const struct root_table *table)
+{
+    json_write_key(writer, "roots");
+    json_write_begin_array(writer);
+    for (size_t i = 0; i < table->count; i++) {
+        const struct root *root = table->roots[i];
+
+        if (!root->is_watched) continue;
+        json_write_begin_object(writer);
+        json_write_string_member(writer, "path", root->path);
+        json_write_string_member(writer, "id", *root->id ? root->id : NULL);
+        json_write_bool_member(writer, "is_there", root->is_there);
+        json_write_string_member(writer, "reason", root->trouble);
+        json_write_end_object(writer);
+    }
+    json_write_end_array(writer);
+}
+
 enum request_outcome requests_daemon_status(struct request *request)
 {
     const struct farm *farm = request->farm;
@@ -69,6 +87,7 @@ enum request_outcome requests_daemon_status(struct request *request)
     json_write_string_member(writer, "output_root", farm->options->output_roots.paths[0]);
     write_roots(writer, "output_roots", &farm->options->output_roots);
     write_roots(writer, "input_roots", &farm->options->input_roots);
+    write_known_roots(writer, &farm->roots);
     json_write_string_member(writer, "state_folder", farm->options->state_folder);
     json_write_key(writer, "store");
     write_store(farm, writer);

@@ -93,7 +93,8 @@ struct queue_job *queue_first_job(const struct queue *queue)
 
 static bool is_ready(const struct queue_job *job)
 {
-    return job->counts[FRAME_QUEUED] > 0 && !job->is_paused && !job->is_canceled && !job->is_failed;
+    return job->counts[FRAME_QUEUED] > 0 && !job->is_paused && job->block == QUEUE_OPEN && !job->is_canceled &&
+           !job->is_failed;
 }
 
 static bool comes_before(const struct queue_job *a, const struct queue_job *b)
@@ -229,7 +230,7 @@ enum job_state queue_job_state(const struct queue_job *job)
         if (job->counts[FRAME_FAILED] > 0) return JOB_FAILED;
         return job->counts[FRAME_CANCELED] > 0 ? JOB_CANCELED : JOB_SUCCEEDED;
     }
-    if (job->is_paused) return JOB_PAUSED;
+    if (job->is_paused || job->block == QUEUE_AWAY) return JOB_PAUSED;
     return job->has_started ? JOB_RUNNING : JOB_QUEUED;
 }
 
@@ -398,6 +399,12 @@ bool queue_has_frame_to_cancel(const struct queue_job *job)
             (job->states[i].state == FRAME_RUNNING && !job->states[i].is_publishing))
             return true;
     return false;
+}
+
+void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_block block)
+{
+    job->block = block;
+    note_ready(job);
 }
 
 static void end_frames(struct queue_job *job, enum frame_state state)

@@ -17,6 +17,13 @@ struct queue;
 // Priorities are in [0, QUEUE_PRIORITY_LIMIT); the highest is first.
 enum { QUEUE_PRIORITY_LIMIT = TURNS_PRIORITY_LIMIT };
 
+// Why no frame of a job is taken, apart from what users and the job itself decide.
+enum queue_block {
+    QUEUE_OPEN,
+    QUEUE_IN_DOUBT, // for a moment: whether its output can be written is being looked at
+    QUEUE_AWAY      // its output root is not there: the job is paused
+};
+
 // At most 16 bytes, for a million of them are in memory.
 struct queue_frame {
     int32_t attempt;    // number of the latest attempt; it only grows; 0: none
@@ -37,6 +44,7 @@ struct queue_job {
     int64_t missed_count; // of frames that succeeded or were skipped
     int priority;
     bool is_paused;
+    enum queue_block block;
     bool is_canceled;
     bool is_failed;                    // by a fault of the job itself
     bool has_started;                  // a frame was taken since all were queued; the caller sets it for a restored job
@@ -110,6 +118,7 @@ void queue_pause(struct queue *queue, struct queue_job *job);
 void queue_resume(struct queue *queue, struct queue_job *job);
 // Whether queue_cancel would cancel a frame: not when all that are not over are being published.
 bool queue_has_frame_to_cancel(const struct queue_job *job);
+void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_block block);
 // Queued and running frames become canceled: tickets of running frames own them no more, and the caller stops the
 // workers. Frames that are being published may still succeed. Does nothing to a job that is not live.
 void queue_cancel(struct queue *queue, struct queue_job *job);

@@ -6,7 +6,8 @@
 
 enum { BACKOFF_FIRST_MS = 1000, BACKOFF_LIMIT_MS = 60 * 1000 };
 
-const char *const retry_fault_names[] = {"job", "frame", "worker", "output", "lost", "endless", "cut", "missed", NULL};
+const char *const retry_fault_names[] = {"job",  "frame",   "worker", "output", "root",
+                                         "lost", "endless", "cut",    "missed", NULL};
 
 enum retry_action retry_decide(enum retry_fault fault, bool is_started, int tries, int max_attempts)
 {
@@ -15,6 +16,8 @@ enum retry_action retry_decide(enum retry_fault fault, bool is_started, int trie
         return RETRY_FAIL_JOB;
     case RETRY_FAULT_OUTPUT:
         return RETRY_PAUSE_JOB;
+    case RETRY_FAULT_ROOT:
+        return RETRY_AWAIT_ROOT;
     case RETRY_FAULT_WORKER:
     case RETRY_FAULT_LOST:
         if (!is_started) return RETRY_FREE;
@@ -31,7 +34,8 @@ enum retry_action retry_decide(enum retry_fault fault, bool is_started, int trie
 
 bool retry_blames_host(enum retry_fault fault)
 {
-    return fault != RETRY_FAULT_ENDLESS && fault != RETRY_FAULT_CUT && fault != RETRY_FAULT_MISSED;
+    return fault != RETRY_FAULT_ROOT && fault != RETRY_FAULT_ENDLESS && fault != RETRY_FAULT_CUT &&
+           fault != RETRY_FAULT_MISSED;
 }
 
 bool retry_gives_up_job(int64_t failed, int64_t done)

@@ -10,6 +10,7 @@ enum retry_fault {
     RETRY_FAULT_FRAME,  // this frame failed
     RETRY_FAULT_WORKER, // the worker lost its GL context and exits
     RETRY_FAULT_OUTPUT, // the disk is full or not writable: every frame would fail
+    RETRY_FAULT_ROOT,   // the output root is not there
     RETRY_FAULT_LOST,   // the worker died, or was killed over one of its time limits
     // The frame does not end: a ray march takes more iterations than GL runs, or, in a scene with GLSL of the user, the
     // worker was killed over the limit of its progress or of its frame. The next attempt would most likely not end
@@ -19,7 +20,7 @@ enum retry_fault {
     RETRY_FAULT_MISSED // it misses its tolerance even when rendered finer; the next attempt would miss it too
 };
 
-// "job", "frame", "worker", "output", "lost", "endless", "cut", "missed"; ends in NULL
+// "job", "frame", "worker", "output", "root", "lost", "endless", "cut", "missed"; ends in NULL
 extern const char *const retry_fault_names[];
 
 enum retry_action {
@@ -27,7 +28,8 @@ enum retry_action {
     RETRY_FREE,       // queue_return: the attempt does not count
     RETRY_FAIL_FRAME, // queue_fail, final
     RETRY_FAIL_JOB,   // queue_fail_job
-    RETRY_PAUSE_JOB   // queue_return and queue_pause; the text of the fault becomes the job's reason
+    RETRY_PAUSE_JOB,  // queue_return and queue_pause; the text of the fault becomes the job's reason
+    RETRY_AWAIT_ROOT  // queue_return, and no frame of the job is taken until its output root is there
 };
 
 // `is_started`: the worker had begun the frame; a frame that was only assigned is not to blame. `tries` includes the

@@ -14,7 +14,9 @@
 #include "daemon/jobs/job_change.h"
 #include "daemon/jobs/job_delete.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/root_life.h"
 #include "daemon/output/publisher.h"
+#include "daemon/output/root_watch.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/requests/job_submit.h"
 #include "daemon/requests/requests.h"
@@ -22,6 +24,7 @@
 #include "daemon/service/manager.h"
 #include "daemon/service/opening.h"
 #include "daemon/service/restore.h"
+#include "daemon/service/root_settings.h"
 #include "daemon/service/watchdog.h"
 #include "daemon/settings/options.h"
 #include "daemon/settings/reload.h"
@@ -50,6 +53,7 @@ struct daemon {
     struct listener *listener;
     struct watchdog *watchdog; // NULL: the service manager wants none
     struct manager *manager;
+    struct root_watch *roots;
     struct options *options; // borrowed; outlive us
     daemon_read_options *read_options;
     void *read_user; // borrowed; outlives us
@@ -59,7 +63,8 @@ struct daemon {
     int64_t flushing_since_ms;
 };
 
-static void on_swept(void *user, struct job_record *record);
+static void on_swept(void *user, struct job_record *record, bool was_away);
+static void on_root_op(void *user, struct store_op op);
 static void on_slot_changed(struct farm *farm, int slot_index);
 static void on_store_trouble(void *user);
 static void on_message(void *user, struct client *client, const struct message *message);
@@ -70,13 +75,12 @@ static void on_hang_up(uv_signal_t *handle, int signal_number);
 
 static const struct worker_pool_handlers pool_handlers = {.on_frame_report = frame_life_note_report,
                                                           .on_frames_lost = frame_life_lose_frames,
-                                                          .on_job_refused = job_life_refuse,
+                                                          .on_job_refused = root_life_refuse,
                                                           .on_slot_changed = on_slot_changed};
 
 static bool open_store(struct daemon *daemon, const struct options *options, struct error *error)
 {
-    if (!folders_make(options->state_folder, 0700, error) || !folders_make(options->output_roots.paths[0], 0755, error))
-        return false;
+    if (!folders_make(options->state_folder, 0700, error)) return false;
     daemon->store = opening_wait(options->state_folder, error);
     if (!daemon->store) return false;
     daemon->farm.reader = store_reader_open(options->state_folder, error);
@@ -90,9 +94,10 @@ static void create_modules(struct daemon *daemon, const struct options *options)
 
     farm->committer = committer_create(farm->loop, daemon->store);
     committer_watch(farm->committer, on_store_trouble, daemon);
-    farm->publisher = publisher_create(farm->loop, farm->committer, frame_life_on_published, farm);
-    farm->sweeper = sweeper_create(farm->loop, on_swept, farm);
+    farm->publisher = publisher_create(farm->loop, farm->id, farm->committer, frame_life_on_published, farm);
+    farm->sweeper = sweeper_create(farm->loop, farm->id, on_swept, farm);
     farm->events = events_create(farm);
+    daemon->roots = root_watch_create(farm, root_life_note_change);
     farm->pool = worker_pool_create(farm, slots, &pool_handlers);
     daemon->watchdog = watchdog_open(farm->loop);
     daemon->manager = manager_open(farm);
@@ -131,6 +136,7 @@ static void close_all(struct daemon *daemon)
     if (daemon->listener) listener_close(daemon->listener);
     watchdog_close(daemon->watchdog);
     manager_close(daemon->manager);
+    root_watch_close(daemon->roots);
     worker_pool_close(daemon->farm.pool);
     events_close(daemon->farm.events);
     committer_close(daemon->farm.committer);
@@ -182,12 +188,14 @@ void daemon_destroy(struct daemon *daemon)
     farm = &daemon->farm;
     uv_run(&daemon->loop, UV_RUN_DEFAULT);
     worker_pool_destroy(farm->pool);
+    root_watch_destroy(daemon->roots);
     events_destroy(farm->events);
     sweeper_destroy(farm->sweeper);
     publisher_destroy(farm->publisher);
     committer_destroy(farm->committer);
     queue_destroy(farm->queue);
     job_table_finish(&farm->jobs);
+    root_table_finish(&farm->roots);
     plan_desk_finish(&farm->desk);
     quota_finish(&farm->quota);
     store_reader_close(farm->reader);
@@ -197,11 +205,16 @@ void daemon_destroy(struct daemon *daemon)
     free(daemon);
 }
 
-static void on_swept(void *user, struct job_record *record)
+static void on_root_op(void *user, struct store_op op)
+{
+    farm_store(user, op);
+}
+
+static void on_swept(void *user, struct job_record *record, bool was_away)
 {
     struct farm *farm = user;
 
-    job_life_note_swept(farm, record);
+    job_life_note_swept(farm, record, was_away);
     job_change_retry_waiting(farm, record);
     job_delete_go_on(farm);
     job_submit_go_on(farm);
@@ -275,6 +288,7 @@ static void apply_options(struct daemon *daemon, struct options *fresh)
     if (was_quiet) log_changes(&changes);
     limits_refresh(&daemon->farm);
     shares_refresh(&daemon->farm);
+    root_settings_take(&daemon->farm, &daemon->options->output_roots, on_root_op, &daemon->farm);
     queue_set_max_attempts(daemon->farm.queue, daemon->options->max_attempts);
     worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
 }
@@ -286,8 +300,7 @@ static void reload(struct daemon *daemon)
     struct error error = {0};
 
     manager_notify_reloading(daemon->manager);
-    if (daemon->read_options(daemon->read_user, &fresh, &error) &&
-        folders_make(fresh.output_roots.paths[0], 0755, &error))
+    if (daemon->read_options(daemon->read_user, &fresh, &error))
         apply_options(daemon, &fresh);
     else
         log_error("settings: not changed: %s", error.message);
@@ -306,7 +319,7 @@ static void on_hang_up(uv_signal_t *handle, int signal_number)
 static bool is_flushed(const struct farm *farm)
 {
     return publisher_is_idle(farm->publisher) && sweeper_is_idle(farm->sweeper) && !farm->claims && !farm->deletions &&
-           committer_is_idle(farm->committer);
+           farm->output_checks == 0 && committer_is_idle(farm->committer);
 }
 
 // Files that are being published have their intent on disk: a restart finishes them.

@@ -7,12 +7,15 @@
 #include "core/job/job.h"
 #include "core/job/job_json.h"
 #include "core/job/output_path.h"
+#include "core/job/output_root.h"
 #include "core/wire/publish.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/root_life.h"
 #include "daemon/service/opening.h"
+#include "daemon/service/root_settings.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/store.h"
 
@@ -49,6 +52,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
         return true;
     }
     record = job_table_add(&farm->jobs, row->id, xstrdup(row->root), &job.output.path);
+    record->output_root = root_table_add(&farm->roots, row->root);
     record->name = xstrdup(row->name);
     record->owner = xstrdup(row->owner);
     record->owner_uid = row->owner_uid;
@@ -106,31 +110,50 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
     return true;
 }
 
-// Renames the part file if that was not done. True when the published file is on disk.
-static bool finish_file(const struct job_record *record, const struct store_frame *row)
+// Renames the part file if that was not done. True when the published file is on disk. `farm` is of the part file's
+// name: NULL for one of an older version.
+static bool finish_part(const struct job_record *record, const struct store_frame *row, const char *farm, int folder)
 {
+    const struct output_part names = {.farm = farm,
+                                      .job = record->id,
+                                      .epoch = row->epoch,
+                                      .frame = frame_range_at(&record->queued->frames, row->index),
+                                      .attempt = row->attempts};
     struct published_file file = {.inode = row->inode, .size_bytes = row->size_bytes};
-    int32_t frame = frame_range_at(&record->queued->frames, row->index);
-    int folder = output_path_open_folder(&record->path, record->root, false, NULL);
     char part[OUTPUT_NAME_SIZE], name[OUTPUT_NAME_SIZE];
-    enum publish_state found = PUBLISH_LOST;
-    bool ok = false;
+    enum publish_state found;
+
+    memcpy(file.hash, row->hash, sizeof file.hash);
+    output_path_format_part(&record->path, &names, part);
+    output_path_format_name(&record->path, names.frame, name);
+    found = publish_settle(folder, part, name, &file);
+    return (found == PUBLISH_DONE || (found == PUBLISH_PENDING && publish_file(folder, part, name, &file, NULL))) &&
+           publish_sync(folder, NULL);
+}
+
+static bool finish_file(const struct farm *farm, const struct job_record *record, const struct store_frame *row)
+{
+    int folder = output_root_open_folder(&record->path, record->root, record->output_root->id, false, NULL);
+    bool ok;
 
     if (folder < 0) return false;
-    memcpy(file.hash, row->hash, sizeof file.hash);
-    output_path_format_part(&record->path, frame, record->id, row->epoch, row->attempts, part);
-    output_path_format_name(&record->path, frame, name);
-    found = publish_settle(folder, part, name, &file);
-    ok = found == PUBLISH_DONE || (found == PUBLISH_PENDING && publish_file(folder, part, name, &file, NULL));
-    ok = ok && publish_sync(folder, NULL);
+    ok = finish_part(record, row, farm->id, folder) || finish_part(record, row, NULL, folder);
     close(folder);
     return ok;
+}
+
+static void on_op(void *user, struct store_op op)
+{
+    struct restore_state *state = user;
+
+    state->ops = xgrow(state->ops, &state->op_capacity, state->op_count + 1, sizeof op);
+    state->ops[state->op_count++] = op;
 }
 
 static void finish_publish(struct restore_state *state, const struct store_frame *row)
 {
     struct job_record *record = job_table_find(&state->farm->jobs, row->job);
-    bool is_published = finish_file(record, row);
+    bool is_published = finish_file(state->farm, record, row);
     struct store_op op = {.kind = STORE_SET_FRAME, .frame = *row};
     struct log_subject subject = job_record_subject(record);
 
@@ -142,8 +165,7 @@ static void finish_publish(struct restore_state *state, const struct store_frame
     } else {
         op = store_op_reset_frame(row->job, row->index);
     }
-    state->ops = xgrow(state->ops, &state->op_capacity, state->op_count + 1, sizeof op);
-    state->ops[state->op_count++] = op;
+    on_op(state, op);
     subject.frame = frame_range_at(&record->queued->frames, row->index);
     subject.attempt = row->attempts;
     log_about(LOG_INFO, &subject, "job %lld frame %d: its file was being published when the daemon ended: now %s",
@@ -157,6 +179,7 @@ static void restore_ends(struct farm *farm)
         struct job_record *record = farm->jobs.records[i];
 
         queue_restore_end(record->queued, record->restored_canceled, record->restored_failed);
+        root_life_note_job(farm, record);
         record->sent_state = queue_job_state(record->queued);
         limits_count_job(farm, record);
     }
@@ -165,8 +188,10 @@ static void restore_ends(struct farm *farm)
 bool restore_farm(struct farm *farm, struct store *store, struct error *error)
 {
     struct restore_state state = {.farm = farm};
-    bool ok = shares_restore(farm, error) && store_load(store, on_job, on_frame, &state, error);
+    bool ok = shares_restore(farm, error) && root_settings_load(farm, error) &&
+              store_load(store, on_job, on_frame, &state, error);
 
+    if (ok) root_settings_take(farm, &farm->options->output_roots, on_op, &state);
     for (size_t i = 0; i < state.intent_count && ok; i++)
         finish_publish(&state, &state.intents[i]);
     if (ok && state.op_count > 0)

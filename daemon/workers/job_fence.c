@@ -28,7 +28,9 @@ enum {
 
 struct fenced_job {
     struct job_fence_files files;
-    char *root, *folder; // owned; of its output
+    const struct root *root; // borrowed from the farm; of its output
+    int64_t generation;      // of the root, when the fence was made
+    char *folder;            // owned; of its output
 };
 
 struct job_fence {
@@ -76,7 +78,10 @@ void job_fence_files_finish(struct job_fence_files *files)
 static void add(struct job_fence *fence, const struct job_record *record, const struct job_fence_files *files)
 {
     fence->jobs = xgrow(fence->jobs, &fence->capacity, fence->count + 1, sizeof fence->jobs[0]);
-    fence->jobs[fence->count++] = (struct fenced_job){*files, xstrdup(record->root), xstrdup(record->path.folder)};
+    fence->jobs[fence->count++] = (struct fenced_job){.files = *files,
+                                                      .root = record->output_root,
+                                                      .generation = record->output_root->generation,
+                                                      .folder = xstrdup(record->path.folder)};
 }
 
 // The files of the owner's jobs that come next. A job that has none to be found is left to a worker of its own.
@@ -90,7 +95,7 @@ static void add_next_jobs(struct job_fence *fence, const struct farm *farm, cons
         char *document;
 
         if (record->owner_uid != fence->owner_uid || record->needs_own_worker || queued->is_paused ||
-            queued->counts[FRAME_QUEUED] == 0)
+            queued->block != QUEUE_OPEN || queued->counts[FRAME_QUEUED] == 0)
             continue;
         if (!store_read_document(farm->reader, record->id, &document, NULL)) return;
         bytes += strlen(document);
@@ -115,13 +120,12 @@ static bool is_in(const char *folder, const char *other)
 // Whether the record's job writes into the job's output folder, or into one inside it.
 static bool holds_output(const struct fenced_job *job, const struct job_record *record)
 {
-    return is_in(record->path.folder, job->folder) && strcmp(job->root, record->root) == 0;
+    return is_in(record->path.folder, job->folder) && job->root == record->output_root;
 }
 
 static void remove_job(struct job_fence *fence, size_t index)
 {
     job_fence_files_finish(&fence->jobs[index].files);
-    free(fence->jobs[index].root);
     free(fence->jobs[index].folder);
     fence->jobs[index] = fence->jobs[--fence->count];
 }
@@ -191,7 +195,8 @@ static void write_job(const struct fenced_job *job, struct json_writer *writer)
     write_inputs(&job->files.inputs, writer);
     json_write_key(writer, "output");
     json_write_begin_object(writer);
-    json_write_string_member(writer, "root", job->root);
+    json_write_string_member(writer, "root", job->root->path);
+    json_write_string_member(writer, "root_id", job->root->id);
     json_write_string_member(writer, "folder", job->folder);
     json_write_end_object(writer);
 }
@@ -270,6 +275,13 @@ bool job_fence_note_job(struct job_fence *fence, const struct job_record *record
 bool job_fence_is_shared(const struct job_fence *fence)
 {
     return fence->is_shared;
+}
+
+bool job_fence_is_old(const struct job_fence *fence)
+{
+    for (size_t i = 0; i < fence->count; i++)
+        if (fence->jobs[i].generation != fence->jobs[i].root->generation) return true;
+    return false;
 }
 
 // The roots may have changed since.

@@ -37,6 +37,8 @@ void job_fence_write(const struct job_fence *fence, const struct farm *farm, str
 bool job_fence_note_job(struct job_fence *fence, const struct job_record *record);
 // Whether jobs of other owners write into a folder of the fence. The worker then serves its first job alone.
 bool job_fence_is_shared(const struct job_fence *fence);
+// Whether an output root of the fence was found in another place since: to the kernel its folders are others.
+bool job_fence_is_old(const struct job_fence *fence);
 // Whether a worker inside this fence may be given the job: the fence is not shared, the job is the same owner's, it
 // runs no converter, and its files lie, by their paths, where the fence opens. The kernel may still refuse one: a
 // folder made anew is another one to it. `files` has what was read of the latest job that was asked about, for the next

@@ -61,7 +61,9 @@ static struct job_fence *make_fence(struct worker_pool *pool, struct job_record 
     bool is_job_fault;
     struct job_fence *fence = job_fence_create(pool->farm, record, &is_job_fault, &error);
 
-    if (!fence) pool->handlers->on_job_refused(pool->farm, record, is_job_fault, error.message);
+    if (!fence)
+        pool->handlers->on_job_refused(pool->farm, record, is_job_fault ? RETRY_FAULT_JOB : RETRY_FAULT_WORKER,
+                                       error.message);
     return fence;
 }
 
@@ -170,7 +172,7 @@ static void note_failed_start(const struct worker_pool *pool, const struct worke
     record->failed_starts = 0;
     record->is_last_start = false;
     why = xasprintf("workers start for other jobs, but not for this one: %s", reason);
-    pool->handlers->on_job_refused(pool->farm, record, false, why);
+    pool->handlers->on_job_refused(pool->farm, record, RETRY_FAULT_WORKER, why);
     free(why);
 }
 
@@ -199,7 +201,7 @@ static void note_unable(struct worker_pool *pool, struct worker_process *worker,
     if (!worker->end_reason) worker->end_reason = xstrdup(report->error);
     if (worker->job != WORKER_ANY_JOB && worker->state == WORKER_STARTING && report->fault != RETRY_FAULT_WORKER) {
         worker->is_replaced = true;
-        if (record) pool->handlers->on_job_refused(pool->farm, record, report->fault == RETRY_FAULT_JOB, report->error);
+        if (record) pool->handlers->on_job_refused(pool->farm, record, report->fault, report->error);
     }
     worker_process_expect_exit(worker, now_ms + EXIT_MS);
 }

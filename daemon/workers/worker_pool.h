@@ -22,8 +22,8 @@ struct worker_pool_handlers {
     void (*on_frame_report)(struct farm *farm, struct worker_process *worker, const struct worker_report *report);
     // The worker is gone; the callee empties its `in_flight`.
     void (*on_frames_lost)(struct farm *farm, struct worker_process *worker, const char *reason);
-    // No worker can be started for the job; `is_job_fault`: by a fault of the job itself.
-    void (*on_job_refused)(struct farm *farm, struct job_record *record, bool is_job_fault, const char *reason);
+    // No worker can be started for the job.
+    void (*on_job_refused)(struct farm *farm, struct job_record *record, enum retry_fault fault, const char *reason);
     void (*on_slot_changed)(struct farm *farm, int slot_index);
 };
 

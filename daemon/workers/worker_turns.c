@@ -29,7 +29,9 @@ int64_t worker_turns_memory_limit(const struct worker_turns *turns)
 // A fenced worker goes on to serve jobs of the same owner which its fence opens, under the limits that hold now.
 static bool serves(struct worker_turns *turns, const struct worker_process *worker, const struct job_record *record)
 {
-    if (!turns->farm->options->has_sandbox || worker->job == record->id) return true;
+    if (!turns->farm->options->has_sandbox) return true;
+    if (worker->fence && job_fence_is_old(worker->fence)) return false;
+    if (worker->job == record->id) return true;
     return worker->fence && !record->needs_own_worker && worker->memory_bytes == worker_turns_memory_limit(turns) &&
            job_fence_opens(worker->fence, turns->farm, record, &turns->asked);
 }

@@ -21,8 +21,8 @@ relative=$(submit "$(job 1-2 '.output.path = "a/r.####.exr"')")
 absolute=$(submit "$(job 1-2 ".output.path = \"$second/b/s.####.exr\"")")
 wait_state "$relative" succeeded
 wait_state "$absolute" succeeded
-expect "files of the first" "$(find "$first" -type f | sort | xargs -n1 basename | xargs)" "r.0001.exr r.0002.exr"
-expect "files of the second" "$(find "$second" -type f | sort | xargs -n1 basename | xargs)" "s.0001.exr s.0002.exr"
+expect "files of the first" "$(find "$first" -name '*.exr' | sort | xargs -n1 basename | xargs)" "r.0001.exr r.0002.exr"
+expect "files of the second" "$(find "$second" -name '*.exr' | sort | xargs -n1 basename | xargs)" "s.0001.exr s.0002.exr"
 expect "where it says they are" "$(field "$absolute" .output)" "$second/b/s.####.exr"
 for path in "$scratch/third/x.####.exr" "$second" "/etc/x.####.exr" "${second}x/y.####.exr"; do
     expect_error "$(ask job.submit "{\"document\":$(job 1 ".output.path = \"$path\"")}")" 2 "output.path: expected a path below $first or $second, got"

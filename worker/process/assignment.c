@@ -16,6 +16,8 @@ void held_job_destroy(struct held_job *job)
     if (!job) return;
     job_finish(&job->job);
     free(job->root);
+    free(job->root_id);
+    free(job->farm_id);
     free(job->owner);
     free(job->farm);
     free(job->draft);

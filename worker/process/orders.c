@@ -57,18 +57,11 @@ static bool read_plans(const struct json_node *params, struct held_job *job, str
            (json_node_is_absent(&plan_of) || read_text(params, "plan_of", &job->plan_of, error));
 }
 
-static bool read_farm(const struct json_node *params, struct held_job *job, struct error *error)
+static bool read_maybe_text(const struct json_node *params, const char *key, char **text, struct error *error)
 {
-    struct json_node farm = json_node_child(params, "farm");
+    struct json_node node = json_node_child(params, key);
 
-    return json_node_is_absent(&farm) || read_text(params, "farm", &job->farm, error);
-}
-
-static bool read_preview(const struct json_node *params, struct held_job *job, struct error *error)
-{
-    struct json_node preview = json_node_child(params, "preview");
-
-    return json_node_is_absent(&preview) || read_text(params, "preview", &job->preview, error);
+    return json_node_is_absent(&node) || read_text(params, key, text, error);
 }
 
 // A document that cannot be read is a fault of the job, not a broken message: each of its frames then fails with it.
@@ -82,7 +75,10 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
 
     if (!read_job_id(params, &job->id, error) || !json_read_integer(&epoch, 0, INT64_MAX, &job->epoch, error) ||
         !read_text(params, "root", &job->root, error) || !read_text(params, "owner", &job->owner, error) ||
-        !read_farm(params, job, error) || !read_plans(params, job, error) || !read_preview(params, job, error)) {
+        !read_maybe_text(params, "root_id", &job->root_id, error) ||
+        !read_maybe_text(params, "farm_id", &job->farm_id, error) ||
+        !read_maybe_text(params, "farm", &job->farm, error) || !read_plans(params, job, error) ||
+        !read_maybe_text(params, "preview", &job->preview, error)) {
         held_job_destroy(job);
         return false;
     }

@@ -4,6 +4,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/job/output_path.h"
+#include "core/job/output_root.h"
 #include "worker/audit/gate.h"
 #include "worker/process/assignment.h"
 
@@ -16,9 +17,9 @@
 int part_file_open_folder(const struct assignment_frame *frame, struct error *error)
 {
     const struct held_job *job = frame->job;
-    int folder_fd = output_path_open_folder(&job->job.output.path, job->root, true, error);
+    int folder_fd = output_root_open_folder(&job->job.output.path, job->root, job->root_id, false, error);
 
-    if (folder_fd < 0) return -1;
+    if (folder_fd < 0) return folder_fd;
     // Checked here rather than after the frame is rendered.
     if (faccessat(folder_fd, ".", W_OK | X_OK, AT_EACCESS) < 0) {
         error_set_errno(error, errno, "cannot write to \"%s/%s\"", job->root, job->job.output.path.folder);
@@ -77,8 +78,13 @@ enum part_file_existing part_file_find_existing(const struct assignment_frame *f
 
 static void format_name(const struct assignment_frame *frame, char name[static OUTPUT_NAME_SIZE])
 {
-    output_path_format_part(&frame->job->job.output.path, frame->frame, frame->job->id, frame->job->epoch,
-                            frame->attempt, name);
+    const struct output_part part = {.farm = frame->job->farm_id,
+                                     .job = frame->job->id,
+                                     .epoch = frame->job->epoch,
+                                     .frame = frame->frame,
+                                     .attempt = frame->attempt};
+
+    output_path_format_part(&frame->job->job.output.path, &part, name);
 }
 
 int part_file_create(const struct assignment_frame *frame, int folder_fd, struct error *error)

@@ -8,7 +8,8 @@ struct assignment_frame;
 struct error;
 struct gate_result;
 
-// Opens the folder of the frame's file, made if it is missing, and checks that it is writable; -1 on failure.
+// Opens the folder of the frame's file and checks that it is writable; as output_root_open_folder on failure. The
+// folder is never made: whoever sends the job has done it, and a root that is gone must not grow folders.
 int part_file_open_folder(const struct assignment_frame *frame, struct error *error);
 
 enum part_file_existing {

@@ -2,6 +2,7 @@
 #include "worker/process/render_loop.h"
 
 #include "core/base/error.h"
+#include "core/job/output_root.h"
 #include "core/job/quality_json.h"
 #include "core/json/json_write.h"
 #include "worker/answer/request.h"
@@ -300,7 +301,7 @@ static void render_frame(struct render_loop *loop)
     }
     folder_fd = part_file_open_folder(loop->frame, &error);
     if (folder_fd < 0) {
-        fail_frame(loop, REPORT_FAULT_OUTPUT, error.message);
+        fail_frame(loop, folder_fd == OUTPUT_ROOT_AWAY ? REPORT_FAULT_ROOT : REPORT_FAULT_OUTPUT, error.message);
         return;
     }
     switch (part_file_find_existing(loop->frame, picture_hash, folder_fd, &found, &error)) {

@@ -190,7 +190,7 @@ void report_dropped(struct connection *connection, const struct assignment_dropp
 void report_frame_failed(struct connection *connection, const struct assignment_frame *frame, enum report_fault fault,
                          const char *reason)
 {
-    static const char *const names[] = {"job", "frame", "worker", "output", "endless", "cut", "missed"};
+    static const char *const names[] = {"job", "frame", "worker", "output", "root", "endless", "cut", "missed"};
     struct json_writer writer = {0};
 
     // At debug level, because the program that assigned the frame tells the user.

@@ -70,6 +70,7 @@ enum report_fault {
     REPORT_FAULT_FRAME,   // this frame cannot
     REPORT_FAULT_WORKER,  // the context is lost: another worker may succeed
     REPORT_FAULT_OUTPUT,  // the disk is full or not writable
+    REPORT_FAULT_ROOT,    // the output root is not there, or another folder is in its place
     REPORT_FAULT_ENDLESS, // this frame cannot be rendered, nor will it be another time
     REPORT_FAULT_CUT,     // likewise: cut rays may have cost more of its light than the job allows
     REPORT_FAULT_MISSED   // likewise: it was over its tolerance in the finer rendering too

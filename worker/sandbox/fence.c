@@ -52,8 +52,9 @@ static bool read_inputs(struct fence_job *job, const struct json_node *object, s
 
 static bool read_job(struct fence_job *job, const struct json_node *object, struct error *error)
 {
-    struct json_node output = json_node_child(object, "output");
+    struct json_node output = json_node_child(object, "output"), id = json_node_child(&output, "root_id");
 
+    if (!json_node_is_absent(&id) && !read_text(&output, "root_id", &job->root_id, error)) return false;
     return read_inputs(job, object, error) && read_path(&output, "root", true, &job->output_root, error) &&
            read_path(&output, "folder", false, &job->output_folder, error);
 }
@@ -112,6 +113,7 @@ static void finish_job(struct fence_job *job)
     }
     free(job->inputs);
     free(job->output_root);
+    free(job->root_id);
     free(job->output_folder);
 }
 

@@ -19,6 +19,7 @@ struct fence_job {
     struct fence_input *inputs; // owned
     size_t input_count, input_capacity;
     char *output_root;   // owned; absolute
+    char *root_id;       // owned; of its marker; NULL: its folder is not checked
     char *output_folder; // owned; relative to the root, "" for the root itself
 };
 

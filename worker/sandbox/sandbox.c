@@ -85,7 +85,7 @@ static void allow_other(const struct sandbox_landlock *landlock, const struct fe
                         const struct fence_job *other, size_t *files_left)
 {
     if (allow_inputs(landlock, fence, other, files_left, NULL))
-        (void)sandbox_folders_allow_output(landlock, fence, other, false, NULL);
+        (void)sandbox_folders_allow_output(landlock, fence, other, NULL, NULL);
 }
 
 static bool allow_job(const struct sandbox_landlock *landlock, const struct sandbox_job *job, enum sandbox_fault *fault,
@@ -93,11 +93,14 @@ static bool allow_job(const struct sandbox_landlock *landlock, const struct sand
 {
     const struct fence *fence = job->fence;
     size_t files_left = SANDBOX_FILE_LIMIT;
+    bool is_root_away;
 
     *fault = SANDBOX_FAULT_JOB;
     if (!allow_inputs(landlock, fence, &fence->job, &files_left, error)) return false;
-    *fault = SANDBOX_FAULT_OUTPUT;
-    if (!sandbox_folders_allow_output(landlock, fence, &fence->job, true, error)) return false;
+    if (!sandbox_folders_allow_output(landlock, fence, &fence->job, &is_root_away, error)) {
+        *fault = is_root_away ? SANDBOX_FAULT_ROOT : SANDBOX_FAULT_OUTPUT;
+        return false;
+    }
     for (size_t i = 0; i < fence->other_count; i++)
         allow_other(landlock, fence, &fence->others[i], &files_left);
     *fault = SANDBOX_FAULT_WORKER;

@@ -20,7 +20,8 @@ void sandbox_close_files(int channel_fd);
 enum sandbox_fault {
     SANDBOX_FAULT_WORKER, // the kernel lacks what is needed
     SANDBOX_FAULT_JOB,    // an input cannot be opened, or leads out of its root
-    SANDBOX_FAULT_OUTPUT  // the output folder cannot be opened, or leads out of its root
+    SANDBOX_FAULT_OUTPUT, // the output folder cannot be opened, or leads out of its root
+    SANDBOX_FAULT_ROOT    // the output root is not there, or another folder is in its place
 };
 
 struct sandbox_job {

@@ -5,6 +5,8 @@
 #include "core/base/error.h"
 #include "core/job/input_roots.h"
 #include "core/job/output_path.h"
+#include "core/job/output_root.h"
+#include "core/job/root_marker.h"
 #include "core/scene/input_path.h"
 #include "worker/sandbox/fence.h"
 #include "worker/sandbox/sandbox_landlock.h"
@@ -152,21 +154,37 @@ bool sandbox_folders_allow_input(const struct sandbox_landlock *landlock, const 
     return ok;
 }
 
+// A root that is not checked may have no marker.
+static bool allow_marker(const struct sandbox_landlock *landlock, int root_fd, struct error *error)
+{
+    int fd = openat(root_fd, ROOT_MARKER_NAME, O_PATH | O_NOFOLLOW | O_CLOEXEC);
+    bool ok = fd < 0 || sandbox_landlock_allow(landlock, fd, SANDBOX_READ, error);
+
+    if (fd >= 0) close(fd);
+    return ok;
+}
+
 bool sandbox_folders_allow_output(const struct sandbox_landlock *landlock, const struct fence *fence,
-                                  const struct fence_job *job, bool create, struct error *error)
+                                  const struct fence_job *job, bool *is_root_away, struct error *error)
 {
     const struct output_path path = {.folder = job->output_folder};
-    int fd = output_path_open_folder(&path, job->output_root, create, error);
+    int root_fd = output_root_open(job->output_root, job->root_id, error), fd = -1;
     const char *closed;
     bool ok = false;
 
-    if (fd < 0) return false;
+    if (is_root_away) *is_root_away = root_fd < 0;
+    if (root_fd < 0) return false;
+    fd = output_path_open_below(&path, root_fd, job->output_root, false, error);
+    if (fd < 0) goto out;
     closed = find_closed_in(fence, fd);
     if (closed)
         error_set(error, "\"%s\" below \"%s\" holds %s, which is the daemon's: expected a folder beside it",
                   job->output_folder, job->output_root, closed);
     else
-        ok = sandbox_landlock_allow(landlock, fd, SANDBOX_READ | SANDBOX_WRITE, error);
-    close(fd);
+        ok = sandbox_landlock_allow(landlock, fd, SANDBOX_READ | SANDBOX_WRITE, error) &&
+             allow_marker(landlock, root_fd, error);
+out:
+    if (fd >= 0) close(fd);
+    close(root_fd);
     return ok;
 }

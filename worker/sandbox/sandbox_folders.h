@@ -20,6 +20,7 @@ struct sandbox_landlock;
 // it, a folder that does not exist, and more single files than `*files_left`, which counts down, are errors.
 bool sandbox_folders_allow_input(const struct sandbox_landlock *landlock, const struct fence *fence,
                                  const struct fence_input *input, size_t *files_left, struct error *error);
-// Allows the job's output folder, made if it is missing and `create`. A folder that contains a closed path is an error.
+// Allows the job's output folder, and reading the marker of its root, by which a frame knows later that the root is
+// still there. A folder that contains a closed path is an error. `*is_root_away` (may be NULL): the root is not there.
 bool sandbox_folders_allow_output(const struct sandbox_landlock *landlock, const struct fence *fence,
-                                  const struct fence_job *job, bool create, struct error *error);
+                                  const struct fence_job *job, bool *is_root_away, struct error *error);

@@ -93,13 +93,17 @@ static void other_names_are_no_frame(void **state)
     output_path_finish(&path);
 }
 
-static void part_name_names_job_epoch_and_attempt(void **state)
+static void part_name_names_farm_job_epoch_and_attempt(void **state)
 {
     struct output_path path = parse("a/x.####.exr");
+    struct output_part part = {.frame = 7, .job = 12, .epoch = 3, .attempt = 2};
     char name[OUTPUT_NAME_SIZE];
 
-    output_path_format_part(&path, 7, 12, 3, 2, name);
+    output_path_format_part(&path, &part, name);
     assert_string_equal(name, "x.0007.exr.12.3.2.part");
+    part.farm = "0123456789abcdef0123456789abcdef";
+    output_path_format_part(&path, &part, name);
+    assert_string_equal(name, "x.0007.exr.01234567.12.3.2.part");
     assert_int_equal(output_path_frame_of(&path, name), -1);
     output_path_finish(&path);
 }
@@ -116,7 +120,11 @@ static void longest_name_leaves_room_for_its_part_name(void **state)
         strcpy(pattern + length, "#.exr");
     } while (!output_path_parse(&path, pattern, NULL));
     assert_true(length > 180);
-    output_path_format_part(&path, 9999999, INT64_MAX, INT64_MAX, INT32_MAX, part);
+    output_path_format_part(
+        &path,
+        &(struct output_part){
+            .farm = "0123456789abcdef", .job = INT64_MAX, .epoch = 9999999999, .frame = 9999999, .attempt = INT32_MAX},
+        part);
     assert_string_equal(part + strlen(part) - 5, ".part");
     output_path_finish(&path);
 }
@@ -366,7 +374,7 @@ int main(void)
         cmocka_unit_test(pattern_is_folder_prefix_number_and_suffix),
         cmocka_unit_test(number_is_padded_but_never_cut),
         cmocka_unit_test(other_names_are_no_frame),
-        cmocka_unit_test(part_name_names_job_epoch_and_attempt),
+        cmocka_unit_test(part_name_names_farm_job_epoch_and_attempt),
         cmocka_unit_test(longest_name_leaves_room_for_its_part_name),
         cmocka_unit_test(paths_that_leave_the_root_are_refused),
         cmocka_unit_test(folders_with_dots_in_their_names_are_fine),

@@ -52,6 +52,8 @@ static void output_fault_pauses_and_never_uses_up_a_frame(void **state)
 {
     assert_int_equal(retry_decide(RETRY_FAULT_OUTPUT, true, 1, 3), RETRY_PAUSE_JOB);
     assert_int_equal(retry_decide(RETRY_FAULT_OUTPUT, true, 3, 3), RETRY_PAUSE_JOB);
+    assert_int_equal(retry_decide(RETRY_FAULT_ROOT, true, 3, 3), RETRY_AWAIT_ROOT);
+    assert_false(retry_blames_host(RETRY_FAULT_ROOT));
 }
 
 static void a_worker_of_another_job_is_blamed_for_what_depends_on_the_worker(void **state)

@@ -42,6 +42,7 @@ static void stage_destroy(struct stage *stage)
     store_reader_close(stage->farm.reader);
     queue_destroy(stage->farm.queue);
     job_table_finish(&stage->farm.jobs);
+    root_table_finish(&stage->farm.roots);
     path_list_finish(&stage->options.input_roots);
     free(stage->options.state_folder);
     free(stage->options.socket_path);
@@ -82,6 +83,7 @@ static struct job_record *add_job(struct stage *stage, int64_t owner_uid, const 
     assert_true(output_path_parse(&path, pattern, NULL));
     assert_true(frame_range_parse(&frames, "1-2", NULL));
     record = job_table_add(&stage->farm.jobs, stage->id, xstrdup("/out"), &path);
+    record->output_root = root_table_add(&stage->farm.roots, "/out");
     record->owner_uid = owner_uid;
     record->queued = queue_add_job(stage->farm.queue,
                                    &(struct queue_job_params){.id = stage->id, .frames = &frames, .priority = 50});
@@ -124,8 +126,8 @@ static void next_jobs_of_the_owner_are_in_the_fence(void **state)
     struct job_fence *fence = fence_of(stage, own);
     struct job_record *late = add_job(stage, ANN, NULL, "ann/three");
 
-    assert_true(has_text(stage, fence, "\"output\":{\"root\":\"/out\",\"folder\":\"ann/one\"}"));
-    assert_true(has_text(stage, fence, "\"output\":{\"root\":\"/out\",\"folder\":\"ann/two\"}"));
+    assert_true(has_text(stage, fence, "\"output\":{\"root\":\"/out\",\"root_id\":\"\",\"folder\":\"ann/one\"}"));
+    assert_true(has_text(stage, fence, "\"output\":{\"root\":\"/out\",\"root_id\":\"\",\"folder\":\"ann/two\"}"));
     assert_true(has_text(stage, fence, "/in/more/a.nvdb"));
     assert_true(opens(stage, fence, next));
     assert_false(opens(stage, fence, late)); // nothing was known of its folder
@@ -308,6 +310,26 @@ static void job_without_a_root_has_no_fence(void **state)
     stage_destroy(stage);
 }
 
+static void fence_is_old_when_its_output_root_is_another_place(void **state)
+{
+    struct stage *stage = stage_create(state);
+    const struct job_record *record = add_job(stage, ANN, NULL, "a");
+    struct root_place place = {.device = 1, .inode = 2, .mount = 3};
+    struct job_fence *fence;
+
+    root_set_place(record->output_root, &place);
+    fence = fence_of(stage, record);
+    root_set_trouble(record->output_root, "unmounted");
+    assert_false(job_fence_is_old(fence));
+    root_set_place(record->output_root, &place);
+    assert_false(job_fence_is_old(fence));
+    place.mount++;
+    root_set_place(record->output_root, &place);
+    assert_true(job_fence_is_old(fence));
+    job_fence_destroy(fence);
+    stage_destroy(stage);
+}
+
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
@@ -322,6 +344,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test_setup_teardown(fence_of_former_roots_opens_nothing_more, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(fence_has_64_jobs_at_most, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(job_without_a_root_has_no_fence, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(fence_is_old_when_its_output_root_is_another_place, make_folder, remove_folder),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);

@@ -40,8 +40,10 @@ static void format_document(char *text, size_t size, int width, int height, doub
 
 static void say_job(const struct test_worker *child, int id, int width, int height, double step, const char *existing)
 {
-    char document[2048];
+    char document[2048], folder[128];
 
+    snprintf(folder, sizeof folder, "%s/test", child->root);
+    (void)mkdir(folder, 0700); // the worker does not make it; a test may have put something else there
     format_document(document, sizeof document, width, height, step, existing);
     test_worker_say(child,
                     "{\"jsonrpc\":\"2.0\",\"method\":\"worker.job\",\"params\":{\"job\":%d,\"epoch\":3,\"root\":\"%s\","
@@ -245,13 +247,11 @@ static void part_file_that_is_there_is_not_touched(void **state)
     int fd;
 
     test_worker_start_renderer(&child);
-    snprintf(path, sizeof path, "%s/test", child.root);
-    assert_int_equal(mkdir(path, 0700), 0);
+    say_job(&child, 1, 33, 20, 0.02, "verify");
     snprintf(path, sizeof path, "%s/test/test.0010.exr.1.3.1.part", child.root);
     fd = open(path, O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
     assert_true(fd >= 0);
     close(fd);
-    say_job(&child, 1, 33, 20, 0.02, "verify");
     say_assign(&child, 1, "[[10,1]]");
     test_worker_expect_failure(&child, 10, "frame", "File exists");
     assert_int_equal(stat(path, &status), 0);

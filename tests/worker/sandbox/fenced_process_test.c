@@ -1,6 +1,7 @@
 // Acts as the daemon for a real worker that is fenced for one job: it renders its own files and reaches no others.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/file.h"
+#include "core/job/root_marker.h"
 #include "core/wire/worker_status.h"
 #include "tests/support/fence_places.h"
 #include "tests/support/temp_folder.h"
@@ -26,6 +27,7 @@
 #define SEEDS PROJECT_ROOT "/tests/fuzz/seeds/"
 
 // Writes the start of a message; its body follows.
+#define ROOT_ID "0123456789abcdef0123456789abcdef"
 #define SAY(method) "{\"jsonrpc\":\"2.0\",\"method\":\"" method "\",\"params\":"
 
 enum { COPY_LIMIT = 64 << 20 };
@@ -46,6 +48,8 @@ static void start(struct test_worker *child, const char *backend)
     assert_int_equal(mkdir(at(child, "in"), 0700), 0);
     assert_int_equal(mkdir(at(child, "in/ann"), 0700), 0);
     assert_int_equal(mkdir(at(child, "out"), 0700), 0);
+    assert_int_equal(mkdir(at(child, "out/a"), 0700), 0);
+    volume_maker_write(at(child, "out/" ROOT_MARKER_NAME), "root " ROOT_ID "\n", strlen("root " ROOT_ID "\n"));
     volume_maker_write_raw(at(child, "secret_5x4x3xuint8.raw"), (int[]){5, 4, 3}, VOLUME_STORED_UINT8, false);
 }
 
@@ -63,7 +67,8 @@ static void say_fence(const struct test_worker *child, const char *name, bool ha
 {
     test_worker_say(child,
                     SAY("worker.fence") "{\"inputs\":[{\"place\":\"the grid\",\"root\":\"%s/in\",\"folder\":\"ann\","
-                                        "\"path\":\"%s/in/ann/%s\"}],\"output\":{\"root\":\"%s/out\",\"folder\":\"a\"},"
+                                        "\"path\":\"%s/in/ann/%s\"}],\"output\":{\"root\":\"%s/out\","
+                                        "\"root_id\":\"" ROOT_ID "\",\"folder\":\"a\"},"
                                         "\"closed\":[],\"converter\":%s}}",
                     child->root, child->root, name, child->root, has_converter ? "true" : "false");
 }
@@ -90,7 +95,8 @@ static void expect_ready(struct test_worker *child, const char *sandbox)
 static void say_frame(const struct test_worker *child, const char *scene)
 {
     test_worker_say(child,
-                    SAY("worker.job") "{\"job\":1,\"epoch\":1,\"root\":\"%s/out\",\"owner\":\"ada\",\"document\":"
+                    SAY("worker.job") "{\"job\":1,\"epoch\":1,\"root\":\"%s/out\",\"root_id\":\"" ROOT_ID
+                                      "\",\"owner\":\"ada\",\"document\":"
                                       "{\"version\":1,\"name\":\"test\",\"frames\":\"1-2\",\"fps\":24,"
                                       "\"resolution\":[16,9],\"camera\":{\"position\":[0,0,9],\"target\":[0,0,0],"
                                       "\"fov\":30},\"background\":[1,1,1],\"scene\":{%s},"
@@ -276,10 +282,32 @@ static void links_that_lead_out_end_the_worker(void **state)
     say_fence(&child, "a_5x4x3xuint8.raw", false);
     expect_unable(&child, "job", "leads out of");
     start(&child, "software");
+    assert_int_equal(rmdir(at(&child, "out/a")), 0);
     assert_int_equal(symlink("../in", at(&child, "out/a")), 0);
     copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
     say_fence(&child, "a.nii.gz", false);
     expect_unable(&child, "output", "symbolic link");
+}
+
+static void root_that_is_another_one_is_told(void **state)
+{
+    struct test_worker child;
+
+    start(&child, "software");
+    assert_int_equal(unlink(at(&child, "out/" ROOT_MARKER_NAME)), 0);
+    copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
+    say_fence(&child, "a.nii.gz", false);
+    expect_unable(&child, "root", "has no " ROOT_MARKER_NAME);
+
+    start(&child, "software");
+    copy(&child, SEEDS "volume_nifti/gzip", "in/ann/a.nii.gz");
+    say_fence(&child, "a.nii.gz", false);
+    expect_ready(&child, "seccomp");
+    assert_int_equal(unlink(at(&child, "out/" ROOT_MARKER_NAME)), 0);
+    say_grid(&child, "in/ann/a.nii.gz");
+    test_worker_expect_failure(&child, 1, "root", "has no " ROOT_MARKER_NAME);
+    test_worker_say(&child, "{\"jsonrpc\":\"2.0\",\"method\":\"worker.exit\"}");
+    assert_int_equal(test_worker_finish(&child), 0);
 }
 
 static void nothing_is_done_without_a_fence(void **state)
@@ -350,6 +378,7 @@ int main(int argc, char *argv[])
         cmocka_unit_test(headers_read_no_files_outside_their_folder),
         cmocka_unit_test(link_of_a_sequence_that_leads_out_fails_its_frame),
         cmocka_unit_test(links_that_lead_out_end_the_worker),
+        cmocka_unit_test(root_that_is_another_one_is_told),
         cmocka_unit_test(nothing_is_done_without_a_fence),
         cmocka_unit_test(source_that_grows_without_end_ends_the_worker),
     };

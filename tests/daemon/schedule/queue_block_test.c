@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/schedule/queue.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+static void blocked_job_is_skipped_and_a_pause_outlasts_the_block(void **state)
+{
+    struct queue *queue = queue_create(3);
+    struct frame_range range = {0};
+    struct queue_job *job;
+
+    assert_true(frame_range_parse(&range, "1-2", NULL));
+    job = queue_add_job(queue, &(struct queue_job_params){.id = 1, .frames = &range, .priority = 50});
+    queue_set_block(queue, job, QUEUE_IN_DOUBT);
+    assert_null(queue_choose_job(queue, NULL));
+    assert_int_equal(queue_job_state(job), JOB_QUEUED);
+    queue_set_block(queue, job, QUEUE_AWAY);
+    assert_null(queue_choose_job(queue, NULL));
+    assert_int_equal(queue_job_state(job), JOB_PAUSED);
+    queue_set_block(queue, job, QUEUE_OPEN);
+    assert_ptr_equal(queue_choose_job(queue, NULL), job);
+    queue_pause(queue, job);
+    queue_set_block(queue, job, QUEUE_AWAY);
+    queue_set_block(queue, job, QUEUE_OPEN);
+    assert_null(queue_choose_job(queue, NULL));
+    assert_int_equal(queue_job_state(job), JOB_PAUSED);
+    queue_destroy(queue);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blocked_job_is_skipped_and_a_pause_outlasts_the_block),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
