@@ -29,6 +29,17 @@ bool plan_quality_from_json(struct job_quality *quality, const struct json_node 
     return true;
 }
 
+static bool read_before(struct plan_json *plan, const struct json_node *object, const struct job *job,
+                        struct error *error)
+{
+    static const char *const keys[] = {"quality", NULL};
+    struct json_node before = json_node_child(object, "before");
+
+    plan->has_before = !json_node_is_absent(&before);
+    return !plan->has_before || (json_check_object(&before, error) && json_check_keys(&before, keys, error) &&
+                                 plan_quality_from_json(&plan->before, &before, job, error));
+}
+
 static bool read_scouts(struct plan_json *plan, const struct json_node *object, struct error *error)
 {
     struct json_node scouts = json_node_child(object, "scouts"), scout = {0};
@@ -82,7 +93,7 @@ static bool read_samples(struct plan_json *plan, const struct json_node *pilot, 
 
 bool plan_from_json(struct plan_json *plan, const struct json_node *object, const struct job *job, struct error *error)
 {
-    static const char *const keys[] = {"quality", "why", "scouts", "pilot", NULL};
+    static const char *const keys[] = {"quality", "why", "before", "scouts", "pilot", NULL};
     static const char *const pilot_keys[] = {"quality", "pixels", "frames", "change", "samples", NULL};
     struct json_node why = json_node_child(object, "why"), pilot = json_node_child(object, "pilot");
     const char *reason;
@@ -93,9 +104,9 @@ bool plan_from_json(struct plan_json *plan, const struct json_node *object, cons
         return false;
     if (strlen(reason) >= sizeof plan->reason) return json_fail_expected(&why, error, "a short sentence");
     snprintf(plan->reason, sizeof plan->reason, "%s", reason);
-    return read_scouts(plan, object, error) && json_check_object(&pilot, error) &&
-           json_check_keys(&pilot, pilot_keys, error) && read_views(plan, &pilot, job, error) &&
-           read_samples(plan, &pilot, error);
+    return read_before(plan, object, job, error) && read_scouts(plan, object, error) &&
+           json_check_object(&pilot, error) && json_check_keys(&pilot, pilot_keys, error) &&
+           read_views(plan, &pilot, job, error) && read_samples(plan, &pilot, error);
 }
 
 static void write_number(struct json_writer *writer, double number)
@@ -134,6 +145,13 @@ void plan_to_json(struct json_writer *writer, const struct plan_json *plan, cons
     json_write_key(writer, "quality");
     quality_to_json(writer, job, &plan->quality);
     json_write_string_member(writer, "why", plan->reason);
+    if (plan->has_before) {
+        json_write_key(writer, "before");
+        json_write_begin_object(writer);
+        json_write_key(writer, "quality");
+        quality_to_json(writer, job, &plan->before);
+        json_write_end_object(writer);
+    }
     json_write_key(writer, "scouts");
     json_write_begin_array(writer);
     for (int i = 0; i < plan->scout_count; i++)

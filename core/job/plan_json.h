@@ -23,6 +23,9 @@ enum {
 struct plan_json {
     struct job_quality quality;         // of frames that are not refined; its method is stated
     char reason[PLAN_JSON_REASON_SIZE]; // why this one
+    // The quality that this one replaced because one frame was over its tolerance: others may do with it.
+    bool has_before;
+    struct job_quality before;
     // The relative RMSE of that quality in frames that lie evenly over the segment, the first and the last among them.
     double scout_errors[PLAN_JSON_SCOUT_LIMIT];
     int scout_count;
@@ -31,7 +34,8 @@ struct plan_json {
     int view_pixels; // of each picture, at most
     int32_t view_frames[PLAN_JSON_VIEW_LIMIT];
     int view_count;
-    // Pixels of those frames in the plan's quality that were measured: square, cross and noise of each.
+    // Pixels of those frames that were measured, in `before` if there is one, else in the plan's quality: square, cross
+    // and noise of each.
     double samples[PLAN_JSON_SAMPLE_LIMIT][PLAN_JSON_SAMPLE_NUMBERS];
     int sample_count;
     double sample_change; // the largest change of these pictures by finer steps, a relative RMSE

@@ -57,6 +57,12 @@ static bool on_trace(void *user, const struct pixel *points, size_t count, float
     return pixel_audit_trace(&auditing->pixels, points, count, rgba, auditing->fault, auditing->error);
 }
 
+// The plan's views are in its own quality, not in the one before it.
+static bool has_own_views(const struct frame_audit *audit)
+{
+    return !audit->is_finer && !audit->kept->plan.has_before;
+}
+
 static bool audit_against_reference(struct auditing *auditing, struct audit_result *result)
 {
     const struct frame_audit *audit = auditing->audit;
@@ -85,7 +91,7 @@ static bool audit_against_reference(struct auditing *auditing, struct audit_resu
     if (view && view->finer.width_px <= params->job->width_px && view->finer.height_px <= params->job->height_px) {
         compared.finer = &view->finer;
         compared.coarser = &view->coarser;
-        compared.is_own = (is_constant || view->frame == audit->frame) && !audit->is_finer;
+        compared.is_own = (is_constant || view->frame == audit->frame) && has_own_views(audit);
     }
     return audit_frame(&compared, result) || stop(auditing);
 }
@@ -99,7 +105,7 @@ static bool audit_by_steps(struct auditing *auditing, struct audit_result *resul
     struct job small = plan_small_job(params->job, plan_small_scale(params->job, VIEW_PIXELS));
     const struct plan_view size = {.finer = {.width_px = small.width_px, .height_px = small.height_px}};
 
-    if (view && scene_is_constant(&params->job->scene) && !audit->is_finer) {
+    if (view && scene_is_constant(&params->job->scene) && has_own_views(audit)) {
         audit_by_halving(params->job, &view->coarser, &view->finer, result);
         result->is_pooled = true;
         return true;

@@ -21,7 +21,7 @@ struct frame_audit {
     const struct image *image;
     struct plan_kept *kept;  // of the frame's segment; keeps the reference open
     const struct plan *plan; // that rendered the frame
-    bool is_finer;           // or otherwise not the segment's plan: no samples are shared with other frames
+    bool is_finer;           // or otherwise not what the plan's samples were measured in: none are shared
     bool is_replaceable;     // as audit.h has it
 };
 

@@ -31,6 +31,9 @@ struct plan {
     struct plan_scouting scouting; // which frames are refined
     size_t family;                 // index in plan_families
     struct plan_point point;       // in that family
+    // The quality, with its pixels, that this plan replaced because one frame was over its tolerance (plan_return.h).
+    bool has_before;
+    struct job_quality before;
 };
 
 // Refines every axis by `rungs`; two rungs halve a step. False when no axis can be refined.

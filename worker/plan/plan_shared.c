@@ -22,7 +22,7 @@ static_assert((int)PLAN_JSON_REASON_SIZE == (int)PLAN_REASON_SIZE &&
               "plans fit into messages");
 
 // Must change whenever a change of the code makes other plans, or other pictures of the same plan.
-static const char FORMAT[] = "marchd plan 5 of " MARCHD_VERSION;
+static const char FORMAT[] = "marchd plan 6 of " MARCHD_VERSION;
 
 void plan_shared_find_key(const struct plan_params *params, char key[static HASH_TEXT_SIZE])
 {
@@ -54,6 +54,8 @@ void plan_shared_describe(struct plan_json *shared, const struct plan *plan, con
     const struct audit_samples *samples = &evidence->pool.samples;
 
     *shared = (struct plan_json){.quality = plan->quality,
+                                 .has_before = plan->has_before,
+                                 .before = plan->before,
                                  .scout_count = plan->scouting.count,
                                  .view_quality = evidence->finest,
                                  .view_pixels = evidence->pixel_limit,
@@ -128,7 +130,10 @@ bool plan_shared_adopt(struct plan *plan, struct plan_evidence *evidence, const 
 
     *fault = RENDERER_FAULT_NONE;
     plan_scene_init(&scene, params->job);
-    *plan = (struct plan){.quality = shared->quality, .pixels = shared->quality.pixels};
+    *plan = (struct plan){.quality = shared->quality,
+                          .pixels = shared->quality.pixels,
+                          .has_before = shared->has_before,
+                          .before = shared->before};
     plan->quality.pixels = (struct job_pixels){0};
     if (!plan_lookup(&scene, &shared->quality, &plan->family, &plan->point)) {
         error_set(error, "expected settings that a plan of this version chooses");
@@ -177,8 +182,10 @@ void plan_shared_replace(struct plan_json *shared, const struct plan *plan, int3
         next = *found;
         next.scouting.count = 0;
     }
+    next.has_before = found->has_before;
+    next.before = found->before;
     plan_shared_describe(shared, &next, evidence);
     memcpy(shared->reason, found->reason, sizeof shared->reason);
-    shared->sample_count = 0;
-    shared->sample_change = 0.0;
+    // Of settings to which no frame returns.
+    if (!found->has_before && !plan->has_before) shared->sample_count = 0;
 }

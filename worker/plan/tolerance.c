@@ -14,6 +14,7 @@
 #include "worker/plan/plan_pixels.h"
 #include "worker/plan/plan_probe.h"
 #include "worker/plan/plan_retry.h"
+#include "worker/plan/plan_return.h"
 #include "worker/plan/plan_segment.h"
 #include "worker/plan/plan_shelf.h"
 
@@ -86,7 +87,7 @@ struct rendering {
     struct tolerance_result *result;
     struct error *error;
     bool is_only;   // no other setting is left to try: its audit goes on until it is sure
-    bool is_finer;  // or otherwise not the segment's plan: its audit shares no samples with other frames
+    bool is_finer;  // or otherwise not what the plan's samples were measured in: its audit shares them with no frame
     bool is_cut;    // a rendering needed longer loops than GL runs: none is finer from then on
     double seconds; // of all renderings so far
     struct plan_retry retry;
@@ -332,6 +333,7 @@ static bool render_again(struct rendering *rendering, const struct plan *first, 
             plan_retry_settle(retry, &rendering->best.plan, rendering->best.result.audit.error, found,
                               rendering->result->audit.error);
             memcpy(found->reason, rendering->result->reason, sizeof found->reason);
+            if (!rendering->is_cut || rendering->kept->plan.has_before) plan_return_note(found, &rendering->kept->plan);
             return true;
         }
         if (!keep_if_best(rendering, &plan)) return false;
@@ -352,24 +354,46 @@ static bool replace_plan(struct rendering *rendering, const struct plan *found)
                               &rendering->result->render.fault, rendering->error);
 }
 
+// Renders by the settings that the plan replaced, where the frame tries these. `is_done`: it is within its tolerance.
+static bool try_before(struct rendering *rendering, bool *is_done)
+{
+    const struct tolerance_params *params = rendering->params;
+    struct tolerance_result *result = rendering->result;
+    struct plan before;
+
+    *is_done = false;
+    if (!plan_return_find(&rendering->kept->plan, params->job, params->frame, &before)) return true;
+    memcpy(result->reason, before.reason, sizeof result->reason);
+    if (!render_and_judge(rendering, &before)) return false;
+    result->first_error = result->audit.error;
+    *is_done = !rendering->is_cut && is_within(rendering);
+    if (*is_done) return !plan_return_holds(&result->audit) || replace_plan(rendering, &before);
+    rendering->is_cut = false;
+    result->retry_count = 1;
+    return true;
+}
+
 static bool render_planned(struct rendering *rendering)
 {
     const struct tolerance_params *params = rendering->params;
     struct tolerance_result *result = rendering->result;
     const struct plan_shelf_params shelf_params = find_shelf_params(rendering->tolerance, params);
     struct plan plan, found;
-    bool ok;
+    bool is_done, ok;
 
     rendering->kept =
         plan_shelf_find(&rendering->tolerance->shelf, &shelf_params, &result->render.fault, rendering->error);
     if (!rendering->kept) return false;
-    plan = plan_of_frame(&rendering->kept->plan, params->job, params->frame);
-    rendering->is_finer = memcmp(&plan.point, &rendering->kept->plan.point, sizeof plan.point) != 0;
     result->plan_number = rendering->kept->number;
     result->weight = plan_frame_weight(&rendering->kept->plan, params->job, &shelf_params.plan.segment, params->frame);
+    if (!try_before(rendering, &is_done)) return false;
+    if (is_done) return true;
+    plan = plan_of_frame(&rendering->kept->plan, params->job, params->frame);
+    rendering->is_finer =
+        rendering->kept->plan.has_before || memcmp(&plan.point, &rendering->kept->plan.point, sizeof plan.point) != 0;
     memcpy(result->reason, plan.reason, sizeof result->reason);
     if (!render_and_judge(rendering, &plan)) return false;
-    result->first_error = result->audit.error;
+    if (result->retry_count == 0) result->first_error = result->audit.error;
     if (is_within(rendering)) {
         note_shown(rendering);
         return true;

@@ -19,6 +19,7 @@
 
 static const char whole[] =
     "{\"quality\":{\"method\":\"midpoint\",\"step\":0.25,\"light_step\":0.5,\"samples\":4},\"why\":\"so\","
+    "\"before\":{\"quality\":{\"method\":\"midpoint\",\"step\":0.5,\"light_step\":1,\"samples\":4}},"
     "\"scouts\":[0.5,0.25],\"pilot\":{\"quality\":{\"method\":\"midpoint\",\"step\":0.125,\"light_step\":0.25,"
     "\"samples\":4},\"pixels\":576,\"frames\":[1,3],\"change\":0.125,\"samples\":[[1,-2,0.1],[3,4,5]]}}";
 
@@ -57,6 +58,7 @@ static void a_plan_is_read_and_written(void **state)
     assert_true(plan.quality.step == 0.25 && plan.view_quality.step == 0.125);
     assert_true(plan.quality.tolerance == 0.02 && plan.quality.on_miss == JOB_ON_MISS_PUBLISH);
     assert_true(plan.quality.max_depth == job.quality.max_depth && plan.quality.max_cut == 1.0);
+    assert_true(plan.has_before && plan.before.step == 0.5 && plan.before.tolerance == 0.02);
     assert_int_equal(plan.scout_count, 2);
     assert_int_equal(plan.view_count, 2);
     assert_int_equal(plan.view_frames[1], 3);
@@ -89,6 +91,9 @@ static void other_plans_are_refused(void **state)
         {"quality.max_depth", "1000", "quality.max_depth: expected"},
         {"quality.light_grid", "4", "quality: unknown key \"light_grid\""},
         {"why", "7", "why: expected"},
+        {"before", "7", "before: expected an object"},
+        {"before.more", "1", "before: unknown key"},
+        {"before.quality.step", "-1", "before.quality.step: expected"},
         {"scouts", "[-1]", "scouts[0]: expected"},
         {"scouts", "[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]", "scouts: expected"},
         {"pilot.pixels", "5000", "pilot.pixels: expected"},
