@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "tests/support/example_job.h"
+#include "tests/support/plan_keeper.h"
 #include "tests/support/tolerance_stage.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan.h"
@@ -118,6 +119,33 @@ static void an_audit_sees_what_pixels_lack(void **state)
     tolerance_stage_close(stage);
 }
 
+// The settings stay: another threshold is all that the frame lacks.
+static void a_frame_that_lacks_pixels_gets_more_of_them(void **state)
+{
+    struct tolerance_stage stage = tolerance_stage_open(NULL);
+    struct plan_keeper keeper = {0};
+    const struct plan_source source = plan_keeper_source(&keeper);
+    struct job job = cloud_job(0.02);
+    struct image image = tolerance_stage_make_image(&job);
+    struct tolerance_params params = {.job = &job, .serial = 1, .frame = 117, .image = &image, .source = &source};
+    struct tolerance_result result;
+    double step;
+
+    (void)state;
+    assert_true(tolerance_render(stage.tolerance, &params, &result, NULL));
+    step = keeper.plan.quality.step;
+    keeper.plan.quality.pixels = (struct job_pixels){16, 0.5};
+    keeper.number++;
+    params.frame = 118;
+    assert_true(tolerance_render(stage.tolerance, &params, &result, NULL));
+    assert_true(result.retry_count > 0 && result.first_error > 0.02 && result.audit.error <= 0.02);
+    assert_true(result.quality.step == step);
+    assert_true(result.quality.pixels.stride == 0 || result.quality.pixels.threshold < 0.5);
+    image_finish(&image);
+    job_finish(&job);
+    tolerance_stage_close(stage);
+}
+
 static struct job_pixels choose(struct tolerance_stage stage, const struct job *job, enum plan_choice choice)
 {
     const struct plan_params params = {
@@ -203,6 +231,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planned_frames_trace_a_part_of_their_pixels),
         cmocka_unit_test(an_audit_sees_what_pixels_lack),
+        cmocka_unit_test(a_frame_that_lacks_pixels_gets_more_of_them),
         cmocka_unit_test(every_pixel_is_traced_where_that_is_no_gain),
         cmocka_unit_test(larger_pictures_have_a_stride_of_the_same_share),
         cmocka_unit_test(scenes_with_objects_get_a_finer_lattice),

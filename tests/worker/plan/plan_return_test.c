@@ -2,11 +2,10 @@
 #include "worker/plan/plan_return.h"
 
 #include "core/base/error.h"
-#include "core/job/plan_json.h"
 #include "tests/support/example_job.h"
+#include "tests/support/plan_keeper.h"
 #include "tests/support/tolerance_stage.h"
 #include "worker/picture/image.h"
-#include "worker/plan/plan_source.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,44 +13,10 @@
 
 #include <cmocka.h>
 
-// Keeps the newest plan of one segment.
-struct keeper {
-    struct plan_json plan;
-    int64_t number, replaced; // 0: none
-    int first_sample_count;
-};
-
-static enum plan_source_answer find(void *user, const char *key, int64_t *number, struct plan_json *plan,
-                                    struct error *error)
-{
-    struct keeper *keeper = user;
-
-    (void)key;
-    (void)error;
-    if (keeper->number == 0) return PLAN_SOURCE_MAKE;
-    if (*number != keeper->number) *plan = keeper->plan;
-    *number = keeper->number;
-    return PLAN_SOURCE_HAS;
-}
-
-static enum plan_source_answer keep(void *user, const char *key, int64_t missed, const struct plan_json *plan,
-                                    int64_t *number, struct error *error)
-{
-    struct keeper *keeper = user;
-
-    (void)key;
-    (void)error;
-    keeper->plan = *plan;
-    if (keeper->number == 0) keeper->first_sample_count = plan->sample_count;
-    keeper->replaced = missed;
-    *number = ++keeper->number;
-    return PLAN_SOURCE_HAS;
-}
-
-static struct tolerance_result draw(struct tolerance_stage stage, struct keeper *keeper, const struct job *job,
+static struct tolerance_result draw(struct tolerance_stage stage, struct plan_keeper *keeper, const struct job *job,
                                     int32_t frame)
 {
-    const struct plan_source source = {.find = find, .keep = keep, .user = keeper};
+    const struct plan_source source = plan_keeper_source(keeper);
     struct image image = tolerance_stage_make_image(job);
     struct tolerance_result result;
     struct error error = {{0}};
@@ -73,7 +38,7 @@ static struct tolerance_result draw(struct tolerance_stage stage, struct keeper 
 static void frames_return_to_settings_that_hold(void **state)
 {
     struct tolerance_stage stage = tolerance_stage_open(NULL);
-    struct keeper keeper = {0};
+    struct plan_keeper keeper = {0};
     struct job job;
     struct tolerance_result result;
 
