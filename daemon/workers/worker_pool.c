@@ -28,6 +28,7 @@ struct worker_pool {
     int slot_count;
     struct worker_turns turns; // owned
     bool is_stopping;
+    bool has_warned; // of workers whose fence lets files be opened
 };
 
 static void on_tick(uv_timer_t *tick);
@@ -176,6 +177,15 @@ static void note_failed_start(const struct worker_pool *pool, const struct worke
     free(why);
 }
 
+// Said once: workers for jobs start often.
+static void warn_of_weak_fence(struct worker_pool *pool, const struct worker_process *worker)
+{
+    if (pool->has_warned || !worker->fence || !worker->sandbox || strncmp(worker->sandbox, "landlock ", 9) == 0) return;
+    pool->has_warned = true;
+    log_warn("workers have no fence around files (%s): a job that takes over its worker reaches what marchd may open",
+             worker->sandbox);
+}
+
 static void note_ready(struct worker_pool *pool, struct worker_process *worker, const struct worker_report *report)
 {
     if (worker->state != WORKER_STARTING) return;
@@ -183,6 +193,7 @@ static void note_ready(struct worker_pool *pool, struct worker_process *worker, 
     worker_process_note_ready(worker, report);
     worker_turns_end_change(&pool->turns, slot_of(pool, worker));
     note_start(pool, worker);
+    warn_of_weak_fence(pool, worker);
     // A worker for one job starts often, so its start is logged at debug level only.
     log_about(worker->job ? LOG_DEBUG : LOG_INFO,
               &(struct log_subject){.worker = worker->id, .job = worker->job > 0 ? worker->job : 0},

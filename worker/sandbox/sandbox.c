@@ -132,7 +132,7 @@ bool sandbox_enter_job(const struct sandbox_job *job, char holds[static SANDBOX_
     if (landlock.abi)
         snprintf(holds, SANDBOX_TEXT_SIZE, "landlock %d, seccomp", landlock.abi);
     else
-        snprintf(holds, SANDBOX_TEXT_SIZE, "seccomp, no landlock in this kernel");
+        snprintf(holds, SANDBOX_TEXT_SIZE, "seccomp, %s", landlock.lack);
 out:
     sandbox_landlock_close(&landlock);
     return ok;

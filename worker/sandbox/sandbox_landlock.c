@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/landlock.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -41,6 +42,24 @@ enum {
 // The rights that a rule about a file, not a folder, may have.
 static const uint64_t file_rights = FS_EXECUTE | FS_WRITE_FILE | FS_READ_FILE | FS_TRUNCATE | FS_IOCTL_DEV;
 
+// A list of the kernel's security modules, where it is mounted, has landlock even if a filter hides the calls.
+static bool is_in_kernel(void)
+{
+    int fd = open("/sys/kernel/security/lsm", O_RDONLY | O_CLOEXEC);
+    char names[512];
+    ssize_t length = fd >= 0 ? read(fd, names, sizeof names - 1) : 0;
+
+    if (fd >= 0) close(fd);
+    names[length > 0 ? length : 0] = '\0';
+    return strstr(names, "landlock") != NULL;
+}
+
+static const char *explain_lack(int cause)
+{
+    if (cause == EOPNOTSUPP) return "landlock is switched off in this kernel";
+    return cause == ENOSYS && !is_in_kernel() ? "no landlock in this kernel" : "landlock is forbidden by a filter";
+}
+
 bool sandbox_landlock_open(struct sandbox_landlock *landlock, struct error *error)
 {
     struct ruleset_attr attr = {.handled_access_fs = FS_ALL_OF_FIRST};
@@ -50,6 +69,7 @@ bool sandbox_landlock_open(struct sandbox_landlock *landlock, struct error *erro
     landlock->abi =
         (int)syscall(SYS_landlock_create_ruleset, NULL, (size_t)0, (uint32_t)LANDLOCK_CREATE_RULESET_VERSION);
     if (landlock->abi < ABI_FILES) {
+        landlock->lack = explain_lack(errno);
         landlock->abi = 0;
         return true;
     }

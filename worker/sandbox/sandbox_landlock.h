@@ -16,9 +16,10 @@ enum sandbox_right {
 
 // A ruleset that is being built. The zero value is not open.
 struct sandbox_landlock {
-    int abi;         // the kernel's ABI version; 0: it has none, and the calls below do nothing
-    int ruleset_fd;  // owned
-    uint64_t rights; // the rights on files that the ruleset governs
+    int abi;          // the kernel's ABI version; 0: there is none, and the calls below do nothing
+    const char *lack; // why there is none: the kernel, or a filter such as a container's; static
+    int ruleset_fd;   // owned
+    uint64_t rights;  // the rights on files that the ruleset governs
 };
 
 bool sandbox_landlock_open(struct sandbox_landlock *landlock, struct error *error);
