@@ -2,6 +2,7 @@
 #include "cli/command/commands.h"
 #include "cli/farm/daemon_call.h"
 #include "cli/program/options.h"
+#include "core/base/error.h"
 #include "core/json/json_write.h"
 
 #include <inttypes.h>
@@ -20,23 +21,30 @@ static bool tell_deleted(const struct json_node *result, int64_t id, struct json
 {
     struct json_node removed_node = json_node_child(result, "files_removed");
     struct json_node kept_node = json_node_child(result, "files_kept");
-    int64_t removed, kept;
+    struct json_node missing_node = json_node_child(result, "files_missing");
+    int64_t removed, kept, missing;
 
     if (!json_read_integer(&removed_node, 0, INT64_C(1) << 52, &removed, error) ||
-        !json_read_integer(&kept_node, 0, INT64_C(1) << 52, &kept, error))
+        !json_read_integer(&kept_node, 0, INT64_C(1) << 52, &kept, error) ||
+        !json_read_integer(&missing_node, 0, INT64_C(1) << 52, &missing, error))
         return false;
     if (results) {
         json_write_begin_object(results);
         json_write_integer_member(results, "id", id);
         json_write_integer_member(results, "files_removed", removed);
         json_write_integer_member(results, "files_kept", kept);
+        json_write_integer_member(results, "files_missing", missing);
         json_write_end_object(results);
     } else if (removed > 0 || kept > 0) {
         print_files(id, removed, kept);
     } else {
         printf("job %" PRId64 ": deleted\n", id);
     }
-    return true;
+    if (missing == 0) return true;
+    error_set(error,
+              "job %" PRId64 ": %" PRId64 " of its files were not there: if they are elsewhere, remove them there", id,
+              missing);
+    return false;
 }
 
 enum exit_status command_delete(const struct options *options, struct error *error)

@@ -19,7 +19,7 @@
 
 struct removal {
     struct file_remover *remover;
-    int folder_fd;
+    int folder_fd; // -1: the folder is gone
 };
 
 // Compares inode, size and time: the file of a later job may have got the same inode.
@@ -40,7 +40,10 @@ static bool on_row(void *user, const struct store_frame *row, struct error *erro
 
     if (row->state != FRAME_SUCCEEDED || row->index >= frame_range_count(remover->frames)) return true;
     output_path_format_name(remover->path, frame_range_at(remover->frames, row->index), name);
-    if (fstatat(removal->folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) < 0) return true;
+    if (removal->folder_fd < 0 || fstatat(removal->folder_fd, name, &status, AT_SYMLINK_NOFOLLOW) < 0) {
+        remover->missing++;
+        return true;
+    }
     if (!is_published(&status, row, remover->finished_ms)) {
         remover->kept++;
         return true;
@@ -61,7 +64,7 @@ static bool remove_files(struct file_remover *remover, int folder_fd, struct err
     bool ok = reader && store_read_frames(reader, remover->job, 0, INT32_MAX, on_row, &removal, error);
 
     store_reader_close(reader);
-    return ok && publish_sync(folder_fd, error);
+    return ok && (folder_fd < 0 || publish_sync(folder_fd, error));
 }
 
 // Removes the folder when it is empty; the root itself stays.
@@ -86,8 +89,9 @@ bool file_remover_run(struct file_remover *remover, struct error *error)
     bool is_gone = folder_fd == -1 && errno == ENOENT;
     bool ok;
 
-    if (folder_fd < 0) return is_gone;
+    if (folder_fd < 0 && !is_gone) return false;
     ok = remove_files(remover, folder_fd, error);
+    if (is_gone) return ok;
     close(folder_fd);
     if (ok && remover->may_remove_folder) remove_folder(remover);
     return ok;

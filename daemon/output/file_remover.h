@@ -17,10 +17,12 @@ struct file_remover {
     const struct frame_range *frames;
     int64_t finished_ms;    // unix time; a file written later is not removed
     bool may_remove_folder; // when it is empty after the removal
-    int64_t removed, kept;  // results: counts of files, also valid after a failure
+    // Results: counts of files, also valid after a failure.
+    int64_t removed;
+    int64_t kept;    // replaced or changed since
+    int64_t missing; // moved or removed by others
     int64_t removed_bytes;
 };
 
-// On success the removals are on disk. A file that is missing is counted neither as removed nor as kept. A root that is
-// not there is an error: its files are elsewhere.
+// On success the removals are on disk. A root that is not there is an error: its files are elsewhere.
 bool file_remover_run(struct file_remover *remover, struct error *error);
