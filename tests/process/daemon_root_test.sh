@@ -68,4 +68,25 @@ rm -r "$out/cloud"
 ask job.retry "{\"id\":$job,\"state\":\"succeeded\"}" >/dev/null
 wait_state "$job" succeeded
 expect "files" "$(frames_of "$out")" 40
+
+# What a job leaves in a root that is away is removed when it is back.
+farm=$(sed -n 's/^farm \(.\{8\}\).*/\1/p' "$out/.marchd-root")
+job=$(submit "$(job 1-9 '.output.path = "left/l.####.exr"')" true)
+touch "$out/left/l.0001.exr.$farm.$job.1.1.part" "$out/left/l.0001.exr.00000000.$job.1.1.part"
+mv "$out" "$away"
+wait_until "the root is missed" eval '[[ $(ask daemon.status | jq -c ".result.roots[] | select(.path == \"$out\") | .is_there") == false ]]'
+ask job.cancel "{\"id\":$job}" >/dev/null
+mv "$away" "$out"
+wait_until "its part file is gone" eval '[ ! -e "$out/left/l.0001.exr.$farm.$job.1.1.part" ]'
 stop_daemon
+
+# Another farm may use the root: it takes its id over, and leaves part files of the first alone.
+id=$(root_id "$out")
+start_daemon --worker-program "$(stub write:5)" --output-root "$out" --state "$scratch/other"
+expect "the root's id" "$(root_id "$out")" "$id"
+expect "farms in the marker" "$(grep -c '^farm ' "$out/.marchd-root")" 2
+other=$(submit "$(job 1-9 '.output.path = "left/l.####.exr"')")
+touch "$out/left/l.0002.exr.$farm.$other.1.1.part"
+wait_state "$other" succeeded
+stop_daemon
+[ -e "$out/left/l.0002.exr.$farm.$other.1.1.part" ] || fail "a part file of another farm was removed"
