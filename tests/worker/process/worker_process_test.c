@@ -28,7 +28,7 @@ static void format_document(char *text, size_t size, int width, int height, doub
     snprintf(
         text, size,
         "{\"version\":1,\"name\":\"test\",\"frames\":\"10-99\",\"fps\":24,\"resolution\":[%d,%d],"
-        "\"camera\":{\"position\":[0,0,-2],\"target\":[0,0,0],\"up\":[0,1,0],\"fov\":53.13,\"clip\":[1.0,2.2]},"
+        "\"camera\":{\"position\":[0,0,-2],\"target\":[0,0,0],\"up\":[0,1,0],\"fov\":8,\"clip\":[1.0,2.2]},"
         "\"lights\":[{\"kind\":\"point\",\"falloff\":\"none\",\"intensity\":19.6,\"position\":[1.5,1,-1]}],"
         "\"scene\":{\"media\":[{\"density\":{\"kind\":\"fold_fractal\",\"iterations\":8,\"offset\":0.06,"
         "\"radius\":0.15,\"rotate_x_rad\":{\"start\":0,\"rate\":-0.2},\"rotate_y_rad\":{\"start\":0,\"rate\":-0.1},"
@@ -191,7 +191,7 @@ static void drop_takes_what_it_names_and_no_more(void **state)
     struct test_worker child;
 
     test_worker_start_renderer(&child);
-    say_job(&child, 1, 512, 512, 0.002, "verify");
+    say_job(&child, 1, 256, 256, 0.002, "verify");
     say_assign(&child, 1, "[[20,1],[21,1]]");
     expect_next(&child, "frame.started", 20);
     say_job(&child, 2, 33, 20, 0.02, "overwrite");
