@@ -414,7 +414,8 @@ static void glowing_grains_are_all_found(void **state)
     }
 }
 
-int main(void)
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(glowing_slab_is_as_bright_as_its_closed_form),
@@ -439,5 +440,6 @@ int main(void)
         cmocka_unit_test(closed_forms_hold_at_every_accuracy),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -226,7 +226,8 @@ static void a_frame_over_its_tolerance_gets_a_finer_threshold(void **state)
     assert_int_equal(plan.pixels.stride, 0);
 }
 
-int main(void)
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planned_frames_trace_a_part_of_their_pixels),
@@ -238,5 +239,6 @@ int main(void)
         cmocka_unit_test(a_frame_over_its_tolerance_gets_a_finer_threshold),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,12 +6,10 @@
 #include "core/job/job_json.h"
 #include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
-#include "tests/support/temp_folder.h"
 #include "tests/support/tolerance_stage.h"
 #include "tests/support/true_error.h"
 #include "worker/audit/audit.h"
 #include "worker/gl/gl_context.h"
-#include "worker/glsl/shader_sources.h"
 #include "worker/picture/image.h"
 #include "worker/plan/plan_family.h"
 #include "worker/plan/plan_make.h"
@@ -23,7 +21,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 
 #include <cmocka.h>
@@ -307,84 +304,6 @@ static void a_timed_plan_counts_all_that_a_frame_takes(void **state)
     tolerance_stage_close(stage);
 }
 
-// A broken shader: its phase function scatters backwards what should go forwards.
-static void break_phase(const char *folder)
-{
-    char path[4096], *text;
-
-    snprintf(path, sizeof path, "%s/phase", folder);
-    mkdir(folder, 0700);
-    mkdir(path, 0700);
-    text = shader_sources_load(NULL, "phase/henyey_greenstein.glsl", NULL);
-    assert_non_null(text);
-    snprintf(path, sizeof path, "%s/phase/henyey_greenstein.glsl", folder);
-    {
-        FILE *out = fopen(path, "w");
-        char *place = strstr(text, "incoming - sign");
-
-        assert_non_null(out);
-        assert_non_null(place);
-        place[strlen("incoming ")] = '+';
-        fputs(text, out);
-        fclose(out);
-    }
-    free(text);
-}
-
-static void a_broken_frame_is_rendered_again_and_given_up(void **state)
-{
-    const char *folder = temp_folder_path(state, "shaders");
-    struct job job = cloud_job(0.2);
-    struct tolerance_result result;
-    struct error error = {{0}};
-    struct tolerance_stage stage;
-    struct image image;
-
-    break_phase(folder);
-    stage = tolerance_stage_open(folder);
-    assert_false(tolerance_stage_render(stage, &job, 3, &image, &result, &error));
-    print_message("%s\n", error.message);
-    assert_int_equal(result.render.fault, RENDERER_FAULT_MISSED);
-    assert_true(result.retry_count > 0 && result.audit.error > 0.2);
-    assert_non_null(strstr(error.message, "quality.tolerance: expected an error of at most 0.2, got "));
-    assert_non_null(strstr(error.message, " at best, by "));
-    assert_non_null(strstr(error.message, "expected a larger tolerance, a method with finer numbers, or \"on_miss\""));
-    image_finish(&image);
-    job_finish(&job);
-    tolerance_stage_close(stage);
-}
-
-static bool is_same(const struct image *a, const struct image *b)
-{
-    return memcmp(a->rgba, b->rgba, 16 * (size_t)a->width_px * (size_t)a->height_px) == 0;
-}
-
-// The picture and the numbers are those of the rendering with the least error, each time the same.
-static void a_broken_frame_is_published_where_the_job_asks_for_it(void **state)
-{
-    const char *folder = temp_folder_path(state, "shaders");
-    struct job job = cloud_job(0.2);
-    struct image images[2];
-
-    break_phase(folder);
-    job.quality.on_miss = JOB_ON_MISS_PUBLISH;
-    for (int i = 0; i < 2; i++) {
-        struct tolerance_stage stage = tolerance_stage_open(folder);
-        struct tolerance_result result;
-        struct error error = {{0}};
-
-        if (!tolerance_stage_render(stage, &job, 3, &images[i], &result, &error)) fail_msg("%s", error.message);
-        assert_true(result.audit.is_missed && result.retry_count > 0);
-        assert_true(result.audit.error > 0.2 && result.audit.error <= result.first_error);
-        assert_true(isfinite(result.audit.error95) && strlen(result.render.shader_hash) == 32);
-        tolerance_stage_close(stage);
-    }
-    assert_true(is_same(&images[0], &images[1]));
-    image_finish(&images[0]);
-    image_finish(&images[1]);
-    job_finish(&job);
-}
-
 static void equal_frames_are_copied_with_their_audit(void **state)
 {
     struct tolerance_stage stage = tolerance_stage_open(NULL);
@@ -484,10 +403,6 @@ int main(int argc, char *argv[])
         cmocka_unit_test(a_plan_is_as_cheap_as_halving_and_the_finest_is_not),
         cmocka_unit_test(the_coarsest_setting_fails_the_audit),
         cmocka_unit_test(a_timed_plan_counts_all_that_a_frame_takes),
-        cmocka_unit_test_setup_teardown(a_broken_frame_is_rendered_again_and_given_up, temp_folder_create,
-                                        temp_folder_destroy),
-        cmocka_unit_test_setup_teardown(a_broken_frame_is_published_where_the_job_asks_for_it, temp_folder_create,
-                                        temp_folder_destroy),
         cmocka_unit_test(light_from_deep_inside_is_kept),
         cmocka_unit_test(equal_frames_are_copied_with_their_audit),
         cmocka_unit_test(a_pilot_can_be_stopped),

@@ -457,7 +457,8 @@ static void places_in_every_drivers_log_become_module_names(void **state)
     free(text);
 }
 
-int main(void)
+// One argument: the tests to run, by a pattern.
+int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_constant_job_renders_once_and_copies),
@@ -477,5 +478,6 @@ int main(void)
         cmocka_unit_test(places_in_every_drivers_log_become_module_names),
     };
 
+    if (argc > 1) cmocka_set_test_filter(argv[1]);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
