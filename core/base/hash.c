@@ -26,6 +26,11 @@ void hash_bytes(const void *bytes, size_t size_bytes, char text[static HASH_TEXT
     format_hash(XXH3_128bits(bytes, size_bytes), text);
 }
 
+uint64_t hash_bytes_short(const void *bytes, size_t size_bytes, uint64_t seed)
+{
+    return XXH3_64bits_withSeed(bytes, size_bytes, seed);
+}
+
 bool hash_file(int fd, char text[static HASH_TEXT_SIZE], uint64_t *size_bytes, struct error *error)
 {
     bool ok = false;

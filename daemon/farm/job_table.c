@@ -131,7 +131,11 @@ struct store_op job_record_format_op(const struct job_record *record)
                 .submitted_ms = record->submitted_ms,
                 .started_ms = record->started_ms,
                 .finished_ms = record->is_swept ? record->finished_ms : 0,
-                .reason = record->reason ? xstrdup(record->reason) : NULL},
+                .reason = record->reason ? xstrdup(record->reason) : NULL,
+                .name = xstrdup(record->name),
+                .owner = xstrdup(record->owner),
+                .owner_uid = record->owner_uid,
+                .root = xstrdup(record->root)},
     };
 }
 

@@ -43,6 +43,7 @@ struct job_record {
     bool needs_sweep;                        // its root was not there when it was swept
     bool needs_own_worker;                   // a frame of it failed in a worker that was started for another job
     int holds;                               // users that keep it alive after its removal
+    bool is_unreadable;                      // its document cannot be read: it is shown, and can be deleted
     bool is_removed;                         // from the table
     bool is_deleting;                        // a deletion is under way
     bool is_retry_waiting;                   // a retry waits until it is swept

@@ -131,6 +131,13 @@ static bool check_files_are_free(struct request *request, const struct job_recor
     return !other && !name;
 }
 
+static bool check_readable(struct request *request, const struct job_record *record)
+{
+    if (!record->is_unreadable) return true;
+    request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: %s", (long long)record->id, record->reason);
+    return false;
+}
+
 static bool check_stays(struct request *request, const struct job_record *record)
 {
     if (!record->is_deleting) return true;
@@ -161,7 +168,8 @@ enum request_outcome requests_job_retry(struct request *request)
     bool is_forced = false;
     unsigned states;
 
-    if (!record || !check_stays(request, record) || !request_read_flag(request, "force", &is_forced) ||
+    if (!record || !check_stays(request, record) || !check_readable(request, record) ||
+        !request_read_flag(request, "force", &is_forced) ||
         !request_read_set(request, "state", frame_state_names, 1U << FRAME_FAILED, &states))
         return REQUEST_FAILED;
     if (states & ~allowed)

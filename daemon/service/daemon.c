@@ -30,6 +30,7 @@
 #include "daemon/settings/reload.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store.h"
+#include "daemon/store/store_keeper.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
 
@@ -37,7 +38,11 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-enum { GIVE_UP_MS = 5000 }; // the wait for a store that does not commit, when stopping
+enum {
+    GIVE_UP_MS = 5000, // the wait for a store that does not commit, when stopping
+    FIRST_LOOK_MS = 10 * 1000,
+    LOOK_INTERVAL_MS = 10 * 60 * 1000 // between looks at the sums of the store's rows
+};
 
 enum daemon_phase {
     DAEMON_RUNNING,
@@ -51,6 +56,7 @@ struct daemon {
     struct farm farm;
     struct store *store;
     struct listener *listener;
+    struct store_keeper *keeper;
     struct watchdog *watchdog; // NULL: the service manager wants none
     struct manager *manager;
     struct root_watch *roots;
@@ -67,6 +73,8 @@ static void on_swept(void *user, struct job_record *record, bool was_away);
 static void on_root_op(void *user, struct store_op op);
 static void on_slot_changed(struct farm *farm, int slot_index);
 static void on_store_trouble(void *user);
+static bool may_look_at_store(void *user);
+static void on_store_repaired(void *user);
 static void on_message(void *user, struct client *client, const struct message *message);
 static void on_client_gone(void *user, struct client *client);
 static void on_iteration(uv_prepare_t *iteration);
@@ -99,6 +107,12 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     farm->events = events_create(farm);
     daemon->roots = root_watch_create(farm, root_life_note_change);
     farm->pool = worker_pool_create(farm, slots, &pool_handlers);
+    daemon->keeper = store_keeper_open(farm->loop, &(struct store_keeper_params){.folder = options->state_folder,
+                                                                                 .first_ms = FIRST_LOOK_MS,
+                                                                                 .interval_ms = LOOK_INTERVAL_MS,
+                                                                                 .may_run = may_look_at_store,
+                                                                                 .on_repair = on_store_repaired,
+                                                                                 .user = daemon});
     daemon->watchdog = watchdog_open(farm->loop);
     daemon->manager = manager_open(farm);
     uv_signal_init(farm->loop, &daemon->terminate);
@@ -134,6 +148,7 @@ static void close_all(struct daemon *daemon)
 {
     daemon->phase = DAEMON_CLOSING;
     if (daemon->listener) listener_close(daemon->listener);
+    store_keeper_close(daemon->keeper);
     watchdog_close(daemon->watchdog);
     manager_close(daemon->manager);
     root_watch_close(daemon->roots);
@@ -223,6 +238,22 @@ static void on_swept(void *user, struct job_record *record, bool was_away)
 static void on_slot_changed(struct farm *farm, int slot_index)
 {
     events_send_worker(farm->events, slot_index);
+}
+
+static bool may_look_at_store(void *user)
+{
+    const struct daemon *daemon = user;
+
+    return daemon->phase == DAEMON_RUNNING && !committer_trouble(daemon->farm.committer);
+}
+
+// The backup may have an older state of a job, or none.
+static void on_store_repaired(void *user)
+{
+    struct farm *farm = &((struct daemon *)user)->farm;
+
+    for (size_t i = 0; i < farm->jobs.count; i++)
+        if (!farm->jobs.records[i]->is_unreadable) farm_store_job(farm, farm->jobs.records[i]);
 }
 
 static void on_store_trouble(void *user)

@@ -37,20 +37,51 @@ static char *copy_text(const char *text)
     return text ? xstrdup(text) : NULL;
 }
 
+// False for a job whose document is damaged or cannot be read: `job` then has one frame, in a file that nothing writes.
+static bool read_job(struct job *job, const struct store_job *row, struct error *cause)
+{
+    if (row->is_document_damaged)
+        error_set(cause, "store: its document was damaged on the disk, and no backup has it: submit it again");
+    else if (job_parse(job, row->document, strlen(row->document), row->root, cause))
+        return true;
+    else
+        error_prefix(cause, "this marchd cannot read its document");
+    job->width_px = job->height_px = 1;
+    if (!frame_range_parse(&job->frames, "0", NULL) || !output_path_parse(&job->output.path, "unknown/f.#.exr", NULL))
+        abort();
+    return false;
+}
+
+// The job is shown as failed. Its rows stay unchanged, for a version of the daemon that can read it.
+static void note_unreadable(struct job_record *record, const struct error *cause)
+{
+    struct log_subject subject = job_record_subject(record);
+
+    record->is_unreadable = true;
+    record->restored_canceled = false;
+    record->restored_failed = record->is_ending = record->is_swept = true;
+    if (record->finished_ms == 0) record->finished_ms = record->submitted_ms;
+    job_record_set_reason(record, cause->message);
+    log_about(LOG_ERROR, &subject, "job %lld: %s", (long long)record->id, cause->message);
+}
+
+// Some of its owner, name, priority, state or times may be wrong: a person decides.
+static void hold_damaged(struct job_record *record)
+{
+    record->queued->is_paused = true;
+    job_record_set_reason(record, "paused: store: its row was damaged on the disk, and no backup has it: "
+                                  "look at it, then resume it or cancel it");
+}
+
 static bool on_job(void *user, const struct store_job *row, struct error *error)
 {
     struct restore_state *state = user;
     struct farm *farm = state->farm;
     struct job_record *record;
     struct job job = {0};
-    struct error cause;
+    struct error cause = {0};
+    bool is_readable = read_job(&job, row, &cause);
 
-    // The job stays in the store unchanged, for a version of the daemon that can read it.
-    if (!job_parse(&job, row->document, strlen(row->document), row->root, &cause)) {
-        log_about(LOG_ERROR, &(struct log_subject){.job = row->id, .owner = row->owner},
-                  "job %lld of the store is left out: %s", (long long)row->id, cause.message);
-        return true;
-    }
     record = job_table_add(&farm->jobs, row->id, xstrdup(row->root), &job.output.path);
     record->output_root = root_table_add(&farm->roots, row->root);
     record->name = xstrdup(row->name);
@@ -75,6 +106,10 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->restored_canceled = row->is_canceled;
     record->restored_failed = row->is_failed;
     job_finish(&job);
+    if (!is_readable)
+        note_unreadable(record, &cause);
+    else if (row->is_damaged)
+        hold_damaged(record);
     return true;
 }
 
@@ -94,7 +129,8 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
     struct restore_state *state = user;
 
     if (!state->record || state->record->id != row->job) state->record = job_table_find(&state->farm->jobs, row->job);
-    if (!state->record || row->index < 0 || row->index >= frame_range_count(&state->record->queued->frames))
+    if (!state->record || state->record->is_unreadable || row->index < 0 ||
+        row->index >= frame_range_count(&state->record->queued->frames))
         return true;
     if (row->state != FRAME_RUNNING) {
         queue_restore_frame(state->record->queued, row->index, (enum frame_state)row->state, row->attempts);

@@ -4,11 +4,15 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "daemon/schedule/queue.h"
+#include "daemon/store/store_backup.h"
+#include "daemon/store/store_counts.h"
 #include "daemon/store/store_load.h"
 #include "daemon/store/store_lock.h"
+#include "daemon/store/store_repair.h"
 #include "daemon/store/store_reserve.h"
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sql.h"
+#include "daemon/store/store_sum.h"
 
 #include <inttypes.h>
 #include <sqlite3.h>
@@ -44,28 +48,41 @@ enum statement {
 static const char *const statement_texts[STATEMENT_COUNT] = {
     [BEGIN] = "BEGIN IMMEDIATE",
     [COMMIT] = "COMMIT",
-    [PROBE] = "UPDATE daemon SET epoch = epoch + 1",
-    [ADD_JOB] = "INSERT INTO job (id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms,"
-                " finished_ms, reason, name, owner, owner_uid, root) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-    [ADD_DOCUMENT] = "INSERT INTO document VALUES (?, ?)",
-    [SET_JOB] = "UPDATE job SET priority = ?2, is_paused = ?3, is_canceled = ?4, is_failed = ?5, submitted_ms = ?6,"
-                " started_ms = ?7, finished_ms = ?8, reason = ?9 WHERE id = ?1",
-    [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
-                  " ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+    [PROBE] = "UPDATE daemon SET epoch = epoch + 1, sum = row_sum(epoch + 1, last_job_id, farm)",
+    [ADD_JOB] =
+        "INSERT INTO job (id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms,"
+        " finished_ms, reason, name, owner, owner_uid, root, sum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11,"
+        " ?12, ?13, row_sum(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13))",
+    [ADD_DOCUMENT] = "INSERT INTO document (job, text, sum) VALUES (?1, ?2, row_sum(?1, ?2))",
+    [SET_JOB] =
+        "UPDATE job SET priority = ?2, is_paused = ?3, is_canceled = ?4, is_failed = ?5, submitted_ms = ?6,"
+        " started_ms = ?7, finished_ms = ?8, reason = ?9, name = coalesce(?10, name), owner = coalesce(?11, owner),"
+        " owner_uid = coalesce(?12, owner_uid), root = coalesce(?13, root),"
+        " sum = row_sum(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, coalesce(?10, name), coalesce(?11, owner),"
+        " coalesce(?12, owner_uid), coalesce(?13, root)) WHERE id = ?1",
+    [SET_FRAME] = "REPLACE INTO frame (" STORE_SCHEMA_FRAME_COLUMNS ", sum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8,"
+                  " ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, row_sum(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8,"
+                  " ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20))",
     [RESET_FRAMES] = "DELETE FROM frame WHERE job = ? AND frame_index BETWEEN ? AND ?",
-    [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state) VALUES (?, ?, ?) "
-                   "ON CONFLICT DO UPDATE SET state = excluded.state WHERE state = 0", // FRAME_QUEUED
-    [ADD_ATTEMPT] = "INSERT INTO attempt (job, number, frame, attempt, worker, ended_ms, outcome, log) VALUES (?1,"
-                    " coalesce((SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1), 0) + 1,"
-                    " ?2, ?3, ?4, ?5, ?6, ?7)",
+    [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state, sum)"
+                   " VALUES (?1, ?2, ?3, row_sum(?1, ?2, ?3, 0, 0, 0, 0, NULL, 0.0, 0.0))"
+                   " ON CONFLICT DO UPDATE SET state = ?3, sum = row_sum(job, frame_index, ?3, attempts, epoch, inode,"
+                   " size_bytes, hash, render_s, encode_s, error, audit, measured_error, error95, audit_rays, method,"
+                   " cut_share, plan, traced, audit_s) WHERE state = 0", // FRAME_QUEUED
+    [ADD_ATTEMPT] = "INSERT INTO attempt (job, number, frame, attempt, worker, ended_ms, outcome, log, sum)"
+                    " SELECT ?1, number, ?2, ?3, ?4, ?5, ?6, ?7, row_sum(?1, number, ?2, ?3, ?4, ?5, ?6, ?7) FROM"
+                    " (SELECT coalesce((SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1), 0)"
+                    " + 1 AS number)",
     [TRIM_ATTEMPTS] = "DELETE FROM attempt WHERE job = ?1 AND number <="
                       " (SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1) - ?2",
-    [ADD_PLAN] = "INSERT INTO plan (number, owner_uid, scene, segment, text) VALUES (?, ?, ?, ?, ?)",
+    [ADD_PLAN] = "INSERT INTO plan (number, owner_uid, scene, segment, text, sum)"
+                 " VALUES (?1, ?2, ?3, ?4, ?5, row_sum(?1, ?2, ?3, ?4, ?5))",
     [TRIM_PLANS] = "DELETE FROM plan WHERE owner_uid = ?1 AND number <="
                    " (SELECT number FROM plan WHERE owner_uid = ?1 ORDER BY number DESC LIMIT 1 OFFSET ?2)",
-    [SET_ROOT] = "REPLACE INTO root (path, id) VALUES (?, ?)",
-    [SET_USAGE] = "REPLACE INTO usage (owner_uid, used_s, at_ms) VALUES (?, ?, ?)",
-    [KEEP_ID] = "UPDATE daemon SET last_job_id = max(last_job_id, ?)",
+    [SET_ROOT] = "REPLACE INTO root (path, id, sum) VALUES (?1, ?2, row_sum(?1, ?2))",
+    [SET_USAGE] = "REPLACE INTO usage (owner_uid, used_s, at_ms, sum) VALUES (?1, ?2, ?3, row_sum(?1, ?2, ?3))",
+    [KEEP_ID] = "UPDATE daemon SET last_job_id = max(last_job_id, ?1),"
+                " sum = row_sum(epoch, max(last_job_id, ?1), farm)",
     [DELETE_JOB] = "DELETE FROM job WHERE id = ?",
     [DELETE_DOCUMENT] = "DELETE FROM document WHERE job = ?",
     [DELETE_FRAMES] = "DELETE FROM frame WHERE job = ?",
@@ -81,8 +98,26 @@ struct store {
     int64_t next_job_id;
     int64_t next_plan_number;
     bool has_reserve;
-    bool is_full; // the latest failure was a full disk
+    bool is_full;       // the latest failure was a full disk
+    bool is_unreadable; // SQLite cannot read all of the file
 };
+
+// The epoch and the ids go on above those that the folder knows of: the store may come from a backup.
+static bool count_start(struct store *store, struct error *error)
+{
+    struct store_counts known;
+    char *sql;
+    bool ok;
+
+    store_counts_read(store->folder, &known);
+    sql =
+        xasprintf("UPDATE daemon SET epoch = max(epoch, %" PRId64 ") + 1, last_job_id = max(last_job_id, %" PRId64 ");"
+                  "UPDATE daemon SET sum = row_sum(" STORE_SCHEMA_DAEMON_COLUMNS ")",
+                  known.epoch, known.last_job_id);
+    ok = store_sql_execute(store->db, sql, "count this start", error);
+    free(sql);
+    return ok;
+}
 
 // Writes nothing before the database is known to be a store; then the tables and the new epoch are one transaction.
 static bool open_database(struct store *store, const char *path, struct error *error)
@@ -98,20 +133,21 @@ static bool open_database(struct store *store, const char *path, struct error *e
     // A store that is refused keeps its write-ahead log as well.
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, NULL);
     sqlite3_busy_timeout(store->db, BUSY_TIMEOUT_MS);
-    if (!store_schema_check(store->db, &found, error)) return false;
+    if (!store_sum_register(store->db, error) || !store_schema_check(store->db, &found, error)) return false;
     sqlite3_db_config(store->db, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, NULL);
 
     if (!store_sql_execute(store->db, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; BEGIN IMMEDIATE",
                            "write to queue.db", error))
         return false;
     if (!store_schema_upgrade(store->db, found, error)) return false;
-    if (!store_sql_execute(store->db, "UPDATE daemon SET epoch = epoch + 1; COMMIT", "count this start", error))
-        return false;
+    if (!store_sql_execute(store->db, "COMMIT", "make the tables", error)) return false;
+    if (!store_repair(store->db, store->folder, NULL, error) || !count_start(store, error)) return false;
     if (!store_sql_read_integer(store->db, "SELECT epoch FROM daemon", &store->epoch, error)) return false;
     if (!store_sql_read_integer(
             store->db, "SELECT max(last_job_id, (SELECT coalesce(max(id), 0) FROM job)) FROM daemon", &last_id, error))
         return false;
     store->next_job_id = last_id + 1;
+    store_counts_raise(store->folder, &(struct store_counts){.last_job_id = last_id, .epoch = store->epoch});
     // The newest plan of an owner is never dropped.
     if (!store_sql_read_integer(store->db, "SELECT coalesce(max(number), 0) + 1 FROM plan", &store->next_plan_number,
                                 error))
@@ -125,6 +161,7 @@ static bool try_to_open(struct store *store, struct error *error)
     bool ok = open_database(store, path, error);
 
     store->is_full = !ok && store_sql_is_full(store->db);
+    store->is_unreadable = !ok && !store->is_full && !store_sql_is_readable(store->db);
     if (!ok) {
         sqlite3_close(store->db);
         store->db = NULL;
@@ -143,6 +180,7 @@ struct store *store_open(const char *folder, bool *is_full, struct error *error)
     if (store->lock_fd < 0) goto out;
     ok = try_to_open(store, error);
     if (!ok && store->is_full && store_reserve_release(folder)) ok = try_to_open(store, error);
+    if (!ok && store->is_unreadable && store_backup_fall_back(folder, NULL)) ok = try_to_open(store, error);
     if (!ok) goto out;
     ok = false;
     for (int i = 0; i < STATEMENT_COUNT; i++)
@@ -195,16 +233,21 @@ static void bind_job_changes(sqlite3_stmt *statement, const struct store_job *jo
     store_sql_bind_text(statement, 9, job->reason);
 }
 
+static void bind_job_rest(sqlite3_stmt *statement, const struct store_job *job)
+{
+    store_sql_bind_text(statement, 10, job->name);
+    store_sql_bind_text(statement, 11, job->owner);
+    sqlite3_bind_int64(statement, 12, job->owner_uid);
+    store_sql_bind_text(statement, 13, job->root);
+}
+
 static bool add_job(struct store *store, const struct store_job *job, struct error *error)
 {
     sqlite3_stmt *add = store->statements[ADD_JOB];
     sqlite3_stmt *document = store->statements[ADD_DOCUMENT];
 
     bind_job_changes(add, job);
-    store_sql_bind_text(add, 10, job->name);
-    store_sql_bind_text(add, 11, job->owner);
-    sqlite3_bind_int64(add, 12, job->owner_uid);
-    store_sql_bind_text(add, 13, job->root);
+    bind_job_rest(add, job);
     sqlite3_bind_int64(document, 1, job->id);
     store_sql_bind_text(document, 2, job->document);
     return store_sql_run(add, "add a job", error) && store_sql_run(document, "add a job", error);
@@ -213,6 +256,8 @@ static bool add_job(struct store *store, const struct store_job *job, struct err
 static bool set_job(struct store *store, const struct store_job *job, struct error *error)
 {
     bind_job_changes(store->statements[SET_JOB], job);
+    bind_job_rest(store->statements[SET_JOB], job);
+    if (!job->owner) sqlite3_bind_null(store->statements[SET_JOB], 12);
     if (!store_sql_run(store->statements[SET_JOB], "change a job", error)) return false;
     if (sqlite3_changes(store->db) == 1) return true;
     error_set(error, "store: cannot change job %" PRId64 ": the store has no such job", job->id);
@@ -368,6 +413,17 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
     return false;
 }
 
+static void note_ids(struct store *store, const struct store_op *ops, size_t op_count)
+{
+    int64_t next_id = store->next_job_id;
+
+    for (size_t i = 0; i < op_count; i++)
+        if (ops[i].kind == STORE_ADD_JOB && ops[i].job.id >= next_id) next_id = ops[i].job.id + 1;
+    if (next_id == store->next_job_id) return;
+    store->next_job_id = next_id;
+    store_counts_raise(store->folder, &(struct store_counts){.last_job_id = next_id - 1, .epoch = store->epoch});
+}
+
 static bool try_to_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
 {
     bool ok = false;
@@ -380,8 +436,7 @@ out:
     store->is_full = !ok && store_sql_is_full(store->db);
     // After some failures SQLite has rolled back already.
     if (!ok && !sqlite3_get_autocommit(store->db)) sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
-    for (size_t i = 0; ok && i < op_count; i++)
-        if (ops[i].kind == STORE_ADD_JOB && ops[i].job.id >= store->next_job_id) store->next_job_id = ops[i].job.id + 1;
+    if (ok) note_ids(store, ops, op_count);
     return ok;
 }
 

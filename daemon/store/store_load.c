@@ -10,8 +10,9 @@
 #include <sqlite3.h>
 
 static const char jobs_sql[] =
-    "SELECT id, priority, is_paused, is_canceled, is_failed, submitted_ms, started_ms, finished_ms, reason,"
-    " name, owner, owner_uid, root, text FROM job JOIN document ON document.job = id ORDER BY id";
+    "SELECT " STORE_SCHEMA_JOB_COLUMNS ", text, job.sum IS row_sum(" STORE_SCHEMA_JOB_COLUMNS "),"
+    " document.sum IS row_sum(" STORE_SCHEMA_DOCUMENT_COLUMNS ")"
+    " FROM job LEFT JOIN document ON document.job = id ORDER BY id";
 static const char frames_sql[] =
     "SELECT job, frame_index, state, attempts, size_bytes, audit, measured_error, render_s, audit_s"
     " FROM frame ORDER BY job, frame_index";
@@ -32,8 +33,13 @@ static bool read_job(sqlite3_stmt *row, struct store_job *job, struct error *err
                               .owner = store_sql_text(row, 10),
                               .owner_uid = sqlite3_column_int64(row, 11),
                               .root = store_sql_text(row, 12),
-                              .document = store_sql_text(row, 13)};
-    if (job->id > 0 && job->priority >= 0 && job->priority < QUEUE_PRIORITY_LIMIT && job->document) return true;
+                              .document = store_sql_text(row, 13),
+                              .is_damaged = sqlite3_column_int(row, 14) == 0,
+                              .is_document_damaged = sqlite3_column_int(row, 15) == 0};
+    if (job->is_damaged && (job->priority < 0 || job->priority >= QUEUE_PRIORITY_LIMIT)) job->priority = 0;
+    if (job->id > 0 && job->priority >= 0 && job->priority < QUEUE_PRIORITY_LIMIT &&
+        (job->document || job->is_document_damaged))
+        return true;
     error_set(error, "store: job %" PRId64 " has priority %d, expected 0 to %d", job->id, job->priority,
               QUEUE_PRIORITY_LIMIT - 1);
     return false;

@@ -14,7 +14,7 @@ enum { STORE_ATTEMPT_LIMIT = 1000, STORE_PLAN_LIMIT = 1000 };
 
 enum store_op_kind {
     STORE_ADD_JOB,
-    STORE_SET_JOB,      // changes priority, flags, times and reason; the rest of `job` may be empty
+    STORE_SET_JOB,      // changes the job but its document; name, owner and root stay where they are NULL
     STORE_SET_FRAME,    // writes one frame's row, new or in place of the old one
     STORE_ADD_ATTEMPT,  // adds an ended attempt; only the newest STORE_ATTEMPT_LIMIT of a job are kept
     STORE_RESET_FRAMES, // deletes frame rows of a job by index list: the frames are queued again
@@ -40,6 +40,8 @@ struct store_job {
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; NULL: none
     char *root;                                    // owned; output root the job was accepted under
+    // While the store is loaded: the row, or the document, is not as it was written, and no backup has it.
+    bool is_damaged, is_document_damaged;
 };
 
 struct store_frame {

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sql.h"
+#include "daemon/store/store_sum.h"
 
 #include <inttypes.h>
 #include <sqlite3.h>
@@ -29,7 +30,8 @@ struct store_reader *store_reader_open(const char *folder, struct error *error)
         goto out;
     }
     sqlite3_busy_timeout(reader->db, BUSY_TIMEOUT_MS);
-    ok = store_sql_prepare(reader->db,
+    ok = store_sum_register(reader->db, error) &&
+         store_sql_prepare(reader->db,
                            "SELECT " STORE_SCHEMA_FRAME_COLUMNS " FROM frame"
                            " WHERE job = ? AND frame_index BETWEEN ? AND ? ORDER BY frame_index",
                            &reader->frames, error) &&
@@ -41,7 +43,8 @@ struct store_reader *store_reader_open(const char *folder, struct error *error)
                            "SELECT job, frame, attempt, worker, ended_ms, outcome, log FROM attempt"
                            " WHERE job = ?1 AND (?2 = -1 OR frame = ?2) ORDER BY number DESC LIMIT ?3",
                            &reader->attempts, error) &&
-         store_sql_prepare(reader->db, "SELECT text FROM document WHERE job = ?", &reader->document, error) &&
+         store_sql_prepare(reader->db, "SELECT text, sum IS row_sum(job, text) FROM document WHERE job = ?",
+                           &reader->document, error) &&
          store_sql_prepare(reader->db,
                            "SELECT number, text FROM plan WHERE owner_uid = ? AND scene = ? AND segment = ?"
                            " ORDER BY number DESC LIMIT 1",
@@ -160,7 +163,9 @@ bool store_read_document(struct store_reader *reader, int64_t job, char **docume
     *document = NULL;
     sqlite3_bind_int64(rows, 1, job);
     result = sqlite3_step(rows);
-    if (result == SQLITE_ROW) {
+    if (result == SQLITE_ROW && sqlite3_column_int(rows, 1) == 0) {
+        error_set(error, "store: the document of job %" PRId64 " is damaged on the disk", job);
+    } else if (result == SQLITE_ROW) {
         const char *text = store_sql_text(rows, 0);
 
         *document = xstrdup(text ? text : "");

@@ -10,7 +10,7 @@
 #include <sqlite3.h>
 #include <stdio.h>
 
-enum { NO_VERSION = 0, FIRST_VERSION = 1 };
+enum { NO_VERSION = 0, FIRST_VERSION = 1, FIRST_VERSION_WITH_SUMS = 9 };
 
 #define APPLICATION_ID 1299342184 // "Mrch": identifies the database as a store
 #define STRINGIFY(number) #number
@@ -62,7 +62,19 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "CREATE TABLE root (path TEXT PRIMARY KEY, id TEXT NOT NULL) WITHOUT ROWID;",
     [6] = "CREATE TABLE usage (owner_uid INTEGER PRIMARY KEY, used_s REAL NOT NULL, at_ms INTEGER NOT NULL);",
     [7] = "ALTER TABLE frame ADD COLUMN audit_s REAL;",
+    // The sums of rows, which are filled when all steps are done.
+    [8] = "ALTER TABLE daemon ADD COLUMN sum INTEGER; ALTER TABLE job ADD COLUMN sum INTEGER;"
+          "ALTER TABLE document ADD COLUMN sum INTEGER; ALTER TABLE frame ADD COLUMN sum INTEGER;"
+          "ALTER TABLE attempt ADD COLUMN sum INTEGER; ALTER TABLE plan ADD COLUMN sum INTEGER;"
+          "ALTER TABLE root ADD COLUMN sum INTEGER; ALTER TABLE usage ADD COLUMN sum INTEGER;",
 };
+
+#define FILL(table, columns) "UPDATE " table " SET sum = row_sum(" columns ");"
+
+static const char sums_sql[] = FILL("daemon", STORE_SCHEMA_DAEMON_COLUMNS) FILL("job", STORE_SCHEMA_JOB_COLUMNS)
+    FILL("document", STORE_SCHEMA_DOCUMENT_COLUMNS) FILL("frame", STORE_SCHEMA_FRAME_COLUMNS)
+        FILL("attempt", STORE_SCHEMA_ATTEMPT_COLUMNS) FILL("plan", STORE_SCHEMA_PLAN_COLUMNS)
+            FILL("root", STORE_SCHEMA_ROOT_COLUMNS) FILL("usage", STORE_SCHEMA_USAGE_COLUMNS);
 
 bool store_schema_check(sqlite3 *db, int *found, struct error *error)
 {
@@ -96,6 +108,8 @@ bool store_schema_upgrade(sqlite3 *db, int found, struct error *error)
     if (found == STORE_SCHEMA_VERSION) return true;
     for (int version = found; version < STORE_SCHEMA_VERSION; version++)
         if (!store_sql_execute(db, steps[version], "make the tables", error)) return false;
+    if (found < FIRST_VERSION_WITH_SUMS && !store_sql_execute(db, sums_sql, "make the sums of rows", error))
+        return false;
     return store_sql_execute(db, "PRAGMA user_version = " TEXT_OF(STORE_SCHEMA_VERSION), "make the tables", error);
 }
 

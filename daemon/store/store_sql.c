@@ -34,6 +34,18 @@ bool store_sql_is_full(sqlite3 *db)
            ((code == SQLITE_IOERR || code == SQLITE_CANTOPEN) && (errnum == ENOSPC || errnum == EDQUOT));
 }
 
+bool store_sql_is_readable(sqlite3 *db)
+{
+    sqlite3_stmt *statement = NULL;
+    // SQLITE_ERROR: a name in the schema is another.
+    bool ok = sqlite3_errcode(db) != SQLITE_ERROR &&
+              sqlite3_prepare_v2(db, "PRAGMA quick_check(1)", -1, &statement, NULL) == SQLITE_OK &&
+              sqlite3_step(statement) == SQLITE_ROW && strcmp(store_sql_text(statement, 0), "ok") == 0;
+
+    sqlite3_finalize(statement);
+    return ok;
+}
+
 static const char *describe_cause(sqlite3 *db)
 {
     int errnum = find_errno(db);
@@ -45,7 +57,7 @@ static const char *describe_cause(sqlite3 *db)
     case SQLITE_NOTADB:
         return "queue.db is no SQLite database, or its start is damaged";
     case SQLITE_CORRUPT:
-        return "queue.db is damaged";
+        return "queue.db is damaged: restore a backup (march restore)";
     case SQLITE_BUSY:
         return "queue.db is locked by another program";
     case SQLITE_CANTOPEN:

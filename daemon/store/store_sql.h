@@ -9,6 +9,8 @@ struct error;
 struct sqlite3;
 struct sqlite3_stmt;
 
+bool store_sql_is_readable(
+    struct sqlite3 *db);                    // false: what the latest error says, or a look at all pages finds damage
 bool store_sql_is_full(struct sqlite3 *db); // the connection's latest error is a full disk
 
 // Sets "store: cannot WHAT: CAUSE", with the cause of the connection's latest error.

@@ -35,8 +35,18 @@ static inline int make_folder(void **state)
 
 static inline int remove_folder(void **state)
 {
-    static const char *const names[] = {"state/queue.db", "state/queue.db-wal", "state/queue.db-shm",
-                                        "state/lock",     "state/reserve",      "state"};
+    static const char *const names[] = {"state/queue.db",
+                                        "state/queue.db-wal",
+                                        "state/queue.db-shm",
+                                        "state/lock",
+                                        "state/reserve",
+                                        "state/counts",
+                                        "state/backup.db",
+                                        "state/backup.db.part",
+                                        "state/queue.db.replaced",
+                                        "state/queue.db.replaced-wal",
+                                        "copy.db",
+                                        "state"};
     struct folder *folder = *state;
     char path[128];
 

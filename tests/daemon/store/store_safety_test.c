@@ -277,11 +277,10 @@ static void file_that_is_no_database_is_refused(void **state)
     assert_refused(folder, "store: cannot read: queue.db is no SQLite database, or its start is damaged");
 }
 
-static void damaged_page_is_an_error_of_the_load(void **state)
+static void damaged_page_without_a_backup_is_an_error(void **state)
 {
     const struct folder *folder = *state;
     struct store *store = open_store(folder);
-    struct loaded loaded = {0};
     struct error error = {0};
     struct stat status;
     char path[128];
@@ -296,10 +295,8 @@ static void damaged_page_is_an_error_of_the_load(void **state)
     memset(garbage, 0xee, sizeof garbage);
     write_bytes(path, status.st_size - (off_t)sizeof garbage, garbage, sizeof garbage);
 
-    store = open_store(folder);
-    assert_false(store_load(store, on_job, on_frame, &loaded, &error));
-    assert_string_equal(error.message, "store: cannot load the frames: queue.db is damaged");
-    store_close(store);
+    assert_null(store_open(folder->path, NULL, &error));
+    assert_string_equal(error.message, "store: cannot read: queue.db is damaged: restore a backup (march restore)");
 }
 
 static void impossible_folder_is_named(void **state)
@@ -412,7 +409,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(newer_store_is_refused_and_unchanged, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(database_of_another_program_is_refused, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(file_that_is_no_database_is_refused, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(damaged_page_is_an_error_of_the_load, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(damaged_page_without_a_backup_is_an_error, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(impossible_folder_is_named, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(acknowledged_commits_survive_sigkill, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(size_limit_loses_nothing_committed, make_folder, remove_folder),
