@@ -176,7 +176,7 @@ struct store *store_open(const char *folder, bool *is_full, struct error *error)
     bool ok = false;
 
     store->folder = xstrdup(folder);
-    store->lock_fd = store_lock_take(folder, error);
+    store->lock_fd = store_lock_take(folder, STORE_LOCK_WAIT_MS, error);
     if (store->lock_fd < 0) goto out;
     ok = try_to_open(store, error);
     if (!ok && store->is_full && store_reserve_release(folder)) ok = try_to_open(store, error);
