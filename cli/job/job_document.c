@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/file.h"
 #include "core/job/job.h"
+#include "core/job/job_check.h"
 #include "core/job/job_json.h"
 #include "core/json/json_read.h"
 
@@ -98,7 +99,7 @@ bool job_document_check(const char *path, const char *document, const char *outp
                         struct error *error)
 {
     if (job_parse(job, document, strlen(document), output_root, error)) {
-        if (job_inputs_check(job, error)) return true;
+        if (job_check_names(job, error) && job_inputs_check(job, error)) return true;
         job_finish(job);
     }
     error_prefix(error, "%s", job_document_name(path));

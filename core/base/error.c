@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/error.h"
 
+#include <errno.h>
+#include <inttypes.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 
 void error_set(struct error *error, const char *format, ...)
 {
@@ -15,17 +19,37 @@ void error_set(struct error *error, const char *format, ...)
     va_end(arguments);
 }
 
+bool error_is_shortage(int errnum)
+{
+    return errnum == EMFILE || errnum == ENFILE;
+}
+
+// Appends the text of `errnum`. A shortage of the program or the machine is not the fault of the file that was opened.
+static void append_cause(struct error *error, int errnum)
+{
+    size_t length = strlen(error->message);
+    char *end = error->message + length;
+    size_t room = sizeof error->message - length;
+    struct rlimit limit;
+
+    if (errnum == EMFILE && getrlimit(RLIMIT_NOFILE, &limit) == 0)
+        snprintf(end, room, ": this program may open no more than %" PRIu64 " files (LimitNOFILE= of its service)",
+                 (uint64_t)limit.rlim_cur);
+    else if (errnum == ENFILE)
+        snprintf(end, room, ": all programs together have too many open files (sysctl fs.file-max)");
+    else
+        snprintf(end, room, ": %s", strerrordesc_np(errnum));
+}
+
 void error_set_errno(struct error *error, int errnum, const char *format, ...)
 {
     va_list arguments;
-    size_t length;
 
     if (!error) return;
     va_start(arguments, format);
     vsnprintf(error->message, sizeof error->message, format, arguments);
     va_end(arguments);
-    length = strlen(error->message);
-    snprintf(error->message + length, sizeof error->message - length, ": %s", strerrordesc_np(errnum));
+    append_cause(error, errnum);
 }
 
 void error_prefix(struct error *error, const char *format, ...)

@@ -2,6 +2,7 @@
 #include "core/base/utf8.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 static bool is_continuation(unsigned char byte)
 {
@@ -34,4 +35,37 @@ size_t utf8_prefix_length(const char *bytes, size_t length, size_t limit)
     while (limit > 0 && is_continuation((unsigned char)bytes[limit]))
         limit--;
     return limit;
+}
+
+uint32_t utf8_code_point(const char *text)
+{
+    const unsigned char *b = (const unsigned char *)text;
+
+    if (b[0] < 0x80) return b[0];
+    if (b[0] < 0xe0) return (uint32_t)(b[0] & 0x1f) << 6 | (b[1] & 0x3f);
+    if (b[0] < 0xf0) return (uint32_t)(b[0] & 0x0f) << 12 | (uint32_t)(b[1] & 0x3f) << 6 | (b[2] & 0x3f);
+    return (uint32_t)(b[0] & 0x07) << 18 | (uint32_t)(b[1] & 0x3f) << 12 | (uint32_t)(b[2] & 0x3f) << 6 | (b[3] & 0x3f);
+}
+
+// Unicode Standard, chapter 23, "Special Areas and Format Characters".
+static bool is_hidden(uint32_t code)
+{
+    static const struct {
+        uint32_t first, last;
+    } hidden[] = {{0x00, 0x1f},     {0x7f, 0x9f},     {0xad, 0xad},      {0x61c, 0x61c},
+                  {0x180e, 0x180e}, {0x200b, 0x200f}, {0x2028, 0x202e},  {0x2060, 0x206f},
+                  {0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe007f}};
+
+    for (size_t i = 0; i < sizeof hidden / sizeof hidden[0]; i++)
+        if (code >= hidden[i].first && code <= hidden[i].last) return true;
+    return false;
+}
+
+const char *utf8_find_hidden(const char *text)
+{
+    size_t left = strlen(text), size;
+
+    for (; (size = utf8_character_length(text, left)) > 0; text += size, left -= size)
+        if (is_hidden(utf8_code_point(text))) return text;
+    return NULL;
 }

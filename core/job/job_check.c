@@ -2,6 +2,7 @@
 #include "core/job/job_check.h"
 
 #include "core/base/error.h"
+#include "core/base/utf8.h"
 #include "core/job/job.h"
 #include "core/job/job_pixels.h"
 #include "core/job/step_check.h"
@@ -232,4 +233,24 @@ bool job_check_inputs(const struct job *job, const struct json_node *document, s
         if (!check_texture(&scene->objects[i].material.texture, material, error)) return false;
     }
     return true;
+}
+
+static bool check_shown(const char *place, const char *text, struct error *error)
+{
+    const char *hidden = utf8_find_hidden(text);
+
+    if (hidden)
+        error_set(error,
+                  "%s: U+%04X is not allowed: it is hidden, or moves other characters, so that people read "
+                  "another name",
+                  place, (unsigned)utf8_code_point(hidden));
+    return !hidden;
+}
+
+bool job_check_names(const struct job *job, struct error *error)
+{
+    const struct output_path *path = &job->output.path;
+
+    return check_shown("name", job->name, error) && check_shown("output.path", path->folder, error) &&
+           check_shown("output.path", path->prefix, error) && check_shown("output.path", path->suffix, error);
 }

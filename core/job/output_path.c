@@ -287,6 +287,7 @@ static void set_reason(struct error *error, int errnum, int parent_fd, const cha
                   S_ISLNK(status.st_mode) ? "a symbolic link" : "not a folder");
     else
         error_set_errno(error, errnum, "cannot open folder \"%s\" below \"%s\"", reached, root);
+    errno = errnum;
 }
 
 // A file synced into a new folder is lost in a crash unless the folder's own entry is on disk too.

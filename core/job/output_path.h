@@ -51,7 +51,7 @@ bool output_path_may_collide(const struct output_path *a, const struct output_pa
 
 // Opens the folder below `root`, component by component, following no link (openat2 with RESOLVE_BENEATH |
 // RESOLVE_NO_SYMLINKS; openat with O_NOFOLLOW where the kernel lacks it). Makes missing folders if `create`. Returns a
-// descriptor, or -1 with the component named in `error`. `root` itself may be reached through links.
+// descriptor, or -1 with the component named in `error`, and errno set. `root` itself may be reached through links.
 int output_path_open_folder(const struct output_path *path, const char *root, bool create, struct error *error);
 // Likewise below an open folder, which may be an O_PATH descriptor; `root` is its name in messages. errno is ENOENT
 // when a component is missing.

@@ -278,7 +278,8 @@ bool job_submit_start(struct request *request, const struct json_node *document,
     if (!root || !check_peer(request)) return false;
 
     request->code = MESSAGE_CODE_PARAMS;
-    if (!job_from_json(&job, document, root, &request->error) || !job_check_inputs(&job, document, &request->error))
+    if (!job_from_json(&job, document, root, &request->error) || !job_check_inputs(&job, document, &request->error) ||
+        !job_check_names(&job, &request->error))
         goto out;
     output_root = find_root(request, root);
     if (!output_root || !request_may_have_priority(request, job.priority) || !check_folder(request, &job, root) ||
@@ -303,6 +304,12 @@ out:
     return ok;
 }
 
+// A shortage of the farm is no fault of the job.
+static int code_of(int errnum, enum message_code fault)
+{
+    return error_is_shortage(errnum) ? MESSAGE_CODE_INTERNAL : fault;
+}
+
 static void on_folder_run(uv_work_t *work)
 {
     struct job_submit *submit = work->data;
@@ -312,7 +319,8 @@ static void on_folder_run(uv_work_t *work)
         int reason = input_roots_check_opening(&submit->inputs.inputs[i], &submit->error);
 
         if (reason == 0) continue;
-        submit->failure = reason == EXDEV || reason == ELOOP ? MESSAGE_CODE_NOT_ALLOWED : MESSAGE_CODE_PARAMS;
+        submit->failure =
+            reason == EXDEV || reason == ELOOP ? MESSAGE_CODE_NOT_ALLOWED : code_of(reason, MESSAGE_CODE_PARAMS);
         return;
     }
     folder = output_root_open_folder(&submit->path, submit->row.root, submit->output_root->id, true, &submit->error);
@@ -322,8 +330,8 @@ static void on_folder_run(uv_work_t *work)
         close(folder);
         return;
     }
-    error_prefix(&submit->error, "output.path");
-    submit->failure = folder == OUTPUT_ROOT_AWAY ? MESSAGE_CODE_CONFLICT : MESSAGE_CODE_PARAMS;
+    submit->failure = folder == OUTPUT_ROOT_AWAY ? MESSAGE_CODE_CONFLICT : code_of(errno, MESSAGE_CODE_PARAMS);
+    if (submit->failure != MESSAGE_CODE_INTERNAL) error_prefix(&submit->error, "output.path");
 }
 
 static struct store_op format_op(const struct job_submit *submit)

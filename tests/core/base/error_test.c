@@ -28,6 +28,19 @@ static void errno_is_appended_in_words(void **state)
     assert_string_equal(error.message, "cannot open x: No such file or directory");
 }
 
+static void shortages_blame_the_program_or_the_machine(void **state)
+{
+    struct error error = {0};
+
+    error_set_errno(&error, EMFILE, "cannot open %s", "x");
+    assert_non_null(strstr(error.message, "cannot open x: this program may open no more than "));
+    assert_true(error_is_shortage(EMFILE));
+    error_set_errno(&error, ENFILE, "cannot open %s", "x");
+    assert_non_null(strstr(error.message, "cannot open x: all programs together have too many open files"));
+    assert_true(error_is_shortage(ENFILE));
+    assert_false(error_is_shortage(EACCES));
+}
+
 static void long_messages_are_cut_at_the_end(void **state)
 {
     struct error error = {0};
@@ -72,6 +85,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(prefix_goes_before_the_message),
         cmocka_unit_test(errno_is_appended_in_words),
+        cmocka_unit_test(shortages_blame_the_program_or_the_machine),
         cmocka_unit_test(long_messages_are_cut_at_the_end),
         cmocka_unit_test(prefix_too_long_to_fit_is_left_out),
         cmocka_unit_test(null_takes_no_message),

@@ -58,12 +58,44 @@ static void prefix_cuts_no_character(void **state)
     assert_int_equal(utf8_prefix_length("\x80\x80", 2, 1), 0);
 }
 
+static void hidden_characters_are_found(void **state)
+{
+    static const struct {
+        const char *text;
+        uint32_t code; // 0: none is hidden
+    } cases[] = {{"", 0},
+                 {"a.b c-1 \xc3\xa9 \xe2\x82\xac \xe6\x98\xa0 \xf0\x9f\x8e\xa5", 0},
+                 {"a\tb", 0x09},
+                 {"a\x7f", 0x7f},
+                 {"a\xc2\x85", 0x85},
+                 {"a\xc2\xad"
+                  "b",
+                  0xad},
+                 {"gpj\xe2\x80\xaegnp", 0x202e},
+                 {"a\xe2\x80\x8b", 0x200b},
+                 {"a\xe2\x80\xa8", 0x2028},
+                 {"\xe2\x81\xa6"
+                  "a",
+                  0x2066},
+                 {"\xef\xbb\xbf"
+                  "a",
+                  0xfeff},
+                 {"a\xf3\xa0\x81\xa1", 0xe0061}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *found = utf8_find_hidden(cases[i].text);
+
+        assert_int_equal(found ? utf8_code_point(found) : 0, cases[i].code);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(well_formed_characters_have_their_length),
         cmocka_unit_test(other_bytes_have_none),
         cmocka_unit_test(prefix_cuts_no_character),
+        cmocka_unit_test(hidden_characters_are_found),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

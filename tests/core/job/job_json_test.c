@@ -4,6 +4,8 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/file.h"
+#include "core/job/job.h"
+#include "core/job/job_check.h"
 #include "tests/support/job_expect.h"
 #include "tests/support/job_text.h"
 #include "tests/support/json_edit.h"
@@ -231,6 +233,29 @@ static void names_take_128_printable_bytes(void **state)
     free(text);
 }
 
+static void names_are_what_people_see(void **state)
+{
+    static const struct {
+        const char *key, *value, *wrong; // wrong: NULL: nothing is
+    } cases[] = {{"name", "\"caf\u00e9 \u6620\u50cf\"", NULL},
+                 {"name", "\"a\u202egpj\"", "name: U+202E is not allowed: "},
+                 {"name", "\"a\u200bb\"", "name: U+200B is not allowed: "},
+                 {"output.path", "\"a\u2066/x.####.exr\"", "output.path: U+2066 is not allowed: "},
+                 {"output.path", "\"a/x\ufeff.####.exr\"", "output.path: U+FEFF is not allowed: "},
+                 {"output.path", "\"a/x.####.\u00ad.exr\"", "output.path: U+00AD is not allowed: "}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char *text = json_edit_set(job_text_full, cases[i].key, cases[i].value);
+        struct job job = job_expect(text); // a job of the store with such a name is still read
+        struct error error = {0};
+
+        assert_int_equal(job_check_names(&job, &error), cases[i].wrong == NULL);
+        if (cases[i].wrong) assert_memory_equal(error.message, cases[i].wrong, strlen(cases[i].wrong));
+        job_finish(&job);
+        free(text);
+    }
+}
+
 static void absolute_paths_lie_below_the_root(void **state)
 {
     char *text = json_edit_set(job_text_full, "output.path", "\"/srv/out/a/b.#.exr\"");
@@ -324,6 +349,7 @@ int main(void)
         cmocka_unit_test(each_required_key_is_named_when_it_is_missing),
         cmocka_unit_test(wrong_values_are_refused_by_place),
         cmocka_unit_test(names_take_128_printable_bytes),
+        cmocka_unit_test(names_are_what_people_see),
         cmocka_unit_test(absolute_paths_lie_below_the_root),
         cmocka_unit_test(geometry_without_a_picture_is_refused),
         cmocka_unit_test(a_direction_is_checked_at_the_frames),
