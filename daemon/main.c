@@ -4,9 +4,12 @@
 #include "core/base/log.h"
 #include "core/base/version.h"
 #include "daemon/service/daemon.h"
+#include "daemon/service/folders.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/library_versions.h"
+#include "daemon/service/opening.h"
 #include "daemon/settings/options.h"
+#include "daemon/store/store_backup.h"
 
 #include <limits.h>
 #include <signal.h>
@@ -51,6 +54,35 @@ static bool read_options(void *user, struct options *options, struct error *erro
     return options_parse(options, line->argc, line->argv, &surroundings, error);
 }
 
+static int end_copy(bool ok, const struct error *error, bool is_backup, const char *folder, const char *file)
+{
+    if (ok)
+        printf("%s the queue in %s %s %s\n", is_backup ? "copied" : "restored", folder, is_backup ? "to" : "from",
+               file);
+    else
+        fprintf(stderr, "marchd: %s\n", error->message);
+    return ok ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
+static int back_up(const struct options *options)
+{
+    struct error error = {0};
+    bool ok = store_backup_save(options->state_folder, options->backup_file, &error);
+
+    return end_copy(ok, &error, true, options->state_folder, options->backup_file);
+}
+
+static int restore(const struct options *options)
+{
+    struct error error = {0};
+    bool has_counts = true,
+         ok = folders_make(options->state_folder, 0700, &error) &&
+              store_backup_restore(options->state_folder, options->restore_file, &has_counts, &error);
+
+    if (!has_counts) printf("the last id that was given is not known here: the next ones begin 1000 higher\n");
+    return end_copy(ok, &error, false, options->state_folder, options->restore_file);
+}
+
 static int run(struct options *options, struct command_line *line)
 {
     struct error error = {0};
@@ -59,6 +91,10 @@ static int run(struct options *options, struct command_line *line)
     journal_open(getenv("JOURNAL_STREAM"), journal_socket_path);
     log_set_level(options->log_level);
     signal(SIGPIPE, SIG_IGN);
+    if (!opening_check_new(options, &error)) {
+        log_error("%s", error.message);
+        return EXIT_USAGE;
+    }
     daemon = daemon_create(options, read_options, line, &error);
     if (!daemon) {
         log_error("%s", error.message);
@@ -85,7 +121,11 @@ int main(int argc, char **argv)
     else if (options.wants_version) {
         version_print(stdout, "marchd");
         library_versions_print(stdout);
-    } else
+    } else if (options.backup_file)
+        status = back_up(&options);
+    else if (options.restore_file)
+        status = restore(&options);
+    else
         status = run(&options, &line);
     options_finish(&options);
     return status;

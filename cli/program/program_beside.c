@@ -14,6 +14,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+enum { ARGUMENT_LIMIT = 8 };
+
 char *program_beside_find(const char *name)
 {
     char own[PATH_MAX];
@@ -54,6 +56,26 @@ static char *read_to_end(int fd)
     }
     fclose(in);
     return text;
+}
+
+int program_beside_run(const char *name, const char *const arguments[], bool is_quiet)
+{
+    char *path = program_beside_find(name);
+    char *argv[ARGUMENT_LIMIT + 2] = {path};
+    posix_spawn_file_actions_t actions;
+    int status = -1;
+    pid_t pid;
+
+    for (size_t i = 0; i < ARGUMENT_LIMIT && arguments[i]; i++)
+        argv[i + 1] = (char *)arguments[i];
+    posix_spawn_file_actions_init(&actions);
+    if (is_quiet) posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    if (posix_spawn(&pid, path, &actions, NULL, argv, environ) == 0)
+        while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+        }
+    posix_spawn_file_actions_destroy(&actions);
+    free(path);
+    return status >= 0 && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
 char *program_beside_ask(const char *name, const char *argument)

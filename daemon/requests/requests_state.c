@@ -157,7 +157,7 @@ enum request_outcome requests_job_show(struct request *request)
     if (!record) return REQUEST_FAILED;
     request->code = MESSAGE_CODE_INTERNAL;
     // The document holds text of files that other users may not be allowed to read.
-    if (request_may_change(request, record) &&
+    if (!record->is_unreadable && request_may_change(request, record) &&
         !store_read_document(request->farm->reader, record->id, &document, &request->error))
         return REQUEST_FAILED;
     json_write_begin_object(request->result);

@@ -46,6 +46,9 @@ const char options_help[] =
     "  --half-life SECONDS     half of what a user used of the workers is forgotten in this time (3600)\n"
     "  --longest-wait SECONDS  a user's jobs get a worker after this time, whatever their priority (86400)\n"
     "  --log-level LEVEL       debug, info, warning or error (info)\n"
+    "  --new-store             make a new store where a farm was before: after the old one was lost for good\n"
+    "  --backup FILE           copy the store to FILE and end, whether a daemon runs or not\n"
+    "  --restore FILE          put such a copy in place of the store and end; no daemon may run\n"
     "  --help, --version\n"
     "\n"
     "The command line overrides the environment (MARCHD_SOCKET for --socket), which overrides the file.\n"
@@ -81,6 +84,9 @@ enum option_code {
     OPTION_WORKER_MEMORY,
     OPTION_SANDBOX,
     OPTION_LOG_LEVEL,
+    OPTION_NEW_STORE,
+    OPTION_BACKUP,
+    OPTION_RESTORE,
     OPTION_HELP,
     OPTION_VERSION
 };
@@ -111,6 +117,9 @@ static const struct option long_options[] = {
     {"worker-memory", required_argument, NULL, OPTION_WORKER_MEMORY},
     {"sandbox", required_argument, NULL, OPTION_SANDBOX},
     {"log-level", required_argument, NULL, OPTION_LOG_LEVEL},
+    {"new-store", no_argument, NULL, OPTION_NEW_STORE},
+    {"backup", required_argument, NULL, OPTION_BACKUP},
+    {"restore", required_argument, NULL, OPTION_RESTORE},
     {"help", no_argument, NULL, OPTION_HELP},
     {"version", no_argument, NULL, OPTION_VERSION},
     {NULL, 0, NULL, 0},
@@ -198,6 +207,10 @@ static bool set_folder(struct setter *setter, int code, const char *text, struct
         return add_path(setter, &options->input_roots, &setter->has_input_roots, "input-root", text, error);
     case OPTION_WORKER_PROGRAM:
         return set_path(setter, &options->worker_program, "worker-program", text, error);
+    case OPTION_BACKUP:
+        return set_path(setter, &options->backup_file, "backup", text, error);
+    case OPTION_RESTORE:
+        return set_path(setter, &options->restore_file, "restore", text, error);
     default:
         return set_path(setter, &options->shader_folder, "shader-dir", text, error);
     }
@@ -222,6 +235,9 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
     struct options *options = setter->options;
 
     switch (code) {
+    case OPTION_NEW_STORE:
+        options->may_be_new = true;
+        return true;
     case OPTION_WORKERS:
         return options_value_workers(text, &options->worker_count, error);
     case OPTION_THREADS:
@@ -293,14 +309,19 @@ static bool set_defaults(struct options *options, const struct options_surroundi
     return true;
 }
 
+static bool is_setting(const struct option *option)
+{
+    return option->has_arg == required_argument && option->val != OPTION_CONFIG && option->val != OPTION_BACKUP &&
+           option->val != OPTION_RESTORE;
+}
+
 // Sets the option that has the name `key`.
 static bool on_setting(void *user, const char *key, const char *value, struct error *error)
 {
     struct setter *setter = user;
 
     for (const struct option *option = long_options; option->name; option++)
-        if (option->has_arg == required_argument && option->val != OPTION_CONFIG && strcmp(option->name, key) == 0)
-            return set_option(setter, option->val, value, error);
+        if (is_setting(option) && strcmp(option->name, key) == 0) return set_option(setter, option->val, value, error);
     error_set(error, "%s: there is no such setting, see marchd --help", key);
     return false;
 }
@@ -392,6 +413,8 @@ void options_finish(struct options *options)
     free(options->shader_folder);
     free(options->backend);
     free(options->admin_group);
+    free(options->backup_file);
+    free(options->restore_file);
     user_weights_finish(&options->user_weights);
     *options = (struct options){0};
 }

@@ -47,6 +47,9 @@ struct options {
     int64_t worker_memory_bytes; // memory of one worker; 0: its share of the machine's memory, -1: any amount
     bool has_sandbox;            // workers run in the sandbox
     enum log_level log_level;
+    bool may_be_new;                // a new store may be made where a farm was before
+    char *backup_file;              // NULL, or where to copy the store to, instead of serving
+    char *restore_file;             // NULL, or a copy to put in place of the store, instead of serving
     bool wants_help, wants_version; // when true, nothing else is filled
 };
 
