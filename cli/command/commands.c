@@ -49,6 +49,8 @@ static const struct command commands[] = {
      "Deletes jobs that have ended; the files that they published stay, unless --files is given.",
      "march delete 7 --files", command_delete},
     {"workers", "", 0, 0, DAEMON, "Lists the workers and what they run on.", "march workers", command_workers},
+    {"status", "", 0, 0, DAEMON, "Shows how the daemon is: its jobs, roots, and how long the turns of its loop are.",
+     "march status", command_status},
     {"backup", "FILE [STATE-FOLDER]", 1, 2, EVERY,
      "Copies the daemon's queue to a file of mode 0600, while the daemon runs or not; for its user and root.",
      "march backup /var/backups/marchd-queue.db", command_backup},

@@ -14,5 +14,6 @@ void error_set(struct error *error, const char *format, ...) __attribute__((form
 void error_prefix(struct error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
 // Sets the formatted message, then ": " and the text of `errnum` (an errno value).
 void error_set_errno(struct error *error, int errnum, const char *format, ...) __attribute__((format(printf, 3, 4)));
-// True when `errnum` says that the program or the machine has too many open files: no fault of the file that was opened.
+// True when `errnum` says that the program or the machine has too many open files: no fault of the file that was
+// opened.
 bool error_is_shortage(int errnum);

@@ -136,6 +136,14 @@ void message_finish(struct message *message)
     *message = (struct message){0};
 }
 
+struct cJSON *message_take_root(struct message *message)
+{
+    struct cJSON *root = message->root;
+
+    message->root = NULL;
+    return root;
+}
+
 static void begin(struct json_writer *writer)
 {
     json_write_begin_object(writer);

@@ -46,6 +46,8 @@ struct message {
 bool message_decode(struct message *message, const char *line, size_t length, enum message_code *code,
                     struct error *error);
 void message_finish(struct message *message);
+// Takes the root, which the caller then owns, out of the message: nothing else of it may be used any more but its id.
+struct cJSON *message_take_root(struct message *message);
 
 // After a begin, the caller writes params (or the result) as one JSON value; message_end then closes the line, newline
 // included. A writer may hold several messages.

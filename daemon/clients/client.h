@@ -4,6 +4,8 @@
 
 #include "core/wire/message.h"
 #include "core/wire/message_stream.h"
+#include "daemon/clients/outgoing.h"
+#include "daemon/loop/loop_turns.h"
 #include "daemon/users/rights.h"
 
 #include <stdbool.h>
@@ -14,48 +16,69 @@
 
 struct client;
 struct json_writer;
+struct memory_return;
+struct shared_text;
+struct work_desk;
 
-// The callbacks of a connection. Borrowed while it lives.
-struct client_handlers {
-    // The message is a request or a notification.
-    void (*on_message)(void *user, struct client *client, const struct message *message);
+// What clients share. Borrowed while one lives.
+struct client_host {
+    uv_loop_t *loop;
+    struct loop_turns *turns;     // messages are handled one by one, and clients take turns
+    struct work_desk *desk;       // where long messages are read
+    struct memory_return *memory; // told of what a client leaves
+    // The message is a request or a notification; its root may be taken out of it.
+    void (*on_message)(void *user, struct client *client, struct message *message);
     void (*on_closed)(void *user, struct client *client); // it is freed next: nothing may be sent
     void *user;
 };
 
+// Bytes of a line that is read on the loop; a longer one is read in a thread.
+enum { CLIENT_SHORT_LINE = 64 * 1024 };
+
 struct client {
     uv_pipe_t pipe;
-    uv_idle_t idle; // active while complete lines wait in `stream`
-    const struct client_handlers *handlers;
+    const struct client_host *host;
+    struct loop_task task; // sends what waits, handles one message
     struct message_stream stream;
-    struct rights_peer peer; // at the time of the connection
-    gid_t *groups;           // owned; the peer's
-    char *user;              // owned; the peer's user name, or its number
-    size_t pending_answers;  // deferred answers that were not sent yet
-    int open_handles;
+    struct outgoing outgoing; // what is not read by the peer, and the account of its user
+    size_t stuck_bytes;       // of the socket's queue, when it was looked at last
+    int stuck_checks;         // in a row that found the same bytes there
+    struct rights_peer peer;  // at the time of the connection
+    gid_t *groups;            // owned; the peer's
+    char *user;               // owned; the peer's user name, or its number
+    size_t pending_answers;   // deferred answers that were not sent yet
+    bool is_decoding;         // a long message is read in a thread: the next one waits
     bool is_reading;
     bool has_ended;  // the peer closed its sending side
     bool is_ignored; // the daemon reads no more messages from it
-    bool is_closing;
+    bool is_closing, is_closed;
     uv_shutdown_t shutdown;
     struct client *next, *previous; // on the listener's list
 };
 
-// Accepts the connection that waits at `server`; NULL when there is none. The client frees itself after it is closed.
-struct client *client_accept(uv_stream_t *server, const struct client_handlers *handlers);
+// The client of a connection that was accepted, whose descriptor it takes; NULL when the system refuses. It frees
+// itself after it is closed. It reads nothing before client_start.
+struct client *client_create(const struct client_host *host, int fd);
+void client_start(struct client *client);
 void client_close(struct client *client); // at once; legal twice
 // Sends the error, reads no messages, and closes.
 void client_refuse(struct client *client, enum message_code code, const char *why);
 // Reads no more messages. Deferred answers and events are still sent.
 void client_stop_reading(struct client *client);
+// To be called every few seconds. Where messages of the user wait because too much is unread, a client that has read
+// nothing for half a minute is closed.
+void client_check_stuck(struct client *client);
 
-void client_send(struct client *client, const char *bytes, size_t size_bytes); // copies; does nothing while closing
-// The answer to the request `id`. Nothing is sent when `id` is empty: the client wants no answer.
-void client_send_result(struct client *client, const char *id, const struct json_writer *value);
+// All do nothing while the client is closing.
+void client_send_event(struct client *client, struct shared_text *event); // holds the text until it is read
+// The answer to the request `id`, whose value is taken out of the writer. Nothing is sent when `id` is empty: the
+// client wants no answer.
+void client_send_result(struct client *client, const char *id, struct json_writer *value);
 void client_send_error(struct client *client, const char *id, enum message_code code, const char *text);
-size_t client_backlog_bytes(const struct client *client); // bytes sent that the peer has not read yet
 
 // For an answer that comes later: the client lives at least until client_release, which handles no message itself. A
-// client with too many pending answers is not read from.
-void client_hold(struct client *client);
-void client_release(struct client *client);
+// client with CLIENT_PENDING_LIMIT pending answers is not read from. `answers` is how many it counts as: one that may
+// be long counts as all that there may be.
+enum { CLIENT_PENDING_LIMIT = 16 };
+void client_hold(struct client *client, size_t answers);
+void client_release(struct client *client, size_t answers);

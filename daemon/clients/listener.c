@@ -4,6 +4,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "daemon/clients/client_account.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -16,23 +17,38 @@
 #include <systemd/sd-daemon.h>
 #include <unistd.h>
 
-enum { WAITING_LIMIT = 128, SOCKET_MODE = 0660, CONNECTIONS_LIMIT = 64 }; // of one user
-
-struct listener {
-    uv_pipe_t pipe;
-    struct listener_handlers handlers;
-    struct client_handlers client_handlers;
-    struct client *clients; // list of those connected
-    char *path;             // owned; NULL: systemd's socket, which stays
-    ino_t inode;            // of the socket at `path`
-    bool is_stopped, is_closing;
-    bool is_pipe_closed;
+enum {
+    WAITING_LIMIT = 128,
+    SOCKET_MODE = 0660,
+    CONNECTIONS_LIMIT = 64, // of one user
+    ACCEPT_LIMIT = 16,      // connections in one turn of the loop
+    PAUSE_MS = 1000,        // after a connection that could not be accepted
+    QUIET_MS = 60 * 1000,   // between two lines of the log about that
+    CHECK_MS = 5 * 1000     // between two looks at clients that do not read
 };
 
-static void on_connection(uv_stream_t *server, int status);
-static void on_client_message(void *user, struct client *client, const struct message *message);
+struct listener {
+    uv_poll_t poll;    // of the socket
+    uv_timer_t resume; // active while no connection can be accepted
+    uv_timer_t check;
+    int fd; // owned
+    struct listener_params params;
+    struct client_host host;
+    struct client_accounts accounts;
+    struct client *clients;   // list of those connected
+    char *path;               // owned; NULL: systemd's socket, which stays
+    ino_t inode;              // of the socket at `path`
+    uint64_t next_warning_ms; // of the loop's clock
+    int open_handles;
+    bool is_stopped, is_closing;
+};
+
+static void on_connection(uv_poll_t *poll, int status, int events);
+static void on_resume(uv_timer_t *timer);
+static void on_check(uv_timer_t *timer);
+static void on_client_message(void *user, struct client *client, struct message *message);
 static void on_client_closed(void *user, struct client *client);
-static void on_pipe_closed(uv_handle_t *handle);
+static void on_handle_closed(uv_handle_t *handle);
 
 static bool fill_address(struct sockaddr_un *address, const char *path, const char *suffix, struct error *error)
 {
@@ -118,27 +134,40 @@ static void raise_file_limit(void)
     setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-struct listener *listener_open(uv_loop_t *loop, const char *path, const struct listener_handlers *handlers,
-                               struct error *error)
+static void init_handles(struct listener *listener, uv_loop_t *loop)
+{
+    uv_timer_init(loop, &listener->resume);
+    uv_timer_init(loop, &listener->check);
+    uv_poll_init(loop, &listener->poll, listener->fd);
+    listener->poll.data = listener->resume.data = listener->check.data = listener;
+    listener->open_handles = 3;
+}
+
+struct listener *listener_open(uv_loop_t *loop, const struct listener_params *params, struct error *error)
 {
     struct listener *listener;
     ino_t inode = 0;
     bool is_inherited = sd_listen_fds(1) >= 1;
-    int fd = is_inherited ? SD_LISTEN_FDS_START : make_socket(path, &inode, error);
+    int fd = is_inherited ? SD_LISTEN_FDS_START : make_socket(params->path, &inode, error);
 
     if (fd < 0) return NULL;
     raise_file_limit();
     listener = xcalloc(1, sizeof *listener);
-    listener->handlers = *handlers;
-    listener->client_handlers =
-        (struct client_handlers){.on_message = on_client_message, .on_closed = on_client_closed, .user = listener};
-    listener->path = is_inherited ? NULL : xstrdup(path);
+    listener->params = *params;
+    listener->fd = fd;
+    listener->host = (struct client_host){.loop = loop,
+                                          .turns = params->turns,
+                                          .desk = params->desk,
+                                          .memory = params->memory,
+                                          .on_message = on_client_message,
+                                          .on_closed = on_client_closed,
+                                          .user = listener};
+    listener->path = is_inherited ? NULL : xstrdup(params->path);
     listener->inode = inode;
-    uv_pipe_init(loop, &listener->pipe, 0);
-    listener->pipe.data = listener;
-    if (uv_pipe_open(&listener->pipe, fd) != 0 ||
-        uv_listen((uv_stream_t *)&listener->pipe, WAITING_LIMIT, on_connection) != 0) {
-        error_set(error, "socket %s: cannot listen", is_inherited ? "from systemd" : path);
+    init_handles(listener, loop);
+    uv_timer_start(&listener->check, on_check, CHECK_MS, CHECK_MS);
+    if (uv_poll_start(&listener->poll, UV_READABLE, on_connection) != 0) {
+        error_set(error, "socket %s: cannot listen", is_inherited ? "from systemd" : params->path);
         listener_close(listener);
         return NULL;
     }
@@ -146,47 +175,84 @@ struct listener *listener_open(uv_loop_t *loop, const char *path, const struct l
 }
 
 // No user may take all descriptors. Root and the daemon's own user are exempt: they could kill the daemon anyway.
-static void check_connection_limit(const struct listener *listener, struct client *client)
+static bool is_over_limit(const struct client *client)
 {
     int64_t uid = client->peer.uid;
-    size_t count = 0;
+
+    return uid != 0 && uid != geteuid() && client->outgoing.account->client_count > CONNECTIONS_LIMIT;
+}
+
+static void add_client(struct listener *listener, struct client *client)
+{
     char why[128];
 
-    if (uid == 0 || uid == geteuid()) return;
-    for (const struct client *other = listener->clients; other; other = other->next)
-        if (other->peer.uid == uid) count++;
-    if (count <= CONNECTIONS_LIMIT) return;
+    client->next = listener->clients;
+    if (client->next) client->next->previous = client;
+    listener->clients = client;
+    client->outgoing.account = client_accounts_join(&listener->accounts, client->peer.uid);
+    if (!is_over_limit(client)) {
+        client_start(client);
+        return;
+    }
     snprintf(why, sizeof why, "connections: %.40s may have %d at a time", client->user, CONNECTIONS_LIMIT);
     client_refuse(client, MESSAGE_CODE_NOT_ALLOWED, why);
 }
 
-static void on_connection(uv_stream_t *server, int status)
+// Connections stay in the socket's queue until there are descriptors again. That is tried every second, and said once a
+// minute.
+static void pause_accepting(struct listener *listener, int errnum)
 {
-    struct listener *listener = server->data;
-    struct client *client;
+    struct error error = {0};
+    uint64_t now_ms = uv_now(listener->host.loop);
 
-    if (status != 0) {
-        log_warn("socket: %s", uv_strerror(status));
-        return;
-    }
-    client = client_accept(server, &listener->client_handlers);
-    if (!client) return;
-    client->next = listener->clients;
-    if (client->next) client->next->previous = client;
-    listener->clients = client;
-    check_connection_limit(listener, client);
+    uv_poll_stop(&listener->poll);
+    uv_timer_start(&listener->resume, on_resume, PAUSE_MS, 0);
+    if (now_ms < listener->next_warning_ms) return;
+    listener->next_warning_ms = now_ms + QUIET_MS;
+    error_set_errno(&error, errnum, "socket: connections have to wait, tried again every second");
+    log_warn("%s", error.message);
 }
 
-static void on_client_message(void *user, struct client *client, const struct message *message)
+static void on_connection(uv_poll_t *poll, int status, int events)
+{
+    struct listener *listener = poll->data;
+
+    for (int count = 0; count < ACCEPT_LIMIT; count++) {
+        int fd = accept4(listener->fd, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC);
+        struct client *client = fd >= 0 ? client_create(&listener->host, fd) : NULL;
+
+        if (client) add_client(listener, client);
+        if (fd >= 0 || errno == EINTR || errno == ECONNABORTED) continue;
+        if (errno != EAGAIN) pause_accepting(listener, errno);
+        return;
+    }
+}
+
+static void on_client_message(void *user, struct client *client, struct message *message)
 {
     struct listener *listener = user;
 
-    listener->handlers.on_message(listener->handlers.user, client, message);
+    listener->params.on_message(listener->params.user, client, message);
+}
+
+static void on_resume(uv_timer_t *timer)
+{
+    struct listener *listener = timer->data;
+
+    uv_poll_start(&listener->poll, UV_READABLE, on_connection);
+}
+
+static void on_check(uv_timer_t *timer)
+{
+    struct listener *listener = timer->data;
+
+    for (struct client *client = listener->clients; client; client = client->next)
+        client_check_stuck(client);
 }
 
 static void free_if_done(struct listener *listener)
 {
-    if (!listener->is_pipe_closed || !listener->is_closing || listener->clients) return;
+    if (listener->open_handles > 0 || !listener->is_closing || listener->clients) return;
     free(listener->path);
     free(listener);
 }
@@ -200,7 +266,8 @@ static void on_client_closed(void *user, struct client *client)
     else
         listener->clients = client->next;
     if (client->next) client->next->previous = client->previous;
-    listener->handlers.on_gone(listener->handlers.user, client);
+    listener->params.on_gone(listener->params.user, client);
+    client_accounts_leave(&listener->accounts, client->outgoing.account);
     free_if_done(listener);
 }
 
@@ -212,7 +279,9 @@ void listener_stop(struct listener *listener)
     listener->is_stopped = true;
     if (listener->path && lstat(listener->path, &status) == 0 && status.st_ino == listener->inode)
         unlink(listener->path);
-    uv_close((uv_handle_t *)&listener->pipe, on_pipe_closed);
+    uv_close((uv_handle_t *)&listener->poll, on_handle_closed);
+    uv_close((uv_handle_t *)&listener->resume, on_handle_closed);
+    uv_close((uv_handle_t *)&listener->check, on_handle_closed);
 }
 
 void listener_stop_reading(struct listener *listener)
@@ -230,10 +299,10 @@ void listener_close(struct listener *listener)
     free_if_done(listener);
 }
 
-static void on_pipe_closed(uv_handle_t *handle)
+static void on_handle_closed(uv_handle_t *handle)
 {
     struct listener *listener = handle->data;
 
-    listener->is_pipe_closed = true;
+    if (--listener->open_handles == 0) close(listener->fd);
     free_if_done(listener);
 }

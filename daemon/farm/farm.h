@@ -15,15 +15,21 @@
 
 struct committer;
 struct events;
+struct loop_turns;
+struct memory_return;
 struct options;
 struct publisher;
 struct store_reader;
 struct sweeper;
+struct work_desk;
 struct worker_pool;
 
 // All pointers are borrowed from the daemon, which connects the modules.
 struct farm {
     uv_loop_t *loop;
+    struct loop_turns *turns;
+    struct work_desk *work; // what requests do off the loop
+    struct memory_return *memory;
     const struct options *options;
     struct store_reader *reader; // for small reads on the loop
     struct queue *queue;

@@ -2,17 +2,17 @@
 #include "daemon/jobs/events.h"
 
 #include "core/base/alloc.h"
-#include "core/base/log.h"
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 #include "daemon/clients/client.h"
+#include "daemon/clients/shared_text.h"
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/workers/worker_pool.h"
 
 #include <stdlib.h>
 
-enum { SUBSCRIPTIONS_LIMIT = 64, INTERVAL_MS = 250, SUBSCRIBER_BACKLOG_LIMIT = 16 * 1024 * 1024 };
+enum { SUBSCRIPTIONS_LIMIT = 64, INTERVAL_MS = 250 };
 
 struct subscription {
     struct client *client; // borrowed; events_forget comes before it is freed
@@ -27,7 +27,7 @@ struct events {
     size_t count, capacity;
     struct job_record **changed; // owned; records with is_changed
     size_t changed_count, changed_capacity;
-    struct json_writer writer; // reused for each event
+    struct json_writer writer; // of one event
 };
 
 static void on_interval(uv_timer_t *timer);
@@ -82,29 +82,29 @@ void events_forget(struct events *events, const struct client *client)
 
 static struct json_writer *begin_event(struct events *events, const char *type)
 {
-    json_writer_clear(&events->writer);
     message_begin_notification(&events->writer, "event");
     json_write_begin_object(&events->writer);
     json_write_string_member(&events->writer, "type", type);
     return &events->writer;
 }
 
-// `job` 0: to all subscribers. client_close only begins the end of a client, so the list does not change here.
+// `job` 0: to all subscribers, who share one text. client_close only begins the end of a client, so the list does not
+// change here.
 static void end_event(struct events *events, int64_t job, bool is_frame)
 {
+    struct shared_text *text;
+
     json_write_end_object(&events->writer);
     message_end(&events->writer);
+    text = shared_text_create(&events->writer);
     for (size_t i = 0; i < events->count; i++) {
         const struct subscription *subscription = &events->subscriptions[i];
 
-        if (subscription->client->is_closing) continue;
         if (job && subscription->job && subscription->job != job) continue;
         if (is_frame && !subscription->wants_frames) continue;
-        client_send(subscription->client, events->writer.text, events->writer.length);
-        if (client_backlog_bytes(subscription->client) <= SUBSCRIBER_BACKLOG_LIMIT) continue;
-        log_info("a client of %s does not read its events: disconnected", subscription->client->user);
-        client_close(subscription->client);
+        client_send_event(subscription->client, text);
     }
+    shared_text_release(text);
 }
 
 static void send_job(struct events *events, struct job_record *record)

@@ -179,7 +179,7 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     struct job_submit *submit = xcalloc(1, sizeof *submit);
 
     submit->farm = request->farm;
-    submit->answer = request_defer_answer(request);
+    submit->answer = request_defer_answer(request, false);
     submit->row = (struct store_job){.document = owned_document,
                                      .name = xstrdup(job->name),
                                      .owner = xstrdup(request->client->user),

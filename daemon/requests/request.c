@@ -9,6 +9,10 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
+
+// What is read on the loop.
+enum { SET_LIMIT = 64, RANGE_TEXT_LIMIT = 64 * 1024 };
 
 enum request_outcome request_fail(struct request *request, enum message_code code, const char *format, ...)
 {
@@ -82,6 +86,7 @@ bool request_read_set(struct request *request, const char *key, const char *cons
         return true;
     }
     if (json_node_type(&node) != JSON_ARRAY) return add_name(request, &node, names, set);
+    if (!json_check_array(&node, 0, SET_LIMIT, &request->error)) return false;
     while (json_node_next(&node, &name)) {
         if (!add_name(request, &name, names, set)) return false;
     }
@@ -105,12 +110,14 @@ bool request_read_range(struct request *request, struct frame_range *range)
     request->code = MESSAGE_CODE_PARAMS;
     if (json_node_is_absent(&node)) return true;
     if (!json_read_string(&node, &text, &request->error)) return false;
+    if (strlen(text) > RANGE_TEXT_LIMIT)
+        return json_fail(&node, &request->error, "expected at most %d bytes", RANGE_TEXT_LIMIT);
     if (frame_range_parse(range, text, &request->error)) return true;
     error_prefix(&request->error, "params.range");
     return false;
 }
 
-struct answer *request_defer_answer(const struct request *request)
+struct answer *request_defer_answer(const struct request *request, bool is_long)
 {
-    return answer_create(request->client, request->id);
+    return answer_create(request->client, request->id, is_long);
 }

@@ -26,6 +26,7 @@ enum request_outcome {
 struct request {
     struct farm *farm;
     struct client *client;
+    struct message *message;    // whose root a method may take
     const char *id;             // as JSON text; empty: the client wants no answer
     struct json_node params;    // may be absent
     struct json_writer *result; // for one JSON value
@@ -52,5 +53,5 @@ bool request_read_set(struct request *request, const char *key, const char *cons
 bool request_read_flag(struct request *request, const char *key, bool *flag);
 bool request_read_range(struct request *request, struct frame_range *range);
 
-// The answer is sent later.
-struct answer *request_defer_answer(const struct request *request);
+// The answer is sent later. `is_long` as in answer_create.
+struct answer *request_defer_answer(const struct request *request, bool is_long);

@@ -64,11 +64,15 @@ static enum request_outcome handle(struct request *request, const char *name)
     return method->handle(request);
 }
 
-void requests_handle(struct farm *farm, struct client *client, const struct message *message)
+void requests_handle(struct farm *farm, struct client *client, struct message *message)
 {
     struct json_writer result = {0};
-    struct request request = {
-        .farm = farm, .client = client, .id = message->id, .params = message->body, .result = &result};
+    struct request request = {.farm = farm,
+                              .client = client,
+                              .message = message,
+                              .id = message->id,
+                              .params = message->body,
+                              .result = &result};
 
     switch (handle(&request, message->method)) {
     case REQUEST_ANSWERED:

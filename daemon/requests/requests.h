@@ -8,7 +8,7 @@ struct client;
 struct farm;
 struct message;
 
-void requests_handle(struct farm *farm, struct client *client, const struct message *message);
+void requests_handle(struct farm *farm, struct client *client, struct message *message);
 
 // The methods of docs/protocol.md.
 enum request_outcome requests_daemon_status(struct request *request);

@@ -44,7 +44,8 @@ static enum request_outcome commit_change(struct request *request, struct job_re
     struct pending_change *change = xmalloc(sizeof *change);
     struct store_op op = job_record_format_op(record);
 
-    *change = (struct pending_change){.farm = request->farm, .record = record, .answer = request_defer_answer(request)};
+    *change = (struct pending_change){
+        .farm = request->farm, .record = record, .answer = request_defer_answer(request, false)};
     committer_put(request->farm->committer, COMMIT_REPORTED, &op, 1, on_change_committed, change);
     return REQUEST_DEFERRED;
 }
@@ -155,7 +156,7 @@ enum request_outcome requests_job_delete(struct request *request)
     if (queue_job_is_live(record->queued) || record->is_retry_waiting)
         return request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld is not over: cancel it first",
                             (long long)record->id);
-    job_delete_start(request->farm, record, with_files, request_defer_answer(request));
+    job_delete_start(request->farm, record, with_files, request_defer_answer(request, false));
     return REQUEST_DEFERRED;
 }
 
@@ -185,7 +186,7 @@ enum request_outcome requests_job_retry(struct request *request)
                                    .is_forced = is_forced,
                                    .user = request->client->user,
                                    .by_admin = rights_is_admin(&request->farm->rights, &request->client->peer),
-                                   .answer = request_defer_answer(request)});
+                                   .answer = request_defer_answer(request, false)});
     return REQUEST_DEFERRED;
 }
 

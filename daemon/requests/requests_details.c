@@ -70,7 +70,7 @@ static void on_flushed(void *user, bool ok, const struct error *error)
 // The flush brings to disk what clients have seen already, if the store works, before the task reads it.
 static enum request_outcome start_task(struct request *request, struct details_task *task, uv_work_cb run)
 {
-    task->answer = request_defer_answer(request);
+    task->answer = request_defer_answer(request, true);
     task->loop = request->farm->loop;
     task->run = run;
     committer_flush(request->farm->committer, on_flushed, task);

@@ -6,6 +6,7 @@
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/job_view.h"
+#include "daemon/loop/loop_turns.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
@@ -75,6 +76,26 @@ static void write_known_roots(struct json_writer *writer, const struct root_tabl
     json_write_end_array(writer);
 }
 
+static void write_turns(const struct farm *farm, struct json_writer *writer)
+{
+    const struct turn_counts *turns = loop_turns_counts(farm->turns);
+
+    json_write_begin_object(writer);
+    json_write_number_member(writer, "longest_ms", (double)turns->longest_ns / 1e6);
+    json_write_number_member(writer, "sum_s", (double)turns->sum_ns / 1e9);
+    json_write_key(writer, "up_to_ms");
+    json_write_begin_array(writer);
+    for (int i = 0; i < TURN_CLASS_COUNT - 1; i++)
+        json_write_integer(writer, turn_class_ms[i]);
+    json_write_end_array(writer);
+    json_write_key(writer, "counts");
+    json_write_begin_array(writer);
+    for (int i = 0; i < TURN_CLASS_COUNT; i++)
+        json_write_integer(writer, (int64_t)turns->counts[i]);
+    json_write_end_array(writer);
+    json_write_end_object(writer);
+}
+
 enum request_outcome requests_daemon_status(struct request *request)
 {
     const struct farm *farm = request->farm;
@@ -96,6 +117,8 @@ enum request_outcome requests_daemon_status(struct request *request)
     json_write_key(writer, "frames");
     write_frame_counts(farm, writer);
     json_write_integer_member(writer, "workers", worker_pool_slot_count(farm->pool));
+    json_write_key(writer, "loop");
+    write_turns(farm, writer);
     json_write_end_object(writer);
     return REQUEST_ANSWERED;
 }

@@ -15,6 +15,9 @@
 #include "daemon/jobs/job_delete.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_life.h"
+#include "daemon/loop/loop_turns.h"
+#include "daemon/loop/memory_return.h"
+#include "daemon/loop/work_desk.h"
 #include "daemon/output/publisher.h"
 #include "daemon/output/root_watch.h"
 #include "daemon/output/sweeper.h"
@@ -75,7 +78,7 @@ static void on_slot_changed(struct farm *farm, int slot_index);
 static void on_store_trouble(void *user);
 static bool may_look_at_store(void *user);
 static void on_store_repaired(void *user);
-static void on_message(void *user, struct client *client, const struct message *message);
+static void on_message(void *user, struct client *client, struct message *message);
 static void on_client_gone(void *user, struct client *client);
 static void on_iteration(uv_prepare_t *iteration);
 static void on_signal(uv_signal_t *handle, int signal_number);
@@ -100,6 +103,9 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     struct farm *farm = &daemon->farm;
     int slots = options->worker_count ? options->worker_count : (int)uv_available_parallelism();
 
+    farm->turns = loop_turns_open(farm->loop);
+    farm->work = work_desk_create(farm->loop);
+    farm->memory = memory_return_open(farm->loop);
     farm->committer = committer_create(farm->loop, daemon->store);
     committer_watch(farm->committer, on_store_trouble, daemon);
     farm->publisher = publisher_create(farm->loop, farm->id, farm->committer, frame_life_on_published, farm);
@@ -124,9 +130,15 @@ static void create_modules(struct daemon *daemon, const struct options *options)
 
 static bool listen_for_clients(struct daemon *daemon, const struct options *options, struct error *error)
 {
-    struct listener_handlers handlers = {.on_message = on_message, .on_gone = on_client_gone, .user = daemon};
+    const struct listener_params params = {.path = options->socket_path,
+                                           .turns = daemon->farm.turns,
+                                           .desk = daemon->farm.work,
+                                           .memory = daemon->farm.memory,
+                                           .on_message = on_message,
+                                           .on_gone = on_client_gone,
+                                           .user = daemon};
 
-    daemon->listener = listener_open(&daemon->loop, options->socket_path, &handlers, error);
+    daemon->listener = listener_open(&daemon->loop, &params, error);
     return daemon->listener != NULL;
 }
 
@@ -149,6 +161,8 @@ static void close_all(struct daemon *daemon)
     daemon->phase = DAEMON_CLOSING;
     if (daemon->listener) listener_close(daemon->listener);
     store_keeper_close(daemon->keeper);
+    loop_turns_close(daemon->farm.turns);
+    memory_return_close(daemon->farm.memory);
     watchdog_close(daemon->watchdog);
     manager_close(daemon->manager);
     root_watch_close(daemon->roots);
@@ -208,6 +222,7 @@ void daemon_destroy(struct daemon *daemon)
     sweeper_destroy(farm->sweeper);
     publisher_destroy(farm->publisher);
     committer_destroy(farm->committer);
+    work_desk_destroy(farm->work);
     queue_destroy(farm->queue);
     job_table_finish(&farm->jobs);
     root_table_finish(&farm->roots);
@@ -264,7 +279,7 @@ static void on_store_trouble(void *user)
     farm_want_feed(&daemon->farm);
 }
 
-static void on_message(void *user, struct client *client, const struct message *message)
+static void on_message(void *user, struct client *client, struct message *message)
 {
     struct daemon *daemon = user;
 
@@ -350,7 +365,7 @@ static void on_hang_up(uv_signal_t *handle, int signal_number)
 static bool is_flushed(const struct farm *farm)
 {
     return publisher_is_idle(farm->publisher) && sweeper_is_idle(farm->sweeper) && !farm->claims && !farm->deletions &&
-           farm->output_checks == 0 && committer_is_idle(farm->committer);
+           farm->output_checks == 0 && work_desk_is_idle(farm->work) && committer_is_idle(farm->committer);
 }
 
 // Files that are being published have their intent on disk: a restart finishes them.
@@ -376,6 +391,7 @@ static void on_iteration(uv_prepare_t *iteration)
         daemon->phase = DAEMON_FLUSHING;
         shares_store(&daemon->farm);
         listener_stop_reading(daemon->listener);
+        work_desk_stop(daemon->farm.work);
         daemon->flushing_since_ms = farm_now_ms(&daemon->farm);
     }
     if (daemon->phase == DAEMON_FLUSHING && is_flushed(&daemon->farm))

@@ -229,7 +229,7 @@ bool store_backup_fall_back(const char *folder, struct error *error)
 
 bool store_backup_restore(const char *folder, const char *path, bool *has_counts, struct error *error)
 {
-    int version = 0, lock_fd = store_lock_take(folder, error);
+    int version = 0, lock_fd = store_lock_take(folder, STORE_LOCK_WAIT_MS, error);
     sqlite3 *db = lock_fd >= 0 ? open_store_file(path, &version, error) : NULL;
     bool ok = db && check_rows(db, version, path, error) && put_in_place(folder, db, has_counts, error);
 

@@ -75,8 +75,8 @@ static bool has_open(const char *pid, const struct stat *file)
     return found;
 }
 
-// Another process that has the lock's file open: `hinted` if it has, else any; 0: none is seen. A lock belongs to an open
-// file, which a process shares with the children that it starts, until they execute another program.
+// Another process that has the lock's file open: `hinted` if it has, else any; 0: none is seen. A lock belongs to an
+// open file, which a process shares with the children that it starts, until they execute another program.
 static long find_holder(int fd, long hinted)
 {
     struct dirent *entry;
