@@ -56,25 +56,51 @@ static bool add_input(struct job_inputs *inputs, const char *place, const char *
     return true;
 }
 
-bool input_roots_find(struct job_inputs *inputs, const struct job *job, const struct path_list *roots,
-                      struct error *error)
+static void add_path(struct job_paths *paths, const char *place, const char *path)
+{
+    struct job_path *added;
+
+    paths->paths = xgrow(paths->paths, &paths->capacity, paths->count + 1, sizeof paths->paths[0]);
+    added = &paths->paths[paths->count++];
+    *added = (struct job_path){.path = xstrdup(path)};
+    snprintf(added->place, sizeof added->place, "%s", place);
+}
+
+void job_paths_list(struct job_paths *paths, const struct job *job)
 {
     const struct scene *scene = &job->scene;
     char owner[INPUT_PLACE_SIZE / 2], place[INPUT_PLACE_SIZE];
-    bool ok = true;
 
-    *inputs = (struct job_inputs){0};
-    for (size_t i = 0; i < scene->medium_count && ok; i++) {
+    *paths = (struct job_paths){0};
+    for (size_t i = 0; i < scene->medium_count; i++) {
         if (scene->media[i].density.kind != SCENE_DENSITY_GRID) continue;
         scene_format_medium_place(scene, i, owner, sizeof owner);
         snprintf(place, sizeof place, "%s.density.file", owner);
-        ok = add_input(inputs, place, scene->media[i].density.grid.file, roots, error);
+        add_path(paths, place, scene->media[i].density.grid.file);
     }
-    for (size_t i = 0; i < scene->object_count && ok; i++) {
+    for (size_t i = 0; i < scene->object_count; i++) {
         if (!scene->objects[i].material.texture.file) continue;
         snprintf(place, sizeof place, "scene.objects[%zu].material.texture.file", i);
-        ok = add_input(inputs, place, scene->objects[i].material.texture.file, roots, error);
+        add_path(paths, place, scene->objects[i].material.texture.file);
     }
+}
+
+void job_paths_finish(struct job_paths *paths)
+{
+    for (size_t i = 0; i < paths->count; i++)
+        free(paths->paths[i].path);
+    free(paths->paths);
+    *paths = (struct job_paths){0};
+}
+
+bool input_roots_find(struct job_inputs *inputs, const struct job_paths *paths, const struct path_list *roots,
+                      struct error *error)
+{
+    bool ok = true;
+
+    *inputs = (struct job_inputs){0};
+    for (size_t i = 0; i < paths->count && ok; i++)
+        ok = add_input(inputs, paths->paths[i].place, paths->paths[i].path, roots, error);
     if (!ok) job_inputs_finish(inputs);
     return ok;
 }

@@ -18,6 +18,21 @@ struct job_input {
     char place[INPUT_PLACE_SIZE]; // in the document: "scene.media[0].density.file"
 };
 
+// A file that a job reads, wherever it lies.
+struct job_path {
+    char *path;                   // owned
+    char place[INPUT_PLACE_SIZE]; // as in struct job_input
+};
+
+// The zero value is empty.
+struct job_paths {
+    struct job_path *paths; // owned; grids and textures, in the scene's order
+    size_t count, capacity;
+};
+
+void job_paths_list(struct job_paths *paths, const struct job *job);
+void job_paths_finish(struct job_paths *paths); // accepts the empty value
+
 // The zero value is empty.
 struct job_inputs {
     struct job_input *inputs; // owned; grids and textures, in the scene's order
@@ -26,7 +41,7 @@ struct job_inputs {
 
 // Compares texts only: a path must be absolute, without ".", ".." or doubled slashes, and below one of the roots. On
 // failure `inputs` is empty, and the message names the place, the path and the roots.
-bool input_roots_find(struct job_inputs *inputs, const struct job *job, const struct path_list *roots,
+bool input_roots_find(struct job_inputs *inputs, const struct job_paths *paths, const struct path_list *roots,
                       struct error *error);
 void job_inputs_finish(struct job_inputs *inputs); // accepts the empty value
 

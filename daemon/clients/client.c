@@ -209,10 +209,11 @@ static void on_decode_done(struct work_piece *piece, bool was_run)
         refuse_line(client, &line->message, line->code, &line->error);
     else if (was_run && !client->is_ignored)
         deliver(client, &line->message);
-    memory_return_note(client->host->memory, line->length);
+    memory_return_note(client->host->memory, line->length * MEMORY_RETURN_PARSED);
     // What the request has left is freed in a thread as well: it may be a million values.
     line->piece.run = on_discard_run;
     line->piece.done = on_discard_done;
+    line->piece.goes_on = true;
     line->client = NULL;
     if (line->message.root)
         work_desk_put(client->host->desk, &line->piece);

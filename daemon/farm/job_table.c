@@ -15,6 +15,7 @@ static void record_destroy(struct job_record *record)
     free(record->reason);
     free(record->code);
     output_path_finish(&record->path);
+    job_paths_finish(&record->inputs);
     free(record);
 }
 
@@ -144,6 +145,12 @@ struct job_files job_record_files(const struct job_record *record)
     return (struct job_files){record->root, &record->path, &record->queued->frames};
 }
 
+// Names of files of one pattern are the same when their frames are.
+static bool has_one_pattern(const struct output_path *a, const struct output_path *b)
+{
+    return a->pad == b->pad && strcmp(a->prefix, b->prefix) == 0 && strcmp(a->suffix, b->suffix) == 0;
+}
+
 // Walks the range with fewer frames: each frame may name a file of the other range.
 static bool ranges_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
 {
@@ -153,6 +160,8 @@ static bool ranges_collide(const struct job_files *files, const struct job_files
     int64_t count = frame_range_count(walked->frames);
     char name[OUTPUT_NAME_SIZE];
 
+    if (has_one_pattern(files->path, others->path))
+        return frame_range_find_common(others->frames, files->frames, frame);
     for (int64_t i = 0; i < count; i++) {
         int32_t number = frame_range_at(walked->frames, i);
         int32_t twin;

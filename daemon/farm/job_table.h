@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/log.h"
+#include "core/job/input_roots.h"
 #include "core/job/output_path.h"
 #include "daemon/farm/root_table.h"
 #include "daemon/schedule/estimate.h"
@@ -26,6 +27,7 @@ struct job_record {
     struct output_path path;                       // owned
     int64_t submitted_ms, started_ms, finished_ms; // unix time; 0: not yet
     char *reason;                                  // owned; why it is paused or failed; NULL: none
+    struct job_paths inputs;                       // owned; the files that it reads
     char *code;                                    // owned; the name of GLSL by the user that it runs; NULL: none
     bool is_draft;                                 // its quality is draft
     int64_t frame_pixels;                          // pixels of one frame

@@ -8,6 +8,8 @@
 
 struct memory_return;
 
+enum { MEMORY_RETURN_PARSED = 16 }; // bytes that a byte of JSON takes, about, as a tree
+
 struct memory_return *memory_return_open(uv_loop_t *loop);
 void memory_return_close(struct memory_return *memory); // frees itself when the loop has closed its timer; accepts NULL
 // Notes that so many bytes were freed, in pieces that the allocator may have kept. A second after there are 16 MiB,

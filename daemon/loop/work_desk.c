@@ -65,8 +65,10 @@ void work_desk_put(struct work_desk *desk, struct work_piece *piece)
     }
     piece->desk = desk;
     piece->work.data = piece;
-    piece->round = round_after(desk->first, piece->uid, round_after(desk->begun, piece->uid, desk->round));
-    while (*link && (*link)->round <= piece->round)
+    piece->round = desk->round;
+    if (!piece->goes_on)
+        piece->round = round_after(desk->first, piece->uid, round_after(desk->begun, piece->uid, desk->round));
+    while (*link && !piece->goes_on && (*link)->round <= piece->round)
         link = &(*link)->next;
     piece->next = *link;
     *link = piece;

@@ -14,6 +14,7 @@ struct work_piece {
     void (*run)(struct work_piece *piece);                // in a thread
     void (*done)(struct work_piece *piece, bool was_run); // on the loop; the piece may be freed
     int64_t uid;                                          // for whom it is
+    bool goes_on; // it ends what a piece before it has begun, and holds its memory: it is next, whoever waits
     // For the module only.
     uv_work_t work;
     struct work_desk *desk;

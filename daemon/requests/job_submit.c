@@ -7,8 +7,6 @@
 #include "core/base/path_list.h"
 #include "core/job/input_roots.h"
 #include "core/job/job.h"
-#include "core/job/job_check.h"
-#include "core/job/job_json.h"
 #include "core/job/output_root.h"
 #include "core/json/json_write.h"
 #include "daemon/clients/answer.h"
@@ -20,6 +18,7 @@
 #include "daemon/jobs/root_life.h"
 #include "daemon/output/output_claims.h"
 #include "daemon/output/output_older.h"
+#include "daemon/requests/job_document.h"
 #include "daemon/requests/request.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
@@ -30,7 +29,7 @@
 #include <string.h>
 #include <unistd.h>
 
-// A job between its request and its commit.
+// A job between the check of its document and its commit.
 struct job_submit {
     struct farm *farm;     // borrowed; outlives us
     struct answer *answer; // owned
@@ -39,7 +38,8 @@ struct job_submit {
     struct frame_range frames; // owned
     struct root *output_root;  // borrowed from the farm
     struct output_path path;   // owned
-    struct job_inputs inputs;  // owned
+    struct job_paths paths;    // owned; the files that it reads
+    struct job_inputs inputs;  // owned; the same, below their roots
     char *code;                // owned; as in struct job_record
     bool is_draft;
     int64_t frame_pixels;
@@ -56,6 +56,7 @@ struct job_submit {
     struct job_submit *next; // on the farm's list of waiting submissions
 };
 
+static void on_document_read(struct job_document *reading, bool was_read);
 static void on_folder_run(uv_work_t *work);
 static void on_folder_done(uv_work_t *work, int status);
 static void on_committed(void *user, bool ok, const struct error *error);
@@ -68,6 +69,7 @@ static void submit_destroy(struct job_submit *submit)
     store_op_finish(&op);
     frame_range_finish(&submit->frames);
     output_path_finish(&submit->path);
+    job_paths_finish(&submit->paths);
     job_inputs_finish(&submit->inputs);
     free(submit->code);
     free(submit->existing);
@@ -172,21 +174,26 @@ static bool check_limits(struct request *request, const struct job *job)
     return limits_check_submit(farm, user, &amounts, &request->error);
 }
 
-// Moves the parts that it needs out of `job`.
-static struct job_submit *create_submit(const struct request *request, struct job *job, char *owned_document,
-                                        const char *root)
+// Moves the parts that it needs out of the reading.
+static struct job_submit *create_submit(const struct request *request, struct job_document *reading)
 {
+    struct job *job = &reading->job;
     struct job_submit *submit = xcalloc(1, sizeof *submit);
 
     submit->farm = request->farm;
-    submit->answer = request_defer_answer(request, false);
-    submit->row = (struct store_job){.document = owned_document,
+    submit->answer = reading->answer;
+    submit->row = (struct store_job){.document = reading->document,
                                      .name = xstrdup(job->name),
                                      .owner = xstrdup(request->client->user),
                                      .owner_uid = request->client->peer.uid,
                                      .priority = job->priority,
                                      .submitted_ms = farm_clock_ms(),
-                                     .root = xstrdup(root)};
+                                     .is_paused = reading->is_paused,
+                                     .root = xstrdup(reading->root)};
+    submit->paths = reading->paths;
+    reading->answer = NULL;
+    reading->document = NULL;
+    reading->paths = (struct job_paths){0};
     submit->is_draft = job->quality.is_draft;
     submit->frame_pixels = (int64_t)job->width_px * job->height_px;
     memcpy(submit->hash, job->hash, sizeof submit->hash);
@@ -232,10 +239,10 @@ static struct root *find_root(struct request *request, const char *path)
     return NULL;
 }
 
-static bool find_inputs(struct request *request, const struct job *job, struct job_inputs *inputs)
+static bool find_inputs(struct request *request, const struct job_paths *paths, struct job_inputs *inputs)
 {
     request->code = MESSAGE_CODE_NOT_ALLOWED;
-    return input_roots_find(inputs, job, &request->farm->options->input_roots, &request->error);
+    return input_roots_find(inputs, paths, &request->farm->options->input_roots, &request->error);
 }
 
 // Waits for canceled jobs whose last frames are still with workers, and will soon leave these files alone.
@@ -267,41 +274,49 @@ void job_submit_go_on(struct farm *farm)
 
 bool job_submit_start(struct request *request, const struct json_node *document, bool paused)
 {
-    struct farm *farm = request->farm;
-    struct job job = {0};
-    struct job_inputs inputs = {0};
-    struct job_submit *submit;
-    struct root *output_root;
     const char *root = choose_root(request, document);
-    bool ok = false;
 
     if (!root || !check_peer(request)) return false;
+    job_document_read(request, root, paused, on_document_read);
+    return true;
+}
 
-    request->code = MESSAGE_CODE_PARAMS;
-    if (!job_from_json(&job, document, root, &request->error) || !job_check_inputs(&job, document, &request->error) ||
-        !job_check_names(&job, &request->error))
-        goto out;
-    output_root = find_root(request, root);
-    if (!output_root || !request_may_have_priority(request, job.priority) || !check_folder(request, &job, root) ||
-        !find_inputs(request, &job, &inputs) || !check_limits(request, &job) || !check_collisions(request, &job, root))
-        goto out;
-    submit = create_submit(request, &job, json_node_format(document), root);
-    submit->row.is_paused = paused;
+// The job is one that the client may submit now: its files are checked in a thread, and are its own until then.
+static bool begin_submit(struct request *request, struct job_document *reading)
+{
+    const struct job *job = &reading->job;
+    struct job_inputs inputs = {0};
+    struct root *output_root = find_root(request, reading->root);
+    struct job_submit *submit;
+
+    if (!output_root || !request_may_have_priority(request, job->priority) ||
+        !check_folder(request, job, reading->root) || !find_inputs(request, &reading->paths, &inputs))
+        return false;
+    if (!check_limits(request, job) || !check_collisions(request, job, reading->root)) {
+        job_inputs_finish(&inputs);
+        return false;
+    }
+    submit = create_submit(request, reading);
     submit->output_root = output_root;
     submit->inputs = inputs;
-    inputs = (struct job_inputs){0};
     submit->claim =
         (struct output_claim){.files = {submit->row.root, &submit->path, &submit->frames}, .name = submit->row.name};
-    submit->may_replace = job.output.existing == JOB_EXISTING_VERIFY &&
-                          output_older_is_likely(&farm->jobs, &submit->claim.files, submit->hash);
-    output_claims_add(farm, &submit->claim);
+    submit->may_replace = job->output.existing == JOB_EXISTING_VERIFY &&
+                          output_older_is_likely(&request->farm->jobs, &submit->claim.files, submit->hash);
+    output_claims_add(request->farm, &submit->claim);
     submit->work.data = submit;
     begin(submit);
-    ok = true;
-out:
-    job_inputs_finish(&inputs);
-    job_finish(&job);
-    return ok;
+    return true;
+}
+
+static void on_document_read(struct job_document *reading, bool was_read)
+{
+    struct request request = {
+        .farm = reading->farm, .client = reading->client, .code = MESSAGE_CODE_PARAMS, .error = reading->error};
+
+    if (!was_read) request_fail(&request, MESSAGE_CODE_INTERNAL, "the daemon stops: submit the job to the next one");
+    if (!reading->ok || !begin_submit(&request, reading))
+        answer_send_error(reading->answer, request.code, request.error.message);
 }
 
 // A shortage of the farm is no fault of the job.
@@ -381,6 +396,8 @@ static struct job_record *queue_submit(struct job_submit *submit)
     record->owner = row->owner;
     record->owner_uid = row->owner_uid;
     record->submitted_ms = row->submitted_ms;
+    record->inputs = submit->paths;
+    submit->paths = (struct job_paths){0};
     record->code = submit->code;
     record->is_draft = submit->is_draft;
     record->frame_pixels = submit->frame_pixels;

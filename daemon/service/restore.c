@@ -88,6 +88,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->owner = xstrdup(row->owner);
     record->owner_uid = row->owner_uid;
     record->reason = copy_text(row->reason);
+    job_paths_list(&record->inputs, &job);
     record->code = copy_text(scene_find_code(&job.scene));
     record->submitted_ms = row->submitted_ms;
     record->started_ms = row->started_ms;

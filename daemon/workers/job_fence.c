@@ -2,18 +2,13 @@
 #include "daemon/workers/job_fence.h"
 
 #include "core/base/alloc.h"
-#include "core/base/error.h"
 #include "core/base/path_list.h"
 #include "core/job/input_roots.h"
-#include "core/job/job.h"
-#include "core/job/job_json.h"
-#include "core/json/json_read.h"
 #include "core/json/json_write.h"
 #include "core/scene/file_format.h"
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
 #include "daemon/settings/options.h"
-#include "daemon/store/store_reader.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,9 +16,8 @@
 // A fence is made on the daemon's loop.
 enum {
     JOB_LIMIT = 64,
-    INPUT_LIMIT = 512,        // of all its jobs; the first job may have more
-    DOCUMENT_LIMIT = 1 << 20, // bytes, likewise
-    SEARCH_LIMIT = 4096       // jobs of the queue that are looked at
+    INPUT_LIMIT = 512,  // of all its jobs; the first job may have more
+    SEARCH_LIMIT = 4096 // jobs of the queue that are looked at
 };
 
 struct fenced_job {
@@ -51,20 +45,11 @@ static bool needs_converter(const struct job_inputs *inputs)
 }
 
 static bool find_files(struct job_fence_files *files, const struct farm *farm, const struct job_record *record,
-                       const char *document, struct error *error)
+                       struct error *error)
 {
-    struct job job = {0};
-    struct cJSON *tree = NULL;
-    struct json_node root;
-
     *files = (struct job_fence_files){.job = record->id};
-    if (!json_parse(&tree, document, strlen(document), error)) return false;
-    root = json_node_root(tree);
-    files->is_found = job_from_json(&job, &root, record->root, error) &&
-                      input_roots_find(&files->inputs, &job, &farm->options->input_roots, error);
+    files->is_found = input_roots_find(&files->inputs, &record->inputs, &farm->options->input_roots, error);
     files->has_converter = needs_converter(&files->inputs);
-    job_finish(&job);
-    json_delete(tree);
     return files->is_found;
 }
 
@@ -87,25 +72,21 @@ static void add(struct job_fence *fence, const struct job_record *record, const 
 // The files of the owner's jobs that come next. A job that has none to be found is left to a worker of its own.
 static void add_next_jobs(struct job_fence *fence, const struct farm *farm, const struct queue_job *queued)
 {
-    size_t bytes = 0, inputs = fence->jobs[0].files.inputs.count;
+    size_t inputs = fence->jobs[0].files.inputs.count;
 
     for (int i = 0; queued && i < SEARCH_LIMIT && fence->count < JOB_LIMIT; queued = queued->next, i++) {
         const struct job_record *record = job_table_find(&farm->jobs, queued->id);
         struct job_fence_files files = {0};
-        char *document;
 
         if (record->owner_uid != fence->owner_uid || record->needs_own_worker || queued->is_paused ||
             queued->block != QUEUE_OPEN || queued->counts[FRAME_QUEUED] == 0)
             continue;
-        if (!store_read_document(farm->reader, record->id, &document, NULL)) return;
-        bytes += strlen(document);
-        if (bytes <= DOCUMENT_LIMIT && find_files(&files, farm, record, document, NULL)) inputs += files.inputs.count;
-        free(document);
+        if (find_files(&files, farm, record, NULL)) inputs += files.inputs.count;
         if (files.is_found && !files.has_converter && inputs <= INPUT_LIMIT)
             add(fence, record, &files);
         else
             job_fence_files_finish(&files);
-        if (bytes > DOCUMENT_LIMIT || inputs > INPUT_LIMIT) return;
+        if (inputs > INPUT_LIMIT) return;
     }
 }
 
@@ -145,18 +126,12 @@ static void leave_out_shared(struct job_fence *fence, const struct farm *farm)
         remove_job(fence, fence->count - 1);
 }
 
-struct job_fence *job_fence_create(const struct farm *farm, const struct job_record *record, bool *is_job_fault,
-                                   struct error *error)
+struct job_fence *job_fence_create(const struct farm *farm, const struct job_record *record, struct error *error)
 {
     struct job_fence *fence;
     struct job_fence_files files;
-    char *document;
 
-    *is_job_fault = false;
-    if (!store_read_document(farm->reader, record->id, &document, error)) return NULL;
-    *is_job_fault = !find_files(&files, farm, record, document, error);
-    free(document);
-    if (*is_job_fault) return NULL;
+    if (!find_files(&files, farm, record, error)) return NULL;
     fence = xcalloc(1, sizeof *fence);
     fence->owner_uid = record->owner_uid;
     add(fence, record, &files);
@@ -299,13 +274,8 @@ static bool has_old_roots(const struct job_fence *fence, const struct path_list 
 
 static void read_files(struct job_fence_files *files, const struct farm *farm, const struct job_record *record)
 {
-    char *document;
-
     job_fence_files_finish(files);
-    files->job = record->id;
-    if (!store_read_document(farm->reader, record->id, &document, NULL)) return;
-    (void)find_files(files, farm, record, document, NULL);
-    free(document);
+    (void)find_files(files, farm, record, NULL);
 }
 
 bool job_fence_opens(const struct job_fence *fence, const struct farm *farm, const struct job_record *record,

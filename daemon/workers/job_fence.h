@@ -17,7 +17,7 @@ struct json_writer;
 struct job_fence_files {
     int64_t job;              // 0: none
     struct job_inputs inputs; // owned
-    bool is_found;            // false: the job cannot be read, or reads files below no root
+    bool is_found;            // false: the job reads files below no root
     bool has_converter;
 };
 
@@ -25,10 +25,8 @@ void job_fence_files_finish(struct job_fence_files *files);
 
 // The fence of the job and of the jobs of the same owner that come after it in the queue, as many as are read soon
 // enough. A job that runs the converter, or into whose folder another owner's jobs write, is alone in its fence. NULL
-// when the store cannot read the job's document (`*is_job_fault` is false), or when the document is invalid or names a
-// file below no input root (it is true).
-struct job_fence *job_fence_create(const struct farm *farm, const struct job_record *record, bool *is_job_fault,
-                                   struct error *error);
+// when the job reads a file below no input root: a fault of the job.
+struct job_fence *job_fence_create(const struct farm *farm, const struct job_record *record, struct error *error);
 void job_fence_destroy(struct job_fence *fence); // accepts NULL
 // The message worker.fence.
 void job_fence_write(const struct job_fence *fence, const struct farm *farm, struct json_writer *writer);

@@ -59,12 +59,9 @@ static struct worker_slot *slot_of(struct worker_pool *pool, const struct worker
 static struct job_fence *make_fence(struct worker_pool *pool, struct job_record *record)
 {
     struct error error = {0};
-    bool is_job_fault;
-    struct job_fence *fence = job_fence_create(pool->farm, record, &is_job_fault, &error);
+    struct job_fence *fence = job_fence_create(pool->farm, record, &error);
 
-    if (!fence)
-        pool->handlers->on_job_refused(pool->farm, record, is_job_fault ? RETRY_FAULT_JOB : RETRY_FAULT_WORKER,
-                                       error.message);
+    if (!fence) pool->handlers->on_job_refused(pool->farm, record, RETRY_FAULT_JOB, error.message);
     return fence;
 }
 

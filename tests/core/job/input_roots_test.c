@@ -43,10 +43,13 @@ static void assert_found(const char *first, const char *second, const char *grid
     struct path_list roots = make_roots(first, second);
     struct job job;
     struct job_inputs inputs;
+    struct job_paths paths;
     struct error error = {0};
 
     make_job(&job, grid, NULL);
-    if (!input_roots_find(&inputs, &job, &roots, &error)) fail_msg("%s", error.message);
+    job_paths_list(&paths, &job);
+    if (!input_roots_find(&inputs, &paths, &roots, &error)) fail_msg("%s", error.message);
+    job_paths_finish(&paths);
     assert_int_equal(inputs.count, 1);
     assert_string_equal(inputs.inputs[0].root, root);
     assert_string_equal(inputs.inputs[0].folder, folder);
@@ -70,10 +73,13 @@ static void assert_refused(const char *grid, const char *texture, const char *me
     struct path_list roots = make_roots("/in", "/usr/share");
     struct job job;
     struct job_inputs inputs;
+    struct job_paths paths;
     struct error error = {0};
 
     make_job(&job, grid, texture);
-    if (input_roots_find(&inputs, &job, &roots, &error)) fail_msg("accepted: %s %s", grid, texture);
+    job_paths_list(&paths, &job);
+    if (input_roots_find(&inputs, &paths, &roots, &error)) fail_msg("accepted: %s %s", grid, texture);
+    job_paths_finish(&paths);
     assert_string_equal(error.message, message);
     assert_int_equal(inputs.count, 0);
     path_list_finish(&roots);

@@ -92,6 +92,25 @@ static void users_take_turns(void **state)
     assert_int_equal(uv_loop_close(&loop), 0);
 }
 
+static void what_is_begun_is_ended_first(void **state)
+{
+    uv_loop_t loop;
+    struct work_desk *desk;
+
+    uv_loop_init(&loop);
+    desk = work_desk_create(&loop);
+    for (size_t i = 0; i < 4; i++)
+        put(desk, i, 'a', 1);
+    letters[4] = (struct letter){.piece = {.run = on_run, .done = on_done, .uid = 1, .goes_on = true}, .letter = 'b'};
+    work_desk_put(desk, &letters[4].piece);
+    let_through(&loop, 5);
+    assert_null(memchr(done_order, 'b', 1));
+    assert_non_null(memchr(done_order, 'b', 4));
+    work_desk_destroy(desk);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    assert_int_equal(uv_loop_close(&loop), 0);
+}
+
 static void a_desk_that_stops_runs_no_more(void **state)
 {
     uv_loop_t loop;
@@ -117,6 +136,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(users_take_turns, begin, end),
+        cmocka_unit_test_setup_teardown(what_is_begun_is_ended_first, begin, end),
         cmocka_unit_test_setup_teardown(a_desk_that_stops_runs_no_more, begin, end),
     };
 

@@ -1,90 +1,77 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/workers/job_fence.h"
 
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/base/path_list.h"
+#include "core/job/job.h"
 #include "core/json/json_write.h"
 #include "daemon/farm/farm.h"
 #include "daemon/settings/options.h"
-#include "daemon/store/store_reader.h"
-#include "tests/daemon/store/store_fixture.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
 
 enum { ANN = 1000, BOB = 1001 };
 
-// A farm with a store, whose jobs are queued in the order of their ids.
+// A farm whose jobs are queued in the order of their ids.
 struct stage {
-    struct folder *folder;
-    struct store *store;
     struct options options;
     struct farm farm;
     struct job_fence_files asked;
     int64_t id;
 };
 
-static struct stage *stage_create(void **state)
+static struct stage *stage_create(void)
 {
     struct stage *stage = xcalloc(1, sizeof *stage);
-    struct error error = {0};
 
-    stage->folder = *state;
-    stage->store = open_store(stage->folder);
     stage->options.state_folder = xstrdup("/state");
     stage->options.socket_path = xstrdup("/socket");
     path_list_add(&stage->options.input_roots, xstrdup("/in"));
     stage->farm.options = &stage->options;
     stage->farm.queue = queue_create(3);
-    stage->farm.reader = store_reader_open(stage->folder->path, &error);
-    if (!stage->farm.reader) fail_msg("%s", error.message);
     return stage;
 }
 
 static void stage_destroy(struct stage *stage)
 {
     job_fence_files_finish(&stage->asked);
-    store_reader_close(stage->farm.reader);
     queue_destroy(stage->farm.queue);
     job_table_finish(&stage->farm.jobs);
     root_table_finish(&stage->farm.roots);
     path_list_finish(&stage->options.input_roots);
     free(stage->options.state_folder);
     free(stage->options.socket_path);
-    store_close(stage->store);
     free(stage);
-}
-
-#define GRID "{\"density\":{\"kind\":\"grid\",\"file\":\"%s\"},\"sigma_a\":1}"
-#define NOISE                                                                                                          \
-    "{\"density\":{\"kind\":\"noise\",\"frequency\":1,\"bounds\":{\"kind\":\"sphere\",\"center\":[0,0,0],"             \
-    "\"radius\":1}},\"sigma_a\":1}"
-
-static char *format_document(const char *file, const char *folder)
-{
-    char *medium = file ? xasprintf(GRID, file) : xstrdup(NOISE);
-    char *document = xasprintf("{\"version\":1,\"name\":\"j\",\"frames\":\"1-2\",\"fps\":24,\"resolution\":[16,9],"
-                               "\"camera\":{\"position\":[0,0,4],\"target\":[0,0,0],\"fov\":30},"
-                               "\"scene\":{\"media\":[%s]},\"quality\":{\"method\":\"midpoint\",\"step\":0.1},"
-                               "\"output\":{\"path\":\"%s%sf.####.exr\"}}",
-                               medium, folder, *folder ? "/" : "");
-
-    free(medium);
-    return document;
 }
 
 // Adds a job of that user; `file` NULL: it reads none.
 static struct job_record *add_job(struct stage *stage, int64_t owner_uid, const char *file, const char *folder)
 {
-    struct store_op op = job_op(++stage->id);
     char *pattern = xasprintf("%s%sf.####.exr", folder, *folder ? "/" : "");
     struct frame_range frames;
     struct output_path path;
     struct job_record *record;
 
-    free(op.job.document);
-    op.job.document = format_document(file, folder);
-    commit_one(stage->store, op);
+    stage->id++;
     assert_true(output_path_parse(&path, pattern, NULL));
     assert_true(frame_range_parse(&frames, "1-2", NULL));
     record = job_table_add(&stage->farm.jobs, stage->id, xstrdup("/out"), &path);
     record->output_root = root_table_add(&stage->farm.roots, "/out");
     record->owner_uid = owner_uid;
+    if (file) {
+        struct job job = {.scene = {.medium_count = 1}};
+
+        job.scene.media[0].density.kind = SCENE_DENSITY_GRID;
+        job.scene.media[0].density.grid.file = (char *)file;
+        job_paths_list(&record->inputs, &job);
+    }
     record->queued = queue_add_job(stage->farm.queue,
                                    &(struct queue_job_params){.id = stage->id, .frames = &frames, .priority = 50});
     free(pattern);
@@ -94,8 +81,7 @@ static struct job_record *add_job(struct stage *stage, int64_t owner_uid, const 
 static struct job_fence *fence_of(struct stage *stage, const struct job_record *record)
 {
     struct error error = {0};
-    bool is_job_fault;
-    struct job_fence *fence = job_fence_create(&stage->farm, record, &is_job_fault, &error);
+    struct job_fence *fence = job_fence_create(&stage->farm, record, &error);
 
     if (!fence) fail_msg("%s", error.message);
     return fence;
@@ -120,7 +106,7 @@ static bool has_text(struct stage *stage, const struct job_fence *fence, const c
 
 static void next_jobs_of_the_owner_are_in_the_fence(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *own = add_job(stage, ANN, "/in/ann/a.nvdb", "ann/one");
     struct job_record *next = add_job(stage, ANN, "/in/more/a.nvdb", "ann/two");
     struct job_fence *fence = fence_of(stage, own);
@@ -137,7 +123,7 @@ static void next_jobs_of_the_owner_are_in_the_fence(void **state)
 
 static void jobs_of_others_are_not(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *own = add_job(stage, ANN, "/in/shared/a.nvdb", "ann");
     struct job_record *bobs = add_job(stage, BOB, "/in/shared/a.nvdb", "bob"), *last, *inside;
     struct job_fence *fence;
@@ -157,7 +143,7 @@ static void jobs_of_others_are_not(void **state)
 
 static void folders_that_others_use_are_for_one_job(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *bobs = add_job(stage, BOB, NULL, "film/bob"), *own = add_job(stage, ANN, NULL, "ann");
     struct job_record *shared = add_job(stage, ANN, NULL, "film"), *next = add_job(stage, ANN, NULL, "next");
     struct job_fence *plain = fence_of(stage, own), *alone = fence_of(stage, shared);
@@ -180,7 +166,7 @@ static void folders_that_others_use_are_for_one_job(void **state)
 
 static void others_jobs_end_what_a_fence_opens(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *own = add_job(stage, ANN, NULL, "ann"), *next = add_job(stage, ANN, NULL, "next");
     struct job_fence *fence = fence_of(stage, own);
 
@@ -195,7 +181,7 @@ static void others_jobs_end_what_a_fence_opens(void **state)
 
 static void jobs_that_do_not_come_next_are_not(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *before = add_job(stage, ANN, NULL, "before");
     struct job_record *own = add_job(stage, ANN, NULL, "own"), *paused = add_job(stage, ANN, NULL, "paused");
     struct job_record *over = add_job(stage, ANN, NULL, "over"), *alone = add_job(stage, ANN, NULL, "alone");
@@ -215,7 +201,7 @@ static void jobs_that_do_not_come_next_are_not(void **state)
 
 static void fence_opens_what_lies_in_its_folders(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *own = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
     struct job_fence *fence = fence_of(stage, own);
 
@@ -233,7 +219,7 @@ static void fence_opens_what_lies_in_its_folders(void **state)
 // In the root itself no folder is opened, only the job's own file.
 static void root_is_not_opened_for_its_files(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *own = add_job(stage, ANN, "/in/a.nvdb", "ann");
     struct job_fence *fence = fence_of(stage, own);
 
@@ -246,7 +232,7 @@ static void root_is_not_opened_for_its_files(void **state)
 
 static void jobs_with_the_converter_are_alone(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *first = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
     struct job_record *second = add_job(stage, ANN, "/in/ann/a.vdb", "ann");
     struct job_record *third = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
@@ -265,7 +251,7 @@ static void jobs_with_the_converter_are_alone(void **state)
 
 static void fence_of_former_roots_opens_nothing_more(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *own = add_job(stage, ANN, "/in/ann/a.nvdb", "ann");
     struct job_fence *fence = fence_of(stage, own);
     struct job_record *next = add_job(stage, ANN, NULL, "ann");
@@ -280,7 +266,7 @@ static void fence_of_former_roots_opens_nothing_more(void **state)
 
 static void fence_has_64_jobs_at_most(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct job_record *own = add_job(stage, ANN, NULL, "f0"), *last = NULL;
     struct job_fence *fence;
 
@@ -300,19 +286,17 @@ static void fence_has_64_jobs_at_most(void **state)
 
 static void job_without_a_root_has_no_fence(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     struct error error = {0};
-    bool is_job_fault;
 
-    assert_null(job_fence_create(&stage->farm, add_job(stage, ANN, "/etc/a.nvdb", "ann"), &is_job_fault, &error));
-    assert_true(is_job_fault);
+    assert_null(job_fence_create(&stage->farm, add_job(stage, ANN, "/etc/a.nvdb", "ann"), &error));
     assert_non_null(strstr(error.message, "expected a file below /in"));
     stage_destroy(stage);
 }
 
 static void fence_is_old_when_its_output_root_is_another_place(void **state)
 {
-    struct stage *stage = stage_create(state);
+    struct stage *stage = stage_create();
     const struct job_record *record = add_job(stage, ANN, NULL, "a");
     struct root_place place = {.device = 1, .inode = 2, .mount = 3};
     struct job_fence *fence;
@@ -333,18 +317,18 @@ static void fence_is_old_when_its_output_root_is_another_place(void **state)
 int main(int argc, char *argv[])
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(next_jobs_of_the_owner_are_in_the_fence, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(jobs_of_others_are_not, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(folders_that_others_use_are_for_one_job, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(others_jobs_end_what_a_fence_opens, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(jobs_that_do_not_come_next_are_not, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(fence_opens_what_lies_in_its_folders, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(root_is_not_opened_for_its_files, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(jobs_with_the_converter_are_alone, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(fence_of_former_roots_opens_nothing_more, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(fence_has_64_jobs_at_most, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(job_without_a_root_has_no_fence, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(fence_is_old_when_its_output_root_is_another_place, make_folder, remove_folder),
+        cmocka_unit_test(next_jobs_of_the_owner_are_in_the_fence),
+        cmocka_unit_test(jobs_of_others_are_not),
+        cmocka_unit_test(folders_that_others_use_are_for_one_job),
+        cmocka_unit_test(others_jobs_end_what_a_fence_opens),
+        cmocka_unit_test(jobs_that_do_not_come_next_are_not),
+        cmocka_unit_test(fence_opens_what_lies_in_its_folders),
+        cmocka_unit_test(root_is_not_opened_for_its_files),
+        cmocka_unit_test(jobs_with_the_converter_are_alone),
+        cmocka_unit_test(fence_of_former_roots_opens_nothing_more),
+        cmocka_unit_test(fence_has_64_jobs_at_most),
+        cmocka_unit_test(job_without_a_root_has_no_fence),
+        cmocka_unit_test(fence_is_old_when_its_output_root_is_another_place),
     };
 
     if (argc > 1) cmocka_set_test_filter(argv[1]);
