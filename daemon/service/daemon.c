@@ -335,6 +335,7 @@ static void apply_options(struct daemon *daemon, struct options *fresh)
     limits_refresh(&daemon->farm);
     shares_refresh(&daemon->farm);
     root_settings_take(&daemon->farm, &daemon->options->output_roots, on_root_op, &daemon->farm);
+    root_settings_tell_inputs(&daemon->options->input_roots);
     queue_set_max_attempts(daemon->farm.queue, daemon->options->max_attempts);
     worker_pool_set_progress_limit(daemon->farm.pool, daemon->options->progress_limit_ms);
 }

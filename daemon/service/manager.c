@@ -24,13 +24,27 @@ struct manager {
 
 static void on_interval(uv_timer_t *timer);
 
+// Why nothing, or less than all, is rendered; NULL: no reason. Owned by the caller.
+static char *find_trouble(const struct manager *manager)
+{
+    const struct farm *farm = manager->farm;
+    const char *store_trouble = committer_trouble(farm->committer);
+    char *trouble = manager->is_stopping ? NULL : worker_pool_format_trouble(farm->pool);
+
+    if (store_trouble) {
+        free(trouble);
+        return xstrdup(store_trouble);
+    }
+    for (size_t i = 0; i < farm->roots.count && !trouble; i++)
+        if (farm->roots.roots[i]->is_watched && !farm->roots.roots[i]->is_there)
+            trouble = xstrdup(farm->roots.roots[i]->trouble);
+    return trouble;
+}
+
 static void format_line(const struct manager *manager, char line[static LINE_SIZE])
 {
     const struct queue *queue = manager->farm->queue;
-    const char *store_trouble = committer_trouble(manager->farm->committer);
-    char *trouble = store_trouble          ? xstrdup(store_trouble)
-                    : manager->is_stopping ? NULL
-                                           : worker_pool_format_trouble(manager->farm->pool);
+    char *trouble = find_trouble(manager);
     int64_t jobs = 0;
 
     for (const struct queue_job *job = queue_first_job(queue); job; job = job->next)

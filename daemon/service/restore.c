@@ -229,6 +229,7 @@ bool restore_farm(struct farm *farm, struct store *store, struct error *error)
               store_load(store, on_job, on_frame, &state, error);
 
     if (ok) root_settings_take(farm, &farm->options->output_roots, on_op, &state);
+    if (ok) root_settings_tell_inputs(&farm->options->input_roots);
     for (size_t i = 0; i < state.intent_count && ok; i++)
         finish_publish(&state, &state.intents[i]);
     if (ok && state.op_count > 0)

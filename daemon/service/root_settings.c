@@ -9,8 +9,9 @@
 #include "daemon/service/folders.h"
 #include "daemon/store/store_reader.h"
 
-#include <stdio.h>
+#include <errno.h>
 #include <string.h>
+#include <unistd.h>
 
 static bool on_root(void *user, const struct store_root *row, struct error *error)
 {
@@ -66,4 +67,12 @@ void root_settings_take(struct farm *farm, const struct path_list *roots, root_s
 
         if (!root->is_watched && has_jobs(farm, root)) look(farm, root, on_op, user);
     }
+}
+
+void root_settings_tell_inputs(const struct path_list *roots)
+{
+    for (size_t i = 0; i < roots->count; i++)
+        if (access(roots->paths[i], F_OK) != 0)
+            log_warn("input root %s is not there: %s; jobs that read files below it are refused", roots->paths[i],
+                     strerrordesc_np(errno));
 }

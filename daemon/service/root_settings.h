@@ -17,3 +17,5 @@ bool root_settings_load(struct farm *farm, struct error *error);
 // Looks at all roots that are new since the last call: those of the jobs and `roots`, of the settings. Blocking. The
 // first of the settings is made if neither the store nor a job knows it. A root that is missing is no error.
 void root_settings_take(struct farm *farm, const struct path_list *roots, root_settings_on_op *on_op, void *user);
+// Says in the log which input roots are not there. Blocking.
+void root_settings_tell_inputs(const struct path_list *roots);
