@@ -3,13 +3,12 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/version.h"
+#include "daemon/service/copies.h"
 #include "daemon/service/daemon.h"
-#include "daemon/service/folders.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/library_versions.h"
 #include "daemon/service/opening.h"
 #include "daemon/settings/options.h"
-#include "daemon/store/store_backup.h"
 
 #include <limits.h>
 #include <signal.h>
@@ -54,35 +53,6 @@ static bool read_options(void *user, struct options *options, struct error *erro
     return options_parse(options, line->argc, line->argv, &surroundings, error);
 }
 
-static int end_copy(bool ok, const struct error *error, bool is_backup, const char *folder, const char *file)
-{
-    if (ok)
-        printf("%s the queue in %s %s %s\n", is_backup ? "copied" : "restored", folder, is_backup ? "to" : "from",
-               file);
-    else
-        fprintf(stderr, "marchd: %s\n", error->message);
-    return ok ? EXIT_SUCCESS : EXIT_FAILURE;
-}
-
-static int back_up(const struct options *options)
-{
-    struct error error = {0};
-    bool ok = store_backup_save(options->state_folder, options->backup_file, &error);
-
-    return end_copy(ok, &error, true, options->state_folder, options->backup_file);
-}
-
-static int restore(const struct options *options)
-{
-    struct error error = {0};
-    bool has_counts = true,
-         ok = folders_make(options->state_folder, 0700, &error) &&
-              store_backup_restore(options->state_folder, options->restore_file, &has_counts, &error);
-
-    if (!has_counts) printf("the last id that was given is not known here: the next ones begin 1000 higher\n");
-    return end_copy(ok, &error, false, options->state_folder, options->restore_file);
-}
-
 static int run(struct options *options, struct command_line *line)
 {
     struct error error = {0};
@@ -122,9 +92,9 @@ int main(int argc, char **argv)
         version_print(stdout, "marchd");
         library_versions_print(stdout);
     } else if (options.backup_file)
-        status = back_up(&options);
+        status = copies_back_up(&options);
     else if (options.restore_file)
-        status = restore(&options);
+        status = copies_restore(&options);
     else
         status = run(&options, &line);
     options_finish(&options);

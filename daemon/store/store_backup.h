@@ -18,6 +18,6 @@ bool store_backup_save(const char *folder, const char *path, struct error *error
 // caller holds the lock. False, and nothing changed, without such a copy.
 bool store_backup_fall_back(const char *folder, struct error *error);
 // Puts a copy in place of the store in `folder`, which no daemon may use. The old one is kept as queue.db.replaced.
-// Ids and epochs go on above those of both. `*has_counts` says whether the folder knew the last id that was ever given; where it
-// did not, ids begin far above those of the copy.
+// Ids and epochs go on above those of both. `*has_counts` says whether the folder knew the last id that was ever given;
+// where it did not, ids begin far above those of the copy.
 bool store_backup_restore(const char *folder, const char *path, bool *has_counts, struct error *error);

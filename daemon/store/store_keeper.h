@@ -20,8 +20,8 @@ struct store_keeper_params {
     void *user; // borrowed
 };
 
-// A look takes a connection of its own, off the loop: first the sums of all rows, then, when none was wrong and the store
-// has changed since, FOLDER/backup.db.
+// A look takes a connection of its own, off the loop: first the sums of all rows, and the mending of damaged ones; then
+// FOLDER/backup.db, when the store has changed since the last.
 struct store_keeper *store_keeper_open(uv_loop_t *loop, const struct store_keeper_params *params);
 int64_t store_keeper_looks(const struct store_keeper *keeper); // count of those that have ended
 void store_keeper_close(struct store_keeper *keeper);          // ends when a look under way does; accepts NULL

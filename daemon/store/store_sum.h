@@ -8,8 +8,8 @@
 struct error;
 struct sqlite3;
 
-// A table whose rows have sums. The SQL function row_sum(COLUMNS), which store_sum_register makes known, is the sum; its
-// last arguments may be left out when they are NULL. XXH3, which guards against accidents only.
+// A table whose rows have sums. The SQL function row_sum(COLUMNS), which store_sum_register makes known, is the sum;
+// its last arguments may be left out when they are NULL. XXH3, which guards against accidents only.
 struct store_table {
     const char *name, *columns;
     const char *key;     // the columns that identify a row; NULL: the table has one row
