@@ -126,7 +126,7 @@ static void tell_job(struct connection *connection, int64_t id)
     message_finish(&reply);
 }
 
-static enum exit_status follow_submitted(const struct options *options, struct connection *connection, int64_t id,
+static enum exit_status follow_submitted(const struct options *options, struct connection **connection, int64_t id,
                                          struct error *error)
 {
     struct json_writer jobs = {0};
@@ -136,7 +136,8 @@ static enum exit_status follow_submitted(const struct options *options, struct c
                                          .shows_progress = options->watch && !options->json,
                                          .prints_events = options->watch && options->json,
                                          .jobs = wants_jobs ? &jobs : NULL,
-                                         .ends = options->json || options->watch ? NULL : stderr};
+                                         .ends = options->json || options->watch ? NULL : stderr,
+                                         .options = options};
     enum exit_status status = follow_jobs(connection, &params, error);
 
     if (jobs.text) print_json_text(&jobs);
@@ -162,7 +163,7 @@ static enum exit_status submit(const struct options *options, const char *docume
         printf("{\"id\":%" PRId64 "}\n", id);
     fflush(stdout);
     if (!options->json) tell_job(connection, id);
-    if (options->wait || options->watch) status = follow_submitted(options, connection, id, error);
+    if (options->wait || options->watch) status = follow_submitted(options, &connection, id, error);
 out:
     connection_close(connection);
     return status;

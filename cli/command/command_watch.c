@@ -16,14 +16,15 @@ enum exit_status command_watch(const struct options *options, struct error *erro
     const struct follow_params params = {.ids = ids,
                                          .id_count = options->operand_count,
                                          .shows_progress = !options->json,
-                                         .prints_events = options->json};
+                                         .prints_events = options->json,
+                                         .options = options};
     struct connection *connection = NULL;
     enum exit_status status = EXIT_STATUS_USAGE;
 
     for (size_t i = 0; i < options->operand_count; i++)
         if (!options_parse_id(options->operands[i], &ids[i], error)) goto out;
     connection = daemon_call_connect(options, &status, error);
-    if (connection) status = follow_jobs(connection, &params, error);
+    if (connection) status = follow_jobs(&connection, &params, error);
 out:
     connection_close(connection);
     free(ids);
@@ -37,14 +38,15 @@ enum exit_status command_wait(const struct options *options, struct error *error
     const struct follow_params params = {.ids = ids,
                                          .id_count = options->operand_count,
                                          .jobs = options->json ? &jobs : NULL,
-                                         .ends = options->json ? NULL : stdout};
+                                         .ends = options->json ? NULL : stdout,
+                                         .options = options};
     struct connection *connection = NULL;
     enum exit_status status = EXIT_STATUS_USAGE;
 
     for (size_t i = 0; i < options->operand_count; i++)
         if (!options_parse_id(options->operands[i], &ids[i], error)) goto out;
     connection = daemon_call_connect(options, &status, error);
-    if (connection) status = follow_jobs(connection, &params, error);
+    if (connection) status = follow_jobs(&connection, &params, error);
     if (jobs.text) print_json_text(&jobs);
 out:
     connection_close(connection);

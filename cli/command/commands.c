@@ -21,7 +21,8 @@ enum { ANY = 1 << 20 };
 // The verbs that need a daemon come first.
 static const struct command commands[] = {
     {"submit", "JOB", 1, 1,
-     DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(DRY_RUN) | FRAMES | BIT(SET) | BIT(DRAFT) | BIT(PAUSED) | BIT(PRIORITY),
+     DAEMON | BIT(WAIT) | BIT(WATCH) | BIT(RECONNECT) | BIT(DRY_RUN) | FRAMES | BIT(SET) | BIT(DRAFT) | BIT(PAUSED) |
+         BIT(PRIORITY),
      "Hands a job file (- for standard input) to the daemon and prints the job's id.",
      "march submit --watch --frames 0-99 jobs/cloud.json", command_submit},
     {"list", "", 0, 0, DAEMON | BIT(STATE), "Lists the jobs.", "march list --state running,queued", command_list},
@@ -30,10 +31,10 @@ static const struct command commands[] = {
      command_frames},
     {"log", "ID", 1, 1, DAEMON | BIT(FRAME), "Prints the messages of attempts that have ended, the newest last.",
      "march log 7 --frame 120", command_log},
-    {"watch", "[ID...]", 0, ANY, DAEMON, "Shows the progress of these jobs, or of all jobs, until they have ended.",
-     "march watch 7", command_watch},
-    {"wait", "ID...", 1, ANY, DAEMON, "Waits until the jobs have ended; exit code 1 unless all succeeded.",
-     "march wait 7 8", command_wait},
+    {"watch", "[ID...]", 0, ANY, DAEMON | BIT(RECONNECT),
+     "Shows the progress of these jobs, or of all jobs, until they have ended.", "march watch 7", command_watch},
+    {"wait", "ID...", 1, ANY, DAEMON | BIT(RECONNECT),
+     "Waits until the jobs have ended; exit code 1 unless all succeeded.", "march wait 7 8", command_wait},
     {"pause", "ID...", 1, ANY, DAEMON, "Starts no more frames of the jobs until they are resumed.", "march pause 7",
      command_pause},
     {"resume", "ID...", 1, ANY, DAEMON, "Resumes paused jobs.", "march resume 7", command_resume},

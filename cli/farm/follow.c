@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/farm/follow.h"
 
+#include "cli/farm/daemon_call.h"
 #include "cli/farm/job_report.h"
 #include "cli/peer/connection.h"
 #include "cli/program/interrupt.h"
+#include "cli/program/options.h"
 #include "cli/terminal/print.h"
 #include "cli/terminal/progress.h"
 #include "core/base/alloc.h"
@@ -11,20 +13,25 @@
 #include "core/json/json_write.h"
 
 #include <inttypes.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { TICK_MS = 250, SHOWN_LIMIT = 16 };
+enum { TICK_MS = 250, SHOWN_LIMIT = 16, ASK_MS = 1000, RECONNECT_DEFAULT_S = 300 };
 
 struct followed {
     struct job_report report;
     char *json; // owned; the last state of the job
+    char *told; // owned; the last reason to wait that was told; NULL: none
 };
 
 struct follow {
     const struct follow_params *params; // borrowed
-    struct followed *jobs;              // owned
+    struct interrupt interrupt;
+    int64_t asked_ms;      // when jobs that wait were last asked why
+    int64_t lost_ms;       // when the daemon was lost; 0: it is there
+    struct followed *jobs; // owned
     size_t count, capacity;
     struct progress_display display;
 };
@@ -63,6 +70,24 @@ static char *format_job(const struct json_node *job)
     return writer.text;
 }
 
+static bool waits(const struct job_report *report)
+{
+    return report->running == 0 && !job_report_has_ended(report);
+}
+
+// Whoever only waits is told at once why a job does not run.
+static void tell_reason(const struct follow *follow, struct followed *followed)
+{
+    const struct job_report *report = &followed->report;
+    const char *reason = waits(report) ? report->reason : NULL;
+
+    if (!follow->params->ends || !reason || strcmp(reason, "waits for a free worker") == 0) return;
+    if (followed->told && strcmp(followed->told, reason) == 0) return;
+    free(followed->told);
+    followed->told = xstrdup(reason);
+    fprintf(stderr, "job %" PRId64 ": %s: %s\n", report->id, report->state, reason);
+}
+
 static bool note_job(struct follow *follow, const struct json_node *node, struct error *error)
 {
     struct job_report report;
@@ -83,6 +108,7 @@ static bool note_job(struct follow *follow, const struct json_node *node, struct
     free(followed->json);
     followed->report = report;
     followed->json = format_job(node);
+    tell_reason(follow, followed);
     return true;
 }
 
@@ -123,19 +149,23 @@ static bool subscribe(struct follow *follow, struct connection *connection, stru
     return ok;
 }
 
-static bool ask_all(struct follow *follow, struct connection *connection, struct error *error)
+static bool note_listed(struct follow *follow, struct message *reply, struct error *error)
 {
-    struct json_node jobs, job = {0};
-    struct message reply;
+    struct json_node jobs = json_node_child(&reply->body, "jobs"), job = {0};
     bool ok = true;
 
-    if (!connection_call(connection, "job.list", "{\"state\":[\"queued\",\"running\",\"paused\"]}", &reply, error))
-        return false;
-    jobs = json_node_child(&reply.body, "jobs");
     while (ok && json_node_next(&jobs, &job))
         ok = note_job(follow, &job, error);
-    message_finish(&reply);
+    message_finish(reply);
     return ok;
+}
+
+static bool ask_all(struct follow *follow, struct connection *connection, struct error *error)
+{
+    struct message reply;
+
+    return connection_call(connection, "job.list", "{\"state\":[\"queued\",\"running\",\"paused\"]}", &reply, error) &&
+           note_listed(follow, &reply, error);
 }
 
 // Reads the current states of the jobs; events report only changes.
@@ -154,6 +184,33 @@ static bool ask_jobs(struct follow *follow, struct connection *connection, struc
         if (!ok) return false;
     }
     return true;
+}
+
+// Why a job waits may change without an event of its own, when another job does.
+static bool ask_why(struct follow *follow, struct connection *connection, struct error *error)
+{
+    struct json_writer params = {0};
+    struct message reply;
+    size_t count = 0;
+    bool ok = true;
+
+    if (progress_now_ms() < follow->asked_ms + ASK_MS || (!follow->params->shows_progress && !follow->params->ends))
+        return true;
+    follow->asked_ms = progress_now_ms();
+    json_write_begin_object(&params);
+    json_write_key(&params, "ids");
+    json_write_begin_array(&params);
+    for (size_t i = 0; i < follow->count && count < SHOWN_LIMIT; i++)
+        if (waits(&follow->jobs[i].report)) {
+            json_write_integer(&params, follow->jobs[i].report.id);
+            count++;
+        }
+    json_write_end_array(&params);
+    json_write_end_object(&params);
+    if (count > 0)
+        ok = connection_call(connection, "job.list", params.text, &reply, error) && note_listed(follow, &reply, error);
+    json_writer_finish(&params);
+    return ok;
 }
 
 static void print_start(const struct follow *follow)
@@ -222,32 +279,70 @@ static enum exit_status follow_events(struct follow *follow, struct connection *
             message_finish(&message);
         }
         if (!ok) return EXIT_STATUS_FAILED;
+        if (!ask_why(follow, connection, error)) return connection_failure(connection);
         draw(follow, false);
     }
     draw(follow, true);
     return report_end(follow);
 }
 
-enum exit_status follow_jobs(struct connection *connection, const struct follow_params *params, struct error *error)
+static enum exit_status follow_once(struct follow *follow, struct connection *connection, struct error *error)
+{
+    connection_set_interrupt(connection, &follow->interrupt);
+    if (!subscribe(follow, connection, error) || !ask_jobs(follow, connection, error))
+        return connection_failure(connection);
+    follow->lost_ms = 0;
+    print_start(follow);
+    return follow_events(follow, connection, error);
+}
+
+// Waits until a daemon answers again: it was restarted, or is upgraded.
+static enum exit_status reconnect(struct follow *follow, struct connection **connection, struct error *error)
+{
+    const struct options *options = follow->params->options;
+    int64_t limit_s = options->reconnect_s >= 0 ? options->reconnect_s : RECONNECT_DEFAULT_S;
+    enum exit_status status = EXIT_STATUS_NO_DAEMON;
+    struct pollfd interrupted = {.fd = follow->interrupt.fd, .events = POLLIN};
+    struct error silence = {0};
+
+    if (limit_s == 0) return status;
+    if (follow->lost_ms == 0) {
+        progress_display_clear(&follow->display);
+        fprintf(stderr, "%s: waiting up to %" PRId64 " s for it to come back\n", error->message, limit_s);
+        follow->lost_ms = progress_now_ms();
+    }
+    connection_close(*connection);
+    *connection = NULL;
+    while (status == EXIT_STATUS_NO_DAEMON && progress_now_ms() < follow->lost_ms + 1000 * limit_s) {
+        if (poll(&interrupted, 1, TICK_MS) > 0) return EXIT_STATUS_INTERRUPTED;
+        *connection = daemon_call_connect(options, &status, &silence);
+        if (*connection) {
+            *error = (struct error){0};
+            return EXIT_STATUS_DONE;
+        }
+    }
+    *error = silence;
+    return status;
+}
+
+enum exit_status follow_jobs(struct connection **connection, const struct follow_params *params, struct error *error)
 {
     struct follow follow = {.params = params};
-    struct interrupt interrupt;
     enum exit_status status;
 
     progress_display_init(&follow.display, stderr);
-    interrupt_init(&interrupt);
-    connection_set_interrupt(connection, &interrupt);
-    if (!subscribe(&follow, connection, error) || !ask_jobs(&follow, connection, error)) {
-        status = connection_failure(connection);
-    } else {
-        print_start(&follow);
-        status = follow_events(&follow, connection, error);
-    }
-    connection_set_interrupt(connection, NULL);
-    interrupt_finish(&interrupt);
+    interrupt_init(&follow.interrupt);
+    do {
+        status = follow_once(&follow, *connection, error);
+        if (status != EXIT_STATUS_NO_DAEMON) break;
+        status = reconnect(&follow, connection, error);
+    } while (status == EXIT_STATUS_DONE);
+    if (*connection) connection_set_interrupt(*connection, NULL);
+    interrupt_finish(&follow.interrupt);
     for (size_t i = 0; i < follow.count; i++) {
         job_report_finish(&follow.jobs[i].report);
         free(follow.jobs[i].json);
+        free(follow.jobs[i].told);
     }
     free(follow.jobs);
     return status;

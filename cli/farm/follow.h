@@ -12,6 +12,7 @@
 struct connection;
 struct error;
 struct json_writer;
+struct options;
 
 struct follow_params {
     const int64_t *ids;       // borrowed
@@ -19,8 +20,10 @@ struct follow_params {
     bool shows_progress;      // on stderr
     bool prints_events;       // on stdout, one JSON object a line, the current state of the jobs first
     struct json_writer *jobs; // borrowed, or NULL; receives {"jobs":[...]} in their last states
-    FILE *ends;               // borrowed, or NULL; receives a line for each job that ends
+    FILE *ends;               // borrowed, or NULL; receives a line for each job that ends, and stderr why a job waits
+    const struct options *options; // borrowed: how to connect again, and how long to try
 };
 
-// EXIT_STATUS_DONE when all jobs succeeded, EXIT_STATUS_FAILED when one did not.
-enum exit_status follow_jobs(struct connection *connection, const struct follow_params *params, struct error *error);
+// EXIT_STATUS_DONE when all jobs succeeded, EXIT_STATUS_FAILED when one did not. Where the daemon is lost, that is said on
+// stderr, and `*connection` is closed and replaced, or NULL where it does not come back in time.
+enum exit_status follow_jobs(struct connection **connection, const struct follow_params *params, struct error *error);

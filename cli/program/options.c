@@ -75,6 +75,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
                         "plan nothing: render with the settings of this frame of the job, and get the same pixels"},
     [OPTION_PREVIEW] = {"preview", KIND_TEXT, FIELD(preview), "FILE", 0, 0,
                         "show each frame in this .png as it refines, and whole at its end"},
+    [OPTION_RECONNECT] = {"reconnect", KIND_INTEGER, FIELD(reconnect_s), "SECONDS", 0, 86400,
+                          "wait so long for a daemon that was restarted (default 300; 0: not at all)"},
     [OPTION_FORCE] = {"force", KIND_FLAG, FIELD(force), NULL, 0, 0,
                       "render also frames whose files are there, whole and of this job"},
     [OPTION_POINT_LIMIT] = {"point-limit", KIND_INTEGER, FIELD(point_limit_s), "SECONDS", 1, 86400,
@@ -232,7 +234,8 @@ bool options_parse(struct options *options, uint64_t accepted, const char *const
                                 .progress_limit_s = -1,
                                 .columns = -1,
                                 .tile_width_px = -1,
-                                .point_limit_s = -1};
+                                .point_limit_s = -1,
+                                .reconnect_s = -1};
     options->exposure = options->fps = options->tolerance = NAN;
     options->sets = xcalloc(count + 1, sizeof *options->sets);
     options->operands = xcalloc(count + 1, sizeof *options->operands);

@@ -46,6 +46,7 @@ enum option {
     OPTION_PLAN_OF,
     OPTION_PREVIEW,
     OPTION_FORCE,
+    OPTION_RECONNECT,
     OPTION_COUNT
 };
 
@@ -56,7 +57,7 @@ struct options {
     bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
         *plan_of, *preview;
-    int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s;
+    int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s, reconnect_s;
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE
     size_t set_count;

@@ -14,7 +14,7 @@ static const struct method {
 } methods[] = {
     {"daemon.status", requests_daemon_status, {NULL}},
     {"job.submit", requests_job_submit, {"document", "paused", NULL}},
-    {"job.list", requests_job_list, {"state", NULL}},
+    {"job.list", requests_job_list, {"state", "ids", NULL}},
     {"job.show", requests_job_show, {"id", NULL}},
     {"job.frames", requests_job_frames, {"id", "state", "range", "offset", "limit", NULL}},
     {"job.log", requests_job_log, {"id", "frame", "limit", NULL}},

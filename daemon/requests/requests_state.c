@@ -16,6 +16,8 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { IDS_LIMIT = 1000 };
+
 static void write_job_counts(const struct farm *farm, struct json_writer *writer)
 {
     int64_t counts[JOB_STATE_COUNT] = {0};
@@ -153,16 +155,36 @@ enum request_outcome requests_events_subscribe(struct request *request)
     return REQUEST_ANSWERED;
 }
 
+static bool write_listed(struct request *request, const struct json_node *ids, unsigned states)
+{
+    const struct farm *farm = request->farm;
+    struct json_node node = {0};
+
+    if (!json_check_array(ids, 0, IDS_LIMIT, &request->error)) return false;
+    while (json_node_next(ids, &node)) {
+        struct job_record *record;
+        int64_t id;
+
+        if (!json_read_integer(&node, 1, INT64_MAX, &id, &request->error)) return false;
+        record = job_table_find(&farm->jobs, id);
+        if (record && states & 1U << queue_job_state(record->queued)) job_view_write(farm, record, request->result);
+    }
+    return true;
+}
+
 enum request_outcome requests_job_list(struct request *request)
 {
     const struct farm *farm = request->farm;
+    struct json_node ids = json_node_child(&request->params, "ids");
     unsigned states;
 
+    request->code = MESSAGE_CODE_PARAMS;
     if (!request_read_set(request, "state", job_state_names, ~0U, &states)) return REQUEST_FAILED;
     json_write_begin_object(request->result);
     json_write_key(request->result, "jobs");
     json_write_begin_array(request->result);
-    for (size_t i = 0; i < farm->jobs.count; i++) {
+    if (!json_node_is_absent(&ids) && !write_listed(request, &ids, states)) return REQUEST_FAILED;
+    for (size_t i = 0; i < farm->jobs.count && json_node_is_absent(&ids); i++) {
         struct job_record *record = farm->jobs.records[i];
 
         if (states & 1U << queue_job_state(record->queued)) job_view_write(farm, record, request->result);

@@ -34,9 +34,16 @@ grep -q "^job 1: succeeded" err || fail "submit --wait says how the job ended"
 [ "$(ls pictures/cloud)" = "cloud.0048.exr
 cloud.0049.exr
 cloud.0050.exr" ] || fail "the job's files: $(ls pictures/cloud)"
-expect 0 submit --set frames=48,49 --set output.path=two/two.####.exr --watch
+expect 0 submit --set frames=48,49 --set output.path=two/two.####.exr --watch --set 'comment="for Ada"' --set 'tags=["night","shot 12"]'
 expect_stdout 2
 grep -q "#2 cloud: 2/2" err || fail "--watch tells the end"
+expect 0 march list
+grep -q "night, shot 12" out || fail "list tells tags"
+expect 0 march show 2
+grep -q "^comment    for Ada$" out || fail "show tells the comment"
+for text in "for Ada" "night, shot 12" marchd:farm; do
+    head -c 3000 pictures/two/two.0048.exr | grep -qa "$text" || fail "the file's header lacks \"$text\""
+done
 expect 0 submit --json --frames 48 --set output.path=three/three.####.exr --wait
 grep -q '{"jobs":\[{"id":3,.*"state":"succeeded"' out || fail "submit --wait --json"
 
@@ -127,7 +134,23 @@ if [ "$(id -u)" -eq 0 ] && command -v setpriv >/dev/null; then
     expect 0 nobody list
 fi
 
-march wait 5 >out 2>err &
+# A daemon that is started again finds who waits for it; what waits is told at once, and why.
+march wait 5 >waited 2>waited_err &
+waiter=$!
+until grep -q "job 5: paused: paused by" waited_err || ! kill -0 "$waiter"; do sleep 0.05; done
+kill "$daemon"
+wait "$daemon" || fail "the daemon's end: $(tail -n 3 marchd.log)"
+marchd --state "$scratch/state" --output-root "$scratch/pictures" --input-root / --workers 1 2>>marchd.log &
+daemon=$!
+until march workers >/dev/null 2>&1; do sleep 0.05; done
+expect 0 march cancel 5
+wait "$waiter"
+[ $? -eq 1 ] || fail "wait goes on with a daemon that was started again: $(cat waited_err)"
+grep -q "^job 5: canceled" waited || fail "wait tells the end after a restart"
+[ "$(grep -c "waiting up to 300 s for it to come back" waited_err)" -eq 1 ] || fail "wait says once that the daemon is gone"
+
+expect 0 submit --paused --set frames=0 --set output.path=last/last.####.exr
+march wait 6 --reconnect 0 >out 2>err &
 waiter=$!
 until [ "$(find "/proc/$waiter/fd" -lname 'socket:*' | wc -l)" -gt 0 ] || ! kill -0 "$waiter"; do sleep 0.05; done
 kill "$daemon"

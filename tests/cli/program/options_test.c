@@ -95,9 +95,9 @@ static void options_of_other_verbs_are_unknown(void **state)
 
 static void wrong_values_say_what_was_expected(void **state)
 {
-    assert_refused(every, ARGUMENTS("--priority", "101"), "--priority: expected an integer in [0, 100], got \"101\"");
-    assert_refused(every, ARGUMENTS("--priority", "7x"), "--priority: expected an integer in [0, 100], got \"7x\"");
-    assert_refused(every, ARGUMENTS("--priority="), "--priority: expected an integer in [0, 100], got \"\"");
+    assert_refused(every, ARGUMENTS("--priority", "201"), "--priority: expected an integer in [0, 200], got \"201\"");
+    assert_refused(every, ARGUMENTS("--priority", "7x"), "--priority: expected an integer in [0, 200], got \"7x\"");
+    assert_refused(every, ARGUMENTS("--priority="), "--priority: expected an integer in [0, 200], got \"\"");
     assert_refused(every, ARGUMENTS("--fps", "nan"), "--fps: expected a number, got \"nan\"");
     assert_refused(every, ARGUMENTS("--backend", "none"),
                    "--backend: expected auto, egl, osmesa or software, got \"none\"");
