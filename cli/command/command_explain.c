@@ -7,6 +7,7 @@
 #include "cli/terminal/print.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
+#include "core/job/job_warnings.h"
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 
@@ -152,14 +153,22 @@ static enum exit_status explain(const struct options *options, const struct job 
     return status;
 }
 
+static void print_warning(void *user, const char *text)
+{
+    (void)user;
+    fprintf(stderr, "warning: %s\n", text);
+}
+
 enum exit_status command_explain(const struct options *options, struct error *error)
 {
     char *document = job_document_load(options->operands[0], options->sets, options->set_count, error);
     enum exit_status status = EXIT_STATUS_USAGE;
     struct job job = {0};
 
-    if (document && job_document_check(options->operands[0], document, "/", &job, error))
+    if (document && job_document_check(options->operands[0], document, "/", &job, error)) {
+        job_warnings_find(&job, print_warning, NULL);
         status = explain(options, &job, document, error);
+    }
     job_finish(&job);
     free(document);
     return status;

@@ -1,47 +1,108 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command/commands.h"
 #include "cli/job/job_document.h"
+#include "cli/job/job_mistakes.h"
 #include "cli/job/job_summary.h"
 #include "cli/program/options.h"
 #include "cli/terminal/print.h"
+#include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
+#include "core/job/job_json.h"
+#include "core/job/job_warnings.h"
 #include "core/json/json_write.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-static bool check_file(const struct options *options, const char *path, struct job *job, struct error *error)
+struct verdict {
+    const char *path;
+    struct job job;
+    struct error *errors; // owned; they name the file; none: the job is right
+    size_t error_count;
+};
+
+static struct error *copy_error(const struct error *error)
 {
-    char *document = job_document_load(path, options->sets, options->set_count, error);
-    bool ok = document && job_document_check(path, document, "/", job, error);
+    struct error *copy = xmalloc(sizeof *copy);
 
-    free(document);
-    return ok;
+    *copy = *error;
+    return copy;
 }
 
-static void write_result(struct json_writer *writer, const char *path, const struct job *job, const struct error *error)
+// Finds all mistakes of a document that is no job; what is wrong beyond its text alone is one.
+static void list_errors(struct verdict *verdict, const char *document, const struct error *error)
+{
+    struct error first = {0};
+    struct job job;
+
+    if (!document || job_parse(&job, document, strlen(document), "/", &first)) {
+        if (document) job_finish(&job);
+        verdict->errors = copy_error(error);
+        verdict->error_count = 1;
+        return;
+    }
+    verdict->errors = job_mistakes_find(document, &first, &verdict->error_count);
+    for (size_t i = 0; i < verdict->error_count; i++)
+        error_prefix(&verdict->errors[i], "%s", job_document_name(verdict->path));
+}
+
+static void judge(const struct options *options, struct verdict *verdict)
+{
+    struct error error = {0};
+    char *document = job_document_load(verdict->path, options->sets, options->set_count, &error);
+
+    if (!document || !job_document_check(verdict->path, document, "/", &verdict->job, &error))
+        list_errors(verdict, document, &error);
+    free(document);
+}
+
+static void write_warning(void *user, const char *text)
+{
+    json_write_string(user, text);
+}
+
+static void write_result(struct json_writer *writer, const struct verdict *verdict)
 {
     json_write_begin_object(writer);
-    json_write_string_member(writer, "file", job_document_name(path));
-    json_write_bool_member(writer, "valid", !error->message[0]);
-    if (error->message[0])
-        json_write_string_member(writer, "error", error->message);
-    else
-        job_summary_write_members(job, writer);
+    json_write_string_member(writer, "file", job_document_name(verdict->path));
+    json_write_bool_member(writer, "valid", verdict->error_count == 0);
+    if (verdict->error_count > 0) {
+        json_write_string_member(writer, "error", verdict->errors[0].message);
+        json_write_key(writer, "errors");
+        json_write_begin_array(writer);
+        for (size_t i = 0; i < verdict->error_count; i++)
+            json_write_string(writer, verdict->errors[i].message);
+        json_write_end_array(writer);
+    } else {
+        job_summary_write_members(&verdict->job, writer);
+        json_write_key(writer, "warnings");
+        json_write_begin_array(writer);
+        job_warnings_find(&verdict->job, write_warning, writer);
+        json_write_end_array(writer);
+    }
     json_write_end_object(writer);
 }
 
-static void print_result(const char *path, const struct job *job, const struct error *error)
+static void print_warning(void *user, const char *text)
 {
-    int64_t count = frame_range_count(&job->frames);
+    const struct verdict *verdict = user;
 
-    if (error->message[0])
-        fprintf(stderr, "%s\n", error->message);
-    else
-        printf("%s: ok, %" PRId64 " frame%s of %d x %d\n", job_document_name(path), count, count == 1 ? "" : "s",
-               job->width_px, job->height_px);
+    fprintf(stderr, "%s: warning: %s\n", job_document_name(verdict->path), text);
+}
+
+static void print_result(struct verdict *verdict)
+{
+    int64_t count = frame_range_count(&verdict->job.frames);
+
+    for (size_t i = 0; i < verdict->error_count; i++)
+        fprintf(stderr, "%s\n", verdict->errors[i].message);
+    if (verdict->error_count > 0) return;
+    printf("%s: ok, %" PRId64 " frame%s of %d x %d\n", job_document_name(verdict->path), count, count == 1 ? "" : "s",
+           verdict->job.width_px, verdict->job.height_px);
+    job_warnings_find(&verdict->job, print_warning, verdict);
 }
 
 enum exit_status command_validate(const struct options *options, struct error *error)
@@ -53,15 +114,16 @@ enum exit_status command_validate(const struct options *options, struct error *e
     json_write_key(&results, "files");
     json_write_begin_array(&results);
     for (size_t i = 0; i < options->operand_count; i++) {
-        struct error wrong = {0};
-        struct job job = {0};
+        struct verdict verdict = {.path = options->operands[i]};
 
-        if (!check_file(options, options->operands[i], &job, &wrong)) status = EXIT_STATUS_USAGE;
+        judge(options, &verdict);
+        if (verdict.error_count > 0) status = EXIT_STATUS_USAGE;
         if (options->json)
-            write_result(&results, options->operands[i], &job, &wrong);
+            write_result(&results, &verdict);
         else
-            print_result(options->operands[i], &job, &wrong);
-        job_finish(&job);
+            print_result(&verdict);
+        free(verdict.errors);
+        job_finish(&verdict.job);
     }
     json_write_end_array(&results);
     json_write_end_object(&results);

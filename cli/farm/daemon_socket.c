@@ -52,6 +52,7 @@ static char *describe_group(const char *path)
     const struct group *group;
 
     if (stat(path, &status) != 0 || !(status.st_mode & S_IWGRP)) return xstrdup("");
+    if (status.st_gid == 0) return xstrdup(": its daemon is one of root's own, for root alone");
     group = getgrgid(status.st_gid);
     if (!group) return xstrdup("");
     return xasprintf(": only group %s may connect (root adds you with `usermod -aG %s %s`; then log in again)",

@@ -21,7 +21,8 @@ static bool fail_outside(const char *place, const char *path, const struct path_
     char list[512];
 
     path_list_format(roots, list, sizeof list);
-    error_set(error, "%s: expected a file below %s, got \"%.300s\"", place, list, path);
+    error_set(error, "%s: expected a file below %s, got \"%.300s\"; marchd's --input-root says where jobs may read",
+              place, list, path);
     return false;
 }
 

@@ -182,6 +182,17 @@ static bool read_tracking(const struct json_node *object, struct job_quality *qu
     return json_check_keys(object, marched_keys, error) && read_steps(object, quality, error);
 }
 
+// People write percents.
+static bool read_tolerance(struct job_quality *quality, const struct json_node *node, struct error *error)
+{
+    double percent;
+
+    if (json_read_number(node, TOLERANCE_MIN, TOLERANCE_MAX, &quality->tolerance, error)) return true;
+    if (!json_read_number(node, 1.0, 100, &percent, NULL)) return false;
+    return json_fail(node, error, "expected a number from %.15g to %.15g, got %g, did you mean %g (%g %%)?",
+                     TOLERANCE_MIN, TOLERANCE_MAX, percent, percent / 100, percent);
+}
+
 static bool read_auto(const struct json_node *object, struct job_quality *quality, struct error *error)
 {
     static const char *const keys[] = {"method", "tolerance", "on_miss", PATH_KEYS, NULL};
@@ -193,8 +204,7 @@ static bool read_auto(const struct json_node *object, struct job_quality *qualit
     if (!json_check_keys(object, keys, error)) return false;
     if (!json_node_is_absent(&on_miss) && !json_read_enum(&on_miss, choices, &choice, error)) return false;
     quality->on_miss = (enum job_on_miss)choice;
-    return json_node_is_absent(&tolerance) ||
-           json_read_number(&tolerance, TOLERANCE_MIN, TOLERANCE_MAX, &quality->tolerance, error);
+    return json_node_is_absent(&tolerance) || read_tolerance(quality, &tolerance, error);
 }
 
 static bool read_equiangular(const struct json_node *object, struct job_quality *quality, struct error *error)

@@ -132,10 +132,15 @@ static void socket_of_a_group_is_not_for_strangers(void **state)
     assert_int_equal(answered_by(place, first, -1, &status, &error), -1);
     assert_int_equal(seteuid(0), 0);
     assert_int_equal(status, EXIT_STATUS_NOT_ALLOWED);
-    assert_non_null(strstr(error.message,
-                           "/first is not for you: only group root may connect (root adds you with `usermod -aG root"));
+    assert_non_null(strstr(
+        error.message, "/first is not for you: its daemon is one of root's own, for root alone; nor does a daemon"));
     assert_non_null(strstr(error.message, "your own answer at /"));
     assert_non_null(strstr(error.message, "/second (No such file or directory)"));
+    assert_int_equal(chown(place->first, 0, 1), 0); // group daemon
+    assert_int_equal(seteuid(65534), 0);
+    assert_int_equal(answered_by(place, first, -1, &status, &error), -1);
+    assert_int_equal(seteuid(0), 0);
+    assert_non_null(strstr(error.message, "only group daemon may connect (root adds you with `usermod -aG daemon"));
 
     // The user's own daemon.
     second = listen_at(place->second);

@@ -85,16 +85,19 @@ static void assert_refused(const char *grid, const char *texture, const char *me
     path_list_finish(&roots);
 }
 
+#define WHO "; marchd's --input-root says where jobs may read"
+
 static void what_is_below_no_root_is_refused_with_its_place(void **state)
 {
     assert_refused("/etc/shadow", NULL,
-                   "scene.media[1].density.file: expected a file below /in or /usr/share, got \"/etc/shadow\"");
+                   "scene.media[1].density.file: expected a file below /in or /usr/share, got \"/etc/shadow\"" WHO);
     assert_refused("/input/a", NULL,
-                   "scene.media[1].density.file: expected a file below /in or /usr/share, got \"/input/a\"");
-    assert_refused("/in", NULL, "scene.media[1].density.file: expected a file below /in or /usr/share, got \"/in\"");
+                   "scene.media[1].density.file: expected a file below /in or /usr/share, got \"/input/a\"" WHO);
+    assert_refused("/in", NULL,
+                   "scene.media[1].density.file: expected a file below /in or /usr/share, got \"/in\"" WHO);
     assert_refused(
         "/in/a", "/home/b.png",
-        "scene.objects[0].material.texture.file: expected a file below /in or /usr/share, got \"/home/b.png\"");
+        "scene.objects[0].material.texture.file: expected a file below /in or /usr/share, got \"/home/b.png\"" WHO);
 }
 
 static void paths_with_tricks_are_refused(void **state)

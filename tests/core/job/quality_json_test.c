@@ -212,6 +212,8 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality.tolerance", "0.1", "quality: unknown key \"tolerance\" beside method \"midpoint\""},
         {"quality.on_miss", "\"publish\"", "quality: unknown key \"on_miss\" beside method \"midpoint\""},
         {"quality", "{\"on_miss\":\"keep\"}", "quality.on_miss: expected one of \"fail\",\"publish\", got \"keep\""},
+        {"quality", "{\"tolerance\":5}",
+         "quality.tolerance: expected a number from 0.0001 to 0.5, got 5, did you mean 0.05 (5 %)?"},
         {"quality", "{\"tolerance\":0.6}", "quality.tolerance: expected a number from 0.0001 to 0.5, got 0.6"},
         {"quality", "{\"tolerance\":0.1,\"step\":1}",
          "quality.step: only beside a method; without one, the planner chooses it"},

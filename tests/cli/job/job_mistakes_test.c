@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/job/job_mistakes.h"
+
+#include "core/base/error.h"
+#include "core/job/job.h"
+#include "core/job/job_json.h"
+#include "tests/support/job_text.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void assert_found(const char *document, const char *const expected[], size_t expected_count)
+{
+    struct error first = {0}, *found;
+    struct job job;
+    size_t count;
+
+    assert_false(job_parse(&job, document, strlen(document), "/", &first));
+    found = job_mistakes_find(document, &first, &count);
+    for (size_t i = 0; i < expected_count; i++) {
+        size_t k = 0;
+
+        while (k < count && !strstr(found[k].message, expected[i]))
+            k++;
+        if (k == count) fail_msg("nothing says \"%s\"", expected[i]);
+    }
+    if (count != expected_count) fail_msg("%zu mistakes, the last: %s", count, found[count - 1].message);
+    assert_string_equal(found[0].message, first.message);
+    free(found);
+}
+
+static void each_member_tells_its_mistake(void **state)
+{
+    static const char *const expected[] = {
+        "unknown key \"qualty\", did you mean \"quality\"?",
+        "name: expected 1 to 128 printable bytes",
+        "fps: expected",
+        "camera.fov: expected",
+        "camera: unknown key \"sutter\"",
+        "lights[1].intensity: expected",
+        "scene.media[1].sigma_s: expected",
+        "scene.media[2].density.kind: ",
+        "scene: unknown key \"mdia\"",
+        "output.existing: expected one of",
+        "resolution: expected",
+        "quality.tolerance: expected a number from 0.0001 to 0.5, got 5, did you mean 0.05",
+    };
+
+    assert_found(
+        "{\"version\":1,\"name\":\"\",\"frames\":\"1-9\",\"fps\":0,\"qualty\":7,\"camera\":{\"position\":[0,0,4],"
+        "\"target\":[0,0,0],\"fov\":200,\"sutter\":1},\"lights\":[{\"kind\":\"sun\",\"intensity\":1,"
+        "\"direction\":[0,1,0]},{\"kind\":\"point\",\"intensity\":-1,\"position\":[0,1,0]}],\"scene\":{\"mdia\":1,"
+        "\"media\":[{\"sigma_s\":1,\"density\":{\"kind\":\"homogeneous\"}},{\"sigma_s\":-1,\"density\":{\"kind\":"
+        "\"homogeneous\"}},{\"sigma_s\":1,\"density\":{\"kind\":\"clod\"}}]},\"output\":{\"path\":\"a/a.#.exr\","
+        "\"existing\":\"keep\"},\"quality\":{\"tolerance\":5}}",
+        expected, sizeof expected / sizeof expected[0]);
+}
+
+static void what_is_right_is_not_blamed(void **state)
+{
+    const char *const texts[] = {job_text_full, job_text_noise, job_text_fog,
+                                 job_text_grid, job_text_glsl,  job_text_objects};
+    static const char *const expected[] = {"version: expected 1, got 7"};
+
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        char *text = strdup(texts[i]), *version = strstr(text, "\"version\":1");
+
+        version[strlen("\"version\":")] = '7';
+        assert_found(text, expected, 1);
+        free(text);
+    }
+}
+
+static void a_document_that_is_no_object_is_one_mistake(void **state)
+{
+    static const char *const expected[] = {"expected an object"};
+
+    assert_found("[1,2]", expected, 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_member_tells_its_mistake),
+        cmocka_unit_test(what_is_right_is_not_blamed),
+        cmocka_unit_test(a_document_that_is_no_object_is_one_mistake),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
