@@ -15,7 +15,7 @@
 static const struct table_column columns[] = {{"ID", true},     {"NAME", false},   {"STATE", false}, {"PHASE", false},
                                               {"PRIO", true},   {"DONE", true},    {"FRAMES", true}, {"FAILED", true},
                                               {"MISSED", true}, {"S/FRAME", true}, {"ETA", true},    {"OWNER", false},
-                                              {"REASON", false}};
+                                              {"TAGS", false},  {"REASON", false}};
 
 static void add_row(struct table *table, const struct job_report *job)
 {
@@ -38,6 +38,7 @@ static void add_row(struct table *table, const struct job_report *job)
     table_add(table, pace);
     table_add(table, eta);
     table_add(table, job->owner);
+    table_add(table, job->tags);
     table_add_format(table, "%s%s%s", job->is_draft ? "draft" : "", job->is_draft && job->reason ? "; " : "",
                      job->reason ? job->reason : "");
     free(pace);

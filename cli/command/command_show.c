@@ -51,6 +51,8 @@ static void print_job(const struct job_report *job)
 {
     printf("%-10s %" PRId64 "\n", "id", job->id);
     print_text("name", job->name);
+    print_text("comment", job->comment);
+    print_text("tags", job->tags);
     print_text("state", job->state);
     if (job->phase && job->phase_progress > 0)
         printf("%-10s %s, %.0f %% of it\n", "phase", job->phase, 100 * job->phase_progress);

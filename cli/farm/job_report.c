@@ -33,6 +33,24 @@ static int64_t read_count(const struct json_node *job, const char *key)
     return json_read_integer(&node, 0, INT64_C(1) << 52, &count, NULL) ? count : 0;
 }
 
+// NULL: none.
+static char *read_tags(const struct json_node *job)
+{
+    struct json_node tags = json_node_child(job, "tags"), tag = {0};
+    char *line = NULL;
+
+    while (json_node_next(&tags, &tag)) {
+        const char *text;
+        char *longer;
+
+        if (!json_read_string(&tag, &text, NULL)) continue;
+        longer = line ? xasprintf("%s, %s", line, text) : xstrdup(text);
+        free(line);
+        line = longer;
+    }
+    return line;
+}
+
 bool job_report_read(struct job_report *report, const struct json_node *node, struct error *error)
 {
     struct json_node id = json_node_child(node, "id"), state = json_node_child(node, "state");
@@ -49,6 +67,8 @@ bool job_report_read(struct job_report *report, const struct json_node *node, st
     report->output = read_text(node, "output");
     report->reason = read_text(node, "reason");
     report->phase = read_text(node, "phase");
+    report->comment = read_text(node, "comment");
+    report->tags = read_tags(node);
     report->label = xasprintf("#%lld %s", (long long)report->id, report->name ? report->name : "");
     report->priority = read_count(node, "priority");
     report->frames = read_count(node, "frames");
@@ -78,6 +98,8 @@ void job_report_finish(struct job_report *report)
     free(report->output);
     free(report->reason);
     free(report->phase);
+    free(report->comment);
+    free(report->tags);
     free(report->label);
     memset(report, 0, sizeof *report);
 }

@@ -16,7 +16,8 @@ struct job_report {
     int64_t id, priority;
     int64_t frames, queued, running, succeeded, failed, canceled, skipped;
     int64_t missed; // of those that succeeded or were skipped: published over the tolerance
-    char *name, *state, *owner, *range, *output, *reason, *phase;
+    char *name, *state, *owner, *range, *output, *reason, *phase, *comment;
+    char *tags;  // "a, b"
     char *label; // "#7 cloud"
     bool is_draft;
     double submitted, started, finished; // unix s

@@ -4,6 +4,7 @@
 
 #include "core/base/hash.h"
 #include "core/job/frame_range.h"
+#include "core/job/job_notes.h"
 #include "core/job/output_path.h"
 #include "core/scene/scene.h"
 
@@ -132,6 +133,7 @@ struct job_output {
 // The zero value is empty.
 struct job {
     char *name; // owned
+    struct job_notes notes;
     struct frame_range frames;
     int64_t fps_numerator, fps_denominator; // in lowest terms, each up to 1e9
     double time_offset;                     // s

@@ -251,6 +251,9 @@ bool job_check_names(const struct job *job, struct error *error)
 {
     const struct output_path *path = &job->output.path;
 
+    for (size_t i = 0; i < job->notes.tag_count; i++)
+        if (!check_shown("tags", job->notes.tags[i], error)) return false;
+    if (job->notes.comment && !check_shown("comment", job->notes.comment, error)) return false;
     return check_shown("name", job->name, error) && check_shown("output.path", path->folder, error) &&
            check_shown("output.path", path->prefix, error) && check_shown("output.path", path->suffix, error);
 }

@@ -6,6 +6,7 @@
 #include "core/job/job.h"
 #include "core/job/job_check.h"
 #include "core/job/job_hash.h"
+#include "core/job/job_notes.h"
 #include "core/job/quality_json.h"
 #include "core/scene/scene_json.h"
 
@@ -26,21 +27,13 @@ static bool read_version(const struct json_node *document, struct error *error)
     return json_fail_expected(&node, error, "1");
 }
 
-// True without control characters: bytes below 0x20, DEL, and U+0080 to U+009F in UTF-8.
-static bool is_printable(const char *text)
-{
-    for (const unsigned char *byte = (const unsigned char *)text; *byte; byte++)
-        if (*byte < 0x20 || *byte == 0x7f || (*byte == 0xc2 && byte[1] >= 0x80 && byte[1] <= 0x9f)) return false;
-    return true;
-}
-
 static bool read_name(struct job *job, const struct json_node *document, struct error *error)
 {
     struct json_node node = json_node_child(document, "name");
     const char *text;
 
     if (!json_read_string(&node, &text, error)) return false;
-    if (!*text || strlen(text) > JOB_NAME_LIMIT || !is_printable(text))
+    if (!*text || strlen(text) > JOB_NAME_LIMIT || !job_notes_is_printable(text))
         return json_fail_expected(&node, error, "1 to 128 printable bytes");
     job->name = xstrdup(text);
     return true;
@@ -180,9 +173,9 @@ static bool read_output(struct job_output *output, const struct json_node *docum
 
 static bool read_job(struct job *job, const struct json_node *document, const char *output_root, struct error *error)
 {
-    static const char *const keys[] = {"version",    "name",   "frames",   "fps",        "time_offset",
-                                       "resolution", "camera", "lights",   "background", "scene",
-                                       "quality",    "output", "priority", NULL};
+    static const char *const keys[] = {"version",  "name",    "frames",     "fps",   "time_offset", "resolution",
+                                       "camera",   "lights",  "background", "scene", "quality",     "output",
+                                       "priority", "comment", "tags",       NULL};
     struct json_node time_offset = json_node_child(document, "time_offset");
     struct json_node priority = json_node_child(document, "priority");
     struct scene_times times;
@@ -197,6 +190,7 @@ static bool read_job(struct job *job, const struct json_node *document, const ch
         return false;
     if (!json_node_is_absent(&priority) && !json_read_integer(&priority, 0, JOB_PRIORITY_MAX, &rank, error))
         return false;
+    if (!job_notes_from_json(&job->notes, document, error)) return false;
     job->priority = (int)rank;
     times = (struct scene_times){job_time_span(job), (double)job->fps_denominator / (double)job->fps_numerator};
     return scene_from_json(&job->scene, document, &times, error) && quality_from_json(&job->quality, document, error) &&

@@ -11,6 +11,7 @@ static void record_destroy(struct job_record *record)
 {
     free(record->name);
     free(record->owner);
+    job_notes_finish(&record->notes);
     free(record->root);
     free(record->reason);
     free(record->code);

@@ -4,6 +4,7 @@
 
 #include "core/base/log.h"
 #include "core/job/input_roots.h"
+#include "core/job/job_notes.h"
 #include "core/job/output_path.h"
 #include "daemon/farm/root_table.h"
 #include "daemon/schedule/estimate.h"
@@ -21,6 +22,7 @@ struct job_record {
     int64_t id;
     struct queue_job *queued; // borrowed from the queue
     char *name, *owner;       // owned
+    struct job_notes notes;
     int64_t owner_uid;
     char *root;                                    // owned; output root below which it was accepted
     struct root *output_root;                      // borrowed from the farm; `root` is its path

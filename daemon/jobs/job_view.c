@@ -199,6 +199,7 @@ void job_view_write_members(const struct farm *farm, struct job_record *record, 
     write_pace(farm, record, writer);
     job_view_write_phase(frame ? frame->phase : FRAME_PHASE_NONE, frame ? frame->phase_progress : -1.0, writer);
     json_write_string_member(writer, "reason", reason);
+    job_notes_write_members(&record->notes, writer);
     free(range);
     free(reason);
 }

@@ -41,6 +41,7 @@ struct job_submit {
     struct job_paths paths;    // owned; the files that it reads
     struct job_inputs inputs;  // owned; the same, below their roots
     char *code;                // owned; as in struct job_record
+    struct job_notes notes;    // owned, until the record has them
     bool is_draft;
     int64_t frame_pixels;
     char hash[HASH_TEXT_SIZE];
@@ -71,6 +72,7 @@ static void submit_destroy(struct job_submit *submit)
     output_path_finish(&submit->path);
     job_paths_finish(&submit->paths);
     job_inputs_finish(&submit->inputs);
+    job_notes_finish(&submit->notes);
     free(submit->code);
     free(submit->existing);
     free(submit);
@@ -203,6 +205,8 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
     submit->frames = job->frames;
     submit->path = job->output.path;
+    submit->notes = job->notes;
+    job->notes = (struct job_notes){0};
     job->frames = (struct frame_range){0};
     job->output.path = (struct output_path){0};
     return submit;
@@ -413,6 +417,8 @@ static struct job_record *queue_submit(struct job_submit *submit)
     root_life_note_job(farm, record);
     if (row->is_paused) record->reason = xasprintf("paused by %s", row->owner);
     row->name = row->owner = row->root = NULL;
+    record->notes = submit->notes;
+    submit->notes = (struct job_notes){0};
     submit->code = NULL;
     return record;
 }

@@ -87,6 +87,8 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->name = xstrdup(row->name);
     record->owner = xstrdup(row->owner);
     record->owner_uid = row->owner_uid;
+    record->notes = job.notes;
+    job.notes = (struct job_notes){0};
     record->reason = copy_text(row->reason);
     job_paths_list(&record->inputs, &job);
     record->code = copy_text(scene_find_code(&job.scene));

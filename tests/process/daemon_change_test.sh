@@ -99,8 +99,8 @@ expect "skipped, and canceled" "$(field "$third" '[.succeeded, .skipped, .cancel
 stop_daemon
 
 # A submission of a canceled job's files waits until a worker has left its last frame.
-rm -rf "$scratch/state"
 start_daemon --workers 1 --worker-program "$(stub hang)"
+ask job.pause "{\"id\":$second}" >/dev/null
 first=$(submit "$(job 1-3 '.output.path = "same/s.####.exr"')")
 wait_until "it runs" has_state "$first" running
 pid=$(ask worker.list | jq '.result.workers[0].pid')
@@ -112,5 +112,5 @@ done | "$bin/socket-client" --keep "$socket" >"$scratch/submitted" &
 wait_until "the second of them is refused" grep -q "a job just submitted" "$scratch/submitted"
 ! grep -q '"id":1' "$scratch/submitted" || fail "the first did not wait: $(cat "$scratch/submitted")"
 kill -CONT "$pid"
-wait_until "the first is accepted" grep -q '"id":1,"result":{"id":2}' "$scratch/submitted"
+wait_until "the first is accepted" grep -q "\"id\":1,\"result\":{\"id\":$((first + 1))}" "$scratch/submitted"
 stop_daemon

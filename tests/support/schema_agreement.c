@@ -44,6 +44,8 @@ const struct cross_rule schema_cross_rules[] = {
       "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9"
       "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9"
       "\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\u00e9\""}},
+    {"a comment, likewise", "1 to 1000 printable bytes", {"comment", "\"a\\u0085b\""}},
+    {"a tag, likewise", "printable bytes without a comma", {"tags[0]", "\"a\\u0085b\""}},
     {"frames in all", "at most 4000000 frames", {"frames", "\"0-4000000\""}},
     {"fps has at most 6 decimals", "at most 6 decimals", {"fps", "23.97602397"}},
     {"fps as a ratio", "at most 1000 frames a second", {"fps", "[1001, 1]"}},

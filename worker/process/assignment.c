@@ -19,7 +19,6 @@ void held_job_destroy(struct held_job *job)
     free(job->root_id);
     free(job->farm_id);
     free(job->owner);
-    free(job->farm);
     free(job->draft);
     free(job->fault);
     free(job->plan_of);

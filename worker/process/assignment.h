@@ -15,9 +15,8 @@ struct held_job {
     int64_t serial; // unique among all jobs of this worker; 0 until the job is added
     char *root;     // owned
     char *root_id;  // owned; of the root's marker; NULL: its folder is not checked
-    char *farm_id;  // owned; for the names of part files; NULL: none
+    char *farm_id;  // owned; for the names of part files and headers; NULL: none
     char *owner;    // owned
-    char *farm;     // owned; the farm that it is rendered for; NULL: none
     struct job job;
     char *draft;           // owned; how a draft's settings were chosen; NULL: the job is no draft
     char *fault;           // owned; why none of its frames can be rendered; NULL if they can

@@ -12,11 +12,12 @@
 #include "worker/process/worker.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-static struct image_exr_header make_header(const struct worker *worker, const struct picture *picture)
+static struct image_exr_header make_header(const struct worker *worker, const struct picture *picture, const char *tags)
 {
     const struct assignment_frame *frame = picture->frame;
     const struct job *job = &frame->job->job;
@@ -27,8 +28,10 @@ static struct image_exr_header make_header(const struct worker *worker, const st
         .fps_denominator = job->fps_denominator,
         .owner = frame->job->owner,
         .host = worker->host,
-        .farm = frame->job->farm,
+        .farm = frame->job->farm_id,
         .job_name = job->name,
+        .comment = job->notes.comment,
+        .tags = tags,
         .job_id = frame->job->id,
         .job_hash = picture->hash,
         .sequence_hash = job->hash,
@@ -70,11 +73,15 @@ static bool is_finite(const struct picture *picture, struct error *error)
 static bool write_file(const struct worker *worker, const struct picture *picture, int fd, enum report_fault *fault,
                        struct error *error)
 {
-    const struct image_exr_header header = make_header(worker, picture);
+    char *tags = job_notes_format_tags(&picture->frame->job->job.notes);
+    const struct image_exr_header header = make_header(worker, picture, tags);
+    bool ok = image_exr_write(fd, &picture->image, &header, worker->options->encode_threads, error);
+    int reason = errno;
 
-    *fault = REPORT_FAULT_OUTPUT;
-    if (image_exr_write(fd, &picture->image, &header, worker->options->encode_threads, error)) return true;
-    if (errno == 0) *fault = REPORT_FAULT_FRAME;
+    free(tags);
+    errno = reason;
+    if (ok) return true;
+    *fault = errno == 0 ? REPORT_FAULT_FRAME : REPORT_FAULT_OUTPUT;
     if (errno != 0 || is_finite(picture, error)) error_prefix(error, "cannot write the frame's file");
     return false;
 }

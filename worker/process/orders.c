@@ -76,8 +76,7 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
     if (!read_job_id(params, &job->id, error) || !json_read_integer(&epoch, 0, INT64_MAX, &job->epoch, error) ||
         !read_text(params, "root", &job->root, error) || !read_text(params, "owner", &job->owner, error) ||
         !read_maybe_text(params, "root_id", &job->root_id, error) ||
-        !read_maybe_text(params, "farm_id", &job->farm_id, error) ||
-        !read_maybe_text(params, "farm", &job->farm, error) || !read_plans(params, job, error) ||
+        !read_maybe_text(params, "farm_id", &job->farm_id, error) || !read_plans(params, job, error) ||
         !read_maybe_text(params, "preview", &job->preview, error)) {
         held_job_destroy(job);
         return false;

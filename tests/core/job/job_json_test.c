@@ -240,6 +240,8 @@ static void names_are_what_people_see(void **state)
     } cases[] = {{"name", "\"caf\u00e9 \u6620\u50cf\"", NULL},
                  {"name", "\"a\u202egpj\"", "name: U+202E is not allowed: "},
                  {"name", "\"a\u200bb\"", "name: U+200B is not allowed: "},
+                 {"comment", "\"a\u202egpj\"", "comment: U+202E is not allowed: "},
+                 {"tags", "[\"a\", \"b\u200b\"]", "tags: U+200B is not allowed: "},
                  {"output.path", "\"a\u2066/x.####.exr\"", "output.path: U+2066 is not allowed: "},
                  {"output.path", "\"a/x\ufeff.####.exr\"", "output.path: U+FEFF is not allowed: "},
                  {"output.path", "\"a/x.####.\u00ad.exr\"", "output.path: U+00AD is not allowed: "}};
