@@ -370,13 +370,15 @@ static bool is_flushed(const struct farm *farm)
 }
 
 // Files that are being published have their intent on disk: a restart finishes them.
-static void give_up_on_store(const struct daemon *daemon)
+static void give_up_on_store(struct daemon *daemon)
 {
     const char *trouble = committer_trouble(daemon->farm.committer);
 
     if (!trouble || farm_now_ms(&daemon->farm) - daemon->flushing_since_ms < GIVE_UP_MS) return;
     log_error("stopped with %zu changes that the store could not commit: %s", committer_waiting(daemon->farm.committer),
               trouble);
+    log_info("%zu rendered frames got their names without it: the next start finds them",
+             publisher_name_waiting(daemon->farm.publisher));
     _exit(1);
 }
 
