@@ -9,6 +9,8 @@ done
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/package_build_test.XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
 
+# What is packed here is unpacked at once.
+export DPKG_DEB_COMPRESSOR_TYPE=gzip DPKG_DEB_COMPRESSOR_LEVEL=1
 package=$("$PROJECT_ROOT/deploy/package" --out "$scratch/out" --revision 7) || fail "deploy/package"
 version=$(sed -n 's/^project(marchd VERSION \([0-9.]*\).*/\1/p' "$PROJECT_ROOT/CMakeLists.txt")
 [ "$package" = "$scratch/out/marchd_$version-7_$(dpkg --print-architecture).deb" ] || fail "built as $package"

@@ -29,13 +29,13 @@ worker_is_killed()
 {
     local id pid entry
 
-    id=$(submit ann "$(cloud_job 1-8 480 270 wounded)")
+    id=$(submit ann "$(cloud_job 1-6 480 270 wounded)")
     until_true "a frame is done" has_done ann "$id" 1
     pid=$(main_pid)
     # The worker that is killed has frames in flight.
     inside kill -KILL "$(as ann march workers --json | jq '[.. | objects | select((.frames? // 0) > 0) | .pid][0]')"
     as ann march wait "$id"
-    landed_once wounded 8
+    landed_once wounded 6
     expect "the daemon" "$(main_pid)" "$pid"
     entry=$(journal MARCHD_JOB="$id" _SYSTEMD_UNIT=marchd.service |
         jq -c 'select(.MESSAGE | contains("signal 9")) | select(.MARCHD_FRAME)' | tail -n 1)
@@ -68,8 +68,8 @@ daemon_is_killed()
 {
     local id pid round
 
-    id=$(submit ann "$(cloud_job 1-14 480 270 killed)")
-    for round in 2 6; do
+    id=$(submit ann "$(cloud_job 1-10 480 270 killed)")
+    for round in 2 5; do
         until_true "$round frames are done" has_done ann "$id" "$round"
         pid=$(main_pid)
         list_files killed >"$work/list"
@@ -77,7 +77,7 @@ daemon_is_killed()
         until_true "systemd brings it back" has_new_pid "$pid"
     done
     as ann march wait "$id"
-    landed_once killed 14 "$work/list"
+    landed_once killed 10 "$work/list"
     expect "restarts" "$(inside systemctl show -P NRestarts marchd.service)" 2
     expect "pictures that are the same file" "$(find "$root/srv/marchd/killed" -name '*.exr' -links +1)" ""
     expect "workers of dead daemons" "$(render_workers | wc -l)" "$(as ann march workers --json | jq '[.. | .pid? // empty] | length')"
@@ -106,7 +106,7 @@ watchdog_acts()
     # The shipped limit allows for slow machines; a shorter one saves time here.
     drop_in "WatchdogSec=8"
     inside systemctl restart marchd.service
-    id=$(submit ann "$(cloud_job 1-10 480 270 hung)")
+    id=$(submit ann "$(cloud_job 1-7 480 270 hung)")
     until_true "two frames are done" has_done ann "$id" 2
     pid=$(main_pid)
     list_files hung >"$work/list"
@@ -116,7 +116,7 @@ watchdog_acts()
     echo "after $((SECONDS - begin)) s"
     inside journalctl -q --no-pager -o cat -u marchd.service -g 'Watchdog timeout' | grep -q . || fail "it was not the watchdog"
     as ann march wait "$id"
-    landed_once hung 10 "$work/list"
+    landed_once hung 7 "$work/list"
     # The watchdog leaves a daemon alone whose event loop runs, for longer than the limit.
     pid=$(main_pid)
     sleep 9

@@ -70,14 +70,14 @@ upgrade_goes_on()
 {
     local id
 
-    id=$(submit ann "$(cloud_job 1-10 480 270 upgraded)")
+    id=$(submit ann "$(cloud_job 1-7 480 270 upgraded)")
     until_true "two frames are done" has_done ann "$id" 2
     list_files upgraded >"$work/list"
     apt install /root/marchd-next.deb
     [[ $(inside dpkg-query -W -f '${Version}' marchd) == *+next ]] || fail "the package is not the next"
     expect "service" "$(inside systemctl is-active marchd.service)" active
     as ann march wait "$id"
-    landed_once upgraded 10 "$work/list"
+    landed_once upgraded 7 "$work/list"
     expect "attempts" "$(as ann march frames --json "$id" | jq -c '[.. | .attempts? // empty] | unique')" "[1]"
     grep -q '^user-jobs = 3$' "$root/etc/marchd/marchd.conf" || fail "the administrator's settings are gone"
 }
