@@ -106,6 +106,7 @@ static sqlite3 *open_store_file(const char *path, int *version, struct error *er
     if (sqlite3_open_v2(path, &db, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL) == SQLITE_OK) {
         sqlite3_busy_timeout(db, BUSY_TIMEOUT_MS);
         ok = store_schema_check(db, version, error) && store_sum_register(db, error);
+        if (!ok && !store_sql_is_readable(db)) error_set(error, "%s is damaged, or no copy of a queue", path);
         if (ok && *version == 0) {
             error_set(error, "%s is empty", path);
             ok = false;
@@ -229,11 +230,13 @@ bool store_backup_fall_back(const char *folder, struct error *error)
 
 bool store_backup_restore(const char *folder, const char *path, bool *has_counts, struct error *error)
 {
+    char *lock = xasprintf("%s/lock", folder);
     int version = 0, lock_fd = store_lock_take(folder, STORE_LOCK_WAIT_MS, error);
-    sqlite3 *db = lock_fd >= 0 ? open_store_file(path, &version, error) : NULL;
+    sqlite3 *db = lock_fd >= 0 && give_to_owner(folder, lock, error) ? open_store_file(path, &version, error) : NULL;
     bool ok = db && check_rows(db, version, path, error) && put_in_place(folder, db, has_counts, error);
 
     sqlite3_close(db);
     if (lock_fd >= 0) close(lock_fd);
+    free(lock);
     return ok;
 }

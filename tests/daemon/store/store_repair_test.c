@@ -243,6 +243,26 @@ static void ids_and_epochs_go_on_after_a_restore(void **state)
     free(counts);
 }
 
+static void what_is_no_store_is_not_restored(void **state)
+{
+    const struct folder *folder = *state;
+    char *copy = xasprintf("%s/copy.db", folder->root),
+         *expected = xasprintf("%s is damaged, or no copy of a queue", copy);
+    struct error error = {0};
+    FILE *file = fopen(copy, "wb");
+
+    make_store(folder);
+    assert_non_null(file);
+    for (int i = 0; i < 1000; i++)
+        fputs("no store ", file);
+    fclose(file);
+    assert_false(store_backup_restore(folder->path, copy, &(bool){0}, &error));
+    assert_string_equal(error.message, expected);
+    store_close(open_store(folder));
+    free(copy);
+    free(expected);
+}
+
 static void a_damaged_copy_is_not_restored(void **state)
 {
     const struct folder *folder = *state;
@@ -266,6 +286,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(without_a_backup_a_job_says_so_and_a_frame_is_looked_at_again, make_folder,
                                         remove_folder),
         cmocka_unit_test_setup_teardown(ids_and_epochs_go_on_after_a_restore, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(what_is_no_store_is_not_restored, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_damaged_copy_is_not_restored, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(any_flipped_bit_is_restored, make_folder, remove_folder),
     };
