@@ -4,5 +4,6 @@
 
 enum exit_status command_cancel(const struct options *options, struct error *error)
 {
-    return daemon_call_each_job(options, "job.cancel", error);
+    return daemon_call_each_job(options, "job.cancel",
+                                &(struct job_selection_params){"cancel", "queued,running,paused"}, error);
 }

@@ -53,6 +53,7 @@ enum exit_status command_delete(const struct options *options, struct error *err
                             &(struct daemon_call_each){.method = "job.delete",
                                                        .more = options->files ? ",\"files\":true" : "",
                                                        .key = "deleted",
-                                                       .report = tell_deleted},
+                                                       .report = tell_deleted,
+                                                       .selection = {"delete", "succeeded,failed,canceled"}},
                             error);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command/commands.h"
 #include "cli/farm/daemon_call.h"
+#include "cli/farm/job_states.h"
 #include "cli/peer/connection.h"
 #include "cli/program/options.h"
 #include "core/json/json_write.h"
@@ -109,7 +110,7 @@ static char *format_params(const struct options *options, int64_t id, int64_t of
 
     json_write_begin_object(&params);
     json_write_integer_member(&params, "id", id);
-    daemon_call_write_states(&params, options->state);
+    job_states_write(&params, options->state);
     if (options->range) json_write_string_member(&params, "range", options->range);
     json_write_integer_member(&params, "offset", offset);
     json_write_integer_member(&params, "limit", PAGE_SIZE);

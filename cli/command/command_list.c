@@ -2,6 +2,7 @@
 #include "cli/command/commands.h"
 #include "cli/farm/daemon_call.h"
 #include "cli/farm/job_report.h"
+#include "cli/farm/job_states.h"
 #include "cli/program/options.h"
 #include "cli/terminal/print.h"
 #include "cli/terminal/progress.h"
@@ -71,7 +72,7 @@ enum exit_status command_list(const struct options *options, struct error *error
     enum exit_status status;
 
     json_write_begin_object(&params);
-    daemon_call_write_states(&params, options->state);
+    job_states_write(&params, options->state);
     json_write_end_object(&params);
     status = daemon_call(options, "job.list", params.text, &reply, error);
     json_writer_finish(&params);

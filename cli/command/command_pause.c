@@ -4,5 +4,5 @@
 
 enum exit_status command_pause(const struct options *options, struct error *error)
 {
-    return daemon_call_each_job(options, "job.pause", error);
+    return daemon_call_each_job(options, "job.pause", &(struct job_selection_params){"pause", "queued,running"}, error);
 }

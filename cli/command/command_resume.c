@@ -4,5 +4,5 @@
 
 enum exit_status command_resume(const struct options *options, struct error *error)
 {
-    return daemon_call_each_job(options, "job.resume", error);
+    return daemon_call_each_job(options, "job.resume", &(struct job_selection_params){"resume", "paused"}, error);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/command/commands.h"
 #include "cli/farm/daemon_call.h"
+#include "cli/farm/job_states.h"
 #include "cli/program/options.h"
 #include "cli/terminal/print.h"
 #include "core/json/json_write.h"
@@ -31,7 +32,7 @@ enum exit_status command_retry(const struct options *options, struct error *erro
     if (!options_parse_id(options->operands[0], &id, error)) return EXIT_STATUS_USAGE;
     json_write_begin_object(&params);
     json_write_integer_member(&params, "id", id);
-    daemon_call_write_states(&params, options->state);
+    job_states_write(&params, options->state);
     if (options->force) json_write_bool_member(&params, "force", true);
     if (options->range) json_write_string_member(&params, "range", options->range);
     json_write_end_object(&params);

@@ -13,7 +13,8 @@
 #define EVERY (BIT(HELP) | BIT(JSON))
 #define DAEMON (EVERY | BIT(SOCKET))
 #define WORKER (EVERY | BIT(WORKER_PROGRAM))
-#define FRAMES (BIT(FRAMES) | BIT(RANGE)) // two words for one thing
+#define FRAMES (BIT(FRAMES) | BIT(RANGE))                      // two words for one thing
+#define CHOICE (BIT(ALL) | BIT(OWNER) | BIT(STATE) | BIT(YES)) // of jobs, in place of ids
 #define RENDERER (WORKER | BIT(BACKEND) | BIT(DEVICE) | BIT(SHADER_DIR))
 
 enum { ANY = 1 << 20 };
@@ -35,10 +36,10 @@ static const struct command commands[] = {
      "Shows the progress of these jobs, or of all jobs, until they have ended.", "march watch 7", command_watch},
     {"wait", "ID...", 1, ANY, DAEMON | BIT(RECONNECT),
      "Waits until the jobs have ended; exit code 1 unless all succeeded.", "march wait 7 8", command_wait},
-    {"pause", "ID...", 1, ANY, DAEMON, "Starts no more frames of the jobs until they are resumed.", "march pause 7",
-     command_pause},
-    {"resume", "ID...", 1, ANY, DAEMON, "Resumes paused jobs.", "march resume 7", command_resume},
-    {"cancel", "ID...", 1, ANY, DAEMON, "Cancels jobs; files already published stay.", "march cancel 7",
+    {"pause", "[ID...]", 0, ANY, DAEMON | CHOICE, "Starts no more frames of the jobs until they are resumed.",
+     "march pause 7", command_pause},
+    {"resume", "[ID...]", 0, ANY, DAEMON | CHOICE, "Resumes paused jobs.", "march resume 7", command_resume},
+    {"cancel", "[ID...]", 0, ANY, DAEMON | CHOICE, "Cancels jobs; files already published stay.", "march cancel 7",
      command_cancel},
     {"retry", "ID", 1, 1, DAEMON | BIT(STATE) | FRAMES | BIT(FORCE),
      "Queues frames again: the failed ones, or those in --state.", "march retry 7 --state succeeded,canceled --force",
@@ -46,7 +47,7 @@ static const struct command commands[] = {
     {"prio", "ID PRIORITY", 2, 2, DAEMON,
      "Sets a job's priority, 0 to 100; higher goes first. Administrators may go up to 200.", "march prio 7 80",
      command_prio},
-    {"delete", "ID...", 1, ANY, DAEMON | BIT(FILES),
+    {"delete", "[ID...]", 0, ANY, DAEMON | CHOICE | BIT(FILES),
      "Deletes jobs that have ended; the files that they published stay, unless --files is given.",
      "march delete 7 --files", command_delete},
     {"workers", "", 0, 0, DAEMON, "Lists the workers and what they run on.", "march workers", command_workers},

@@ -46,23 +46,6 @@ enum exit_status daemon_call(const struct options *options, const char *method, 
     return status;
 }
 
-void daemon_call_write_states(struct json_writer *params, const char *states)
-{
-    if (!states) return;
-    json_write_key(params, "state");
-    json_write_begin_array(params);
-    while (*states) {
-        size_t length = strcspn(states, ",");
-        char *state = xstrndup(states, length);
-
-        json_write_string(params, state);
-        free(state);
-        states += length;
-        if (*states == ',') states++;
-    }
-    json_write_end_array(params);
-}
-
 static bool tell_job(const struct json_node *result, int64_t id, struct json_writer *results, struct error *error)
 {
     struct job_report report = {0};
@@ -121,10 +104,14 @@ static void print_results(const char *key, struct json_writer *jobs, struct json
     json_writer_finish(&whole);
 }
 
-enum exit_status daemon_call_each_job(const struct options *options, const char *method, struct error *error)
+enum exit_status daemon_call_each_job(const struct options *options, const char *method,
+                                      const struct job_selection_params *selection, struct error *error)
 {
     return daemon_call_each(
-        options, &(struct daemon_call_each){.method = method, .more = "", .key = "jobs", .report = tell_job}, error);
+        options,
+        &(struct daemon_call_each){
+            .method = method, .more = "", .key = "jobs", .report = tell_job, .selection = *selection},
+        error);
 }
 
 enum exit_status daemon_call_each(const struct options *options, const struct daemon_call_each *each,
@@ -132,28 +119,28 @@ enum exit_status daemon_call_each(const struct options *options, const struct da
 {
     struct connection *connection = NULL;
     struct json_writer jobs = {0}, errors = {0};
-    enum exit_status status = EXIT_STATUS_USAGE;
-    int64_t id;
+    enum exit_status status = job_selection_check(options, error);
+    struct job_selection selection = {0};
 
-    for (size_t i = 0; i < options->operand_count; i++)
-        if (!options_parse_id(options->operands[i], &id, error)) return status;
-    connection = daemon_call_connect(options, &status, error);
+    if (status == EXIT_STATUS_DONE) connection = daemon_call_connect(options, &status, error);
     if (!connection) return status;
+    status = job_selection_find(&selection, connection, options, &each->selection, error);
+    if (status != EXIT_STATUS_DONE) goto out;
     json_write_begin_array(&jobs);
     json_write_begin_array(&errors);
-    status = EXIT_STATUS_DONE;
-    for (size_t i = 0; i < options->operand_count; i++) {
+    for (size_t i = 0; i < selection.count; i++) {
         struct error wrong = {0};
         enum exit_status failure;
 
-        options_parse_id(options->operands[i], &id, NULL);
-        if (call(connection, each, id, options->json ? &jobs : NULL, &wrong)) continue;
+        if (call(connection, each, selection.ids[i], options->json ? &jobs : NULL, &wrong)) continue;
         failure = connection_failure(connection);
         if (status == EXIT_STATUS_DONE) status = failure ? failure : EXIT_STATUS_FAILED;
-        tell_error(id, wrong.message, options->json ? &errors : NULL);
+        tell_error(selection.ids[i], wrong.message, options->json ? &errors : NULL);
         if (failure == EXIT_STATUS_NO_DAEMON) break;
     }
     if (options->json) print_results(each->key, &jobs, &errors);
+out:
+    job_selection_finish(&selection);
     json_writer_finish(&jobs);
     json_writer_finish(&errors);
     connection_close(connection);

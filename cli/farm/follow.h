@@ -24,6 +24,6 @@ struct follow_params {
     const struct options *options; // borrowed: how to connect again, and how long to try
 };
 
-// EXIT_STATUS_DONE when all jobs succeeded, EXIT_STATUS_FAILED when one did not. Where the daemon is lost, that is said on
-// stderr, and `*connection` is closed and replaced, or NULL where it does not come back in time.
+// EXIT_STATUS_DONE when all jobs succeeded, EXIT_STATUS_FAILED when one did not. Where the daemon is lost, that is said
+// on stderr, and `*connection` is closed and replaced, or NULL where it does not come back in time.
 enum exit_status follow_jobs(struct connection **connection, const struct follow_params *params, struct error *error);

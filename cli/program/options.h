@@ -47,6 +47,9 @@ enum option {
     OPTION_PREVIEW,
     OPTION_FORCE,
     OPTION_RECONNECT,
+    OPTION_ALL,
+    OPTION_OWNER,
+    OPTION_YES,
     OPTION_COUNT
 };
 
@@ -54,9 +57,9 @@ enum option {
 
 // Strings are borrowed from argv; `range` is a valid frame range. Integers are -1 and numbers NAN when not given.
 struct options {
-    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force;
+    bool help, json, wait, watch, dry_run, paused, shader, quick, files, plan, draft, force, all, yes;
     const char *socket, *state, *range, *out, *backend, *device, *worker_program, *shader_dir, *methods, *size,
-        *plan_of, *preview;
+        *plan_of, *preview, *owner;
     int64_t priority, frame, encode_threads, progress_limit_s, columns, tile_width_px, point_limit_s, reconnect_s;
     double exposure, fps, tolerance;
     const char **sets; // owned array; each PATH=VALUE

@@ -111,6 +111,20 @@ expect_stdout "job 5: paused: paused by $(id -un)"
 grep -q "job 99" err || fail "what could not be done is told"
 march frames 5 | head -n 1 >/dev/null || fail "a reader that goes away"
 
+# Jobs are chosen by owner and state, too; how many is said first, and nothing is done without --yes.
+expect 2 march pause
+grep -q "expected ids of jobs, or --all, --owner or --state" err || fail "pause without jobs"
+expect 2 march resume 5 --all
+expect 2 march resume --state paused </dev/null
+grep -q "^resume 1 job: 1 of $(id -un)$" err || fail "resume says how many jobs"
+grep -q "nothing was done: --yes does it" err || fail "resume wants a yes"
+expect 0 march resume --owner nobody-at-all --yes
+expect_stdout ""
+expect 0 march resume --all --yes
+grep -q "^job 5: " out || fail "resume --all"
+expect 0 march pause --owner "$(id -un)" --state queued,running --yes
+expect_stdout "job 5: paused: paused by $(id -un)"
+
 march watch >watched 2>&1 &
 watcher=$!
 until [ -s watched ] || ! kill -0 "$watcher"; do sleep 0.05; done

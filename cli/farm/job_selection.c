@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/farm/job_selection.h"
+
+#include "cli/farm/job_report.h"
+#include "cli/farm/job_states.h"
+#include "cli/peer/connection.h"
+#include "cli/program/options.h"
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "core/json/json_write.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { OWNERS_SHOWN = 8 };
+
+// The owners of the chosen jobs.
+struct owners {
+    char *names[OWNERS_SHOWN]; // owned
+    size_t counts[OWNERS_SHOWN];
+    size_t count, others; // `others`: jobs of further owners
+};
+
+static bool chooses(const struct options *options)
+{
+    return options->all || options->owner || options->state;
+}
+
+enum exit_status job_selection_check(const struct options *options, struct error *error)
+{
+    int64_t id;
+
+    if (options->operand_count > 0 && chooses(options)) {
+        error_set(error, "expected ids of jobs, or --all, --owner and --state, got both");
+        return EXIT_STATUS_USAGE;
+    }
+    if (options->operand_count == 0 && !chooses(options)) {
+        error_set(error, "expected ids of jobs, or --all, --owner or --state");
+        return EXIT_STATUS_USAGE;
+    }
+    for (size_t i = 0; i < options->operand_count; i++)
+        if (!options_parse_id(options->operands[i], &id, error)) return EXIT_STATUS_USAGE;
+    return EXIT_STATUS_DONE;
+}
+
+static void count_owner(struct owners *owners, const char *name)
+{
+    size_t i = 0;
+
+    while (i < owners->count && strcmp(owners->names[i], name) != 0)
+        i++;
+    if (i == OWNERS_SHOWN) {
+        owners->others++;
+        return;
+    }
+    if (i == owners->count) owners->names[owners->count++] = xstrdup(name);
+    owners->counts[i]++;
+}
+
+static bool choose(struct job_selection *selection, const struct json_node *jobs, const char *owner,
+                   struct owners *owners, struct error *error)
+{
+    struct json_node job = {0};
+    size_t capacity = 0;
+
+    while (json_node_next(jobs, &job)) {
+        struct job_report report;
+        const char *name;
+
+        if (!job_report_read(&report, &job, error)) return false;
+        name = report.owner ? report.owner : "?";
+        if (!owner || strcmp(name, owner) == 0) {
+            selection->ids = xgrow(selection->ids, &capacity, selection->count + 1, sizeof selection->ids[0]);
+            selection->ids[selection->count++] = report.id;
+            count_owner(owners, name);
+        }
+        job_report_finish(&report);
+    }
+    return true;
+}
+
+static void tell_count(const struct job_selection *selection, const char *verb, const struct owners *owners)
+{
+    fprintf(stderr, "%s %zu job%s", verb, selection->count, selection->count == 1 ? "" : "s");
+    for (size_t i = 0; i < owners->count; i++)
+        fprintf(stderr, "%s%zu of %s", i ? ", " : ": ", owners->counts[i], owners->names[i]);
+    if (owners->others > 0) fprintf(stderr, ", %zu of others", owners->others);
+}
+
+// Says how many jobs there are. Only a terminal is asked.
+static enum exit_status confirm(const struct job_selection *selection, const struct options *options, const char *verb,
+                                const struct owners *owners, struct error *error)
+{
+    char answer[16] = "";
+
+    tell_count(selection, verb, owners);
+    if (options->yes || selection->count == 0) {
+        fprintf(stderr, "\n");
+        return EXIT_STATUS_DONE;
+    }
+    if (!isatty(STDIN_FILENO) || options->json) {
+        fprintf(stderr, "\n");
+        error_set(error, "nothing was done: --yes does it");
+        return EXIT_STATUS_USAGE;
+    }
+    fprintf(stderr, "? [y/N] ");
+    if (fgets(answer, sizeof answer, stdin) && (answer[0] == 'y' || answer[0] == 'Y')) return EXIT_STATUS_DONE;
+    error_set(error, "nothing was done");
+    return EXIT_STATUS_FAILED;
+}
+
+static enum exit_status find_chosen(struct job_selection *selection, struct connection *connection,
+                                    const struct options *options, const struct job_selection_params *params,
+                                    struct error *error)
+{
+    struct owners owners = {0};
+    struct json_writer writer = {0};
+    enum exit_status status = EXIT_STATUS_FAILED;
+    struct message reply;
+
+    json_write_begin_object(&writer);
+    job_states_write(&writer, options->state ? options->state : params->states);
+    json_write_end_object(&writer);
+    if (connection_call(connection, "job.list", writer.text, &reply, error)) {
+        struct json_node jobs = json_node_child(&reply.body, "jobs");
+
+        if (choose(selection, &jobs, options->owner, &owners, error))
+            status = confirm(selection, options, params->verb, &owners, error);
+        message_finish(&reply);
+    } else {
+        status = connection_failure(connection);
+    }
+    json_writer_finish(&writer);
+    for (size_t i = 0; i < owners.count; i++)
+        free(owners.names[i]);
+    return status;
+}
+
+enum exit_status job_selection_find(struct job_selection *selection, struct connection *connection,
+                                    const struct options *options, const struct job_selection_params *params,
+                                    struct error *error)
+{
+    enum exit_status status;
+
+    *selection = (struct job_selection){0};
+    if (chooses(options)) {
+        status = find_chosen(selection, connection, options, params, error);
+        if (status != EXIT_STATUS_DONE) job_selection_finish(selection);
+        return status;
+    }
+    selection->ids = xcalloc(options->operand_count + 1, sizeof selection->ids[0]);
+    for (size_t i = 0; i < options->operand_count; i++)
+        options_parse_id(options->operands[i], &selection->ids[selection->count++], NULL);
+    return EXIT_STATUS_DONE;
+}
+
+void job_selection_finish(struct job_selection *selection)
+{
+    free(selection->ids);
+    *selection = (struct job_selection){0};
+}
