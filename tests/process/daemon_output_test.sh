@@ -76,7 +76,7 @@ wait_until "it takes jobs again" eval 'ask job.submit "{\"paused\":true,\"docume
 stop_daemon
 
 # Frames that were in hand before the disk was full are rendered after, and published when there is room.
-start_daemon --worker-program "$(stub write:200000)" --sandbox no --state "$scratch/disk/state"
+start_daemon --worker-program "$(stub write:200000)" --state "$scratch/disk/state"
 named=$(submit "$(job 1 '.output.path = "named/n.####.exr"')" true)
 lost=$(submit "$(job 1 '.output.path = "lost/l.####.exr"')" true)
 for id in "$named" "$lost"; do
