@@ -90,20 +90,26 @@ void job_record_release(struct job_record *record)
     if (--record->holds == 0 && record->is_removed) record_destroy(record);
 }
 
-struct job_record *job_table_find(const struct job_table *table, int64_t id)
+size_t job_table_first_from(const struct job_table *table, int64_t id)
 {
     size_t low = 0, high = table->count;
 
     while (low < high) {
         size_t middle = low + (high - low) / 2;
 
-        if (table->records[middle]->id == id) return table->records[middle];
         if (table->records[middle]->id < id)
             low = middle + 1;
         else
             high = middle;
     }
-    return NULL;
+    return low;
+}
+
+struct job_record *job_table_find(const struct job_table *table, int64_t id)
+{
+    size_t i = job_table_first_from(table, id);
+
+    return i < table->count && table->records[i]->id == id ? table->records[i] : NULL;
 }
 
 struct log_subject job_record_subject(const struct job_record *record)

@@ -51,7 +51,8 @@ struct job_record {
     bool is_unreadable;                      // its document cannot be read: it is shown, and can be deleted
     bool is_removed;                         // from the table
     bool is_deleting;                        // a deletion is under way
-    bool is_retry_waiting;                   // a retry waits until it is swept
+    bool is_retry_waiting;                   // a retry waits until it is swept, or until rows are stored
+    bool is_marking;                         // rows are stored of frames that a retry leaves as they are
     bool is_ending;                          // it is over, and no frame of it is in flight
     bool is_sweeping;                        // its part files are being removed
     bool is_swept;                           // they are removed: finished_ms may be stored
@@ -72,6 +73,7 @@ void job_table_finish(struct job_table *table);
 struct job_record *job_table_add(struct job_table *table, int64_t id, char *root, struct output_path *path);
 void job_table_remove(struct job_table *table, struct job_record *record);    // it is freed when nobody holds it
 struct job_record *job_table_find(const struct job_table *table, int64_t id); // NULL: none
+size_t job_table_first_from(const struct job_table *table, int64_t id); // the index of the first whose id is not less
 
 struct log_subject job_record_subject(const struct job_record *record); // job and owner; valid while the record lives
 void job_record_hold(struct job_record *record);

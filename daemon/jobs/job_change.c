@@ -15,6 +15,10 @@
 #include "daemon/workers/worker_pool.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+// Rows of frames that a retry leaves as they are: so many in one commit take some 50 ms.
+enum { MARKS_OF_A_COMMIT = 20 * 1000 };
 
 struct job_retry {
     struct farm *farm;         // borrowed; outlives us
@@ -25,8 +29,15 @@ struct job_retry {
     char *user;               // owned; names the client
     bool is_forced, by_admin; // as in struct job_retry_params
     int64_t retried;
+    int32_t *marks; // owned; frames that get a row before those of the retry are queued
+    size_t mark_count, marked;
+    enum frame_state mark_state;
+    bool is_listed;         // `marks` has been filled
     struct job_retry *next; // on the farm's list of waiting retries
 };
+
+static void on_marked(void *user, bool ok, const struct error *error);
+static void run_retry(struct job_retry *retry);
 
 static void log_change(const struct job_record *record, const char *what)
 {
@@ -96,6 +107,7 @@ void job_change_set_priority(struct farm *farm, struct job_record *record, int p
 static void finish_retry(struct job_retry *retry)
 {
     frame_range_finish(&retry->range);
+    free(retry->marks);
     free(retry->user);
     free(retry);
 }
@@ -130,16 +142,48 @@ static size_t subtract(int32_t *indices, size_t count, const int32_t *others, si
     return kept;
 }
 
-// STORE_MARK_FRAMES for the frames that a retry leaves as they are: a canceled or failed job has no rows for them.
-static void add_mark(const struct queue_job *queued, enum frame_state state, const struct store_op *reset,
-                     struct store_op *op)
+// Lists the frames that a retry leaves as they are: a canceled or failed job has no rows for them.
+static void list_marks(struct job_retry *retry, const struct store_op *reset)
 {
-    int32_t *indices;
-    size_t count = queue_find_frames(queued, 1U << state, NULL, &indices);
+    const struct queue_job *queued = retry->record->queued;
 
-    count = subtract(indices, count, reset->reset.indices, reset->reset.count);
-    *op = (struct store_op){.kind = STORE_MARK_FRAMES,
-                            .mark = {.job = queued->id, .state = state, .indices = indices, .count = count}};
+    retry->is_listed = true;
+    if (reset->reset.count == 0 || (!queued->is_canceled && !queued->is_failed)) return;
+    retry->mark_state = queued->is_failed ? FRAME_FAILED : FRAME_CANCELED;
+    retry->mark_count = queue_find_frames(queued, 1U << retry->mark_state, NULL, &retry->marks);
+    retry->mark_count = subtract(retry->marks, retry->mark_count, reset->reset.indices, reset->reset.count);
+}
+
+// Stores the state of the next of these frames. The job stays as it is until all have their rows, so that a crash
+// before that changes nothing, and commits of others go between.
+static void put_marks(struct job_retry *retry)
+{
+    size_t left = retry->mark_count - retry->marked, count = left < MARKS_OF_A_COMMIT ? left : MARKS_OF_A_COMMIT;
+    struct store_op op = {
+        .kind = STORE_MARK_FRAMES,
+        .mark = {.job = retry->record->id, .state = (int)retry->mark_state, .count = count},
+    };
+
+    op.mark.indices = xmalloc(count * sizeof op.mark.indices[0]);
+    memcpy(op.mark.indices, retry->marks + retry->marked, count * sizeof op.mark.indices[0]);
+    retry->marked += count;
+    retry->record->is_retry_waiting = retry->record->is_marking = true;
+    committer_put(retry->farm->committer, COMMIT_CERTAIN, &op, 1, on_marked, retry);
+}
+
+static void on_marked(void *user, bool ok, const struct error *error)
+{
+    struct job_retry *retry = user;
+    struct job_record *record = retry->record;
+    struct farm *farm = retry->farm;
+
+    if (retry->marked < retry->mark_count) {
+        put_marks(retry);
+        return;
+    }
+    record->is_marking = false;
+    run_retry(retry);
+    job_change_retry_waiting(farm, record);
 }
 
 // Forces the frames of `reset`, which are queued, and returns the op that stores that.
@@ -198,9 +242,13 @@ static void run_retry(struct job_retry *retry)
         finish_retry(retry);
         return;
     }
+    if (!retry->is_listed) list_marks(retry, &ops[0]);
+    if (retry->marked < retry->mark_count) {
+        store_op_finish(&ops[0]);
+        put_marks(retry);
+        return;
+    }
     uncount_files(farm, record, ops[0].reset.indices, ops[0].reset.count);
-    if (ops[0].reset.count > 0 && queued->is_canceled) add_mark(queued, FRAME_CANCELED, &ops[0], &ops[op_count++]);
-    if (ops[0].reset.count > 0 && queued->is_failed) add_mark(queued, FRAME_FAILED, &ops[0], &ops[op_count++]);
     retry->retried = queue_retry(farm->queue, queued, retry->states, range);
     if (retry->retried > 0 && retry->is_forced) ops[op_count++] = force(queued, &ops[0]);
     if (retry->retried > 0) {
@@ -226,7 +274,7 @@ void job_change_retry(struct farm *farm, struct job_record *record, const struct
                                 .user = xstrdup(params->user),
                                 .by_admin = params->by_admin,
                                 .answer = params->answer};
-    if (record->is_sweeping) {
+    if (record->is_sweeping || record->is_marking) {
         record->is_retry_waiting = true;
         retry->next = farm->waiting_retries;
         farm->waiting_retries = retry;
@@ -239,15 +287,16 @@ void job_change_retry_waiting(struct farm *farm, struct job_record *record)
 {
     struct job_retry **link = &farm->waiting_retries;
 
-    record->is_retry_waiting = false;
+    record->is_retry_waiting = record->is_marking;
     while (*link) {
         struct job_retry *retry = *link;
 
-        if (retry->record != record) {
+        if (retry->record != record || record->is_marking) {
             link = &retry->next;
             continue;
         }
         *link = retry->next;
         run_retry(retry);
+        if (record->is_marking) return;
     }
 }

@@ -5,20 +5,22 @@
 #include "core/job/output_path.h"
 #include "core/json/json_write.h"
 #include "daemon/clients/answer.h"
+#include "daemon/clients/client.h"
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/job_view.h"
+#include "daemon/loop/loop_turns.h"
+#include "daemon/loop/work_desk.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 
-#include <uv.h>
-
 // Details of frames and attempts are read from the store off the loop, with a connection per task.
-enum { FRAMES_DEFAULT = 1000, FRAMES_LIMIT = 10000, ATTEMPTS_DEFAULT = 100, RUN_GAP = 16 };
+enum { FRAMES_DEFAULT = 1000, FRAMES_LIMIT = 10000, ATTEMPTS_DEFAULT = 100, RUN_GAP = 16, FRAMES_OF_A_STEP = 8192 };
 
 struct listed_frame {
     int32_t index, frame;
@@ -28,10 +30,19 @@ struct listed_frame {
     float phase_progress; // negative: unknown
 };
 
+struct frames_filter {
+    unsigned states;
+    struct frame_range range; // owned; empty: all frames
+    int64_t offset, limit;
+};
+
 struct details_task {
-    uv_work_t work;
-    uv_loop_t *loop; // borrowed; outlives us
-    uv_work_cb run;
+    struct work_piece piece;
+    struct loop_task walk; // over the frames' states, until it ends
+    struct frames_filter filter;
+    int64_t walked;
+    size_t frame_capacity;
+    const struct farm *farm;     // borrowed; outlives us
     struct answer *answer;       // owned
     struct job_record *record;   // held: id, root and path never change
     const char *state_folder;    // borrowed; outlives us
@@ -45,9 +56,10 @@ struct details_task {
     struct error error;
 };
 
-static void on_frames_run(uv_work_t *work);
-static void on_log_run(uv_work_t *work);
-static void on_details_done(uv_work_t *work, int status);
+static bool on_walk_step(struct loop_task *walk);
+static void on_frames_run(struct work_piece *piece);
+static void on_log_run(struct work_piece *piece);
+static void on_details_done(struct work_piece *piece, bool was_run);
 
 static struct details_task *create_task(struct request *request, struct job_record *record)
 {
@@ -56,7 +68,10 @@ static struct details_task *create_task(struct request *request, struct job_reco
     task->record = record;
     job_record_hold(record);
     task->state_folder = request->farm->options->state_folder;
-    task->work.data = task;
+    task->farm = request->farm;
+    task->answer = request_defer_answer(request, true);
+    task->piece.uid = request->client->peer.uid;
+    task->piece.done = on_details_done;
     return task;
 }
 
@@ -64,38 +79,31 @@ static void on_flushed(void *user, bool ok, const struct error *error)
 {
     struct details_task *task = user;
 
-    uv_queue_work(task->loop, &task->work, task->run, on_details_done);
+    work_desk_put(task->farm->work, &task->piece);
 }
 
 // The flush brings to disk what clients have seen already, if the store works, before the task reads it.
-static enum request_outcome start_task(struct request *request, struct details_task *task, uv_work_cb run)
+static void start_task(struct details_task *task, void (*run)(struct work_piece *piece))
 {
-    task->answer = request_defer_answer(request, true);
-    task->loop = request->farm->loop;
-    task->run = run;
-    committer_flush(request->farm->committer, on_flushed, task);
-    return REQUEST_DEFERRED;
+    task->piece.run = run;
+    committer_flush(task->farm->committer, on_flushed, task);
 }
 
-static void on_details_done(uv_work_t *work, int status)
+static void on_details_done(struct work_piece *piece, bool was_run)
 {
-    struct details_task *task = work->data;
+    struct details_task *task = (struct details_task *)piece;
 
+    if (!was_run) error_set(&task->error, "the daemon stops: ask the next one");
     if (task->ok)
         answer_send_result(task->answer, &task->value);
     else
         answer_send_error(task->answer, MESSAGE_CODE_INTERNAL, task->error.message);
     job_record_release(task->record);
     json_writer_finish(&task->value);
+    frame_range_finish(&task->filter.range);
     free(task->frames);
     free(task);
 }
-
-struct frames_filter {
-    unsigned states;
-    struct frame_range range; // owned; empty: all frames
-    int64_t offset, limit;
-};
 
 static bool read_count(struct request *request, const char *key, int64_t min, int64_t max, int64_t fallback,
                        int64_t *count)
@@ -125,29 +133,39 @@ static void note_phase(const struct worker_pool *pool, const struct details_task
     listed->phase_progress = frame ? (float)frame->phase_progress : -1.0F;
 }
 
-static void list_frames(const struct worker_pool *pool, struct details_task *task, const struct frames_filter *filter)
+static void list_frame(struct details_task *task, int32_t index)
 {
     const struct queue_job *queued = task->record->queued;
-    int64_t count = frame_range_count(&queued->frames);
-    bool has_range = frame_range_count(&filter->range) > 0;
-    size_t capacity = 0;
+    const struct queue_frame *state = &queued->states[index];
+    int32_t frame = frame_range_at(&queued->frames, index);
 
-    for (int64_t i = 0; i < count; i++) {
-        const struct queue_frame *state = &queued->states[i];
-        int32_t frame;
+    if (frame_range_count(&task->filter.range) > 0 && frame_range_index(&task->filter.range, frame) < 0) return;
+    if (task->total++ < task->filter.offset || (int64_t)task->frame_count >= task->filter.limit) return;
+    task->frames = xgrow(task->frames, &task->frame_capacity, task->frame_count + 1, sizeof task->frames[0]);
+    task->frames[task->frame_count++] = (struct listed_frame){
+        .index = index, .frame = frame, .attempt = state->attempt, .worker = state->worker, .state = state->state};
+    note_phase(task->farm->pool, task, &task->frames[task->frame_count - 1]);
+}
 
-        if (!(filter->states & 1U << state->state)) continue;
-        frame = frame_range_at(&queued->frames, i);
-        if (has_range && frame_range_index(&filter->range, frame) < 0) continue;
-        if (task->total++ < filter->offset || (int64_t)task->frame_count >= filter->limit) continue;
-        task->frames = xgrow(task->frames, &capacity, task->frame_count + 1, sizeof task->frames[0]);
-        task->frames[task->frame_count++] = (struct listed_frame){.index = (int32_t)i,
-                                                                  .frame = frame,
-                                                                  .attempt = state->attempt,
-                                                                  .worker = state->worker,
-                                                                  .state = state->state};
-        note_phase(pool, task, &task->frames[task->frame_count - 1]);
+// Each frame is listed as it is when the walk passes it.
+static bool on_walk_step(struct loop_task *walk)
+{
+    struct details_task *task = (struct details_task *)((char *)walk - offsetof(struct details_task, walk));
+    const struct queue_job *queued = task->record->queued;
+    int64_t end;
+
+    if (task->record->is_removed) {
+        error_set(&task->error, "job %lld was deleted", (long long)task->record->id);
+        on_details_done(&task->piece, true);
+        return false;
     }
+    end = frame_range_count(&queued->frames);
+    if (end > task->walked + FRAMES_OF_A_STEP) end = task->walked + FRAMES_OF_A_STEP;
+    for (; task->walked < end; task->walked++)
+        if (task->filter.states & 1U << queued->states[task->walked].state) list_frame(task, (int32_t)task->walked);
+    if (end < frame_range_count(&queued->frames)) return true;
+    start_task(task, on_frames_run);
+    return false;
 }
 
 enum request_outcome requests_job_frames(struct request *request)
@@ -160,9 +178,10 @@ enum request_outcome requests_job_frames(struct request *request)
     request->code = MESSAGE_CODE_PARAMS;
     if (!read_filter(request, &filter)) return REQUEST_FAILED;
     task = create_task(request, record);
-    list_frames(request->farm->pool, task, &filter);
-    frame_range_finish(&filter.range);
-    return start_task(request, task, on_frames_run);
+    task->filter = filter;
+    task->walk.step = on_walk_step;
+    loop_turns_put(request->farm->turns, &task->walk);
+    return REQUEST_DEFERRED;
 }
 
 static void write_maybe_integer(struct json_writer *writer, const char *key, bool is_known, int64_t integer)
@@ -251,9 +270,9 @@ static bool write_frames(struct details_task *task, struct store_reader *reader)
     return true;
 }
 
-static void on_frames_run(uv_work_t *work)
+static void on_frames_run(struct work_piece *piece)
 {
-    struct details_task *task = work->data;
+    struct details_task *task = (struct details_task *)piece;
     struct store_reader *reader = store_reader_open(task->state_folder, &task->error);
 
     if (!reader) return;
@@ -281,7 +300,8 @@ enum request_outcome requests_job_log(struct request *request)
     task = create_task(request, record);
     task->attempts_of = (int32_t)frame;
     task->limit = (int)limit;
-    return start_task(request, task, on_log_run);
+    start_task(task, on_log_run);
+    return REQUEST_DEFERRED;
 }
 
 static bool on_attempt_row(void *user, const struct store_attempt *row, struct error *error)
@@ -299,9 +319,9 @@ static bool on_attempt_row(void *user, const struct store_attempt *row, struct e
     return true;
 }
 
-static void on_log_run(uv_work_t *work)
+static void on_log_run(struct work_piece *piece)
 {
-    struct details_task *task = work->data;
+    struct details_task *task = (struct details_task *)piece;
     struct store_reader *reader = store_reader_open(task->state_folder, &task->error);
 
     if (!reader) return;

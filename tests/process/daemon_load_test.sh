@@ -1,0 +1,54 @@
+#!/bin/bash
+# Clients that are many, greedy or slow take neither the daemon's memory nor its time, and connections wait for descriptors.
+. "$(dirname "$0")/farm.sh"
+. "$(dirname "$0")/load.sh"
+
+# Subscribers that never read: the text of an event is there once, and a user's connections share one limit.
+start_daemon --worker-program "$(stub skip)" --user-frames none
+id=$(submit "$(job 0-39999)" true)
+subscribe_lines 64 >"$scratch/lines"
+attack_unread 20 "$scratch/lines"
+before=$(resident_mib)
+ask job.resume "{\"id\":$id}" >/dev/null
+wait_until "a client is cut off" grep -q "does not read its events" "$scratch/daemon.log"
+wait_state "$id" succeeded
+# Sanitizers keep what is freed.
+if ! [[ -n ${ASAN_OPTIONS-} && $(nm -D "$bin/marchd" 2>/dev/null) == *asan* ]]; then
+    [ "$(resident_mib)" -lt $((before + 100)) ] || fail "memory: $before MiB, then $(resident_mib)"
+fi
+end_attack
+
+# Large jobs of one user are read in threads: another's request is answered before they are, and all are answered.
+large_job_line 2000 >"$scratch/lines"
+attack 12 "$scratch/lines" >"$scratch/answers" &
+attacker=$!
+wait_until "a status is told" eval '[ -n "$(turns .longest_ms)" ]'
+wait "$attacker" || fail "the attack: $(cat "$scratch/answers")"
+attacker=
+expect "answers to twelve equal jobs" "$(cat "$scratch/answers")" "12 answers, 11 errors"
+expect "turns that are counted" "$(turns '(.counts | length) == (.up_to_ms | length) + 1 and (.counts | add) > 0')" true
+"$bin/march" status --socket "$socket" | grep -q "^turns  *longest .* ms of processor time: .* up to 1 ms" ||
+    fail "march status: $("$bin/march" status --socket "$socket")"
+
+# A list that is written in steps has all jobs, in order.
+expect "the list" "$(ask job.list | jq -c '[.result.jobs[].id]')" "$(jq -nc "[range(1; 3)]")"
+expect "frames of a walk in steps" "$(ask job.frames "{\"id\":$id,\"range\":\"0-39999x10000\",\"offset\":1,\"limit\":2}" |
+    jq -c '[[.result.frames[].frame], .result.total]')" "[[10000,20000],4]"
+expect "frames of a long range" "$(ask job.frames "{\"id\":$id,\"range\":\"$(printf '1,%.0s' {1..33000})1\"}" | jq .error.code)" -32602
+stop_daemon
+
+# Names that people read as others.
+start_daemon --worker-program "$(stub nocontext)"
+expect_error "$(ask job.submit "{\"document\":$(job 1 '.name = "a\u202egpj"')}")" -32602 "name: U+202E is not allowed"
+stop_daemon
+
+# No descriptors: connections wait, which is said once, and are served when there are some again.
+as_daemon=(prlimit --nofile=40:40)
+start_daemon --worker-program "$(stub nocontext)"
+subscribe_lines 1 >"$scratch/lines"
+attack_unread 60 "$scratch/lines"
+wait_until "the lack is told" grep -q "connections have to wait, tried again every second: this program may open no more than 40 files" "$scratch/daemon.log"
+end_attack
+expect "who asks then" "$(ask daemon.status | jq .result.pid)" "$daemon_pid"
+expect "times the lack is told" "$(grep -c "connections have to wait" "$scratch/daemon.log")" 1
+stop_daemon
