@@ -68,6 +68,7 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
 
     if (store_trouble) return xstrdup(store_trouble);
     if (record->queued->counts[FRAME_QUEUED] == 0 || record->queued->counts[FRAME_RUNNING] > 0) return NULL;
+    if (record->queued->block == QUEUE_IN_DOUBT) return xstrdup("its output is looked at");
     trouble = worker_pool_format_trouble(farm->pool);
     if (trouble) return trouble;
     next = queue_choose_job(farm->queue, NULL);

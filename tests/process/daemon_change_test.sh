@@ -14,6 +14,14 @@ expect "its new priority" "$(ask job.priority "{\"id\":$second,\"priority\":70}"
 wait_state "$second" succeeded
 expect "the first goes on" "$(field "$first" .state)" running
 
+# A job whose output is looked at is told of while others are before it.
+listen "$scratch/events"
+third=$(submit "$(job 1-3 '.name = "third" | .priority = 20 | .output.path = "third/t.####.exr"')" true)
+expect "resumed behind the first" "$(ask job.resume "{\"id\":$third}" | jq -r .result.state)" queued
+grep -q "\"id\":$third.*its output is looked at" "$scratch/events" || fail "no event says why it waits: $(tail -n 1 "$scratch/events")"
+expect "canceled" "$(ask job.cancel "{\"id\":$third}" | jq -r .result.state)" canceled
+ask job.delete "{\"id\":$third}" >/dev/null
+
 expect "paused" "$(ask job.pause "{\"id\":$first}" | jq -r '.result | .state + ": " + .reason')" "paused: paused by $(id -un)"
 wait_until "nothing of it is in hand" eval '[ "$(field "$first" .running)" = 0 ]'
 before=$(field "$first" .succeeded)
@@ -45,7 +53,7 @@ wait_state "$first" succeeded
 expect_files cloud 1000
 
 # A job that is over may be retried only while no other job writes its files.
-expect "the same output again" "$(submit "$(job 1-1000)" true)" $((second + 1))
+expect "the same output again" "$(submit "$(job 1-1000)" true)" $((third + 1))
 expect_error "$(ask job.retry "{\"id\":$first,\"state\":\"succeeded\"}")" 3 "writes its frame"
 expect_error "$(ask job.retry "{\"id\":$first,\"state\":\"queued\"}")" -32602 "params.state"
 
