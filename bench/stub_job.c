@@ -65,7 +65,7 @@ void stub_job_finish(struct stub_job *job)
     output_path_finish(&job->path);
 }
 
-bool stub_job_write_part(const struct stub_job *job, const struct stub_frame *frame, struct stat *status,
+bool stub_job_write_file(const struct stub_job *job, const struct stub_frame *frame, bool is_found, struct stat *status,
                          char hash[static HASH_TEXT_SIZE], const char **fault, struct error *error)
 {
     const struct output_part names = {
@@ -77,15 +77,22 @@ bool stub_job_write_part(const struct stub_job *job, const struct stub_frame *fr
 
     *fault = folder == OUTPUT_ROOT_AWAY ? "root" : "output";
     if (folder < 0) return false;
-    output_path_format_part(&job->path, &names, part);
+    if (is_found)
+        output_path_format_name(&job->path, frame->frame, part);
+    else
+        output_path_format_part(&job->path, &names, part);
     snprintf(text, sizeof text, "frame %d\n", frame->frame);
-    file = openat(folder, part, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    file = openat(folder, part, O_RDWR | O_CREAT | (is_found ? 0 : O_TRUNC) | O_CLOEXEC, 0644);
     if (file < 0) {
         error_set_errno(error, errno, "%s", part);
         goto out;
     }
+    if (is_found && fstat(file, status) == 0 && status->st_size > 0) {
+        ok = hash_file(file, hash, NULL, error);
+        goto out;
+    }
     if (!file_write_all(file, text, strlen(text), error)) goto out;
-    if (fsync(file) != 0 || fstat(file, status) != 0) {
+    if ((!is_found && fsync(file) != 0) || fstat(file, status) != 0) {
         error_set_errno(error, errno, "%s", part);
         goto out;
     }
@@ -93,7 +100,7 @@ bool stub_job_write_part(const struct stub_job *job, const struct stub_frame *fr
     ok = true;
 out:
     if (file >= 0) close(file);
-    if (!ok) unlinkat(folder, part, 0);
+    if (!ok && !is_found) unlinkat(folder, part, 0);
     close(folder);
     return ok;
 }

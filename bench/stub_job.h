@@ -23,6 +23,7 @@ struct stub_job {
 // Reads the message worker.job; false, with a message on standard error, for one that cannot be read.
 bool stub_job_read(struct stub_job *job, const struct json_node *params);
 void stub_job_finish(struct stub_job *job);
-// Writes the part file of a frame. On failure `*fault` is the failure's.
-bool stub_job_write_part(const struct stub_job *job, const struct stub_frame *frame, struct stat *status,
+// Writes and syncs the part file of a frame, or, with `is_found`, makes sure that there is a file of its own name. On
+// failure `*fault` is the failure's.
+bool stub_job_write_file(const struct stub_job *job, const struct stub_frame *frame, bool is_found, struct stat *status,
                          char hash[static HASH_TEXT_SIZE], const char **fault, struct error *error);

@@ -43,11 +43,11 @@ void stub_report_unable(struct json_writer *out)
     stub_report_end(out);
 }
 
-void stub_report_skipped(struct json_writer *out, const struct stub_frame *frame)
+void stub_report_skipped(struct json_writer *out, const struct stub_frame *frame, int64_t size_bytes, const char *hash)
 {
     stub_report_begin(out, "frame.skipped", frame);
-    json_write_integer_member(out, "size_bytes", 0);
-    json_write_string_member(out, "hash", "00000000000000000000000000000000");
+    json_write_integer_member(out, "size_bytes", size_bytes);
+    json_write_string_member(out, "hash", hash);
     stub_report_end(out);
 }
 

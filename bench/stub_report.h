@@ -19,7 +19,7 @@ void stub_report_end(struct json_writer *out);
 
 void stub_report_ready(struct json_writer *out);
 void stub_report_unable(struct json_writer *out);
-void stub_report_skipped(struct json_writer *out, const struct stub_frame *frame);
+void stub_report_skipped(struct json_writer *out, const struct stub_frame *frame, int64_t size_bytes, const char *hash);
 void stub_report_failed(struct json_writer *out, const struct stub_frame *frame, const char *fault, const char *error);
 // All frames ask for the same segment's plan.
 void stub_report_plan_wanted(struct json_writer *out, const struct stub_frame *frame);

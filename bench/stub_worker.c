@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // stub-worker --fd N [--mode MODE], other options are ignored. MODE is
-//   skip         answers each frame with frame.skipped at once (default)
+//   skip         writes each frame's file and answers frame.skipped at once, as if it had found the file (default)
+//   claim        answers frame.skipped without a file
+//   some:MS      like skip for frames below 100, like write for the others
 //   sleep:MS     the same after MS milliseconds
 //   write:MS     writes a small file after MS milliseconds, or at once after SIGUSR1, and reports it finished
 //   forced       skips frames, and writes like write those that it is told to render in any case
@@ -83,7 +85,15 @@ static bool writes_files(const struct stub *stub)
 {
     return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "plan") || has_mode(stub, "phase") ||
            has_mode(stub, "lie") || has_mode(stub, "loyal") || has_mode(stub, "share") || has_mode(stub, "misplan") ||
-           has_mode(stub, "intrude") || has_mode(stub, "forced");
+           has_mode(stub, "intrude") || has_mode(stub, "forced") || has_mode(stub, "skip") || has_mode(stub, "sleep") ||
+           has_mode(stub, "some");
+}
+
+// Whether the frame's file passes for one that was there.
+static bool finds_file(const struct stub *stub, const struct stub_frame *frame)
+{
+    return has_mode(stub, "skip") || has_mode(stub, "sleep") || (has_mode(stub, "some") && frame->frame < 100) ||
+           (has_mode(stub, "forced") && !frame->is_forced);
 }
 
 static bool shares_plans(const struct stub *stub)
@@ -164,8 +174,10 @@ static void write_and_say_finished(struct stub *stub, const struct stub_frame *f
 
     if (!job) {
         stub_report_failed(&stub->out, frame, "frame", "the job was not told");
-    } else if (!stub_job_write_part(job, frame, &status, hash, &fault, &error)) {
+    } else if (!stub_job_write_file(job, frame, finds_file(stub, frame), &status, hash, &fault, &error)) {
         stub_report_failed(&stub->out, frame, fault, error.message);
+    } else if (finds_file(stub, frame)) {
+        stub_report_skipped(&stub->out, frame, status.st_size, hash);
     } else if (has_mode(stub, "lie")) {
         say_lies(stub, frame, &status, hash);
     } else {
@@ -194,7 +206,7 @@ static void begin_frame(struct stub *stub)
     const struct stub_frame *frame = &stub->frames[stub->next];
 
     stub->is_begun = true;
-    stub->due_ms = now_ms() + stub->frame_ms;
+    stub->due_ms = now_ms() + (has_mode(stub, "some") && finds_file(stub, frame) ? 0 : stub->frame_ms);
     if (has_mode(stub, "skip")) return;
     stub_report_begin(&stub->out, "frame.started", frame);
     stub_report_end(&stub->out);
@@ -230,10 +242,10 @@ static void end_frame(struct stub *stub)
     stub->plan = PLAN_NONE;
     if (has_mode(stub, "fail:"))
         stub_report_failed(&stub->out, &frame, stub->mode + 5, "the stub was told to fail");
-    else if (writes_files(stub) && (frame.is_forced || !has_mode(stub, "forced")))
+    else if (writes_files(stub))
         write_and_say_finished(stub, &frame);
     else
-        stub_report_skipped(&stub->out, &frame);
+        stub_report_skipped(&stub->out, &frame, 9, "00000000000000000000000000000000");
 }
 
 // Begins and ends the frames that are due. Returns the milliseconds until there is more to do, or -1.

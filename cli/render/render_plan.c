@@ -5,6 +5,16 @@
 
 #include <string.h>
 
+// The index of the frame at or after the position `next`, which moves there; -1: there are no more.
+static int64_t find_next(struct render_plan *plan)
+{
+    int64_t count = frame_range_count(plan->frames), length = frame_order_length(&plan->order, count), index = -1;
+
+    while (plan->next < length && (index = frame_order_at(&plan->order, count, plan->next)) < 0)
+        plan->next++;
+    return index;
+}
+
 bool render_plan_take(struct render_plan *plan, struct render_ticket *ticket)
 {
     if (plan->lost_count > 0) {
@@ -13,9 +23,11 @@ bool render_plan_take(struct render_plan *plan, struct render_ticket *ticket)
         *ticket = plan->lost[0];
         memmove(plan->lost, plan->lost + 1, --plan->lost_count * sizeof *plan->lost);
     } else {
-        if (plan->in_flight_count == RENDER_PLAN_AHEAD) return false;
-        if (plan->next >= frame_range_count(plan->frames)) return false;
-        *ticket = (struct render_ticket){.frame = frame_range_at(plan->frames, plan->next++), .attempt = 1};
+        int64_t index = find_next(plan);
+
+        if (plan->in_flight_count == RENDER_PLAN_AHEAD || index < 0) return false;
+        plan->next++;
+        *ticket = (struct render_ticket){.frame = frame_range_at(plan->frames, index), .attempt = 1};
     }
     plan->in_flight[plan->in_flight_count++] = *ticket;
     return true;
@@ -71,5 +83,7 @@ size_t render_plan_lose(struct render_plan *plan, bool is_endless,
 
 bool render_plan_is_done(const struct render_plan *plan)
 {
-    return plan->in_flight_count == 0 && plan->lost_count == 0 && plan->next >= frame_range_count(plan->frames);
+    struct render_plan rest = *plan;
+
+    return plan->in_flight_count == 0 && plan->lost_count == 0 && find_next(&rest) < 0;
 }

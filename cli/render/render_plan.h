@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/job/frame_order.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -20,10 +22,11 @@ struct render_ticket {
     bool is_rendered; // the picture is being encoded
 };
 
-// Set `frames` and leave the rest zero.
+// Set `frames`, and `order` if there is one, and leave the rest zero.
 struct render_plan {
     const struct frame_range *frames; // borrowed; outlives us
-    int64_t next;                     // index in `frames`
+    struct frame_order order;
+    int64_t next; // position in the order
     struct render_ticket in_flight[RENDER_PLAN_AHEAD];
     size_t in_flight_count;
     struct render_ticket lost[RENDER_PLAN_AHEAD]; // to be retried before all others, one at a time

@@ -379,7 +379,8 @@ static enum exit_status run_frames(struct session *session, struct error *error)
 
 enum exit_status render_session_run(const struct render_session_params *params, struct error *error)
 {
-    struct session session = {.params = params, .epoch = getpid(), .plan = {.frames = &params->job->frames}};
+    struct session session = {
+        .params = params, .epoch = getpid(), .plan = {.frames = &params->job->frames, .order = params->job->order}};
     struct error local = {0};
     enum exit_status status;
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/hash.h"
+#include "core/job/frame_order.h"
 #include "core/job/frame_range.h"
 #include "core/job/job_notes.h"
 #include "core/job/output_path.h"
@@ -17,8 +18,9 @@ enum {
     JOB_PRIORITY_DEFAULT = 50,
     JOB_PRIORITY_USER_MAX = 100, // higher ones are for administrators
     JOB_PRIORITY_MAX = 200,
-    JOB_RESOLUTION_LIMIT = 16384,       // pixels a side
-    JOB_PIXEL_LIMIT = 64 * 1024 * 1024, // pixels in all
+    JOB_FRAME_LIMIT_MAX = 10 * 1000 * 1000, // s
+    JOB_RESOLUTION_LIMIT = 16384,           // pixels a side
+    JOB_PIXEL_LIMIT = 64 * 1024 * 1024,     // pixels in all
     // Software GL ends a loop after 65535 iterations, so the shaders' loops are bounded a little below.
     JOB_MARCH_STEPS_LIMIT = 60 * 1000, // along one camera or shadow ray
     // Along a camera ray that is continued in further passes (slices). Rounding then loses about a thousandth of the
@@ -142,6 +144,8 @@ struct job {
     struct job_quality quality;
     struct job_output output;
     int priority;
+    struct frame_order order;
+    double frame_limit;        // s that the farm lets an attempt at a frame take; 0: its default
     char hash[HASH_TEXT_SIZE]; // of everything that the picture depends on; equal hashes mean equal pixels
 };
 

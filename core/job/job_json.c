@@ -8,6 +8,7 @@
 #include "core/job/job_hash.h"
 #include "core/job/job_notes.h"
 #include "core/job/quality_json.h"
+#include "core/job/schedule_json.h"
 #include "core/scene/scene_json.h"
 
 #include <math.h>
@@ -173,13 +174,11 @@ static bool read_output(struct job_output *output, const struct json_node *docum
 
 static bool read_job(struct job *job, const struct json_node *document, const char *output_root, struct error *error)
 {
-    static const char *const keys[] = {"version",  "name",    "frames",     "fps",   "time_offset", "resolution",
-                                       "camera",   "lights",  "background", "scene", "quality",     "output",
-                                       "priority", "comment", "tags",       NULL};
+    static const char *const keys[] = {"version",  "name",   "frames",      "fps",     "time_offset", "resolution",
+                                       "camera",   "lights", "background",  "scene",   "quality",     "output",
+                                       "priority", "order",  "frame_limit", "comment", "tags",        NULL};
     struct json_node time_offset = json_node_child(document, "time_offset");
-    struct json_node priority = json_node_child(document, "priority");
     struct scene_times times;
-    int64_t rank = JOB_PRIORITY_DEFAULT;
 
     if (!json_check_object(document, error) || !read_version(document, error) ||
         !json_check_keys(document, keys, error) || !read_name(job, document, error) ||
@@ -188,10 +187,7 @@ static bool read_job(struct job *job, const struct json_node *document, const ch
     if (!json_node_is_absent(&time_offset) &&
         !json_read_number(&time_offset, -TIME_MAX, TIME_MAX, &job->time_offset, error))
         return false;
-    if (!json_node_is_absent(&priority) && !json_read_integer(&priority, 0, JOB_PRIORITY_MAX, &rank, error))
-        return false;
-    if (!job_notes_from_json(&job->notes, document, error)) return false;
-    job->priority = (int)rank;
+    if (!schedule_from_json(job, document, error) || !job_notes_from_json(&job->notes, document, error)) return false;
     times = (struct scene_times){job_time_span(job), (double)job->fps_denominator / (double)job->fps_numerator};
     return scene_from_json(&job->scene, document, &times, error) && quality_from_json(&job->quality, document, error) &&
            read_output(&job->output, document, output_root, error) && job_check(job, document, error);

@@ -68,6 +68,30 @@ bool publish_sync(int folder_fd, struct error *error)
     return false;
 }
 
+bool publish_check_found(int folder_fd, const char *name, const struct published_file *expected, struct error *error)
+{
+    int fd = openat(folder_fd, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    struct stat status;
+    char hash[HASH_TEXT_SIZE];
+    bool ok = false;
+
+    if (fd < 0 || fstat(fd, &status) < 0) {
+        error_set_errno(error, errno, "%s", name);
+        goto out;
+    }
+    if (!S_ISREG(status.st_mode) || (uint64_t)status.st_size != expected->size_bytes) {
+        error_set(error, "%s: expected a file of %" PRIu64 " bytes, got %s of %" PRIu64, name, expected->size_bytes,
+                  S_ISREG(status.st_mode) ? "one" : "no file", (uint64_t)status.st_size);
+        goto out;
+    }
+    if (!hash_file(fd, hash, NULL, error)) goto out;
+    ok = strcmp(hash, expected->hash) == 0;
+    if (!ok) error_set(error, "%s: expected a file with the hash %s, got %s", name, expected->hash, hash);
+out:
+    if (fd >= 0) close(fd);
+    return ok;
+}
+
 // True when `name` is the expected file, byte for byte.
 static bool holds(int folder_fd, const char *name, const struct published_file *expected)
 {

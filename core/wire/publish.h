@@ -22,6 +22,9 @@ bool publish_file(int folder_fd, const char *part, const char *name, const struc
                   struct error *error);
 bool publish_sync(int folder_fd, struct error *error);
 
+// Whether `name` is a regular file of that size and hash, whatever its inode.
+bool publish_check_found(int folder_fd, const char *name, const struct published_file *expected, struct error *error);
+
 // What is found after a crash between intent and result.
 enum publish_state {
     PUBLISH_DONE,    // `name` holds the file

@@ -39,6 +39,7 @@ struct farm {
     struct quota quota;           // owned; what each user has
     struct committer *committer;
     struct publisher *publisher;
+    struct publisher *checker; // looks at files that workers found, which takes longer
     struct sweeper *sweeper;
     struct worker_pool *pool;
     struct events *events;

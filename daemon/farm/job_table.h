@@ -36,6 +36,7 @@ struct job_record {
     int64_t frame_pixels;                          // pixels of one frame
     char hash[HASH_TEXT_SIZE];                     // of its pictures
     double tolerance;                              // of a frame's measured error; 0: none
+    int64_t frame_limit_ms;                        // time of an attempt at a frame; 0: the farm's
     int64_t disk_bytes;                            // size of its published files
     struct quota_user *user;                       // borrowed from the quota; the owner
     struct quota_amounts share;                    // its share of what the owner has

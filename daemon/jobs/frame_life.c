@@ -220,18 +220,19 @@ static void note_skipped(struct farm *farm, struct worker_process *worker, const
 {
     struct publish_request request = {.record = record,
                                       .ticket = frame->ticket,
+                                      .worker = worker->id,
                                       .epoch = farm->epoch,
                                       .file = report->file,
                                       .accuracy = report->accuracy};
 
     worker->done++;
     estimate_add_skip(&record->estimate, pace_answer(&worker->pace, record->id, uv_hrtime(), NULL));
-    if (queue_skip(farm->queue, &frame->ticket)) {
-        note_accuracy(&request);
-        farm_store(farm, publish_request_format_op(&request, FRAME_SKIPPED));
-        events_send_frame(farm->events, &frame->ticket, FRAME_SKIPPED, NULL);
+    if (!queue_begin_publish(farm->queue, &frame->ticket)) {
+        release_frame(farm, record, worker, frame);
+        return;
     }
-    release_frame(farm, record, worker, frame);
+    remove_frame(farm, worker, frame);
+    publisher_put_found(farm->checker, &request);
 }
 
 static void note_failed(struct farm *farm, struct worker_process *worker, const struct worker_report *report,
@@ -330,10 +331,11 @@ void frame_life_note_report(struct farm *farm, struct worker_process *worker, co
     job_life_note_change(farm, record);
 }
 
-// True for the frame that a killed worker was rendering, when a clock killed it over code of the user.
+// True for the frame that a killed worker was rendering, when a clock killed it over code of the user or over the limit
+// of a frame.
 static bool is_suspect(const struct worker_process *worker, const struct in_flight_frame *frame)
 {
-    return worker->suspect_code && frame->is_started && !frame->is_rendered;
+    return (worker->suspect_code || worker->is_over_limit) && frame->is_started && !frame->is_rendered;
 }
 
 void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, const char *reason)
@@ -353,7 +355,7 @@ void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, co
                                   .is_lost = true,
                                   .is_hosted = worker_process_is_host(worker, frame.ticket.job),
                                   .worker = worker->id,
-                                  .error = is_suspect(worker, &frame) ? suspicion : reason,
+                                  .error = suspicion && is_suspect(worker, &frame) ? suspicion : reason,
                                   .log = log};
 
         release_frame(farm, record, worker, &worker->in_flight.frames[0]);
@@ -378,13 +380,24 @@ static void note_unpublished(struct farm *farm, const struct publish_request *re
                               .ticket = request->ticket,
                               .fault = fault_of(request->outcome),
                               .is_started = true,
-                              .has_row = true,
+                              .has_row = !request->is_found,
                               .worker = request->worker,
                               .error = request->error.message,
                               .log = request->error.message};
 
     end_attempt(farm, &end);
-    sweeper_remove_part(farm->sweeper, request->record, request->ticket.frame, request->epoch, request->ticket.attempt);
+    if (!request->is_found)
+        sweeper_remove_part(farm->sweeper, request->record, request->ticket.frame, request->epoch,
+                            request->ticket.attempt);
+}
+
+// The file that the worker found is there.
+static void note_found(struct farm *farm, const struct publish_request *request)
+{
+    if (!queue_skip(farm->queue, &request->ticket)) return;
+    note_accuracy(request);
+    farm_store(farm, publish_request_format_op(request, FRAME_SKIPPED));
+    events_send_frame(farm->events, &request->ticket, FRAME_SKIPPED, NULL);
 }
 
 void frame_life_on_published(void *user, const struct publish_request *request)
@@ -395,6 +408,8 @@ void frame_life_on_published(void *user, const struct publish_request *request)
     request->record->frames_in_flight--;
     if (request->outcome != PUBLISH_OUTCOME_DONE) {
         note_unpublished(farm, request);
+    } else if (request->is_found) {
+        note_found(farm, request);
     } else if (queue_succeed(farm->queue, &request->ticket)) {
         note_accuracy(request);
         request->record->root_doubts = 0;

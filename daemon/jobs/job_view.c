@@ -44,7 +44,8 @@ static double find_use(const struct queue_job *job)
 // Who is before the job, which is not the next one.
 static char *format_turn(const struct farm *farm, const struct job_record *record, const struct queue_job *next)
 {
-    const struct queue_job *queued = record->queued, *own = queue_first_of_lane(queued);
+    const struct queue_job *queued = record->queued,
+                           *own = queue_find_job(farm->queue, turns_first_of_lane(&queued->turn)->id);
     const struct job_record *other;
 
     if (own != queued) return xasprintf("waits behind job %lld (priority %d)", (long long)own->id, own->priority);

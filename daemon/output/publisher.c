@@ -118,6 +118,16 @@ void publisher_put(struct publisher *publisher, const struct publish_request *re
     committer_put(publisher->committer, COMMIT_CERTAIN, &op, 1, on_intent_committed, intent);
 }
 
+void publisher_put_found(struct publisher *publisher, const struct publish_request *request)
+{
+    struct publish_request *copy = xmalloc(sizeof *copy);
+
+    *copy = *request;
+    copy->is_found = true;
+    list_add(&publisher->intended, copy);
+    start_batch(publisher);
+}
+
 bool publisher_is_idle(const struct publisher *publisher)
 {
     return !publisher->uncommitted && publisher->intended.count == 0 && !publisher->is_working;
@@ -155,7 +165,7 @@ static int compare_requests(const void *a, const void *b)
     return left->ticket.index < right->ticket.index ? -1 : left->ticket.index > right->ticket.index;
 }
 
-static void rename_part(const char *farm, struct publish_request *request, int folder)
+static void publish_one(const char *farm, struct publish_request *request, int folder)
 {
     const struct output_path *path = &request->record->path;
     const struct output_part names = {.farm = farm,
@@ -165,8 +175,13 @@ static void rename_part(const char *farm, struct publish_request *request, int f
                                       .attempt = request->ticket.attempt};
     char part[OUTPUT_NAME_SIZE], name[OUTPUT_NAME_SIZE];
 
-    output_path_format_part(path, &names, part);
     output_path_format_name(path, request->ticket.frame, name);
+    if (request->is_found) {
+        if (!publish_check_found(folder, name, &request->file, &request->error))
+            request->outcome = PUBLISH_OUTCOME_BAD_FILE;
+        return;
+    }
+    output_path_format_part(path, &names, part);
     if (!publish_file(folder, part, name, &request->file, &request->error)) request->outcome = PUBLISH_OUTCOME_BAD_FILE;
 }
 
@@ -185,11 +200,13 @@ static enum publish_outcome publish_in(const char *farm, struct publish_request 
 {
     const struct job_record *record = requests[0]->record;
     int folder = output_path_open_below(&record->path, root_fd, record->root, false, error);
-    bool ok = folder >= 0;
+    bool ok = folder >= 0, is_changed = false;
 
-    for (size_t i = 0; i < count && ok; i++)
-        rename_part(farm, requests[i], folder);
-    if (ok) ok = publish_sync(folder, error);
+    for (size_t i = 0; i < count && ok; i++) {
+        publish_one(farm, requests[i], folder);
+        is_changed = is_changed || !requests[i]->is_found;
+    }
+    if (ok && is_changed) ok = publish_sync(folder, error);
     if (folder >= 0) close(folder);
     // What was unmounted since has the files: they count once it is back, when their frames are found there.
     if (output_root_is_at(root_fd, record->root)) return ok ? PUBLISH_OUTCOME_DONE : PUBLISH_OUTCOME_BAD_FOLDER;

@@ -24,8 +24,9 @@ enum publish_outcome {
     PUBLISH_OUTCOME_NO_ROOT     // the output root is not there, or was taken away meanwhile, with or without the file
 };
 
-// One frame to publish, and the outcome.
+// One frame to publish, or one whose file a worker found, and the outcome.
 struct publish_request {
+    bool is_found; // the file has its name already, says the worker: it is only looked at; `file` has no inode
     struct job_record *record; // borrowed; outlives us
     struct queue_ticket ticket;
     int worker;    // id of the worker that rendered it
@@ -45,6 +46,8 @@ struct publisher *publisher_create(uv_loop_t *loop, const char *farm, struct com
                                    publisher_on_done *on_done, void *user);
 void publisher_destroy(struct publisher *publisher);                                    // legal once idle; accepts NULL
 void publisher_put(struct publisher *publisher, const struct publish_request *request); // copies
+// Has the file that a worker found looked at, by size and hash: nothing is committed, renamed or synced.
+void publisher_put_found(struct publisher *publisher, const struct publish_request *request); // copies
 bool publisher_is_idle(const struct publisher *publisher);
 
 // For an end without a store: gives those files their names whose intent could not be committed, so that the next start

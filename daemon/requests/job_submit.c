@@ -46,6 +46,8 @@ struct job_submit {
     int64_t frame_pixels;
     char hash[HASH_TEXT_SIZE];
     double tolerance;
+    struct frame_order order;
+    int64_t frame_limit_ms;
     struct quota_user *user;    // borrowed; the owner
     struct quota_amounts share; // its share of what the owner has, until the record has one
     int failure;                // enum message_code of `error`; 0: none
@@ -201,6 +203,8 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     submit->frame_pixels = (int64_t)job->width_px * job->height_px;
     memcpy(submit->hash, job->hash, sizeof submit->hash);
     submit->tolerance = job->quality.tolerance;
+    submit->order = job->order;
+    submit->frame_limit_ms = (int64_t)(job->frame_limit * 1000);
     submit->user = quota_find_user(&request->farm->quota, submit->row.owner_uid, submit->row.owner);
     quota_set(submit->user, &submit->share, job_amounts(job));
     submit->code = scene_find_code(&job->scene) ? xstrdup(scene_find_code(&job->scene)) : NULL;
@@ -413,7 +417,9 @@ static struct job_record *queue_submit(struct job_submit *submit)
                                                                            .owner_uid = row->owner_uid,
                                                                            .frames = &submit->frames,
                                                                            .priority = row->priority,
-                                                                           .is_paused = row->is_paused});
+                                                                           .is_paused = row->is_paused,
+                                                                           .order = &submit->order});
+    record->frame_limit_ms = submit->frame_limit_ms;
     shares_set_weight(farm, row->owner_uid, record->owner);
     record->sent_state = JOB_STATE_COUNT;
     root_life_note_job(farm, record);

@@ -9,7 +9,9 @@ enum {
     DEFAULT_HEARTBEAT_MS = 10 * 1000,
     DEFAULT_PROGRESS_MS = 120 * 1000,
     DEFAULT_RUN_MS = 60 * 1000,
-    DEFAULT_RUN_FACTOR = 20
+    DEFAULT_RUN_FACTOR = 20,
+    SLOW_FACTOR = 5,
+    SLOW_LEAST_MS = 10 * 1000
 };
 
 static void apply_defaults(struct liveness_limits *limits)
@@ -57,14 +59,38 @@ void liveness_begin_frame(struct liveness *liveness, int64_t now_ms)
     liveness->last_message_ms = now_ms;
     liveness->last_progress_ms = now_ms;
     liveness->rendering_ms = now_ms;
+    liveness->rendered_ms = liveness->planned_ms = 0;
     liveness->is_rendering = true;
+    liveness->is_planning = liveness->is_slow = false;
+}
+
+void liveness_begin_plan(struct liveness *liveness, int64_t now_ms)
+{
+    liveness->last_message_ms = now_ms;
+    liveness->last_progress_ms = now_ms;
+    if (!liveness->is_rendering) return;
+    liveness->rendered_ms += now_ms - liveness->rendering_ms;
+    liveness->rendering_ms = now_ms;
+    liveness->is_rendering = false;
+    liveness->is_planning = true;
+}
+
+void liveness_end_plan(struct liveness *liveness, int64_t now_ms)
+{
+    liveness->last_message_ms = now_ms;
+    liveness->last_progress_ms = now_ms;
+    if (!liveness->is_planning) return;
+    liveness->planned_ms += now_ms - liveness->rendering_ms;
+    liveness->rendering_ms = now_ms;
+    liveness->is_rendering = true;
+    liveness->is_planning = false;
 }
 
 void liveness_end_frame(struct liveness *liveness, int64_t now_ms)
 {
     liveness->last_message_ms = now_ms;
     liveness->last_progress_ms = now_ms;
-    liveness->is_rendering = false;
+    liveness->is_rendering = liveness->is_planning = false;
 }
 
 void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms)
@@ -72,7 +98,7 @@ void liveness_set_busy(struct liveness *liveness, bool is_busy, int64_t now_ms)
     if (is_busy && !liveness->is_busy) liveness->last_progress_ms = now_ms;
     liveness->is_busy = is_busy;
     // A dropped frame ends without a message of its own.
-    if (!is_busy) liveness->is_rendering = false;
+    if (!is_busy) liveness->is_rendering = liveness->is_planning = false;
 }
 
 // A call that comes more than half a heartbeat after the one before shows that the caller itself was delayed.
@@ -90,19 +116,51 @@ static void forgive_own_delay(struct liveness *liveness, int64_t now_ms)
     }
 }
 
-static int64_t run_limit_ms(const struct liveness *liveness, double median_s, size_t known)
+static int64_t medians_ms(const struct liveness_job *job, double factor, int64_t least_ms)
 {
-    double limit_ms = liveness->limits.run_factor * median_s * 1000;
+    double limit_ms = factor * job->median_s * 1000;
 
-    if (known < LIVENESS_KNOWN_FRAMES || limit_ms >= (double)INT64_MAX) return INT64_MAX;
-    return limit_ms > (double)liveness->limits.run_ms ? (int64_t)limit_ms : liveness->limits.run_ms;
+    if (job->known < LIVENESS_KNOWN_FRAMES || limit_ms >= (double)INT64_MAX) return INT64_MAX;
+    return limit_ms > (double)least_ms ? (int64_t)limit_ms : least_ms;
 }
 
-enum liveness_verdict liveness_check(struct liveness *liveness, double median_s, size_t known, int64_t now_ms,
+// Of the attempt that is being rendered or planned.
+static enum liveness_verdict check_frame(struct liveness *liveness, const struct liveness_job *job, int64_t now_ms,
+                                         char reason[static LIVENESS_REASON_SIZE])
+{
+    const struct liveness_limits *limits = &liveness->limits;
+    int64_t part_ms = now_ms - liveness->rendering_ms;
+    int64_t render_ms = liveness->rendered_ms + (liveness->is_rendering ? part_ms : 0);
+    int64_t plan_ms = liveness->planned_ms + (liveness->is_planning ? part_ms : 0);
+    int64_t limit_ms = job->stated_limit_ms > 0 ? job->stated_limit_ms : job->limit_ms;
+    int64_t run_ms = job->stated_limit_ms > 0 ? INT64_MAX : medians_ms(job, limits->run_factor, limits->run_ms);
+
+    if (limit_ms > 0 && render_ms > limit_ms) {
+        snprintf(reason, LIVENESS_REASON_SIZE, "frame takes more than %.6g s (%s)", (double)limit_ms / 1000,
+                 job->stated_limit_ms > 0 ? "the job's frame_limit" : "frame-limit");
+        return LIVENESS_OVER_LIMIT;
+    }
+    if (job->limit_ms > 0 && plan_ms > job->limit_ms) {
+        snprintf(reason, LIVENESS_REASON_SIZE, "frame is planned for more than %.6g s (frame-limit)",
+                 (double)job->limit_ms / 1000);
+        return LIVENESS_OVER_LIMIT;
+    }
+    if (liveness->is_rendering && part_ms > run_ms) {
+        snprintf(reason, LIVENESS_REASON_SIZE, "frame renders for more than %" PRId64 " s, the job's median is %.3g s",
+                 run_ms / 1000, job->median_s);
+        return LIVENESS_OVERLONG;
+    }
+    if (liveness->is_slow || render_ms <= medians_ms(job, SLOW_FACTOR, SLOW_LEAST_MS)) return LIVENESS_ALIVE;
+    liveness->is_slow = true;
+    snprintf(reason, LIVENESS_REASON_SIZE, "frame takes more than %.3g s, the job's median is %.3g s",
+             (double)render_ms / 1000, job->median_s);
+    return LIVENESS_SLOW;
+}
+
+enum liveness_verdict liveness_check(struct liveness *liveness, const struct liveness_job *job, int64_t now_ms,
                                      char reason[static LIVENESS_REASON_SIZE])
 {
     const struct liveness_limits *limits = &liveness->limits;
-    int64_t run_ms;
 
     forgive_own_delay(liveness, now_ms);
     if (!liveness->is_ready) {
@@ -118,11 +176,6 @@ enum liveness_verdict liveness_check(struct liveness *liveness, double median_s,
         snprintf(reason, LIVENESS_REASON_SIZE, "no progress for %" PRId64 " s", limits->progress_ms / 1000);
         return LIVENESS_STUCK;
     }
-    run_ms = run_limit_ms(liveness, median_s, known);
-    if (liveness->is_rendering && now_ms - liveness->rendering_ms > run_ms) {
-        snprintf(reason, LIVENESS_REASON_SIZE, "frame renders for more than %" PRId64 " s, the job's median is %.3g s",
-                 run_ms / 1000, median_s);
-        return LIVENESS_OVERLONG;
-    }
-    return LIVENESS_ALIVE;
+    if (!liveness->is_rendering && !liveness->is_planning) return LIVENESS_ALIVE;
+    return check_frame(liveness, job, now_ms, reason);
 }

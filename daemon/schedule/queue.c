@@ -157,6 +157,7 @@ struct queue_job *queue_add_job(struct queue *queue, const struct queue_job_para
                               .is_paused = params->is_paused,
                               .queue = queue};
     *params->frames = (struct frame_range){0};
+    if (params->order) job->order = *params->order;
     job->frame_count = frame_range_count(&job->frames);
     job->states = xcalloc((size_t)job->frame_count, sizeof job->states[0]);
     job->counts[FRAME_QUEUED] = job->frame_count;
@@ -248,20 +249,16 @@ struct queue_job *queue_choose_job(const struct queue *queue, const struct turns
     return turn ? queue_find_job(queue, turn->id) : NULL;
 }
 
-struct queue_job *queue_first_of_lane(const struct queue_job *job)
-{
-    return queue_find_job(job->queue, turns_first_of_lane(&job->turn)->id);
-}
-
 // The job must have a queued frame.
 static int32_t take_index(struct queue_job *job)
 {
     int32_t index;
 
     if (index_heap_take(&job->returned, &index)) return index;
-    while (job->states[job->first_fresh].state != FRAME_QUEUED)
-        job->first_fresh++;
-    return (int32_t)job->first_fresh++;
+    do {
+        index = (int32_t)frame_order_at(&job->order, job->frame_count, job->next_position++);
+    } while (index < 0 || job->states[index].state != FRAME_QUEUED);
+    return index;
 }
 
 size_t queue_take(struct queue_job *job, uint16_t worker, struct queue_ticket *tickets, size_t max)
@@ -341,7 +338,7 @@ static bool requeue(struct queue_job *job, int32_t index)
         return false;
     }
     set_state(job, index, FRAME_QUEUED);
-    if (index < job->first_fresh) index_heap_add(&job->returned, index);
+    index_heap_add(&job->returned, index);
     note_ready(job);
     return true;
 }
@@ -392,13 +389,18 @@ void queue_resume(struct queue *queue, struct queue_job *job)
     note_ready(job);
 }
 
+static bool would_end(const struct queue_frame *frame)
+{
+    return frame->state == FRAME_QUEUED || (frame->state == FRAME_RUNNING && !frame->is_publishing);
+}
+
 bool queue_has_frame_to_cancel(const struct queue_job *job)
 {
-    for (int64_t i = 0; i < job->frame_count; i++)
-        if (job->states[i].state == FRAME_QUEUED ||
-            (job->states[i].state == FRAME_RUNNING && !job->states[i].is_publishing))
-            return true;
-    return false;
+    bool found = false;
+
+    for (int64_t i = 0; i < job->frame_count && !found; i++)
+        found = would_end(&job->states[i]);
+    return found;
 }
 
 void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_block block)
@@ -409,14 +411,10 @@ void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_bloc
 
 static void end_frames(struct queue_job *job, enum frame_state state)
 {
-    for (int64_t i = 0; i < job->frame_count; i++) {
-        const struct queue_frame *frame = &job->states[i];
-
-        if (frame->state == FRAME_QUEUED || (frame->state == FRAME_RUNNING && !frame->is_publishing))
-            set_state(job, i, state);
-    }
+    for (int64_t i = 0; i < job->frame_count; i++)
+        if (would_end(&job->states[i])) set_state(job, i, state);
     index_heap_finish(&job->returned);
-    job->first_fresh = job->frame_count;
+    job->next_position = frame_order_length(&job->order, job->frame_count);
     note_ready(job);
 }
 
@@ -483,7 +481,7 @@ int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states,
     job->has_started = job->counts[FRAME_QUEUED] < job->frame_count;
     // The search starts at the front and finds all queued frames, so none may be in the heap as well.
     index_heap_finish(&job->returned);
-    job->first_fresh = 0;
+    job->next_position = 0;
     note_ready(job);
     return count;
 }

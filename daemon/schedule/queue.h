@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "core/job/frame_order.h"
 #include "core/job/frame_range.h"
 #include "daemon/schedule/index_heap.h"
 #include "daemon/schedule/states.h"
@@ -52,7 +53,8 @@ struct queue_job {
     // For the module only.
     struct queue *queue; // borrowed; outlives us
     int64_t frame_count;
-    int64_t first_fresh;        // every queued frame is at or after this index, or in `returned`
+    struct frame_order order;
+    int64_t next_position;      // in the order: every queued frame is there or later, or in `returned`
     struct index_heap returned; // owned; frames that were queued again after they were taken
 };
 
@@ -75,6 +77,7 @@ struct queue_job_params {
     struct frame_range *frames; // moves into the queue and is left empty
     int priority;
     bool is_paused;
+    const struct frame_order *order; // copied; NULL: as written
 };
 
 struct queue_job *queue_add_job(struct queue *queue, const struct queue_job_params *params);
@@ -92,8 +95,6 @@ bool queue_job_is_live(const struct queue_job *job); // queued, running or pause
 struct turns *queue_turns(struct queue *queue); // of its jobs
 // The job that the seat serves next; NULL: none has a frame to take. NULL for `seat` is any worker.
 struct queue_job *queue_choose_job(const struct queue *queue, const struct turns_seat *seat);
-// The owner's first job of that priority which has a frame to take; the job must have one.
-struct queue_job *queue_first_of_lane(const struct queue_job *job);
 // Takes up to `max` frames of the job for `worker` (1..65535). They become FRAME_RUNNING and their attempt counts.
 // Returns their number, which is 0 for a job that is over or paused.
 size_t queue_take(struct queue_job *job, uint16_t worker, struct queue_ticket *tickets, size_t max);

@@ -12,9 +12,9 @@ enum retry_fault {
     RETRY_FAULT_OUTPUT, // the disk is full or not writable: every frame would fail
     RETRY_FAULT_ROOT,   // the output root is not there
     RETRY_FAULT_LOST,   // the worker died, or was killed over one of its time limits
-    // The frame does not end: a ray march takes more iterations than GL runs, or, in a scene with GLSL of the user, the
-    // worker was killed over the limit of its progress or of its frame. The next attempt would most likely not end
-    // either, and each attempt holds a worker: the frame is failed at once.
+    // The frame does not end: a ray march takes more iterations than GL runs, or the worker was killed over the limit
+    // of a frame's time, or, in a scene with GLSL of the user, of its progress or of the median. The next attempt would
+    // most likely not end either, and each attempt holds a worker: the frame is failed at once.
     RETRY_FAULT_ENDLESS,
     RETRY_FAULT_CUT,   // cut paths may have lost too much light; the next attempt would cut the same
     RETRY_FAULT_MISSED // it misses its tolerance even when rendered finer; the next attempt would miss it too

@@ -140,7 +140,10 @@ static void add_lane(struct turns *turns, struct turns_lane *lane)
 {
     struct turns_owner *owner = lane->owner;
 
-    if (owner->ready_lanes == 0) owner->is_new = idle_ms(turns, owner) >= turns->stay_ms;
+    if (owner->ready_lanes == 0) {
+        owner->is_new = idle_ms(turns, owner) >= turns->stay_ms;
+        owner->ready_ms = turns->now_ms;
+    }
     turns->ready_owners += owner->ready_lanes++ == 0;
     lane->previous = NULL;
     lane->next = turns->ready[lane->priority];
@@ -245,7 +248,9 @@ static double find_use(const struct turns *turns, const struct turns_seat *seat,
 
 static bool is_starving(const struct turns *turns, const struct turns_owner *owner)
 {
-    return idle_ms(turns, owner) >= STARVING_STAYS * turns->ready_owners * turns->stay_ms;
+    int64_t since_ms = owner->ready_ms > owner->left_ms ? owner->ready_ms : owner->left_ms;
+
+    return owner->workers == 0 && turns->now_ms - since_ms >= STARVING_STAYS * turns->ready_owners * turns->stay_ms;
 }
 
 static bool comes_before(const struct turns *turns, const struct turns_seat *seat, const struct turns_job *a,

@@ -22,6 +22,7 @@ struct turns_owner {
     double unstored_s; // of that: what was used since the caller last stored it
     int workers;       // seats that serve the owner
     int64_t left_ms;   // when the last of them was left
+    int64_t ready_ms;  // when the owner got jobs with frames to take, after having none
     int ready_lanes;   // priorities at which the owner has jobs with frames to take
     bool is_new;       // the owner had neither such jobs nor a worker before, and got no worker yet
 };

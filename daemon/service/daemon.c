@@ -109,6 +109,7 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     farm->committer = committer_create(farm->loop, daemon->store);
     committer_watch(farm->committer, on_store_trouble, daemon);
     farm->publisher = publisher_create(farm->loop, farm->id, farm->committer, frame_life_on_published, farm);
+    farm->checker = publisher_create(farm->loop, farm->id, farm->committer, frame_life_on_published, farm);
     farm->sweeper = sweeper_create(farm->loop, farm->id, on_swept, farm);
     farm->events = events_create(farm);
     daemon->roots = root_watch_create(farm, root_life_note_change);
@@ -220,6 +221,7 @@ void daemon_destroy(struct daemon *daemon)
     root_watch_destroy(daemon->roots);
     events_destroy(farm->events);
     sweeper_destroy(farm->sweeper);
+    publisher_destroy(farm->checker);
     publisher_destroy(farm->publisher);
     committer_destroy(farm->committer);
     work_desk_destroy(farm->work);
@@ -365,8 +367,9 @@ static void on_hang_up(uv_signal_t *handle, int signal_number)
 
 static bool is_flushed(const struct farm *farm)
 {
-    return publisher_is_idle(farm->publisher) && sweeper_is_idle(farm->sweeper) && !farm->claims && !farm->deletions &&
-           farm->output_checks == 0 && work_desk_is_idle(farm->work) && committer_is_idle(farm->committer);
+    return publisher_is_idle(farm->publisher) && publisher_is_idle(farm->checker) && sweeper_is_idle(farm->sweeper) &&
+           !farm->claims && !farm->deletions && farm->output_checks == 0 && work_desk_is_idle(farm->work) &&
+           committer_is_idle(farm->committer);
 }
 
 // Files that are being published have their intent on disk: a restart finishes them.

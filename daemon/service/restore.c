@@ -101,11 +101,13 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
     memcpy(record->hash, job.hash, sizeof record->hash);
     record->tolerance = job.quality.tolerance;
+    record->frame_limit_ms = (int64_t)(job.frame_limit * 1000);
     record->queued = queue_add_job(farm->queue, &(struct queue_job_params){.id = row->id,
                                                                            .owner_uid = row->owner_uid,
                                                                            .frames = &job.frames,
                                                                            .priority = row->priority,
-                                                                           .is_paused = row->is_paused});
+                                                                           .is_paused = row->is_paused,
+                                                                           .order = &job.order});
     record->queued->has_started = row->started_ms != 0;
     record->restored_canceled = row->is_canceled;
     record->restored_failed = row->is_failed;

@@ -36,6 +36,7 @@ const char options_help[] =
     "  --shader-dir DIR        folder of shaders, instead of those inside the worker\n"
     "  --max-attempts N        attempts at a frame before it is failed (3)\n"
     "  --progress-limit SECONDS  a worker without progress for so long is killed (120)\n"
+    "  --frame-limit SECONDS   a frame is ended after this time, unless its job states another (86400)\n"
     "  --stop-timeout SECONDS  time for running frames when the daemon stops (30)\n"
     "  --admin-group NAME      members may change every job and have no limits (marchd-admin)\n"
     "  --user-jobs N           jobs of one user that are not over, or none for no limit (1000)\n"
@@ -72,6 +73,7 @@ enum option_code {
     OPTION_SHADER_DIR,
     OPTION_MAX_ATTEMPTS,
     OPTION_PROGRESS_LIMIT,
+    OPTION_FRAME_LIMIT,
     OPTION_STOP_TIMEOUT,
     OPTION_ADMIN_GROUP,
     OPTION_USER_JOBS,
@@ -105,6 +107,7 @@ static const struct option long_options[] = {
     {"shader-dir", required_argument, NULL, OPTION_SHADER_DIR},
     {"max-attempts", required_argument, NULL, OPTION_MAX_ATTEMPTS},
     {"progress-limit", required_argument, NULL, OPTION_PROGRESS_LIMIT},
+    {"frame-limit", required_argument, NULL, OPTION_FRAME_LIMIT},
     {"stop-timeout", required_argument, NULL, OPTION_STOP_TIMEOUT},
     {"admin-group", required_argument, NULL, OPTION_ADMIN_GROUP},
     {"user-jobs", required_argument, NULL, OPTION_USER_JOBS},
@@ -246,6 +249,8 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
         return options_value_count("max-attempts", text, 100, &options->max_attempts, error);
     case OPTION_STOP_TIMEOUT:
         return options_value_seconds("stop-timeout", text, 0, &options->stop_timeout_ms, error);
+    case OPTION_FRAME_LIMIT:
+        return options_value_seconds("frame-limit", text, 1, &options->frame_limit_ms, error);
     case OPTION_PROGRESS_LIMIT:
         return options_value_seconds("progress-limit", text, 1, &options->progress_limit_ms, error);
     case OPTION_BACKEND:
@@ -391,6 +396,7 @@ bool options_parse(struct options *options, int argc, char **argv, const struct 
                                 .max_attempts = 3,
                                 .stop_timeout_ms = 30000,
                                 .progress_limit_ms = 120000,
+                                .frame_limit_ms = 24 * 3600 * 1000,
                                 .user_jobs = 1000,
                                 .half_life_ms = 3600 * 1000,
                                 .longest_wait_ms = 24 * 3600 * 1000,

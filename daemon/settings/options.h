@@ -35,6 +35,7 @@ struct options {
     int max_attempts;
     int64_t stop_timeout_ms;
     int64_t progress_limit_ms; // a worker without progress for so long is killed
+    int64_t frame_limit_ms;    // an attempt at a frame is ended after so long, unless its job states another limit
     // Limits of one user; 0: no limit.
     int64_t user_jobs;       // jobs that are not over
     int64_t user_frames;     // their frames that are not done

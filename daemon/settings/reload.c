@@ -99,6 +99,7 @@ void reload_take(struct options *current, struct options *fresh, struct reload_c
     take_integer(&attempts, fresh->max_attempts, "max-attempts", changes);
     take_integer(&current->stop_timeout_ms, fresh->stop_timeout_ms, "stop-timeout", changes);
     take_integer(&current->progress_limit_ms, fresh->progress_limit_ms, "progress-limit", changes);
+    take_integer(&current->frame_limit_ms, fresh->frame_limit_ms, "frame-limit", changes);
     take_integer(&current->user_jobs, fresh->user_jobs, "user-jobs", changes);
     take_integer(&current->user_frames, fresh->user_frames, "user-frames", changes);
     take_integer(&current->user_pixels, fresh->user_pixels, "user-pixels", changes);

@@ -120,15 +120,24 @@ void worker_pool_start(struct worker_pool *pool)
 static void check_liveness(struct worker_pool *pool, struct worker_process *worker, int64_t now_ms)
 {
     struct job_record *record = job_table_find(&pool->farm->jobs, in_flight_current_job(&worker->in_flight));
-    double median_s = record ? estimate_median_s(&record->estimate) : 0;
-    size_t known = record ? estimate_count(&record->estimate) : 0;
+    struct liveness_job job = {.limit_ms = pool->farm->options->frame_limit_ms};
     char reason[LIVENESS_REASON_SIZE];
-    struct log_subject subject;
-    enum liveness_verdict verdict = liveness_check(&worker->liveness, median_s, known, now_ms, reason);
+    struct log_subject subject = worker_process_subject(worker);
+    enum liveness_verdict verdict;
 
+    if (record) {
+        job.median_s = estimate_median_s(&record->estimate);
+        job.known = estimate_count(&record->estimate);
+        job.stated_limit_ms = record->frame_limit_ms;
+    }
+    verdict = liveness_check(&worker->liveness, &job, now_ms, reason);
     if (verdict == LIVENESS_ALIVE || worker->end_reason) return;
-    if (record && (verdict == LIVENESS_STUCK || verdict == LIVENESS_OVERLONG)) worker->suspect_code = record->code;
-    subject = worker_process_subject(worker);
+    if (verdict == LIVENESS_SLOW) {
+        log_about(LOG_WARN, &subject, "job %lld frame %d: %s", (long long)subject.job, (int)subject.frame, reason);
+        return;
+    }
+    worker->is_over_limit = verdict == LIVENESS_OVER_LIMIT;
+    if (record && verdict >= LIVENESS_STUCK) worker->suspect_code = record->code;
     log_about(LOG_WARN, &subject, "worker %d: killed: %s", worker->id, reason);
     worker_process_kill(worker, reason);
 }
@@ -247,8 +256,8 @@ static void on_gone(void *user, struct worker_process *worker)
     if (!worker->backend && !is_replaced) note_failed_start(pool, worker, reason);
     slot->done += worker->done;
     slot->worker = NULL;
-    // GLSL of the user that does not end is no fault of the slot.
-    if (worker->done == 0 && !worker->suspect_code && !is_replaced)
+    // A frame that does not end is no fault of the slot.
+    if (worker->done == 0 && !worker->suspect_code && !worker->is_over_limit && !is_replaced)
         retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
     // The next worker of the slot is started below: nothing is wrong, and nothing to tell.
     if (is_replaced && !pool->is_stopping) {

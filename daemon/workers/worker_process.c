@@ -150,10 +150,14 @@ void worker_process_note_clocks(struct worker_process *worker, const struct work
         liveness_progress(&worker->liveness, report->progress, now_ms);
         break;
     case WORKER_REPORT_STARTED:
-    case WORKER_REPORT_PLANNED:
         liveness_begin_frame(&worker->liveness, now_ms);
         break;
     case WORKER_REPORT_PLANNING: // planning is for many frames: the time of one frame does not limit it
+        liveness_begin_plan(&worker->liveness, now_ms);
+        break;
+    case WORKER_REPORT_PLANNED:
+        liveness_end_plan(&worker->liveness, now_ms);
+        break;
     case WORKER_REPORT_RENDERED:
     case WORKER_REPORT_SKIPPED:
     case WORKER_REPORT_FAILED:

@@ -32,9 +32,12 @@ stop_daemon
 
 # A subscriber that stops reading is disconnected after 16 MiB; others are not affected.
 start_daemon --worker-program "$(stub skip)"
-listen "$scratch/stopped"
+# Each event is sent once for each subscription.
+yes '{"jsonrpc":"2.0","id":1,"method":"events.subscribe","params":{}}' | head -n 60 >"$scratch/subscriptions"
+"$bin/socket-client" --keep "$socket" <"$scratch/subscriptions" >"$scratch/stopped" &
+wait_until "the subscriptions are answered" eval '[ "$(grep -c result "$scratch/stopped")" = 60 ]'
 kill -STOP $!
-id=$(submit "$(job 0-199999 '.output.path = "many/m.####.exr"')")
+id=$(submit "$(job 0-4999 '.output.path = "many/m.####.exr"')")
 wait_state "$id" succeeded
 expect "times it was cut off" "$(grep -c "does not read its events" "$scratch/daemon.log")" 1
 stop_daemon

@@ -163,6 +163,41 @@ static void absent_keys_have_their_defaults(void **state)
     job_finish(&job);
 }
 
+static void order_and_limit_of_frames_are_read(void **state)
+{
+    static const char opening[] = "{\"version\":1,\"name\":\"x\",\"frames\":\"1-9\",\"fps\":24,\"resolution\":[2,1],"
+                                  "\"camera\":{\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":50},"
+                                  "\"quality\":{\"method\":\"midpoint\",\"step\":1,\"light_step\":1},"
+                                  "\"output\":{\"path\":\"#.exr\"},";
+    static const char *const wrong[][2] = {
+        {"\"order\":[1]", "order[0]: expected \"first\", \"last\", \"middle\" or a whole number n from 2"},
+        {"\"order\":[2,\"end\"]", "order[1]: expected one of"},
+        {"\"order\":[2,2,2,2,2,2,2,2,2]", "order: expected"},
+        {"\"order\":\"first\"", "order: expected"},
+        {"\"frame_limit\":0", "frame_limit: expected"}};
+    struct job job =
+        job_expect("{\"version\":1,\"name\":\"x\",\"frames\":\"1-9\",\"fps\":24,\"resolution\":[2,1],"
+                   "\"camera\":{\"position\":[0,0,1],\"target\":[0,0,0],\"fov\":50},"
+                   "\"quality\":{\"method\":\"midpoint\",\"step\":1,\"light_step\":1},"
+                   "\"output\":{\"path\":\"#.exr\"},\"order\":[\"last\",4,\"middle\",\"first\"],\"frame_limit\":1.5}");
+
+    assert_int_equal(job.order.count, 4);
+    assert_int_equal(job.order.stages[0], FRAME_ORDER_LAST);
+    assert_int_equal(job.order.stages[1], 4);
+    assert_int_equal(job.order.stages[2], FRAME_ORDER_MIDDLE);
+    assert_int_equal(job.order.stages[3], FRAME_ORDER_FIRST);
+    assert_true(job.frame_limit == 1.5);
+    job_finish(&job);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        char *text = xasprintf("%s%s}", opening, wrong[i][0]);
+        struct error error = {0};
+
+        assert_false(job_parse(&job, text, strlen(text), NULL, &error));
+        if (!strstr(error.message, wrong[i][1])) fail_msg("%s", error.message);
+        free(text);
+    }
+}
+
 static void each_required_key_is_named_when_it_is_missing(void **state)
 {
     assert_edit_refused("version", NULL, "version: expected 1, got nothing");
@@ -348,6 +383,7 @@ int main(void)
         cmocka_unit_test(frame_times_are_offset_plus_frame_over_fps),
         cmocka_unit_test(time_span_holds_all_frames),
         cmocka_unit_test(absent_keys_have_their_defaults),
+        cmocka_unit_test(order_and_limit_of_frames_are_read),
         cmocka_unit_test(each_required_key_is_named_when_it_is_missing),
         cmocka_unit_test(wrong_values_are_refused_by_place),
         cmocka_unit_test(names_take_128_printable_bytes),

@@ -43,6 +43,28 @@ static bool exists(void *const *state, const char *file)
     return lstat(temp_folder_path(state, file), &status) == 0;
 }
 
+static void file_that_was_found_is_looked_at(void **state)
+{
+    struct published_file found = write_file(state, name, "picture"), other = write_file(state, part, "another");
+    struct error error = {0};
+    int fd = open_folder(state);
+
+    found.inode = 0; // whatever it is
+    assert_true(publish_check_found(fd, name, &found, NULL));
+    assert_false(publish_check_found(fd, part, &found, &error)); // of that size
+    assert_non_null(strstr(error.message, "expected a file with the hash"));
+    other.size_bytes++;
+    assert_false(publish_check_found(fd, part, &other, &error));
+    assert_non_null(strstr(error.message, "expected a file of 8 bytes, got one of 7"));
+    assert_false(publish_check_found(fd, "x.0002.exr", &found, &error));
+    assert_int_equal(symlinkat(name, fd, "x.0003.exr"), 0);
+    assert_false(publish_check_found(fd, "x.0003.exr", &found, &error));
+    assert_int_equal(mkdirat(fd, "x.0004.exr", 0700), 0);
+    found.size_bytes = 4096;
+    assert_false(publish_check_found(fd, "x.0004.exr", &found, &error));
+    close(fd);
+}
+
 static void part_gets_its_name(void **state)
 {
     struct published_file expected = write_file(state, part, "picture");
@@ -200,6 +222,7 @@ int main(void)
 {
 #define WITH_FOLDER(test) cmocka_unit_test_setup_teardown(test, temp_folder_create, temp_folder_destroy)
     const struct CMUnitTest tests[] = {
+        WITH_FOLDER(file_that_was_found_is_looked_at),
         WITH_FOLDER(part_gets_its_name),
         WITH_FOLDER(older_file_is_replaced),
         WITH_FOLDER(other_size_or_inode_is_refused),

@@ -19,7 +19,8 @@ static enum liveness_verdict run_until(struct liveness *liveness, int64_t until_
     for (int64_t now_ms = liveness->checked_ms + 1000; now_ms <= until_ms && verdict == LIVENESS_ALIVE;
          now_ms += 1000) {
         if (beats) liveness_progress(liveness, 7, now_ms);
-        verdict = liveness_check(liveness, median_s, known, now_ms, reason);
+        verdict =
+            liveness_check(liveness, &(struct liveness_job){.median_s = median_s, .known = known}, now_ms, reason);
     }
     return verdict;
 }
@@ -101,19 +102,29 @@ static void staying_busy_does_not_count_as_progress(void **state)
     assert_int_equal(run_until(&liveness, 122000, true, 0, 0), LIVENESS_STUCK);
 }
 
+static int64_t slow_ms; // when it was told that the frame is slow; 0: never, -1: twice
+
 // Simulates a worker whose progress grows while its frame does not end.
-static enum liveness_verdict render_for(int64_t duration_ms, double median_s, size_t known)
+static enum liveness_verdict render_job_for(int64_t duration_ms, const struct liveness_job *job)
 {
     struct liveness liveness = ready_worker();
     enum liveness_verdict verdict = LIVENESS_ALIVE;
 
     liveness_set_busy(&liveness, true, 0);
     liveness_begin_frame(&liveness, 0);
+    slow_ms = 0;
     for (int64_t now_ms = 1000; now_ms <= duration_ms && verdict == LIVENESS_ALIVE; now_ms += 1000) {
         liveness_progress(&liveness, (double)now_ms, now_ms);
-        verdict = liveness_check(&liveness, median_s, known, now_ms, reason);
+        verdict = liveness_check(&liveness, job, now_ms, reason);
+        if (verdict == LIVENESS_SLOW) slow_ms = slow_ms ? -1 : now_ms;
+        if (verdict == LIVENESS_SLOW) verdict = LIVENESS_ALIVE;
     }
     return verdict;
+}
+
+static enum liveness_verdict render_for(int64_t duration_ms, double median_s, size_t known)
+{
+    return render_job_for(duration_ms, &(struct liveness_job){.median_s = median_s, .known = known});
 }
 
 static void frame_may_take_twenty_medians(void **state)
@@ -132,6 +143,57 @@ static void frame_may_always_take_a_minute(void **state)
 static void median_of_four_frames_limits_none(void **state)
 {
     assert_int_equal(render_for(1000000, 0.001, 4), LIVENESS_ALIVE);
+}
+
+static void progress_without_end_ends_at_the_limit(void **state)
+{
+    struct liveness_job job = {.limit_ms = 3600 * 1000};
+
+    assert_int_equal(render_job_for(3600 * 1000, &job), LIVENESS_ALIVE);
+    assert_int_equal(render_job_for(3601 * 1000, &job), LIVENESS_OVER_LIMIT);
+    assert_string_equal(reason, "frame takes more than 3600 s (frame-limit)");
+    // What the job states replaces both the farm's limit and that by the median.
+    job = (struct liveness_job){.limit_ms = 5000, .stated_limit_ms = 7000 * 1000, .median_s = 1, .known = 63};
+    assert_int_equal(render_job_for(7000 * 1000, &job), LIVENESS_ALIVE);
+    assert_int_equal(render_job_for(7001 * 1000, &job), LIVENESS_OVER_LIMIT);
+    assert_string_equal(reason, "frame takes more than 7000 s (the job's frame_limit)");
+}
+
+static void slow_frame_is_told_once(void **state)
+{
+    assert_int_equal(render_for(150000, 10, 5), LIVENESS_ALIVE);
+    assert_int_equal(slow_ms, 51000);
+    assert_string_equal(reason, "frame takes more than 51 s, the job's median is 10 s");
+    assert_int_equal(render_for(40000, 0.01, 5), LIVENESS_ALIVE);
+    assert_int_equal(slow_ms, 11000);
+    assert_int_equal(render_for(150000, 10, 4), LIVENESS_ALIVE);
+    assert_int_equal(slow_ms, 0);
+}
+
+// Plans are for many frames: they have the farm's limit for themselves, and do not count as the frame's time.
+static void plans_and_frames_have_limits_of_their_own(void **state)
+{
+    const struct liveness_job job = {.limit_ms = 100000, .stated_limit_ms = 10000};
+    enum liveness_verdict verdict = LIVENESS_ALIVE;
+
+    for (int planned = 0; planned <= 1; planned++) {
+        struct liveness liveness = ready_worker();
+        int64_t now_ms = 0;
+
+        liveness_set_busy(&liveness, true, 0);
+        liveness_begin_frame(&liveness, 0);
+        verdict = LIVENESS_ALIVE;
+        // 4 s of rendering, then plans of 30 s, or one without end.
+        for (; verdict == LIVENESS_ALIVE; now_ms += 1000) {
+            if (now_ms % 34000 == 4000) liveness_begin_plan(&liveness, now_ms);
+            if (!planned && now_ms % 34000 == 0 && now_ms > 0) liveness_end_plan(&liveness, now_ms);
+            liveness_progress(&liveness, (double)now_ms, now_ms);
+            verdict = liveness_check(&liveness, &job, now_ms, reason);
+        }
+        assert_int_equal(verdict, LIVENESS_OVER_LIMIT);
+        if (!planned) assert_string_equal(reason, "frame takes more than 10 s (the job's frame_limit)");
+    }
+    assert_string_equal(reason, "frame is planned for more than 100 s (frame-limit)");
 }
 
 static void ended_frame_has_no_run_time(void **state)
@@ -159,8 +221,8 @@ static void a_late_check_does_not_count_against_the_worker(void **state)
 {
     struct liveness liveness = ready_worker();
 
-    assert_int_equal(liveness_check(&liveness, 0, 0, 1000, reason), LIVENESS_ALIVE);
-    assert_int_equal(liveness_check(&liveness, 0, 0, 3600 * 1000, reason), LIVENESS_ALIVE);
+    assert_int_equal(liveness_check(&liveness, &(struct liveness_job){0}, 1000, reason), LIVENESS_ALIVE);
+    assert_int_equal(liveness_check(&liveness, &(struct liveness_job){0}, 3600 * 1000, reason), LIVENESS_ALIVE);
     assert_int_equal(run_until(&liveness, 3600 * 1000 + 9000, false, 0, 0), LIVENESS_ALIVE);
     assert_int_equal(run_until(&liveness, 3600 * 1000 + 11000, false, 0, 0), LIVENESS_SILENT);
 }
@@ -189,6 +251,9 @@ int main(void)
         cmocka_unit_test(frame_may_take_twenty_medians),
         cmocka_unit_test(frame_may_always_take_a_minute),
         cmocka_unit_test(median_of_four_frames_limits_none),
+        cmocka_unit_test(progress_without_end_ends_at_the_limit),
+        cmocka_unit_test(slow_frame_is_told_once),
+        cmocka_unit_test(plans_and_frames_have_limits_of_their_own),
         cmocka_unit_test(ended_frame_has_no_run_time),
         cmocka_unit_test(an_idle_worker_has_no_run_time),
         cmocka_unit_test(a_late_check_does_not_count_against_the_worker),

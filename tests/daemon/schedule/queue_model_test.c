@@ -15,13 +15,14 @@ enum { JOB_LIMIT = 12, FRAME_LIMIT = 24, TICKET_LIMIT = 256, MAX_ATTEMPTS = 3, S
 struct model_frame {
     enum frame_state state;
     int attempt, tries;
-    bool is_publishing;
+    bool is_publishing, is_returned;
 };
 
 struct model_job {
     bool exists, is_paused, is_canceled, is_failed;
     int priority;
     int frame_count;
+    struct frame_order order;
     struct model_frame frames[FRAME_LIMIT];
 };
 
@@ -68,6 +69,19 @@ static int find_first_ready(const struct world *world)
     return best;
 }
 
+// Frames that come back are first, the lowest of them; then the order counts. -1: none is queued.
+static int find_next_frame(const struct model_job *job)
+{
+    for (int i = 0; i < job->frame_count; i++)
+        if (job->frames[i].state == FRAME_QUEUED && job->frames[i].is_returned) return i;
+    for (int64_t i = 0; i < frame_order_length(&job->order, job->frame_count); i++) {
+        int64_t index = frame_order_at(&job->order, job->frame_count, i);
+
+        if (index >= 0 && job->frames[index].state == FRAME_QUEUED) return (int)index;
+    }
+    return -1;
+}
+
 static void take(struct world *world)
 {
     struct queue_ticket tickets[6];
@@ -81,10 +95,10 @@ static void take(struct world *world)
         assert_int_equal(count, 0);
         return;
     }
-    for (int i = 0; i < world->jobs[ready].frame_count && taken < wanted; i++) {
+    for (int i; taken < wanted && (i = find_next_frame(&world->jobs[ready])) >= 0;) {
         struct model_frame *frame = &world->jobs[ready].frames[i];
 
-        if (frame->state != FRAME_QUEUED) continue;
+        frame->is_returned = false;
         frame->state = FRAME_RUNNING;
         frame->attempt++;
         frame->tries++;
@@ -114,6 +128,7 @@ static void end(struct model_frame *frame, enum frame_state state)
 static void give_back(const struct model_job *job, struct model_frame *frame)
 {
     end(frame, job->is_failed ? FRAME_FAILED : job->is_canceled ? FRAME_CANCELED : FRAME_QUEUED);
+    frame->is_returned = frame->state == FRAME_QUEUED;
 }
 
 // Any ticket ever taken: most of them own nothing any more.
@@ -170,11 +185,15 @@ static void add(struct world *world, int at)
                               .is_paused = pick(world, 4) == 0,
                               .priority = (int)pick(world, 4) * 30,
                               .frame_count = 1 + (int)pick(world, FRAME_LIMIT)};
+    for (int count = (int)pick(world, 4); job->order.count < count; job->order.count++)
+        job->order.stages[job->order.count] = (int32_t)pick(world, 8) - 2; // 1 is every frame
     snprintf(text, sizeof text, "%d-0", job->frame_count - 1);
     assert_true(frame_range_parse(&range, text, NULL));
-    queue_add_job(world->queue,
-                  &(struct queue_job_params){
-                      .id = at + 1, .frames = &range, .priority = job->priority, .is_paused = job->is_paused});
+    queue_add_job(world->queue, &(struct queue_job_params){.id = at + 1,
+                                                           .frames = &range,
+                                                           .priority = job->priority,
+                                                           .is_paused = job->is_paused,
+                                                           .order = &job->order});
 }
 
 static void stop(struct model_job *job, enum frame_state state)
@@ -202,6 +221,8 @@ static void retry(struct world *world, struct model_job *job, struct queue_job *
         frame->tries = 0;
         count++;
     }
+    for (int i = 0; i < job->frame_count && count > 0; i++)
+        job->frames[i].is_returned = false; // the search begins anew
     if (count > 0) job->is_canceled = job->is_failed = false;
     if (count > 0 && !was_live) job->is_paused = false;
     assert_int_equal(queue_retry(world->queue, real, states, NULL), count);

@@ -160,6 +160,23 @@ static void who_has_no_worker_does_not_wait_for_the_stay(void **state)
     assert_int_equal(choose(fixture, &seat), 3);
 }
 
+// As after a restart, when all owners are new.
+static void who_used_more_does_not_take_a_worker_for_being_new(void **state)
+{
+    struct fixture *fixture = *state;
+    struct turns_seat seat = {0};
+    struct turns_job *bens;
+
+    pass(fixture, HOUR_MS);
+    add(fixture, ANNA, 50);
+    bens = add(fixture, BEN, 50);
+    owner(fixture, ANNA)->used_s = 1000;
+    assert_int_equal(choose(fixture, &seat), 2);
+    turns_sit(fixture->turns, &seat, bens, false);
+    assert_int_equal(choose(fixture, &seat), 2);
+    assert_false(turns_outranks(fixture->turns, &seat, &fixture->jobs[0], bens));
+}
+
 static void who_has_no_worker_for_20_stays_of_each_is_served_whatever_they_used(void **state)
 {
     struct fixture *fixture = *state;
@@ -263,6 +280,7 @@ int main(void)
         TEST(half_of_the_use_is_forgotten_in_a_half_life),
         TEST(seat_stays_with_its_owner_for_the_stay),
         TEST(who_has_no_worker_does_not_wait_for_the_stay),
+        TEST(who_used_more_does_not_take_a_worker_for_being_new),
         TEST(who_has_no_worker_for_20_stays_of_each_is_served_whatever_they_used),
         TEST(owners_share_workers_rather_than_swap_them),
         TEST(what_waited_longest_comes_once_whatever_its_priority),

@@ -230,7 +230,7 @@ static void the_shipped_file_has_the_defaults(void **state)
     path = write_config(state, text);
     assert_true(PARSE(&told, &root, (char[]){"--config"}, path));
     options_finish(&told);
-    assert_int_equal(uncomment(text), 22);
+    assert_int_equal(uncomment(text), 23);
     path = write_config(state, text);
     assert_true(PARSE(&told, &user, (char[]){"--config"}, path));
     assert_true(parse(&held, &root, (char *[]){(char[]){"marchd"}, NULL}, NULL));
@@ -251,6 +251,7 @@ static void the_shipped_file_has_the_defaults(void **state)
     assert_int_equal(told.user_frames, held.user_frames);
     assert_int_equal(told.user_pixels, held.user_pixels);
     assert_int_equal(told.user_disk_bytes, held.user_disk_bytes);
+    assert_int_equal(told.frame_limit_ms, held.frame_limit_ms);
     assert_int_equal(told.half_life_ms, held.half_life_ms);
     assert_int_equal(told.longest_wait_ms, held.longest_wait_ms);
     assert_int_equal(told.worker_memory_bytes, held.worker_memory_bytes);

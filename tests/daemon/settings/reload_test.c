@@ -36,9 +36,9 @@ static struct options read_options(const char *const *given)
 static void a_setting_that_may_change_is_applied_and_named(void **state)
 {
     struct options held = OPTIONS("--log-level=info"),
-                   fresh =
-                       OPTIONS("--log-level=debug", "--progress-limit=9", "--stop-timeout=4", "--max-attempts=7",
-                               "--admin-group=wheel", "--worker-memory=none", "--half-life=5", "--user-weight=ann=2"),
+                   fresh = OPTIONS("--log-level=debug", "--progress-limit=9", "--frame-limit=8", "--stop-timeout=4",
+                                   "--max-attempts=7", "--admin-group=wheel", "--worker-memory=none", "--half-life=5",
+                                   "--user-weight=ann=2"),
                    limits = OPTIONS("--user-jobs=1", "--user-frames=2", "--user-pixels=3", "--user-disk=4",
                                     "--output-root=/a", "--output-root=/b", "--input-root=/c");
     struct reload_changes changes;
@@ -46,10 +46,11 @@ static void a_setting_that_may_change_is_applied_and_named(void **state)
     reload_take(&held, &fresh, &changes);
     assert_string_equal(changes.waiting, "");
     assert_string_equal(changes.applied,
-                        "admin-group, max-attempts, stop-timeout, progress-limit, user-weight, half-life, "
+                        "admin-group, max-attempts, stop-timeout, progress-limit, frame-limit, user-weight, half-life, "
                         "worker-memory, log-level");
     assert_int_equal(held.log_level, LOG_DEBUG);
     assert_int_equal(held.progress_limit_ms, 9000);
+    assert_int_equal(held.frame_limit_ms, 8000);
     assert_int_equal(held.stop_timeout_ms, 4000);
     assert_int_equal(held.max_attempts, 7);
     assert_int_equal(held.worker_memory_bytes, -1);
