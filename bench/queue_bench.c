@@ -105,6 +105,31 @@ static void measure_jobs(void)
     queue_destroy(queue);
 }
 
+// One decision a frame: whose turn it is, among the owners of 10,000 jobs.
+static void measure_decisions(int owners)
+{
+    enum { JOBS = 10 * 1000 };
+    struct queue *queue = queue_create(MAX_ATTEMPTS);
+    struct turns_seat seat = {0};
+    struct queue_ticket ticket;
+    struct queue_job *job;
+    double start;
+    char what[80];
+
+    for (int64_t id = 1; id <= JOBS; id++)
+        add_job(queue, id, id % owners, "0-99");
+    start = clock_now_s();
+    for (int64_t now_ms = 1; (job = queue_choose_job(queue, &seat)); now_ms++) {
+        if (now_ms % 100 == 0) turns_advance(queue_turns(queue), now_ms);
+        turns_sit(queue_turns(queue), &seat, &job->turn, false);
+        turns_charge(&seat, 1e-3);
+        if (queue_take(job, 1, &ticket, 1) != 1 || !queue_succeed(queue, &ticket)) abort();
+    }
+    snprintf(what, sizeof what, "decisions, one a frame, %d jobs, owners: %d", JOBS, owners);
+    print_row(what, clock_now_s() - start, "");
+    queue_destroy(queue);
+}
+
 // Every frame is taken once and returned, so that all pages are in use.
 static void measure_memory(void)
 {
@@ -134,5 +159,7 @@ int main(void)
     measure("no-op frames in two interleaved spans", "0-999998x2,1-999999x2", 0);
     measure_retries();
     measure_jobs();
+    measure_decisions(1);
+    measure_decisions(100);
     return 0;
 }

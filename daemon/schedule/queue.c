@@ -244,9 +244,9 @@ bool queue_job_is_live(const struct queue_job *job)
 
 struct queue_job *queue_choose_job(const struct queue *queue, const struct turns_seat *seat)
 {
-    const struct turns_job *turn = turns_choose(queue->turns, seat ? seat : &(struct turns_seat){0});
+    struct turns_job *turn = turns_choose(queue->turns, seat ? seat : &(struct turns_seat){0});
 
-    return turn ? queue_find_job(queue, turn->id) : NULL;
+    return turn ? (struct queue_job *)((char *)turn - offsetof(struct queue_job, turn)) : NULL;
 }
 
 // The job must have a queued frame.
