@@ -1,0 +1,283 @@
+"""The daemon as a process, what clients say to it, and how long it takes to answer."""
+import ctypes
+import json
+import os
+import resource
+import select
+import signal
+import socket
+import subprocess
+import threading
+import time
+
+from machine import STATE
+
+PATIENCE_S = 600  # a guard against what never happens, not a measure: machines are slow and busy
+
+
+MANY_FILES = 1024
+LIBC = ctypes.CDLL(None)
+PR_SET_PDEATHSIG = 1
+
+
+class Failure(Exception):
+    """A promise that was not kept."""
+
+
+class Client:
+    """A connection. `user` is who the daemon takes it for."""
+
+    def __init__(self, path, user=0):
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.socket.settimeout(PATIENCE_S)
+        if user:
+            os.seteuid(user)
+        try:
+            self.socket.connect(path)
+        except OSError:
+            self.socket.close()
+            raise
+        finally:
+            if user:
+                os.seteuid(0)
+        self.rest = b""
+
+    def send(self, text):
+        self.socket.sendall(text)
+
+    def ask(self, method, params=None):
+        """The answer's object; None where the daemon went away."""
+        request = {"jsonrpc": "2.0", "id": 1, "method": method, "params": params or {}}
+        try:
+            self.send(json.dumps(request).encode() + b"\n")
+            while True:
+                answer = json.loads(self.read_line())
+                if "method" not in answer:
+                    return answer
+        except (ConnectionError, EOFError):
+            return None
+
+    def read_line(self):
+        while b"\n" not in self.rest:
+            received = self.socket.recv(1 << 16)
+            if not received:
+                raise EOFError
+            self.rest += received
+        line, self.rest = self.rest.split(b"\n", 1)
+        return line
+
+    def close(self):
+        self.socket.close()
+
+
+class Watch(threading.Thread):
+    """Asks the daemon how it is, again and again: the longest silence, and the most memory."""
+
+    def __init__(self, farm):
+        super().__init__(daemon=True)
+        self.farm, self.silence_s, self.memory_bytes, self.ends = farm, 0.0, 0, False
+
+    def run(self):
+        while not self.ends:
+            generation, began = self.farm.generation, time.monotonic()
+            try:
+                client = Client(self.farm.socket)
+                answer = client.ask("daemon.status")
+                client.close()
+            except OSError:
+                answer = None
+            # What a signal of the campaign or a limit of descriptors caused is no silence of the daemon's.
+            if answer and generation == self.farm.generation:
+                self.silence_s = max(self.silence_s, time.monotonic() - began)
+            self.memory_bytes = max(self.memory_bytes, self.farm.memory_bytes())
+            time.sleep(0.1)
+
+
+class Farm:
+    def __init__(self, folder, programs, machine, users):
+        self.folder, self.programs, self.machine, self.users = folder, programs, machine, users
+        self.socket, self.log = f"{folder}/sock", f"{folder}/daemon.log"
+        self.steady = f"{folder}/steady"  # a second output root, which is always there
+        self.roots = [self.steady, machine.disks[1].path]
+        self.process, self.is_stopped, self.is_up = None, False, False
+        self.answer_s = PATIENCE_S
+        self.generation = 0  # grows with each act that may keep the daemon from answering
+        self.recoveries_s = []
+        self.worker = f"{folder}/worker"
+        self.modes = f"{folder}/modes"
+        os.mkdir(self.steady)
+        with open(self.worker, "w", encoding="utf-8") as file:
+            file.write(f"""#!/bin/bash
+ulimit -c 0
+printf x >>{folder}/turns
+turn=$(stat -c %s {folder}/turns)
+read -ra modes <{self.modes}
+mode=${{modes[turn % ${{#modes[@]}}]}}
+[ "$mode" = real ] && exec {programs}/march-worker "$@"
+exec {programs}/stub-worker --mode "$mode" "$@"
+""")
+        os.chmod(self.worker, 0o755)
+        self.set_modes("write:0")
+        self.watch = Watch(self)
+
+    def set_modes(self, modes):
+        """What the next workers do."""
+        with open(self.modes + ".new", "w", encoding="utf-8") as file:
+            file.write(modes + "\n")
+        os.rename(self.modes + ".new", self.modes)
+
+    # The process
+
+    def spawn(self, progress_limit_s=3):
+        self.generation += 1
+        self.answer_s = PATIENCE_S
+        environment = dict(os.environ, **self.machine.environment, LIBGL_ALWAYS_SOFTWARE="1",
+                           ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "detect_leaks=0") +
+                           ":verify_asan_link_order=0")
+        arguments = [f"{self.programs}/marchd", "--state", self.machine.disks[0].path + "/state",
+                     "--socket", self.socket, "--workers", "3", "--worker-program", self.worker, "--stop-timeout", "1",
+                     "--progress-limit", str(progress_limit_s), "--input-root", "/", "--backend", "software"]
+        for root in self.roots:
+            arguments += ["--output-root", root]
+        with open(self.log, "ab") as log:
+            self.process = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                                            env=environment,
+                                            preexec_fn=lambda: LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL))
+        self.began, self.is_up = time.monotonic(), False
+        self.machine.note_start()
+
+    def start(self, **options):
+        """Returns once the daemon answers; its time counts as a recovery."""
+        self.spawn(**options)
+        self.await_answer()
+
+    def await_answer(self):
+        ends = time.monotonic() + PATIENCE_S
+        while not self.answers():
+            if self.process.poll() is not None:
+                if not self.may_have_ended():
+                    raise Failure(f"the daemon did not start: exit status {self.process.returncode}")
+                self.spawn()
+            if time.monotonic() > ends:
+                raise Failure(f"the daemon does not answer within {PATIENCE_S} s of its start")
+            time.sleep(0.01)
+        if not self.is_up:
+            self.recoveries_s.append(time.monotonic() - self.began)
+            self.is_up = True
+            if self.users[1:]:
+                os.chmod(self.socket, 0o666)
+        self.generation += 1
+
+    def answers(self):
+        answer = self.ask("daemon.status")
+        return answer is not None and "result" in answer
+
+    def was_torn(self):
+        """Whether the daemon died in the middle of a write, as it was made to."""
+        return self.process.returncode == -signal.SIGKILL and self.machine.may_have_torn()
+
+    def may_have_ended(self):
+        """A start may be given up where the store's disk answers with errors; not where it is full."""
+        return self.was_torn() or (self.process.returncode == 1 and not self.is_up and self.machine.has_failed(STATE))
+
+    def ensure(self):
+        """The daemon runs. One that was made to die in the middle of a write is started again, as a service would be."""
+        if self.process.poll() is None:
+            return
+        if not self.may_have_ended():
+            raise Failure(f"the daemon ended by itself: exit status {self.process.returncode}")
+        self.spawn()
+
+    def send(self, number):
+        self.generation += 1
+        if self.process.poll() is None:
+            os.kill(self.process.pid, number)
+
+    def stop(self, number=signal.SIGTERM):
+        self.send(signal.SIGCONT)
+        self.send(number)
+        try:
+            status = self.process.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            raise Failure(f"the daemon does not end within {PATIENCE_S} s") from None
+        is_excused = self.was_torn() or self.machine.is_state_hurt() or (not self.is_up and status == -number)
+        if number == signal.SIGTERM and status and not is_excused:
+            raise Failure(f"the daemon ended with status {status}, expected 0")
+
+    def limit_files(self, count):
+        """Who connects to a daemon without descriptors waits until it has some."""
+        self.generation += 1
+        self.answer_s = PATIENCE_S if count >= MANY_FILES else 1
+        if self.process.poll() is None:
+            hard = resource.prlimit(self.process.pid, resource.RLIMIT_NOFILE)[1]
+            resource.prlimit(self.process.pid, resource.RLIMIT_NOFILE, (min(count, hard), hard))
+
+    def worker_pids(self):
+        try:
+            with open(f"/proc/{self.process.pid}/task/{self.process.pid}/children", encoding="ascii") as file:
+                return [int(pid) for pid in file.read().split()]
+        except OSError:
+            return []
+
+    def memory_bytes(self):
+        try:
+            with open(f"/proc/{self.process.pid}/status", encoding="ascii") as file:
+                lines = [line.split() for line in file if line.startswith("VmHWM")]
+            return int(lines[0][1]) * 1024 if lines else 0
+        except (OSError, AttributeError):
+            return 0
+
+    # Clients
+
+    def client(self, user=0):
+        return Client(self.socket, user)
+
+    def ask(self, method, params=None, user=0):
+        """The answer's object; None where there is no daemon, or it went away."""
+        try:
+            client = self.client(user)
+        except OSError:
+            return None
+        client.socket.settimeout(self.answer_s)
+        try:
+            return client.ask(method, params)
+        except TimeoutError:
+            if self.answer_s == PATIENCE_S:
+                raise Failure(f"{method} {params}: no answer within {PATIENCE_S} s") from None
+            return None
+        finally:
+            client.close()
+
+    def get(self, method, params=None):
+        """The result, of a daemon that is well."""
+        answer = self.ask(method, params)
+        if answer is None or "error" in answer:
+            raise Failure(f"{method} {params}: expected a result, got {answer}")
+        return answer["result"]
+
+    def jobs(self, states=None):
+        return self.get("job.list", {"state": states} if states else None)["jobs"]
+
+    def frames(self, job):
+        found = []
+        while True:
+            page = self.get("job.frames", {"id": job, "offset": len(found), "limit": 10000})
+            found += page["frames"]
+            if len(found) >= page["total"]:
+                return found
+
+    def wait(self, what, is_done):
+        ends = time.monotonic() + PATIENCE_S
+        while not is_done():
+            self.ensure()
+            if time.monotonic() > ends:
+                raise Failure(f"not within {PATIENCE_S} s: {what}")
+            time.sleep(0.05)
+
+
+def drain(client, limit_s):
+    """Reads what comes, for so long at most."""
+    ends = time.monotonic() + limit_s
+    while time.monotonic() < ends and select.select([client.socket], [], [], 0.05)[0]:
+        if not client.socket.recv(1 << 16):
+            return
