@@ -10,6 +10,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_life.h"
+#include "daemon/schedule/queue_search.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
@@ -150,7 +151,7 @@ static void list_marks(struct job_retry *retry, const struct store_op *reset)
     retry->is_listed = true;
     if (reset->reset.count == 0 || (!queued->is_canceled && !queued->is_failed)) return;
     retry->mark_state = queued->is_failed ? FRAME_FAILED : FRAME_CANCELED;
-    retry->mark_count = queue_find_frames(queued, 1U << retry->mark_state, NULL, &retry->marks);
+    retry->mark_count = queue_search_frames(queued, 1U << retry->mark_state, NULL, &retry->marks);
     retry->mark_count = subtract(retry->marks, retry->mark_count, reset->reset.indices, reset->reset.count);
 }
 
@@ -235,7 +236,7 @@ static void run_retry(struct job_retry *retry)
     size_t op_count = 1;
     struct error error;
 
-    ops[0].reset.count = queue_find_frames(queued, retry->states, range, &ops[0].reset.indices);
+    ops[0].reset.count = queue_search_frames(queued, retry->states, range, &ops[0].reset.indices);
     if (!limits_check_retry(farm, record, (int64_t)ops[0].reset.count, retry->by_admin, &error)) {
         answer_send_error(retry->answer, MESSAGE_CODE_NOT_ALLOWED, error.message);
         store_op_finish(&ops[0]);
@@ -249,7 +250,8 @@ static void run_retry(struct job_retry *retry)
         return;
     }
     uncount_files(farm, record, ops[0].reset.indices, ops[0].reset.count);
-    retry->retried = queue_retry(farm->queue, queued, retry->states, range);
+    retry->retried = (int64_t)ops[0].reset.count;
+    queue_retry(farm->queue, queued, ops[0].reset.indices, ops[0].reset.count);
     if (retry->retried > 0 && retry->is_forced) ops[op_count++] = force(queued, &ops[0]);
     if (retry->retried > 0) {
         log_change_by(record, "frames of it are queued again", retry->user);

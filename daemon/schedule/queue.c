@@ -440,41 +440,15 @@ void queue_restore_end(struct queue_job *job, bool canceled, bool failed)
     end_frames(job, failed ? FRAME_FAILED : FRAME_CANCELED);
 }
 
-static bool matches(const struct queue_job *job, int64_t index, unsigned states, const struct frame_range *range)
-{
-    unsigned state = job->states[index].state;
-
-    if (!(states >> state & 1) || state == FRAME_QUEUED || state == FRAME_RUNNING) return false;
-    return !range || frame_range_index(range, frame_range_at(&job->frames, index)) >= 0;
-}
-
-size_t queue_find_frames(const struct queue_job *job, unsigned states, const struct frame_range *range,
-                         int32_t **indices)
-{
-    size_t capacity = 0;
-    size_t count = 0;
-
-    *indices = NULL;
-    for (int64_t i = 0; i < job->frame_count; i++) {
-        if (!matches(job, i, states, range)) continue;
-        *indices = xgrow(*indices, &capacity, count + 1, sizeof **indices);
-        (*indices)[count++] = (int32_t)i;
-    }
-    return count;
-}
-
-int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states, const struct frame_range *range)
+void queue_retry(struct queue *queue, struct queue_job *job, const int32_t *indices, size_t count)
 {
     bool was_live = queue_job_is_live(job);
-    int64_t count = 0;
 
-    for (int64_t i = 0; i < job->frame_count; i++) {
-        if (!matches(job, i, states, range)) continue;
-        set_state(job, i, FRAME_QUEUED);
-        job->states[i].tries = 0;
-        count++;
+    if (count == 0) return;
+    for (size_t i = 0; i < count; i++) {
+        set_state(job, indices[i], FRAME_QUEUED);
+        job->states[indices[i]].tries = 0;
     }
-    if (count == 0) return 0;
     job->is_canceled = false;
     job->is_failed = false;
     if (!was_live) job->is_paused = false;
@@ -483,7 +457,6 @@ int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states,
     index_heap_finish(&job->returned);
     job->next_position = 0;
     note_ready(job);
-    return count;
 }
 
 void queue_force_frame(struct queue_job *job, int64_t index)

@@ -125,13 +125,9 @@ void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_bloc
 void queue_cancel(struct queue *queue, struct queue_job *job);
 // As queue_cancel for a fault of the job: its frames become failed.
 void queue_fail_job(struct queue *queue, struct queue_job *job);
-// Queues the frames again that are in one of `states` (bits 1 << enum frame_state) and in `range` (NULL: all), with no
-// attempts counted. A job that is over is live again, and not paused even if it ended so. Queued and running frames are
-// not changed. Returns the number of frames.
-int64_t queue_retry(struct queue *queue, struct queue_job *job, unsigned states, const struct frame_range *range);
-// The ascending indices of the frames that queue_retry would queue; owned by the caller, NULL when there are none.
-size_t queue_find_frames(const struct queue_job *job, unsigned states, const struct frame_range *range,
-                         int32_t **indices);
+// Queues frames again, with no attempts counted: those of the ascending indices, none of which is queued or running. A
+// job that is over is live again, and not paused even if it ended so.
+void queue_retry(struct queue *queue, struct queue_job *job, const int32_t *indices, size_t count);
 // The queued frame of that index is rendered even if its file is there and good.
 void queue_force_frame(struct queue_job *job, int64_t index);
 // Removes and frees the job; its tickets own nothing any more.

@@ -18,7 +18,7 @@ large_job_line()
         def timeline: {keys: [range($keys) | [., 1 + . / 1000000]]};
         .scene.media = [range(8) | {density: {kind: "homogeneous", bounds: {kind: "sphere", center: [0, 0, 0], radius: timeline}},
             sigma_a: timeline, sigma_s: timeline}]
-        | .quality = {method: "midpoint", step: 0.1, light_step: 0.1}
+        | .output.path = "large/x.####.exr" | .quality = {method: "midpoint", step: 0.1, light_step: 0.1}
         | {jsonrpc: "2.0", id: 1, method: "job.submit", params: {paused: true, document: .}}'
 }
 

@@ -1,11 +1,13 @@
 // Compares the queue with a model that has no cursor, heap or counts, over random operations.
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/schedule/queue.h"
+#include "tests/daemon/schedule/retry_frames.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -225,7 +227,7 @@ static void retry(struct world *world, struct model_job *job, struct queue_job *
         job->frames[i].is_returned = false; // the search begins anew
     if (count > 0) job->is_canceled = job->is_failed = false;
     if (count > 0 && !was_live) job->is_paused = false;
-    assert_int_equal(queue_retry(world->queue, real, states, NULL), count);
+    assert_int_equal(retry_frames(world->queue, real, states, NULL), count);
 }
 
 static void command(struct world *world)

@@ -2,11 +2,11 @@
 #include "daemon/schedule/queue.h"
 
 #include "core/base/alloc.h"
+#include "tests/daemon/schedule/retry_frames.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -302,7 +302,7 @@ static void retry_gives_failed_frames_all_their_attempts(void **state)
     bool is_final = true;
 
     assert_true(queue_fail(queue, &ticket, true, NULL));
-    assert_int_equal(queue_retry(queue, job, 1u << FRAME_FAILED, NULL), 1);
+    assert_int_equal(retry_frames(queue, job, 1u << FRAME_FAILED, NULL), 1);
     for (int attempt = 2; attempt <= 1 + MAX_ATTEMPTS; attempt++) {
         ticket = take_one(queue);
         assert_int_equal(ticket.frame, 1);
@@ -322,10 +322,10 @@ static void a_retried_canceled_job_is_live_again(void **state)
 
     assert_true(frame_range_parse(&range, "9,3,200", NULL));
     queue_cancel(queue, job);
-    assert_int_equal(queue_find_frames(job, 1u << FRAME_CANCELED, &range, &indices), 2);
+    assert_int_equal(queue_search_frames(job, 1u << FRAME_CANCELED, &range, &indices), 2);
     assert_int_equal(indices[0], 2);
     assert_int_equal(indices[1], 8);
-    assert_int_equal(queue_retry(queue, job, 1u << FRAME_CANCELED, &range), 2);
+    assert_int_equal(retry_frames(queue, job, 1u << FRAME_CANCELED, &range), 2);
     assert_int_equal(queue_job_state(job), JOB_RUNNING);
     assert_int_equal(take_one(queue).frame, 3);
     assert_int_equal(take_one(queue).frame, 9);
@@ -346,11 +346,11 @@ static void a_retried_job_that_was_paused_when_it_ended_runs(void **state)
     queue_pause(queue, job);
     assert_true(queue_fail(queue, &second, true, NULL));
     assert_int_equal(queue_job_state(job), JOB_FAILED);
-    assert_int_equal(queue_retry(queue, job, 1u << FRAME_FAILED, NULL), 2);
+    assert_int_equal(retry_frames(queue, job, 1u << FRAME_FAILED, NULL), 2);
     assert_int_equal(queue_job_state(job), JOB_QUEUED);
     queue_pause(queue, job);
     queue_cancel(queue, job);
-    assert_int_equal(queue_retry(queue, job, 1u << FRAME_CANCELED, NULL), 2);
+    assert_int_equal(retry_frames(queue, job, 1u << FRAME_CANCELED, NULL), 2);
     assert_int_equal(take_one(queue).frame, 1);
     queue_destroy(queue);
 }
@@ -363,7 +363,7 @@ static void a_live_job_stays_paused_when_it_is_retried(void **state)
 
     assert_true(queue_fail(queue, &ticket, true, NULL));
     queue_pause(queue, job);
-    assert_int_equal(queue_retry(queue, job, 1u << FRAME_FAILED, NULL), 1);
+    assert_int_equal(retry_frames(queue, job, 1u << FRAME_FAILED, NULL), 1);
     assert_int_equal(queue_job_state(job), JOB_PAUSED);
     queue_destroy(queue);
 }
@@ -375,11 +375,11 @@ static void retry_of_nothing_changes_nothing(void **state)
     int32_t *indices = NULL;
 
     take_one(queue);
-    assert_int_equal(queue_retry(queue, job, 1u << FRAME_QUEUED | 1u << FRAME_RUNNING, NULL), 0);
+    assert_int_equal(retry_frames(queue, job, 1u << FRAME_QUEUED | 1u << FRAME_RUNNING, NULL), 0);
     queue_cancel(queue, job);
-    assert_int_equal(queue_find_frames(job, 1u << FRAME_FAILED, NULL, &indices), 0);
+    assert_int_equal(queue_search_frames(job, 1u << FRAME_FAILED, NULL, &indices), 0);
     assert_null(indices);
-    assert_int_equal(queue_retry(queue, job, 1u << FRAME_FAILED, NULL), 0);
+    assert_int_equal(retry_frames(queue, job, 1u << FRAME_FAILED, NULL), 0);
     assert_int_equal(queue_job_state(job), JOB_CANCELED);
     queue_destroy(queue);
 }
