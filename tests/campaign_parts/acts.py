@@ -112,7 +112,8 @@ class Acts:
                 self.wrong.append(f"job id {number} was given after {max(self.books.accepted)}")
             self.books.accepted.add(number)
             self.books.jobs[number] = {"folder": folder, "frames": frames, "user": user, "root": root}
-        else:
+        elif "one_sync_in" not in self.machine.fields[STATE]:
+            # After a sync that failed, a crash decides whether the commit is on disk.
             self.books.refused.add(pattern)
 
     def flood_jobs(self):
