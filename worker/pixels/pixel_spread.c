@@ -133,8 +133,10 @@ void pixel_spread_row_linear(const struct pixel_spread *spread, int row, struct 
     const float *upper = row_of(spread, row / 2), *lower = row % 2 == 1 ? row_of(spread, row / 2 + 1) : upper;
     int end = find_end(spread, run);
     size_t at = 4 * (size_t)run.first;
-    four here, next = 0.5f * (four_load(upper + at) + four_load(lower + at));
+    four here, next;
 
+    if (2 * run.first >= end) return; // the row may end here
+    next = 0.5f * (four_load(upper + at) + four_load(lower + at));
     for (int x = 2 * run.first; x < end; x += 2) {
         at = 2 * (size_t)x;
         here = next;
