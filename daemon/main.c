@@ -61,6 +61,8 @@ static int run(struct options *options, struct command_line *line)
     journal_open(getenv("JOURNAL_STREAM"), journal_socket_path);
     log_set_level(options->log_level);
     signal(SIGPIPE, SIG_IGN);
+    // Settings have just been read, and a start may wait for long; of a terminal the signal means its end.
+    if (!isatty(STDERR_FILENO)) signal(SIGHUP, SIG_IGN);
     if (!opening_check_new(options, &error)) {
         log_error("%s", error.message);
         return EXIT_USAGE;

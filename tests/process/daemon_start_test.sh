@@ -29,8 +29,20 @@ kill_daemon
 # A worker that the killed daemon was starting has its lock until it is a program of its own.
 flock "$scratch/state/lock" sh -c 'touch "$1/held" && until [ -e "$1/released" ]; do sleep 0.1; done' sh "$scratch" &
 wait_until "the lock is taken" [ -e "$scratch/held" ]
-{ sleep 1; touch "$scratch/released"; } &
+# SIGHUP does not end a start that waits.
+hang_up()
+{
+    local line
+
+    for line in /proc/[0-9]*/cmdline; do
+        tr '\0' ' ' <"$line" 2>/dev/null | grep -q "marchd --state $scratch/state" || continue
+        kill -HUP "$(basename "${line%/cmdline}")"
+        touch "$scratch/hung"
+    done
+}
+{ sleep 1; hang_up; sleep 0.1; touch "$scratch/released"; } &
 start_daemon --worker-program "$(stub nocontext)"
+[ -e "$scratch/hung" ] || fail "no start was there to be hung up"
 id=$(submit "$(job 1-3)")
 wait_until "the reason is known" eval '[[ $(field "$id" .reason) == "no worker is ready: there is no GL context"* ]]'
 expect "its workers" "$(ask worker.list | jq -c '[.result.workers[] | .reason] | unique')" '["there is no GL context to be had here"]'
