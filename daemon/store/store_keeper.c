@@ -9,13 +9,18 @@
 #include "daemon/store/store_sql.h"
 #include "daemon/store/store_sum.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <time.h>
 
-enum { BUSY_TIMEOUT_MS = 30000 };
+enum {
+    BUSY_TIMEOUT_MS = 30000,
+    COMMIT_S = 60 // that a commit takes at most, on a slow disk
+};
 
 struct store_keeper {
     struct store_keeper_params params;
@@ -70,10 +75,10 @@ static bool find_status(const struct store_keeper *keeper, const char *name, str
     return found;
 }
 
-static bool is_newer(const struct stat *file, const struct stat *than)
+// A commit counts from its end, and the file's time is that of a write before.
+static bool is_older_by_far(const struct stat *file, const struct stat *than)
 {
-    if (file->st_mtim.tv_sec != than->st_mtim.tv_sec) return file->st_mtim.tv_sec > than->st_mtim.tv_sec;
-    return file->st_mtim.tv_nsec > than->st_mtim.tv_nsec;
+    return file->st_mtim.tv_sec < than->st_mtim.tv_sec - COMMIT_S;
 }
 
 static bool has_changed(const struct store_keeper *keeper)
@@ -81,8 +86,8 @@ static bool has_changed(const struct store_keeper *keeper)
     struct stat backup, file;
 
     if (!find_status(keeper, STORE_BACKUP_NAME, &backup)) return true;
-    return (find_status(keeper, "queue.db", &file) && is_newer(&file, &backup)) ||
-           (find_status(keeper, "queue.db-wal", &file) && is_newer(&file, &backup));
+    return (find_status(keeper, "queue.db", &file) && !is_older_by_far(&file, &backup)) ||
+           (find_status(keeper, "queue.db-wal", &file) && !is_older_by_far(&file, &backup));
 }
 
 // The backup must not be what fills the disk.
@@ -98,11 +103,17 @@ static bool has_room(const struct store_keeper *keeper, struct error *error)
     return false;
 }
 
+// The backup has the time of its beginning: what changes while it is made is newer.
 static bool keep_backup(const struct store_keeper *keeper, sqlite3 *db, struct error *error)
 {
     char *path = xasprintf("%s/" STORE_BACKUP_NAME, keeper->folder);
-    bool ok = !has_changed(keeper) || (has_room(keeper, error) && store_backup_write(db, path, error));
+    bool is_due = has_changed(keeper), ok;
+    struct timespec begun[2];
 
+    clock_gettime(CLOCK_REALTIME_COARSE, &begun[0]);
+    begun[1] = begun[0];
+    ok = !is_due || (has_room(keeper, error) && store_backup_write(db, path, error));
+    if (is_due && ok) utimensat(AT_FDCWD, path, begun, 0);
     free(path);
     return ok;
 }
