@@ -85,7 +85,8 @@ static bool has_changed(const struct store_keeper *keeper)
 {
     struct stat backup, file;
 
-    if (!find_status(keeper, STORE_BACKUP_NAME, &backup)) return true;
+    // A backup of the future is from before the clock was set back.
+    if (!find_status(keeper, STORE_BACKUP_NAME, &backup) || backup.st_mtim.tv_sec > time(NULL)) return true;
     return (find_status(keeper, "queue.db", &file) && !is_older_by_far(&file, &backup)) ||
            (find_status(keeper, "queue.db-wal", &file) && !is_older_by_far(&file, &backup));
 }

@@ -14,7 +14,9 @@ bool plan_return_find(const struct plan *plan, const struct job *job, int32_t fr
 {
     struct plan_scene scene;
 
-    if (!plan->has_before || frame_range_index(&job->frames, frame) % PLAN_RETURN_PACE != 0) return false;
+    if (!plan->has_before || scene_is_constant(&job->scene) ||
+        frame_range_index(&job->frames, frame) % PLAN_RETURN_PACE != 0)
+        return false;
     plan_scene_init(&scene, job);
     *before = (struct plan){.quality = plan->before, .pixels = plan->before.pixels};
     before->quality.pixels = (struct job_pixels){0};

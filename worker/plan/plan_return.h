@@ -14,7 +14,8 @@ struct audit_result;
 
 enum { PLAN_RETURN_PACE = 4 };
 
-// False where `plan` replaced none, and in frames that try nothing. Else `before` has the settings before.
+// False where `plan` replaced none, in frames that try nothing, and in scenes in which nothing moves: what one frame
+// needs, all do. Else `before` has the settings before.
 bool plan_return_find(const struct plan *plan, const struct job *job, int32_t frame, struct plan *before);
 // Whether an audit of such a frame has later ones return as well: its error and a standard error are within 0.8 of the
 // tolerance.

@@ -3,7 +3,10 @@
 
 #include "tests/daemon/store/store_fixture.h"
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <sys/stat.h>
+#include <time.h>
 
 static bool may_look = true;
 static int repairs;
@@ -63,6 +66,15 @@ static void damage(const struct folder *folder, const char *file, const char *sq
     free(path);
 }
 
+// Damages a row between two looks: one under way could copy what is damaged after it was looked at.
+static void damage_and_look(struct stage *stage, const struct folder *folder, const char *sql)
+{
+    close_stage(stage);
+    damage(folder, "queue.db", sql);
+    open_stage(stage, folder);
+    look_again(stage);
+}
+
 static void a_damaged_row_is_restored_from_the_backup_kept_before(void **state)
 {
     const struct folder *folder = *state;
@@ -73,14 +85,23 @@ static void a_damaged_row_is_restored_from_the_backup_kept_before(void **state)
     open_stage(&stage, folder);
     look_again(&stage);
     assert_int_equal(repairs, 0);
-    close_stage(&stage); // a look under way could copy what is damaged after it was looked at
-    damage(folder, "queue.db", "UPDATE job SET name = 'another'");
-    open_stage(&stage, folder);
-    look_again(&stage);
+    damage_and_look(&stage, folder, "UPDATE job SET name = 'another'");
     assert_int_equal(repairs, 1);
     assert_string_equal(load(store).text, "{\"frames\": \"1-3\"} ash ada /films -");
     close_stage(&stage);
     store_close(store);
+}
+
+// The backup has a time of ten years ahead.
+static void set_clock_back(struct stage *stage, const struct folder *folder)
+{
+    char *path = xasprintf("%s/backup.db", folder->path);
+    struct timespec times[2] = {{.tv_sec = time(NULL) + 315360000}, {.tv_sec = time(NULL) + 315360000}};
+
+    close_stage(stage);
+    assert_int_equal(utimensat(AT_FDCWD, path, times, 0), 0);
+    open_stage(stage, folder);
+    free(path);
 }
 
 static void the_backup_follows_the_store(void **state)
@@ -92,12 +113,10 @@ static void the_backup_follows_the_store(void **state)
     commit_one(store, job_op(1));
     open_stage(&stage, folder);
     look_again(&stage);
+    set_clock_back(&stage, folder);
     commit_one(store, job_op(2));
     look_again(&stage);
-    close_stage(&stage);
-    damage(folder, "queue.db", "UPDATE job SET name = 'another' WHERE id = 2");
-    open_stage(&stage, folder);
-    look_again(&stage);
+    damage_and_look(&stage, folder, "UPDATE job SET name = 'another' WHERE id = 2");
     assert_int_equal(repairs, 1);
     assert_false(load(store).job.is_damaged);
     may_look = false;

@@ -2,10 +2,12 @@
 #include "worker/plan/plan_return.h"
 
 #include "core/base/error.h"
+#include "tests/support/ball_job.h"
 #include "tests/support/example_job.h"
 #include "tests/support/plan_keeper.h"
 #include "tests/support/tolerance_stage.h"
 #include "worker/picture/image.h"
+#include "worker/plan/plan_family.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -82,6 +84,38 @@ static void frames_return_to_settings_that_hold(void **state)
     tolerance_stage_close(stage);
 }
 
+// A plan that replaced settings of the first family that serves the job.
+static struct plan replacing(const struct job *job)
+{
+    const struct plan_point point = {{7, 3, 5, 2, 1}};
+    struct plan_scene scene;
+    size_t family = 0;
+
+    plan_scene_init(&scene, job);
+    while (!plan_family_serves(&plan_families[family], &scene))
+        family++;
+    return (struct plan){.has_before = true, .before = plan_family_quality(&plan_families[family], &scene, &point)};
+}
+
+static void frames_that_are_all_the_same_return_to_nothing(void **state)
+{
+    struct plan plan, before;
+    struct job moving, still;
+
+    (void)state;
+    example_job_load(&moving, "cloud");
+    moving.quality.method = JOB_METHOD_AUTO;
+    plan = replacing(&moving);
+    assert_true(plan_return_find(&plan, &moving, 4, &before));
+    assert_false(plan_return_find(&plan, &moving, 5, &before));
+    ball_job_parse(&still, BALL_JOB_SIGMA_S_1, BALL_JOB_POINT_LIGHT ", \"quality\": {\"tolerance\": 0.01}");
+    assert_true(scene_is_constant(&still.scene));
+    plan = replacing(&still);
+    assert_false(plan_return_find(&plan, &still, 0, &before));
+    job_finish(&still);
+    job_finish(&moving);
+}
+
 static void what_is_near_the_tolerance_is_not_kept(void **state)
 {
     struct audit_result audit = {.error = 0.014, .spread = 0.0015, .tolerance = 0.02};
@@ -108,6 +142,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_return_to_settings_that_hold),
+        cmocka_unit_test(frames_that_are_all_the_same_return_to_nothing),
         cmocka_unit_test(what_is_near_the_tolerance_is_not_kept),
         cmocka_unit_test(the_first_settings_stay_the_ones_before),
     };
