@@ -112,15 +112,33 @@ static bool sync_folder(int root_fd)
     return ok;
 }
 
+static int open_to_append(int root_fd)
+{
+    return openat(root_fd, ROOT_MARKER_NAME, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);
+}
+
+// An empty marker asks to be filled, also where it is another user's, such as root's. False, with errno set, where it is
+// not empty or the folder is another's, too.
+static bool remove_empty(int root_fd)
+{
+    struct stat status;
+
+    if (fstatat(root_fd, ROOT_MARKER_NAME, &status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(status.st_mode) &&
+        status.st_size == 0 && unlinkat(root_fd, ROOT_MARKER_NAME, 0) == 0)
+        return true;
+    errno = EACCES;
+    return false;
+}
+
 // One write, so that lines of two farms do not mix. A line that was torn before is ended first.
 static bool append(int root_fd, const char *line, struct error *error)
 {
-    int fd =
-        openat(root_fd, ROOT_MARKER_NAME, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);
+    int fd = open_to_append(root_fd);
     struct stat status;
     char *text = NULL;
     bool ok = false;
 
+    if (fd < 0 && errno == EACCES && remove_empty(root_fd)) fd = open_to_append(root_fd);
     if (fd < 0 || fstat(fd, &status) < 0) goto out;
     text = xasprintf("%s%s\n", status.st_size > 0 ? "\n" : header, line);
     if (!file_write_all(fd, text, strlen(text), NULL) || fsync(fd) < 0) goto out;

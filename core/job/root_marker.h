@@ -27,8 +27,8 @@ enum root_marker_state {
 // valid; `error` is set where its state is unknown. Blocking, as all below.
 enum root_marker_state root_marker_read(int root_fd, char id[static ROOT_MARKER_ID_SIZE], struct error *error);
 
-// Adds "root ID" to the marker, which is made if it is missing, and syncs. The id that counts is the first in the file:
-// read it again.
+// Adds "root ID" to the marker, which is made if it is missing, or if it is empty and cannot be written, and syncs. The
+// id that counts is the first in the file: read it again.
 bool root_marker_add_root(int root_fd, const char *id, struct error *error);
 // Adds the line of a farm whose store lies in `state_folder` of this host, unless the marker has that line.
 bool root_marker_add_farm(int root_fd, const char *farm, const char *state_folder, struct error *error);

@@ -51,15 +51,15 @@ static bool take(struct root_look *look, int root_fd, struct error *error)
     return true;
 }
 
-// Fills an empty marker with the expected id.
-static void refill(struct root_look *look)
+// Fills an empty marker with the expected id. `error` is set only where that failed.
+static void refill(struct root_look *look, struct error *error)
 {
     int root_fd = open(look->path, O_PATH | O_DIRECTORY | O_CLOEXEC);
     char found[ROOT_MARKER_ID_SIZE];
 
     if (root_fd < 0) return;
-    if (root_marker_read(root_fd, found, NULL) == ROOT_MARKER_EMPTY && root_marker_add_root(root_fd, look->id, NULL) &&
-        root_marker_add_farm(root_fd, look->farm, look->state_folder, NULL))
+    if (root_marker_read(root_fd, found, NULL) == ROOT_MARKER_EMPTY && root_marker_add_root(root_fd, look->id, error) &&
+        root_marker_add_farm(root_fd, look->farm, look->state_folder, error))
         look->was_marked = true;
     close(root_fd);
 }
@@ -79,10 +79,14 @@ static int open_unknown(struct root_look *look)
 static int open_expected(struct root_look *look)
 {
     int root_fd = output_root_open(look->path, look->id, &look->error);
+    struct error cause = {0};
 
     if (root_fd >= 0) return root_fd;
-    refill(look);
-    return output_root_open(look->path, look->id, &look->error);
+    refill(look, &cause);
+    root_fd = output_root_open(look->path, look->id, &look->error);
+    if (root_fd < 0 && cause.message[0])
+        error_set(&look->error, "output root %s has an empty marker: %s", look->path, cause.message);
+    return root_fd;
 }
 
 static struct root_place find_place(int root_fd)

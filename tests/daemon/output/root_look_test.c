@@ -12,6 +12,8 @@
 
 #include <cmocka.h>
 
+enum { NOBODY = 65534 };
+
 static const char farm[] = "0123456789abcdef0123456789abcdef";
 
 static struct root_look look_at(const char *root, const char *id)
@@ -71,6 +73,27 @@ static void empty_marker_gets_the_expected_id(void **state)
     assert_string_equal(look.id, farm);
 }
 
+// The daemon is not root, whose `touch` makes such a marker.
+static void empty_marker_of_another_user_is_made_anew_in_a_folder_of_ours(void **state)
+{
+    const char *marker = temp_folder_path(state, ROOT_MARKER_NAME);
+    bool is_root = geteuid() == 0;
+    struct root_look closed, look;
+
+    close(open(marker, O_WRONLY | O_CREAT, 0444));
+    assert_int_equal(chmod(*state, 0555), 0);
+    assert_int_equal(is_root ? chown(*state, NOBODY, NOBODY) : 0, 0);
+    assert_int_equal(is_root ? seteuid(NOBODY) : 0, 0);
+    closed = look_at(*state, farm);
+    assert_int_equal(chmod(*state, 0755), 0);
+    look = look_at(*state, farm);
+    assert_int_equal(is_root ? seteuid(0) : 0, 0);
+    assert_false(closed.is_there);
+    assert_non_null(strstr(closed.error.message, "empty marker: cannot write .marchd-root: Permission denied"));
+    assert_true(look.is_there && look.was_marked);
+    assert_string_equal(look.id, farm);
+}
+
 static void root_of_an_older_version_is_known_by_a_folder_of_its_jobs(void **state)
 {
     char a[] = "old/a", b[] = "old/b", *folders[] = {a, b};
@@ -112,6 +135,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(known_root_is_neither_made_nor_marked, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(other_root_is_not_the_one, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(empty_marker_gets_the_expected_id, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(empty_marker_of_another_user_is_made_anew_in_a_folder_of_ours,
+                                        temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(root_of_an_older_version_is_known_by_a_folder_of_its_jobs, temp_folder_create,
                                         temp_folder_destroy),
         cmocka_unit_test_setup_teardown(folder_of_an_open_root_is_not_of_its_successor, temp_folder_create,
