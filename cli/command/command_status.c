@@ -25,6 +25,15 @@ static void print_texts(const char *name, const struct json_node *object, const 
         if (json_read_string(&node, &text, NULL)) printf("%-12s %s\n", name, text);
 }
 
+// Why output roots are away, each by its path.
+static void print_trouble(const struct json_node *status)
+{
+    struct json_node roots = json_node_child(status, "roots"), root = {0};
+
+    while (json_node_next(&roots, &root))
+        print_text("", &root, "reason");
+}
+
 // "3 queued, 1 running": what there is none of is left out.
 static void print_counts(const char *name, const struct json_node *object, const char *key)
 {
@@ -85,6 +94,7 @@ static void print_status(const struct json_node *status)
     print_counts("frames", status, "frames");
     printf("%-12s %.0f\n", "workers", read_number(status, "workers"));
     print_texts("output root", status, "output_roots");
+    print_trouble(status);
     print_texts("input root", status, "input_roots");
     print_text("state", status, "state_folder");
     print_text("store", &store, "state");

@@ -47,6 +47,8 @@ start_daemon --worker-program "$(stub write:5)" --output-root "$out" --output-ro
 grep -qF "output root $out is not there: No such file or directory; jobs that write there wait until it is" "$scratch/daemon.log" || fail "the log does not name the root"
 grep -qF "output root $scratch/second is not there" "$scratch/daemon.log" || fail "the log does not name the second root"
 [ ! -e "$out" ] || fail "the root was made again"
+"$bin/march" status --socket "$socket" | grep -qxF "             output root $out is not there: No such file or directory" ||
+    fail "march status: $("$bin/march" status --socket "$socket")"
 waits "$job" || fail "after a restart: $(field "$job" .reason)"
 mkdir "$scratch/second"
 wait_until "the second root is taken" eval '[ -e "$scratch/second/.marchd-root" ]'
