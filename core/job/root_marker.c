@@ -117,8 +117,8 @@ static int open_to_append(int root_fd)
     return openat(root_fd, ROOT_MARKER_NAME, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);
 }
 
-// An empty marker asks to be filled, also where it is another user's, such as root's. False, with errno set, where it is
-// not empty or the folder is another's, too.
+// An empty marker asks to be filled, also where it is another user's, such as root's. False, with errno set, where it
+// is not empty or the folder is another's, too.
 static bool remove_empty(int root_fd)
 {
     struct stat status;
