@@ -4,6 +4,8 @@
 #include "core/base/alloc.h"
 #include "core/json/json_write.h"
 #include "daemon/farm/farm.h"
+#include "daemon/schedule/eta.h"
+#include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 #include "daemon/workers/worker_pool.h"
 
@@ -109,57 +111,65 @@ static void write_counts(const struct queue_job *queued, struct json_writer *wri
     json_write_integer_member(writer, "missed", queued->missed_count);
 }
 
+static int count_workers(const struct farm *farm)
+{
+    int workers = worker_pool_usable_count(farm->pool);
+
+    return workers > 0 ? workers : 1;
+}
+
 static double find_own_eta_s(const struct farm *farm, struct job_record *record)
 {
     const struct queue_job *queued = record->queued;
     int64_t left = queued->counts[FRAME_QUEUED] + queued->counts[FRAME_RUNNING];
-    int workers = worker_pool_usable_count(farm->pool);
 
-    return estimate_eta_s(&record->estimate, frame_range_count(&queued->frames), left, workers > 0 ? workers : 1);
+    return estimate_eta_s(&record->estimate, frame_range_count(&queued->frames), left, count_workers(farm));
 }
 
-// The jobs of one owner, of the same priority as the job whose end is estimated.
-struct rival {
-    const struct turns_owner *owner;
-    double seconds; // infinite: unknown
-};
-
-static struct rival *find_rival(struct rival **rivals, size_t *count, size_t *capacity, const struct turns_owner *owner)
+static struct eta_rival *find_rival(struct eta_rival **rivals, size_t *count, size_t *capacity,
+                                    const struct turns_owner *owner)
 {
     for (size_t i = 0; i < *count; i++)
         if ((*rivals)[i].owner == owner) return &(*rivals)[i];
     *rivals = xgrow(*rivals, capacity, *count + 1, sizeof **rivals);
-    (*rivals)[*count] = (struct rival){.owner = owner};
+    (*rivals)[*count] = (struct eta_rival){.owner = owner};
     return &(*rivals)[(*count)++];
 }
 
-// With the jobs in front of it, whose frames all workers take first, and with those of other owners beside it, who get
-// their shares meanwhile. Negative: unknown.
+// With the jobs in front of it, whose frames all workers take first, and those of other owners beside it. Negative:
+// unknown.
 static double find_eta_s(const struct farm *farm, struct job_record *record)
 {
     const struct queue_job *queued = record->queued, *job = NULL;
-    double eta_s = find_own_eta_s(farm, record), beside_s = 0;
-    struct rival *rivals = NULL;
-    size_t count = 0, capacity = 0;
+    struct eta_params params = {.own_s = find_own_eta_s(farm, record),
+                                .owner = queued->turn.owner,
+                                .workers = count_workers(farm),
+                                .half_life_s = (double)farm->options->half_life_ms / 1000};
+    struct eta_rival *rivals = NULL;
+    size_t capacity = 0;
+    bool is_known = params.own_s >= 0;
 
-    if (eta_s >= 0 && queued->counts[FRAME_QUEUED] > 0 && queue_job_state(queued) != JOB_PAUSED)
+    if (is_known && queued->counts[FRAME_QUEUED] > 0 && queue_job_state(queued) != JOB_PAUSED)
         job = queue_first_job(farm->queue);
-    for (; eta_s >= 0 && job && job->priority >= queued->priority; job = job->next) {
+    for (; is_known && job && job->priority >= queued->priority; job = job->next) {
+        bool is_own = job->turn.owner == queued->turn.owner, is_front = job->priority > queued->priority;
         double other_s;
 
-        if (job == queued || !job->turn.is_ready ||
-            (job->turn.owner == queued->turn.owner && job->priority == queued->priority && job->id > queued->id))
-            continue;
+        if (job == queued || !job->turn.is_ready || (is_own && !is_front && job->id > queued->id)) continue;
         other_s = find_own_eta_s(farm, job_table_find(&farm->jobs, job->id));
-        if (job->priority == queued->priority && job->turn.owner != queued->turn.owner)
-            find_rival(&rivals, &count, &capacity, job->turn.owner)->seconds += other_s >= 0 ? other_s : HUGE_VAL;
+        if (is_front)
+            params.front_s += other_s;
+        else if (is_own)
+            params.own_s += other_s;
         else
-            eta_s = other_s >= 0 ? eta_s + other_s : -1;
+            find_rival(&rivals, &params.rival_count, &capacity, job->turn.owner)->seconds +=
+                other_s >= 0 ? other_s : HUGE_VAL;
+        is_known = other_s >= 0 || (!is_front && !is_own);
     }
-    for (size_t i = 0; i < count; i++)
-        beside_s += fmin(rivals[i].seconds, eta_s * rivals[i].owner->weight / queued->turn.owner->weight);
+    params.rivals = rivals;
+    if (is_known) params.own_s = eta_find_s(&params);
     free(rivals);
-    return eta_s >= 0 ? eta_s + beside_s : -1;
+    return is_known ? params.own_s : -1;
 }
 
 static void write_pace(const struct farm *farm, struct job_record *record, struct json_writer *writer)

@@ -1,7 +1,9 @@
 // Workers, owners and their jobs on a simulated clock: who waits for how long, and how often workers change.
 // SPDX-License-Identifier: Apache-2.0
 #include "core/base/alloc.h"
+#include "daemon/schedule/eta.h"
 #include "daemon/schedule/turns.h"
+#include "tests/support/assert_near.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -215,6 +217,64 @@ static void nothing_waits_for_ever(void **state)
     sim_finish(&sim);
 }
 
+enum { ANNA = 1, BEN, CARL };
+
+// Seconds that are told of the job, beside another owner's one and behind one of a higher priority (NULL: none).
+static double tell_s(const struct sim *sim, const struct sim_job *job, const struct sim_job *beside,
+                     const struct sim_job *front)
+{
+    double all_s = 1000.0 * sim->worker_count;
+    const struct eta_rival rival = {beside->turn.owner, (double)(beside->left * beside->frame_ms) / all_s};
+
+    return eta_find_s(&(struct eta_params){.own_s = (double)(job->left * job->frame_ms) / all_s,
+                                           .front_s = front ? (double)(front->left * front->frame_ms) / all_s : 0,
+                                           .owner = job->turn.owner,
+                                           .rivals = &rival,
+                                           .rival_count = 1,
+                                           .workers = sim->worker_count,
+                                           .half_life_s = 3600});
+}
+
+// Runs until both jobs are done, and finds when each was.
+static void run_until_done(struct sim *sim, struct sim_job *const jobs[2], double done_s[2])
+{
+    int64_t begun_ms = sim->now_ms;
+
+    while (jobs[0]->left > 0 || jobs[1]->left > 0) {
+        run(sim, 1000);
+        for (int i = 0; i < 2; i++)
+            if (jobs[i]->left == 0 && done_s[i] == 0) done_s[i] = (double)(sim->now_ms - begun_ms) / 1000;
+    }
+}
+
+static void what_is_told_of_two_owners_is_how_long_they_take(void **state)
+{
+    static const struct {
+        double weights[2], used_s[2];
+        bool has_front;
+    } cases[] = {{{1, 1}, {0, 0}, false},    {{1, 3}, {0, 0}, false},   {{4, 1}, {0, 0}, true},
+                 {{1, 1}, {2000, 0}, false}, {{1, 1}, {0, 2000}, true}, {{1, 2}, {5000, 1000}, false},
+                 {{1, 1}, {20000, 0}, false}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct sim sim = sim_start(2);
+        struct sim_job *const jobs[] = {submit(&sim, ANNA, 50, 2000, 900), submit(&sim, BEN, 50, 8000, 700)};
+        struct sim_job *front = cases[i].has_front ? submit(&sim, CARL, 60, 1000, 800) : NULL;
+        double told_s[2], done_s[2] = {0};
+
+        for (int j = 0; j < 2; j++) {
+            jobs[j]->turn.owner->weight = cases[i].weights[j];
+            jobs[j]->turn.owner->used_s = cases[i].used_s[j];
+        }
+        for (int j = 0; j < 2; j++)
+            told_s[j] = tell_s(&sim, jobs[j], jobs[!j], front);
+        run_until_done(&sim, jobs, done_s);
+        for (int j = 0; j < 2; j++)
+            assert_near(told_s[j], done_s[j], 0.05 * done_s[j]);
+        sim_finish(&sim);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -224,6 +284,7 @@ int main(void)
         cmocka_unit_test(changes_take_a_twentieth_at_most),
         cmocka_unit_test(two_owners_of_two_workers_do_not_swap_them),
         cmocka_unit_test(nothing_waits_for_ever),
+        cmocka_unit_test(what_is_told_of_two_owners_is_how_long_they_take),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
