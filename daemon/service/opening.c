@@ -50,8 +50,9 @@ static char *find_trace(const struct options *options)
 bool opening_check_new(const struct options *options, struct error *error)
 {
     char *path = xasprintf("%s/queue.db", options->state_folder);
+    char *restored = xasprintf("%s/" STORE_RESTORED_NAME, options->state_folder);
     struct stat status;
-    bool is_there = stat(path, &status) == 0 && status.st_size > 0;
+    bool is_there = (stat(path, &status) == 0 && status.st_size > 0) || access(restored, F_OK) == 0;
     char *trace = is_there || options->may_be_new ? NULL : find_trace(options);
 
     if (trace)
@@ -60,6 +61,7 @@ bool opening_check_new(const struct options *options, struct error *error)
                   " a new one (marchd --new-store)",
                   path, trace, strstr(trace, STORE_BACKUP_NAME) ? ", as this one" : "");
     free(path);
+    free(restored);
     free(trace);
     return is_there || options->may_be_new || !trace;
 }

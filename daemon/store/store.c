@@ -110,10 +110,10 @@ static bool count_start(struct store *store, struct error *error)
     bool ok;
 
     store_counts_read(store->folder, &known);
-    sql =
-        xasprintf("UPDATE daemon SET epoch = max(epoch, %" PRId64 ") + 1, last_job_id = max(last_job_id, %" PRId64 ");"
-                  "UPDATE daemon SET sum = row_sum(" STORE_SCHEMA_DAEMON_COLUMNS ")",
-                  known.epoch, known.last_job_id);
+    sql = xasprintf("BEGIN IMMEDIATE; UPDATE daemon SET epoch = max(epoch, %" PRId64 ") + 1,"
+                    " last_job_id = max(last_job_id, %" PRId64 ");"
+                    "UPDATE daemon SET sum = row_sum(" STORE_SCHEMA_DAEMON_COLUMNS "); COMMIT",
+                    known.epoch, known.last_job_id);
     ok = store_sql_execute(store->db, sql, "count this start", error);
     free(sql);
     return ok;
@@ -177,7 +177,7 @@ struct store *store_open(const char *folder, bool *is_full, struct error *error)
 
     store->folder = xstrdup(folder);
     store->lock_fd = store_lock_take(folder, STORE_LOCK_WAIT_MS, error);
-    if (store->lock_fd < 0) goto out;
+    if (store->lock_fd < 0 || !store_backup_end_restore(folder, error)) goto out;
     ok = try_to_open(store, error);
     if (!ok && store->is_full && store_reserve_release(folder)) ok = try_to_open(store, error);
     if (!ok && store->is_unreadable && store_backup_fall_back(folder, NULL)) ok = try_to_open(store, error);
@@ -413,15 +413,13 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
     return false;
 }
 
-static void note_ids(struct store *store, const struct store_op *ops, size_t op_count)
+static int64_t next_id_after(const struct store *store, const struct store_op *ops, size_t op_count)
 {
     int64_t next_id = store->next_job_id;
 
     for (size_t i = 0; i < op_count; i++)
         if (ops[i].kind == STORE_ADD_JOB && ops[i].job.id >= next_id) next_id = ops[i].job.id + 1;
-    if (next_id == store->next_job_id) return;
-    store->next_job_id = next_id;
-    store_counts_raise(store->folder, &(struct store_counts){.last_job_id = next_id - 1, .epoch = store->epoch});
+    return next_id;
 }
 
 static bool try_to_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
@@ -436,16 +434,28 @@ out:
     store->is_full = !ok && store_sql_is_full(store->db);
     // After some failures SQLite has rolled back already.
     if (!ok && !sqlite3_get_autocommit(store->db)) sqlite3_exec(store->db, "ROLLBACK", NULL, NULL, NULL);
-    if (ok) note_ids(store, ops, op_count);
     return ok;
 }
 
-bool store_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
+static bool commit_with_reserve(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
 {
-    if (op_count == 0 || try_to_commit(store, ops, op_count, error)) return true;
+    if (try_to_commit(store, ops, op_count, error)) return true;
     if (!store->is_full || !store_reserve_release(store->folder)) return false;
     store->has_reserve = false;
     return try_to_commit(store, ops, op_count, error);
+}
+
+// An id is counted before its job is there: a store that is restored from a backup does not give it again.
+bool store_commit(struct store *store, const struct store_op *ops, size_t op_count, struct error *error)
+{
+    int64_t next_id = next_id_after(store, ops, op_count);
+
+    if (op_count == 0) return true;
+    if (next_id > store->next_job_id)
+        store_counts_raise(store->folder, &(struct store_counts){.last_job_id = next_id - 1, .epoch = store->epoch});
+    if (!commit_with_reserve(store, ops, op_count, error)) return false;
+    store->next_job_id = next_id;
+    return true;
 }
 
 bool store_is_full(const struct store *store)

@@ -46,8 +46,28 @@ static bool copy_pages(sqlite3 *from, sqlite3 *to, struct error *error)
     return false;
 }
 
+static bool check_rows(sqlite3 *db, int version, int64_t known, const char *what, struct error *error)
+{
+    int64_t damaged = 0;
+
+    if (version < FIRST_VERSION_WITH_SUMS) return true;
+    if (!store_sum_count_damaged(db, &damaged, error)) return false;
+    if (damaged <= known) return true;
+    error_set(error, "%s has %lld damaged rows", what, (long long)damaged);
+    return false;
+}
+
+// Rows that were damaged since they were looked at would otherwise replace good ones.
+static bool check_copy(sqlite3 *copy, int64_t known, struct error *error)
+{
+    int version;
+
+    return store_sum_register(copy, error) && store_schema_check(copy, &version, error) &&
+           check_rows(copy, version, known, "store: the new backup is dropped: it", error);
+}
+
 // The file is made here, for SQLite would make it readable by all.
-static bool write_part(sqlite3 *db, const char *part, struct error *error)
+static bool write_part(sqlite3 *db, const char *part, int64_t known, struct error *error)
 {
     sqlite3 *copy = NULL;
     bool ok = false;
@@ -61,17 +81,17 @@ static bool write_part(sqlite3 *db, const char *part, struct error *error)
     }
     close(fd);
     if (sqlite3_open_v2(part, &copy, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX, NULL) == SQLITE_OK)
-        ok = copy_pages(db, copy, error);
+        ok = copy_pages(db, copy, error) && check_copy(copy, known, error);
     else
         store_sql_set_error(error, copy, "open the backup");
     sqlite3_close(copy);
     return ok;
 }
 
-bool store_backup_write(sqlite3 *db, const char *path, struct error *error)
+bool store_backup_write(sqlite3 *db, const char *path, int64_t known, struct error *error)
 {
     char *part = xasprintf("%s.part", path);
-    bool ok = write_part(db, part, error);
+    bool ok = write_part(db, part, known, error);
 
     if (ok && (rename(part, path) != 0 || !sync_folder_of(path))) {
         error_set_errno(error, errno, "cannot write %s", path);
@@ -80,17 +100,6 @@ bool store_backup_write(sqlite3 *db, const char *path, struct error *error)
     if (!ok) unlink(part);
     free(part);
     return ok;
-}
-
-static bool check_rows(sqlite3 *db, int version, const char *path, struct error *error)
-{
-    int64_t damaged = 0;
-
-    if (version < FIRST_VERSION_WITH_SUMS) return true;
-    if (!store_sum_count_damaged(db, &damaged, error)) return false;
-    if (damaged == 0) return true;
-    error_set(error, "%s has %lld damaged rows", path, (long long)damaged);
-    return false;
 }
 
 // Opens a file that must be a store. NULL on failure.
@@ -124,7 +133,7 @@ bool store_backup_save(const char *folder, const char *path, struct error *error
     char *queue = xasprintf("%s/queue.db", folder);
     int version = 0;
     sqlite3 *db = open_store_file(queue, &version, error);
-    bool ok = db && check_rows(db, version, queue, error) && store_backup_write(db, path, error);
+    bool ok = db && check_rows(db, version, 0, queue, error) && store_backup_write(db, path, 0, error);
 
     sqlite3_close(db);
     free(queue);
@@ -149,22 +158,53 @@ static bool raise_counts(sqlite3 *db, const char *folder, bool *has_counts, stru
     return true;
 }
 
-static bool put_aside(const char *folder, struct error *error)
+static bool move(const char *folder, const char *from_name, const char *to_name, struct error *error)
 {
-    static const char *const names[] = {"queue.db", "queue.db-wal"};
-    bool ok = true;
+    char *from = xasprintf("%s/%s", folder, from_name), *to = xasprintf("%s/%s", folder, to_name);
+    bool ok = rename(from, to) == 0 || errno == ENOENT;
 
-    for (size_t i = 0; i < sizeof names / sizeof names[0] && ok; i++) {
-        char *from = xasprintf("%s/%s", folder, names[i]);
-        char *to = xasprintf("%s/queue.db.replaced%s", folder, names[i] + sizeof "queue.db" - 1);
-
-        unlink(to);
-        ok = rename(from, to) == 0 || errno == ENOENT;
-        if (!ok) error_set_errno(error, errno, "cannot put %s aside", from);
-        free(from);
-        free(to);
-    }
+    if (!ok) error_set_errno(error, errno, "cannot rename %s to %s", from, to_name);
+    free(from);
+    free(to);
     return ok;
+}
+
+static void remove_file(const char *folder, const char *name)
+{
+    char *path = xasprintf("%s/%s", folder, name);
+
+    unlink(path);
+    free(path);
+}
+
+static bool is_there(const char *folder, const char *name)
+{
+    char *path = xasprintf("%s/%s", folder, name);
+    bool found = access(path, F_OK) == 0;
+
+    free(path);
+    return found;
+}
+
+// A log beside the new file would be taken for its own. A process that is killed meanwhile leaves no store that is part
+// old and part new, but none, and `queue.db.restored`.
+static bool switch_files(const char *folder, struct error *error)
+{
+    bool ok;
+
+    if (is_there(folder, "queue.db")) remove_file(folder, "queue.db.replaced-wal");
+    ok = move(folder, "queue.db", "queue.db.replaced", error) &&
+         move(folder, "queue.db-wal", "queue.db.replaced-wal", error);
+    remove_file(folder, "queue.db-shm");
+    return ok && move(folder, STORE_RESTORED_NAME, "queue.db", error);
+}
+
+bool store_backup_end_restore(const char *folder, struct error *error)
+{
+    if (is_there(folder, "queue.db")) remove_file(folder, STORE_RESTORED_NAME);
+    if (!is_there(folder, STORE_RESTORED_NAME)) return true;
+    log_info("store: a restore that was cut off is ended: the queue that it put aside is queue.db.replaced");
+    return switch_files(folder, error);
 }
 
 // Root restores for the daemon's user, whose folder it is.
@@ -179,20 +219,16 @@ static bool give_to_owner(const char *folder, const char *path, struct error *er
 
 static bool put_in_place(const char *folder, sqlite3 *db, bool *has_counts, struct error *error)
 {
-    char *ready = xasprintf("%s/queue.db.restored", folder), *queue = xasprintf("%s/queue.db", folder);
-    char *shm = xasprintf("%s/queue.db-shm", folder), *counts = xasprintf("%s/counts", folder);
-    bool ok = store_backup_write(db, ready, error) && give_to_owner(folder, ready, error) &&
+    char *ready = xasprintf("%s/" STORE_RESTORED_NAME, folder), *counts = xasprintf("%s/counts", folder);
+    bool ok = store_backup_write(db, ready, 0, error) && give_to_owner(folder, ready, error) &&
               raise_counts(db, folder, has_counts, error) && give_to_owner(folder, counts, error) &&
-              put_aside(folder, error);
+              switch_files(folder, error);
 
-    unlink(shm);
-    if (ok && (rename(ready, queue) != 0 || !sync_folder_of(queue))) {
-        error_set_errno(error, errno, "cannot write %s", queue);
+    if (ok && !sync_folder_of(ready)) {
+        error_set_errno(error, errno, "cannot sync %s", folder);
         ok = false;
     }
     free(ready);
-    free(queue);
-    free(shm);
     free(counts);
     return ok;
 }
@@ -218,7 +254,7 @@ bool store_backup_fall_back(const char *folder, struct error *error)
     sqlite3 *db = access(path, R_OK) == 0 ? open_store_file(path, &version, error) : NULL;
 
     if (db) {
-        ok = check_rows(db, version, path, error) &&
+        ok = check_rows(db, version, 0, path, error) &&
              store_sql_read_integer(db, "SELECT coalesce(max(id), 0) FROM job", &last, error) &&
              put_in_place(folder, db, &has_counts, error);
     }
@@ -233,7 +269,7 @@ bool store_backup_restore(const char *folder, const char *path, bool *has_counts
     char *lock = xasprintf("%s/lock", folder);
     int version = 0, lock_fd = store_lock_take(folder, STORE_LOCK_WAIT_MS, error);
     sqlite3 *db = lock_fd >= 0 && give_to_owner(folder, lock, error) ? open_store_file(path, &version, error) : NULL;
-    bool ok = db && check_rows(db, version, path, error) && put_in_place(folder, db, has_counts, error);
+    bool ok = db && check_rows(db, version, 0, path, error) && put_in_place(folder, db, has_counts, error);
 
     sqlite3_close(db);
     if (lock_fd >= 0) close(lock_fd);

@@ -53,5 +53,6 @@ void store_counts_raise(const char *folder, const struct store_counts *counts)
     if (fd < 0) return;
     length = snprintf(text, sizeof text, "job %019" PRId64 " epoch %019" PRId64 "\n", raised.last_job_id, raised.epoch);
     if (pwrite(fd, text, (size_t)length, 0) != length) ftruncate(fd, 0);
+    fdatasync(fd);
     close(fd);
 }

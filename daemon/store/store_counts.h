@@ -12,5 +12,5 @@ struct store_counts {
 
 // Reads FOLDER/counts. False, and zero, when there is none or it is no such file.
 bool store_counts_read(const char *folder, struct store_counts *counts);
-// Writes it, larger numbers only. A failure is none of the store, which has the numbers too.
+// Writes it, larger numbers only, and syncs. A failure is none of the store, which has the numbers too.
 void store_counts_raise(const char *folder, const struct store_counts *counts);

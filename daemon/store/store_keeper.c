@@ -110,10 +110,12 @@ static bool keep_backup(const struct store_keeper *keeper, sqlite3 *db, struct e
     char *path = xasprintf("%s/" STORE_BACKUP_NAME, keeper->folder);
     bool is_due = has_changed(keeper), ok;
     struct timespec begun[2];
+    int64_t known = 0; // damaged rows that could not be mended
 
     clock_gettime(CLOCK_REALTIME_COARSE, &begun[0]);
     begun[1] = begun[0];
-    ok = !is_due || (has_room(keeper, error) && store_backup_write(db, path, error));
+    ok = !is_due || (has_room(keeper, error) && (keeper->mended == 0 || store_sum_count_damaged(db, &known, error)) &&
+                     store_backup_write(db, path, known, error));
     if (is_due && ok) utimensat(AT_FDCWD, path, begun, 0);
     free(path);
     return ok;

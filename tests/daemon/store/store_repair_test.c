@@ -277,6 +277,30 @@ static void a_damaged_copy_is_not_restored(void **state)
     free(target);
 }
 
+// What the disk changed since the look would otherwise replace the only good copy.
+static void a_copy_of_rows_that_were_damaged_since_is_dropped(void **state)
+{
+    const struct folder *folder = *state;
+    char *queue = xasprintf("%s/queue.db", folder->path), *backup = xasprintf("%s/" STORE_BACKUP_NAME, folder->path);
+    struct error error = {0};
+    struct stat before, after;
+    sqlite3 *db = NULL;
+
+    make_store(folder);
+    keep_backup(folder);
+    assert_int_equal(stat(backup, &before), 0);
+    flip_in(folder, "name-of-4");
+    assert_int_equal(sqlite3_open(queue, &db), SQLITE_OK);
+    assert_false(store_backup_write(db, backup, 0, &error));
+    assert_string_equal(error.message, "store: the new backup is dropped: it has 1 damaged rows");
+    assert_int_equal(stat(backup, &after), 0);
+    assert_true(before.st_ino == after.st_ino);
+    assert_true(store_backup_write(db, backup, 1, &error)); // one that nothing could mend
+    sqlite3_close(db);
+    free(queue);
+    free(backup);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -288,6 +312,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(ids_and_epochs_go_on_after_a_restore, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(what_is_no_store_is_not_restored, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_damaged_copy_is_not_restored, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(a_copy_of_rows_that_were_damaged_since_is_dropped, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(any_flipped_bit_is_restored, make_folder, remove_folder),
     };
 
