@@ -24,21 +24,33 @@ struct manager {
 
 static void on_interval(uv_timer_t *timer);
 
+// Why an output root is away; NULL: none is. One for which jobs wait goes before one that only ended jobs have.
+static const char *find_root_trouble(const struct farm *farm)
+{
+    for (size_t i = 0; i < farm->jobs.count; i++) {
+        const struct job_record *job = farm->jobs.records[i];
+
+        if (job->queued->block == QUEUE_AWAY && queue_job_is_live(job->queued)) return job->output_root->trouble;
+    }
+    for (size_t i = 0; i < farm->roots.count; i++)
+        if (farm->roots.roots[i]->is_watched && !farm->roots.roots[i]->is_there) return farm->roots.roots[i]->trouble;
+    return NULL;
+}
+
 // Why nothing, or less than all, is rendered; NULL: no reason. Owned by the caller.
 static char *find_trouble(const struct manager *manager)
 {
     const struct farm *farm = manager->farm;
-    const char *store_trouble = committer_trouble(farm->committer);
+    const char *store_trouble = committer_trouble(farm->committer), *root_trouble;
     char *trouble = manager->is_stopping ? NULL : worker_pool_format_trouble(farm->pool);
 
     if (store_trouble) {
         free(trouble);
         return xstrdup(store_trouble);
     }
-    for (size_t i = 0; i < farm->roots.count && !trouble; i++)
-        if (farm->roots.roots[i]->is_watched && !farm->roots.roots[i]->is_there)
-            trouble = xstrdup(farm->roots.roots[i]->trouble);
-    return trouble;
+    if (trouble) return trouble;
+    root_trouble = find_root_trouble(farm);
+    return root_trouble ? xstrdup(root_trouble) : NULL;
 }
 
 static void format_line(const struct manager *manager, char line[static LINE_SIZE])

@@ -8,7 +8,8 @@ root_id() { sed -n 's/^root //p' "$1/.marchd-root"; }
 frames_of() { find "$1" -name '*.exr' | wc -l; }
 
 # A farm's first root is made, marked and remembered.
-start_daemon --worker-program "$(stub write:5)"
+mkdir "$scratch/archive"
+start_daemon --worker-program "$(stub write:5)" --output-root "$out" --output-root "$scratch/archive"
 id=$(root_id "$out")
 expect "the marker's id" "${#id}" 32
 grep -qF "output root $out: marked" "$scratch/daemon.log" || fail "the log says nothing of the mark"
@@ -42,8 +43,12 @@ expect_error "$(ask job.delete "{\"id\":$over,\"files\":true}")" -32603 "is anot
 stop_daemon
 
 # A start without the root does not make it, and other roots work.
-rm -r "$out"
-start_daemon --worker-program "$(stub write:5)" --output-root "$out" --output-root "$scratch/second"
+rm -r "$out" "$scratch/archive"
+"$bin/notify-listener" "$scratch/notify" >"$scratch/notes" &
+wait_until "the manager listens" test -S "$scratch/notify"
+export NOTIFY_SOCKET=$scratch/notify
+start_daemon --worker-program "$(stub write:5)" --output-root "$out" --output-root "$scratch/second" --output-root "$scratch/archive"
+unset NOTIFY_SOCKET
 grep -qF "output root $out is not there: No such file or directory; jobs that write there wait until it is" "$scratch/daemon.log" || fail "the log does not name the root"
 grep -qF "output root $scratch/second is not there" "$scratch/daemon.log" || fail "the log does not name the second root"
 [ ! -e "$out" ] || fail "the root was made again"
@@ -54,6 +59,10 @@ mkdir "$scratch/second"
 wait_until "the second root is taken" eval '[ -e "$scratch/second/.marchd-root" ]'
 wait_until "it takes jobs" eval 'other=$(submit "$(job 1 ".output.path = \"$scratch/second/a/a.####.exr\"")" 2>/dev/null)'
 wait_state "$other" succeeded
+
+# The service manager is told of the root for which jobs wait, before one that nobody needs.
+wait_until "it is told of a root" grep -q "^STATUS=.* output root .* is not there" "$scratch/notes"
+grep -q "output root $scratch/archive" "$scratch/notes" && fail "told: $(cat "$scratch/notes")"
 
 # An empty marker makes the folder that is there the root.
 mkdir "$out"
