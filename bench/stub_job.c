@@ -65,11 +65,17 @@ void stub_job_finish(struct stub_job *job)
     output_path_finish(&job->path);
 }
 
-bool stub_job_write_file(const struct stub_job *job, const struct stub_frame *frame, bool is_found, struct stat *status,
-                         char hash[static HASH_TEXT_SIZE], const char **fault, struct error *error)
+static void format_part(const struct stub_job *job, const struct stub_frame *frame, char part[static OUTPUT_NAME_SIZE])
 {
     const struct output_part names = {
         .farm = job->farm_id, .job = frame->job, .epoch = job->epoch, .frame = frame->frame, .attempt = frame->attempt};
+
+    output_path_format_part(&job->path, &names, part);
+}
+
+bool stub_job_write_file(const struct stub_job *job, const struct stub_frame *frame, bool is_found, struct stat *status,
+                         char hash[static HASH_TEXT_SIZE], const char **fault, struct error *error)
+{
     char part[OUTPUT_NAME_SIZE], text[64];
     int folder = output_root_open_folder(&job->path, job->root, job->root_id, false, error);
     int file = -1;
@@ -80,8 +86,11 @@ bool stub_job_write_file(const struct stub_job *job, const struct stub_frame *fr
     if (is_found)
         output_path_format_name(&job->path, frame->frame, part);
     else
-        output_path_format_part(&job->path, &names, part);
-    snprintf(text, sizeof text, "frame %d\n", frame->frame);
+        format_part(job, frame, part);
+    if (job->names_job)
+        snprintf(text, sizeof text, "frame %d of job %lld\n", frame->frame, (long long)frame->job);
+    else
+        snprintf(text, sizeof text, "frame %d\n", frame->frame);
     file = openat(folder, part, O_RDWR | O_CREAT | (is_found ? 0 : O_TRUNC) | O_CLOEXEC, 0644);
     if (file < 0) {
         error_set_errno(error, errno, "%s", part);
@@ -103,4 +112,21 @@ out:
     if (!ok && !is_found) unlinkat(folder, part, 0);
     close(folder);
     return ok;
+}
+
+void stub_job_spoil_file(const struct stub_job *job, const struct stub_frame *frame, bool is_removed)
+{
+    int folder = output_root_open_folder(&job->path, job->root, job->root_id, false, NULL);
+    char part[OUTPUT_NAME_SIZE];
+    int file = -1;
+
+    if (folder < 0) return;
+    format_part(job, frame, part);
+    if (is_removed)
+        unlinkat(folder, part, 0);
+    else
+        file = openat(folder, part, O_WRONLY | O_CLOEXEC);
+    if (file >= 0 && ftruncate(file, 3) != 0) fprintf(stderr, "stub: cannot cut %s\n", part);
+    if (file >= 0) close(file);
+    close(folder);
 }

@@ -18,6 +18,7 @@ struct stub_job {
     int64_t id, epoch;
     char *root, *root_id, *farm_id; // owned; the last two may be NULL
     struct output_path path;        // owned
+    bool names_job;                 // the text of a frame's file names the job, too
 };
 
 // Reads the message worker.job; false, with a message on standard error, for one that cannot be read.
@@ -27,3 +28,5 @@ void stub_job_finish(struct stub_job *job);
 // failure `*fault` is the failure's.
 bool stub_job_write_file(const struct stub_job *job, const struct stub_frame *frame, bool is_found, struct stat *status,
                          char hash[static HASH_TEXT_SIZE], const char **fault, struct error *error);
+// Removes the part file that was written, or cuts it.
+void stub_job_spoil_file(const struct stub_job *job, const struct stub_frame *frame, bool is_removed);

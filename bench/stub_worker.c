@@ -1,7 +1,8 @@
 // A worker that renders nothing: it speaks the protocol, for the daemon's benchmarks and process tests.
 // SPDX-License-Identifier: Apache-2.0
 //
-// stub-worker --fd N [--mode MODE], other options are ignored. MODE is
+// stub-worker --fd N [--names-job] [--mode MODE], other options are ignored. With --names-job, which is not the last
+// argument, a file's text names its job, too. MODE is
 //   skip         writes each frame's file and answers frame.skipped at once, as if it had found the file (default)
 //   claim        answers frame.skipped without a file
 //   some:MS      like skip for frames below 100, like write for the others
@@ -15,6 +16,8 @@
 //   misplan:MS   the same with a plan that no job may state
 //   intrude:MS   like write at once, with a plan that it was not told to make
 //   lie:MS       like write, but reports a wrong file, and frames that it was not given as finished
+//   gone         like write at once, but removes the file before it reports it
+//   short        the same, but cuts the file
 //   fail:FAULT   answers frame.failed with that fault
 //   crash        dies when it begins a frame
 //   loyal        like write at once, for the first job that it serves; dies when it begins a frame of another
@@ -54,6 +57,7 @@ enum stub_plan { PLAN_NONE, PLAN_ASKED, PLAN_MAKES, PLAN_SENT, PLAN_HAS };
 struct stub {
     int fd;
     const char *mode;
+    bool names_job;
     int64_t frame_ms; // 0: answered at once
     struct message_stream stream;
     struct json_writer out;
@@ -86,7 +90,7 @@ static bool writes_files(const struct stub *stub)
     return has_mode(stub, "write") || has_mode(stub, "audited") || has_mode(stub, "plan") || has_mode(stub, "phase") ||
            has_mode(stub, "lie") || has_mode(stub, "loyal") || has_mode(stub, "share") || has_mode(stub, "misplan") ||
            has_mode(stub, "intrude") || has_mode(stub, "forced") || has_mode(stub, "skip") || has_mode(stub, "sleep") ||
-           has_mode(stub, "some");
+           has_mode(stub, "some") || has_mode(stub, "gone") || has_mode(stub, "short");
 }
 
 // Whether the frame's file passes for one that was there.
@@ -181,6 +185,7 @@ static void write_and_say_finished(struct stub *stub, const struct stub_frame *f
     } else if (has_mode(stub, "lie")) {
         say_lies(stub, frame, &status, hash);
     } else {
+        if (has_mode(stub, "gone") || has_mode(stub, "short")) stub_job_spoil_file(job, frame, has_mode(stub, "gone"));
         say_finished(stub, frame, status.st_ino, status.st_size, hash);
     }
 }
@@ -303,6 +308,7 @@ static void note_job(struct stub *stub, const struct json_node *params)
     struct stub_job job;
 
     if (!writes_files(stub) || !stub_job_read(&job, params)) return;
+    job.names_job = stub->names_job;
     stub->jobs = xgrow(stub->jobs, &stub->job_capacity, stub->job_count + 1, sizeof stub->jobs[0]);
     stub->jobs[stub->job_count++] = job;
 }
@@ -437,6 +443,7 @@ int main(int argc, char **argv)
     for (int i = 1; i + 1 < argc; i++) {
         if (strcmp(argv[i], "--fd") == 0) stub.fd = atoi(argv[i + 1]);
         if (strcmp(argv[i], "--mode") == 0) stub.mode = argv[i + 1];
+        if (strcmp(argv[i], "--names-job") == 0) stub.names_job = true;
     }
     colon = strchr(stub.mode, ':');
     if (colon) stub.frame_ms = atoi(colon + 1);

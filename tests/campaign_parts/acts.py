@@ -1,68 +1,68 @@
-"""What clients do and what breaks, one act at a time, and the books of what the farm has promised since."""
+"""What breaks and what clients do, one act at a time."""
 import json
 import os
+import random
 import shutil
 import signal
 import time
 
-from farm import MANY_FILES, drain
+from books import Books
+from client_acts import ClientActs
+from farm import MANY_FILES
 from machine import OUTPUT, STATE
-
-BAD_LINES = (b"what?\n", b"{}\n", b"[]\n", b'{"jsonrpc":"2.0","id":1,"method":"job.show","params":{"id":-1}}\n',
-             b'{"jsonrpc":"2.0","id":1,"method":"job.submit","params":{"document":{"version":1}}}\n',
-             b'{"jsonrpc":"2.0","id":"' + b"x" * 100000 + b'"}\n', b"\xff\xfe\n", b"[" * 1000 + b"\n")
+from store_acts import StoreActs
+from twin import Twin
 
 
-class Books:
-    """What was asked for and answered, and what a person did to the files."""
-
-    def __init__(self):
-        self.jobs = {}  # pattern, folder, frames and user of each accepted job, by id
-        self.accepted, self.deleted, self.maybe_deleted, self.canceled = set(), set(), set(), set()
-        self.refused = set()  # patterns of jobs that were refused
-        self.robbed = set()  # jobs whose folder was removed
-        self.again = set()  # folders whose frames may be published again
-        self.foreign = {}  # files of somebody else: text by path
-        self.kept_files, self.removed_files = set(), set()
-        self.paused = set()
-
-
-class Acts:
-    def __init__(self, farm, machine, choices, project):
-        self.farm, self.machine, self.random, self.books = farm, machine, choices, Books()
+class Acts(ClientActs, StoreActs):
+    def __init__(self, farm, machine, seed, project):
+        self.farm, self.machine, self.seed, self.books = farm, machine, seed, Books()
         with open(f"{project}/jobs/cloud.json", encoding="utf-8") as file:
             self.document = json.load(file)
         with open(f"{project}/tests/support/stated_quality.json", encoding="utf-8") as file:
             self.document["quality"] = json.load(file)["cloud"]
         self.document["resolution"] = [32, 18]
-        self.round, self.submits, self.is_real = 0, 0, False
-        self.counts, self.conditions, self.idle_clients = {}, [], []
-        self.unanswered = self.violations = 0
+        self.round, self.submits, self.is_real, self.number = 0, 0, False, 0
+        self.counts, self.conditions, self.idle_clients, self.waiting = {}, [], [], []
+        self.unanswered = 0
+        self.copy = None  # of the store: its path, the books then, the names that files had
+        self.is_flipped = False  # a row may be damaged, and no start has restored it yet
+        self.twin, self.twins = None, 0
         self.wrong = []  # promises broken in answers
-        disk_acts = [(2, self.take_root_away), (1, self.fill_output), (1, self.fill_state)] if machine.can_mount else []
-        self.table = disk_acts + [
+        self.table = [
             (24, self.submit), (2, self.flood_jobs), (6, self.kill_worker), (2, self.stop_worker),
             (1, self.kill_workers), (4, self.kill_daemon), (1, self.kill_twice), (2, self.kill_all),
-            (1, self.stop_daemon), (1, self.freeze_daemon),
-            (1, self.reload), (1, self.limit_files), (2, self.jump_clock), (1, self.slow_disk), (1, self.fail_writes),
-            (1, self.fail_syncs), (1, self.fail_renames), (1, self.tear_writes), (1, self.rob_folder),
+            (1, self.stop_daemon), (1, self.freeze_daemon), (1, self.reload), (1, self.limit_files),
+            (2, self.jump_clock), (1, self.slow_disk), (1, self.fail_writes), (1, self.fail_syncs),
+            (1, self.fail_renames), (1, self.tear_writes), (2, self.take_root_away), (1, self.fill_output),
+            (1, self.fill_state), (1, self.lose_marker), (1, self.begin_second_farm), (1, self.rob_folder),
             (2, self.put_foreign_file), (4, self.pause), (5, self.resume), (2, self.cancel), (3, self.retry),
-            (1, self.retry_by_force), (2, self.change_priority), (2, self.delete), (1, self.touch_others_job),
-            (3, self.vanish), (2, self.subscribe_and_sleep), (1, self.flood_requests),
-            (1, self.flood_documents), (2, self.talk_nonsense)]
+            (2, self.retry_a_part), (1, self.retry_by_force), (2, self.change_priority), (2, self.delete),
+            (1, self.touch_others_job), (3, self.vanish), (2, self.subscribe_and_sleep), (1, self.ask_and_sleep),
+            (2, self.wait_for_job), (1, self.flood_requests), (1, self.flood_documents), (2, self.talk_nonsense),
+            (2, self.back_up), (1, self.restore), (1, self.flip_bit_while_down), (1, self.flip_bit_while_it_runs),
+            (1, self.lose_store)]
+        self.needs_mount = (self.take_root_away, self.fill_output, self.fill_state)
 
     # One act
+
+    def choose(self):
+        """The next act. Its choices come from the seed and its number alone, whatever the acts before it met."""
+        self.number += 1
+        self.random = random.Random(f"{self.seed}/{self.number}")
+        return self.random.choices([act for _, act in self.table], [weight for weight, _ in self.table])[0]
 
     def act(self):
         self.end_conditions(one_step=True)
         self.farm.ensure()
-        act = self.random.choices([act for _, act in self.table], [weight for weight, _ in self.table])[0]
-        self.count(act.__name__)
+        act = self.choose()
+        with open(f"{self.farm.folder}/acts", "a", encoding="utf-8") as file:
+            print(self.number, act.__name__, file=file)
+        if act in self.needs_mount and not self.machine.can_mount:
+            return
+        self.counts[act.__name__] = self.counts.get(act.__name__, 0) + 1
         act()
         time.sleep(self.random.random() * 0.08)
-
-    def count(self, name):
-        self.counts[name] = self.counts.get(name, 0) + 1
 
     def condition(self, end):
         """`end` is called after some more acts."""
@@ -84,174 +84,6 @@ class Acts:
         self.idle_clients = []
         for pid in self.farm.worker_pids():
             self.send_signal(pid, signal.SIGCONT)
-
-    # Clients
-
-    def any_user(self):
-        return self.random.choice(self.farm.users)
-
-    def any_job(self):
-        known = sorted(self.books.accepted - self.books.deleted)
-        return self.random.choice(known[-40:]) if known else None
-
-    def submit(self, frames=None, user=None):
-        frames = frames or (self.random.randint(1, 3) if self.is_real else self.random.randint(1, 60))
-        user = self.any_user() if user is None else user
-        root = self.random.choice(self.farm.roots)
-        self.submits += 1
-        folder = f"{root}/{self.round}/{self.submits}"
-        pattern = f"{folder}/s.####.exr"
-        document = dict(self.document, frames=f"1-{frames}", priority=self.random.randint(0, 100),
-                        output=dict(self.document["output"], path=pattern))
-        answer = self.farm.ask("job.submit", {"document": document}, user)
-        if answer is None:
-            self.unanswered += 1
-        elif "result" in answer:
-            number = answer["result"]["id"]
-            if number <= max(self.books.accepted, default=0):
-                self.wrong.append(f"job id {number} was given after {max(self.books.accepted)}")
-            self.books.accepted.add(number)
-            self.books.jobs[number] = {"folder": folder, "frames": frames, "user": user, "root": root}
-        elif "one_sync_in" not in self.machine.fields[STATE]:
-            # After a sync that failed, a crash decides whether the commit is on disk.
-            self.books.refused.add(pattern)
-
-    def flood_jobs(self):
-        user = self.any_user()
-        for _ in range(25):
-            self.submit(1, user)
-
-    def change(self, method, more=None, user=0):
-        """The id and the answer; None, None without a job."""
-        number = self.any_job()
-        if number is None:
-            return None, None
-        return number, self.farm.ask(method, dict(more or {}, id=number), user)
-
-    def pause(self):
-        number, _ = self.change("job.pause")
-        self.books.paused.add(number)
-
-    def resume(self):
-        self.change("job.resume")
-
-    def cancel(self):
-        if self.random.random() < 0.5:
-            return
-        number, answer = self.change("job.cancel")
-        if answer and answer.get("result", {}).get("state") == "canceled":
-            self.books.canceled.add(number)
-
-    def retry(self, more=None):
-        states = self.random.choice((["failed"], ["failed", "canceled"]))
-        number, _ = self.change("job.retry", more or {"state": states})
-        if number:
-            self.books.canceled.discard(number)
-        return number
-
-    def retry_by_force(self):
-        number = self.retry({"state": ["succeeded", "failed"], "range": "1-5", "force": True})
-        if number:
-            self.books.again.add(self.books.jobs[number]["folder"])
-
-    def change_priority(self):
-        self.change("job.priority", {"priority": self.random.randint(0, 100)})
-
-    def delete(self):
-        number = self.any_job()
-        if number is None or number in self.books.robbed or self.is_out_of_reach(number):
-            return
-        folder, with_files = self.books.jobs[number]["folder"], self.random.random() < 0.5
-        self.books.maybe_deleted.add(number)
-        answer = self.farm.ask("job.delete", {"id": number, "files": with_files})
-        if answer is None:
-            self.books.robbed.add(number)
-            return
-        if "result" not in answer:
-            self.books.maybe_deleted.discard(number)
-            return
-        self.books.deleted.add(number)
-        there = {f"{folder}/{name}" for name in self.list_folder(folder) if name.endswith(".exr")}
-        if not with_files:
-            self.books.kept_files |= there
-        elif not answer["result"]["files_kept"]:
-            numbers = range(1, self.books.jobs[number]["frames"] + 1)
-            self.books.removed_files |= there | {f"{folder}/s.{n:04}.exr" for n in numbers}
-
-    def is_out_of_reach(self, number):
-        disk = self.machine.disks[OUTPUT]
-        return not disk.is_there and self.books.jobs[number]["root"] == disk.path
-
-    def touch_others_job(self):
-        """Who is neither owner nor administrator must be refused."""
-        number = self.any_job()
-        if number is None or len(self.farm.users) < 3:
-            return
-        stranger = next(user for user in self.farm.users[1:] if user != self.books.jobs[number]["user"])
-        answer = self.farm.ask(self.random.choice(("job.cancel", "job.pause", "job.delete")), {"id": number}, stranger)
-        if answer and "result" in answer:
-            self.wrong.append(f"user {stranger} changed job {number} of user {self.books.jobs[number]['user']}")
-
-    def connect(self):
-        try:
-            return self.farm.client(self.any_user())
-        except OSError:
-            return None
-
-    def vanish(self):
-        client = self.connect()
-        if not client:
-            return
-        line = self.random.choice((b'{"jsonrpc":"2.0","id":1,"method":"job.cancel","par',
-                                   b'{"jsonrpc":"2.0","id":1,"method":"events.subscribe"}\n'))
-        self.try_to_send(client, line)
-        client.close()
-
-    def subscribe_and_sleep(self):
-        client = self.connect()
-        if client:
-            count = self.random.choice((1, 64))
-            self.try_to_send(client, b'{"jsonrpc":"2.0","id":1,"method":"events.subscribe"}\n' * count)
-            self.idle_clients.append(client)
-        while len(self.idle_clients) > 40:
-            self.idle_clients.pop(0).close()
-
-    def flood_requests(self):
-        client = self.connect()
-        if client:
-            client.socket.settimeout(2)
-            self.try_to_send(client, b'{"jsonrpc":"2.0","id":1,"method":"job.list"}\n' * 300)
-            client.close()
-
-    def talk_nonsense(self):
-        client = self.connect()
-        if client:
-            self.try_to_send(client, self.random.choice(BAD_LINES))
-            self.quietly(lambda: drain(client, 0.2))
-            client.close()
-
-    def try_to_send(self, client, text):
-        self.quietly(lambda: client.send(text))
-
-    @staticmethod
-    def quietly(action):
-        try:
-            action()
-        except OSError:
-            pass
-
-    def flood_documents(self):
-        """Jobs of a megabyte each at one moment, whose output nobody may write, so that all of it is only checked."""
-        keys = [[n, [n % 7, 1, 2]] for n in range(10000)]
-        lights = [dict(self.document["lights"][0], position={"keys": keys}) for _ in range(4)]
-        document = dict(self.document, lights=lights, output={"path": "/nowhere/s.####.exr"})
-        line = json.dumps({"jsonrpc": "2.0", "id": 1, "method": "job.submit", "params": {"document": document}})
-        clients = [client for client in (self.connect() for _ in range(6)) if client]
-        for client in clients:
-            client.socket.settimeout(2)
-            self.try_to_send(client, line.encode() + b"\n")
-        for client in clients:
-            client.close()
 
     # Processes
 
@@ -282,6 +114,7 @@ class Acts:
         self.farm.spawn(self.progress_limit_s())
         if not self.machine.is_state_hurt():
             self.farm.await_answer()
+            self.is_flipped = False
 
     def progress_limit_s(self):
         return 120 if self.is_real else 3
@@ -309,9 +142,28 @@ class Acts:
         self.start_again()
 
     def freeze_daemon(self):
+        """At times for longer than a worker may be silent (10 s) or without progress (3 s)."""
         self.farm.send(signal.SIGSTOP)
-        time.sleep(self.random.random())
+        time.sleep(self.random.choice((self.random.random(), self.random.random(), 4, 11)))
         self.farm.send(signal.SIGCONT)
+
+    def begin_second_farm(self):
+        """It writes into an output root of the first, and beside frames of one of its jobs."""
+        if not self.twin:
+            self.twins += 1
+            self.twin = Twin(f"{self.farm.folder}/twin.{self.twins}", self.farm.programs, self.farm.roots[0])
+        elif self.random.random() < 0.5:
+            self.twin.kill()
+        root = self.farm.roots[0]
+        self.twin.submit(self.document, f"{root}/twin.{self.twins}/{self.number}", self.random.randint(1, 20))
+        number = self.any_job()
+        if number and self.books.jobs[number]["root"] == root:
+            self.twin.submit(self.document, self.books.jobs[number]["folder"], self.random.randint(1, 20))
+
+    def end_second_farm(self):
+        """What it told, once all of its jobs are over; None without it."""
+        twin, self.twin = self.twin, None
+        return (twin, *twin.finish()) if twin else None
 
     def reload(self):
         """Not of a daemon that starts: the service manager does not either."""
@@ -355,9 +207,9 @@ class Acts:
     def tear_writes(self):
         self.break_disk(one_tear_in=self.random.choice((5, 30, 100)))
 
-    def may_publish_again(self):
-        """A frame whose name cannot be synced is rendered again, for a crash might lose it."""
-        self.books.again |= {job["folder"] for job in self.books.jobs.values()}
+    def may_publish_again(self, root=""):
+        """A frame whose name cannot be synced, or whose root goes away at that moment, is looked at again."""
+        self.books.again |= {job["folder"] for job in self.books.jobs.values() if job["root"].startswith(root)}
 
     def fill_output(self):
         self.fill(OUTPUT)
@@ -376,6 +228,7 @@ class Acts:
         if not disk.is_there:
             return
         disk.take_away()
+        self.may_publish_again(disk.path)
 
         def bring_back():
             left = [os.path.join(folder, name) for folder, _, names in os.walk(disk.path) for name in names]
@@ -385,6 +238,19 @@ class Acts:
                 shutil.rmtree(f"{disk.path}/{name}", ignore_errors=True)
             disk.bring_back()
         self.condition(bring_back)
+
+    def lose_marker(self):
+        """The folder at the root's path is no root now. The marker comes back, and all goes on."""
+        marker = f"{self.machine.disks[OUTPUT].place}/.marchd-root"
+        if os.path.exists(marker):
+            os.rename(marker, marker + ".away")
+            self.may_publish_again(self.machine.disks[OUTPUT].path)
+
+            def bring_back():
+                if os.path.exists(marker):
+                    self.wrong.append("a root that lost its marker was marked a second time")
+                os.rename(marker + ".away", marker)
+            self.condition(bring_back)
 
     # Files
 
@@ -397,9 +263,9 @@ class Acts:
 
     def rob_folder(self):
         number = self.any_job()
-        if number is None or self.is_out_of_reach(number):
+        folder = self.books.jobs[number]["folder"] if number else None
+        if number is None or self.is_out_of_reach(number) or (self.twin and folder in self.twin.folders):
             return
-        folder = self.books.jobs[number]["folder"]
         self.books.robbed.add(number)
         self.books.again.add(folder)
         foreign = self.books.foreign

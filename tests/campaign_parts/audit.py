@@ -1,10 +1,16 @@
 """What must hold, looked at from outside: files, and the rows of the store, which is read while no daemon runs."""
 import json
 import os
+import re
 import sqlite3
 import struct
+import zlib
 
-SUCCEEDED, SKIPPED = 2, 5  # as the store writes the states of frames; 1 is a publishing that was not finished
+# As the store writes the states of frames; 1 is a publishing that was not finished.
+SUCCEEDED, FAILED, SKIPPED = 2, 3, 5
+STORED = {"succeeded": SUCCEEDED, "failed": FAILED, "skipped": SKIPPED}
+CHANNEL_BYTES = (4, 2, 4)  # of the EXR types uint, half and float
+NO_COMPRESSION, ZIPS, ZIP = 0, 2, 3
 
 
 def exr_attributes(content):
@@ -20,28 +26,49 @@ def exr_attributes(content):
         size = struct.unpack_from("<i", content, place)[0]
         value, place = content[place + 4:place + 4 + size], place + 4 + size
         found[name] = struct.unpack("<i", value)[0] if kind == "int" else value
-    top, bottom = struct.unpack_from("<4i", found["dataWindow"])[1::2]
-    lines = {0: 1, 2: 1, 3: 16}.get(found["compression"][0], 16)
-    count = (bottom - top) // lines + 1
-    for offset in struct.unpack_from(f"<{count}Q", content, place + 1):
-        size = struct.unpack_from("<i", content, offset + 4)[0] if 0 < offset <= len(content) - 8 else len(content)
-        if offset + 8 + size > len(content):
-            raise ValueError("a chunk is missing")
+    check_chunks(content, place + 1, found)
     return found
 
 
-def wrong_content(path, frame):
+def pixel_bytes(channels):
+    """Of one pixel with all channels."""
+    place, count = 0, 0
+    while channels[place]:
+        place = channels.index(b"\0", place) + 1
+        count += CHANNEL_BYTES[struct.unpack_from("<i", channels, place)[0]]
+        place += 16
+    return count
+
+
+def check_chunks(content, place, header):
+    """Each chunk is there, has its line's number, and unpacks to its size."""
+    left, top, right, bottom = struct.unpack_from("<4i", header["dataWindow"])
+    packing = header["compression"][0]
+    lines = {NO_COMPRESSION: 1, ZIPS: 1, ZIP: 16}[packing]
+    line_bytes = (right - left + 1) * pixel_bytes(header["channels"])
+    firsts = range(top, bottom + 1, lines)
+    for first, offset in zip(firsts, struct.unpack_from(f"<{len(firsts)}Q", content, place)):
+        line, size = struct.unpack_from("<ii", content, offset)
+        chunk, whole = content[offset + 8:offset + 8 + size], line_bytes * min(lines, bottom + 1 - first)
+        if line != first or len(chunk) != size:
+            raise ValueError(f"the chunk of line {first} is missing")
+        if (len(zlib.decompress(chunk)) if size < whole else size) != whole:
+            raise ValueError(f"the chunk of line {first} is damaged")
+
+
+def wrong_content(path, job, frame):
     """What is wrong with a frame's file; None: nothing."""
     with open(path, "rb") as file:
         content = file.read()
-    if content == b"frame %d\n" % frame:  # the stub's
+    if content == b"frame %d of job %d\n" % (frame, job):  # the stub's
         return None
     try:
         attributes = exr_attributes(content)
-    except (ValueError, IndexError, KeyError, struct.error) as error:
+    except (ValueError, IndexError, KeyError, struct.error, zlib.error) as error:
         return f"is not whole: {error}"
-    if attributes.get("marchd:frame") != frame:
-        return f"shows frame {attributes.get('marchd:frame')}"
+    shown = attributes.get("marchd:frame"), attributes.get("marchd:job", b"").decode()
+    if shown != (frame, str(job)):
+        return f"shows frame {shown[0]} of job {shown[1]}"
     return None
 
 
@@ -61,6 +88,12 @@ def read_store(path):
     return jobs, check
 
 
+def is_of(pattern, path):
+    """Whether the path is one of the pattern's files."""
+    first, last = pattern.split("####")
+    return re.fullmatch(re.escape(first) + "[0-9]{4,}" + re.escape(last), path) is not None
+
+
 def files_below(folders):
     return {os.path.join(folder, name): os.lstat(os.path.join(folder, name))
             for root in folders for folder, _, names in os.walk(root) for name in names}
@@ -77,12 +110,13 @@ class Audit:
     def failures(self):
         return [f"{kind}: {text}" for kind, texts in self.found.items() for text in texts]
 
-    def check_frame(self, path, status, row, frame):
+    def check_frame(self, path, status, row, number, frame, books):
         _, inode, size = row
         self.checked += 1
-        if row[0] == SUCCEEDED and (status.st_ino, status.st_size) != (inode & (1 << 64) - 1, size):
+        is_same = (status.st_ino, status.st_size) == (inode & (1 << 64) - 1, size)
+        if row[0] == SUCCEEDED and not is_same and path not in books.replaced:
             self.note("broken", f"{path}: inode {status.st_ino}, {status.st_size} bytes; its row: {inode}, {size}")
-        wrong = wrong_content(path, frame)
+        wrong = wrong_content(path, number, frame)
         if wrong:
             self.note("broken", f"{path} {wrong}")
 
@@ -93,20 +127,28 @@ class Audit:
             if cells[0] in (SUCCEEDED, SKIPPED):
                 told.add(path)
                 if path in files:
-                    self.check_frame(path, files[path], cells, frame)
+                    self.check_frame(path, files[path], cells, number, frame, books)
                 elif number not in books.robbed:
                     self.note("lost", f"{path}: job {number} tells of it, and it is not there")
             elif cells[0] == 1:
                 self.note("promises", f"{path}: a publishing was not finished")
         if said["state"] == "succeeded" and len(told) != said["frames"] and number not in books.robbed:
             self.note("lost", f"job {number} succeeded with {len(told)} of {said['frames']} frames")
-        folder = os.path.dirname(row["pattern"]) + "/"
         for path in files:
-            if path.startswith(folder) and path.endswith(".exr") and path not in told and number not in books.robbed:
+            if path not in told and is_of(row["pattern"], path) and number not in books.robbed:
                 self.note("left over", f"{path}: job {number} tells nothing of it")
 
-    def run(self, store_path, roots, said, books, names):
-        """`said`: what job.list told before the daemon ended. `books`: what the campaign asked for."""
+    def check_list(self, rows, frames):
+        """`frames`: what job.frames told of each, by job and frame."""
+        for (number, frame), told in frames.items():
+            state = rows[number]["frames"].get(frame, (0,))[0] if number in rows else 0
+            if STORED.get(told["state"], 0) != (state if state in STORED.values() else 0):
+                self.note("promises", f"frame {frame} of job {number} is {told['state']} in the list, {state} in the store")
+            if told["path"] and number in rows and told["path"] != rows[number]["pattern"].replace("####", f"{frame:04}"):
+                self.note("promises", f"frame {frame} of job {number} is told as {told['path']}")
+
+    def run(self, store_path, roots, said, frames, books, names):
+        """`said`, `frames`: what the daemon told before it ended. `books`: what the campaign asked for."""
         files = files_below(roots)
         rows, check = read_store(store_path)
         if check != "ok":
@@ -117,15 +159,16 @@ class Audit:
         for job in said:
             if job["id"] in rows:
                 self.check_job(job["id"], rows[job["id"]], job, files, books)
+        self.check_list(rows, frames)
         for path in files:
-            if path.endswith(".part") and path not in books.foreign:
+            if path.endswith(".part") and not books.is_foreign(path):
                 self.note("left over", path)
         self.check_books({job["id"]: job for job in said}, rows, files, books)
         self.check_names(names, books)
 
     def check_books(self, said, rows, files, books):
-        for number in books.accepted - books.deleted:
-            if number not in said and number not in books.maybe_deleted:
+        for number in books.accepted - books.deleted - books.forgotten - books.maybe_deleted:
+            if number not in said:
                 self.note("lost", f"job {number} was accepted, and nobody knows it")
         for number in books.deleted & set(said):
             self.note("promises", f"job {number} was deleted, and is there again")

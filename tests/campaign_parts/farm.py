@@ -1,5 +1,4 @@
 """The daemon as a process, what clients say to it, and how long it takes to answer."""
-import ctypes
 import json
 import os
 import resource
@@ -10,14 +9,13 @@ import subprocess
 import threading
 import time
 
+from cage import die_with_parent
 from machine import STATE
 
 PATIENCE_S = 600  # a guard against what never happens, not a measure: machines are slow and busy
 
 
 MANY_FILES = 1024
-LIBC = ctypes.CDLL(None)
-PR_SET_PDEATHSIG = 1
 
 
 class Failure(Exception):
@@ -94,18 +92,17 @@ class Watch(threading.Thread):
 
 
 class Farm:
-    def __init__(self, folder, programs, machine, users):
+    def __init__(self, folder, programs, machine, users, roots, workers=3):
         self.folder, self.programs, self.machine, self.users = folder, programs, machine, users
         self.socket, self.log = f"{folder}/sock", f"{folder}/daemon.log"
-        self.steady = f"{folder}/steady"  # a second output root, which is always there
-        self.roots = [self.steady, machine.disks[1].path]
+        self.state, self.roots, self.workers = f"{machine.disks[STATE].path}/state", roots, workers
+        self.store = f"{self.state}/queue.db"
         self.process, self.is_stopped, self.is_up = None, False, False
         self.answer_s = PATIENCE_S
         self.generation = 0  # grows with each act that may keep the daemon from answering
         self.recoveries_s = []
         self.worker = f"{folder}/worker"
         self.modes = f"{folder}/modes"
-        os.mkdir(self.steady)
         with open(self.worker, "w", encoding="utf-8") as file:
             file.write(f"""#!/bin/bash
 ulimit -c 0
@@ -114,11 +111,10 @@ turn=$(stat -c %s {folder}/turns)
 read -ra modes <{self.modes}
 mode=${{modes[turn % ${{#modes[@]}}]}}
 [ "$mode" = real ] && exec {programs}/march-worker "$@"
-exec {programs}/stub-worker --mode "$mode" "$@"
+exec {programs}/stub-worker --names-job --mode "$mode" "$@"
 """)
         os.chmod(self.worker, 0o755)
         self.set_modes("write:0")
-        self.watch = Watch(self)
 
     def set_modes(self, modes):
         """What the next workers do."""
@@ -134,15 +130,14 @@ exec {programs}/stub-worker --mode "$mode" "$@"
         environment = dict(os.environ, **self.machine.environment, LIBGL_ALWAYS_SOFTWARE="1",
                            ASAN_OPTIONS=os.environ.get("ASAN_OPTIONS", "detect_leaks=0") +
                            ":verify_asan_link_order=0")
-        arguments = [f"{self.programs}/marchd", "--state", self.machine.disks[0].path + "/state",
-                     "--socket", self.socket, "--workers", "3", "--worker-program", self.worker, "--stop-timeout", "1",
+        arguments = [f"{self.programs}/marchd", "--state", self.state, "--socket", self.socket,
+                     "--workers", str(self.workers), "--worker-program", self.worker, "--stop-timeout", "1",
                      "--progress-limit", str(progress_limit_s), "--input-root", "/", "--backend", "software"]
         for root in self.roots:
             arguments += ["--output-root", root]
         with open(self.log, "ab") as log:
             self.process = subprocess.Popen(arguments, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
-                                            env=environment,
-                                            preexec_fn=lambda: LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL))
+                                            env=environment, preexec_fn=die_with_parent)
         self.began, self.is_up = time.monotonic(), False
         self.machine.note_start()
 
@@ -203,6 +198,21 @@ exec {programs}/stub-worker --mode "$mode" "$@"
         is_excused = self.was_torn() or self.machine.is_state_hurt() or (not self.is_up and status == -number)
         if number == signal.SIGTERM and status and not is_excused:
             raise Failure(f"the daemon ended with status {status}, expected 0")
+
+    def command(self, *words):
+        """Begins a command of march, which speaks to this daemon."""
+        return subprocess.Popen([f"{self.programs}/march", *words], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, text=True, preexec_fn=die_with_parent,
+                                env=dict(os.environ, MARCHD_SOCKET=self.socket))
+
+    def do(self, *words):
+        """The exit status of a command, and what it said on standard error."""
+        process = self.command(*words)
+        try:
+            said = process.communicate(timeout=PATIENCE_S)[1]
+        except subprocess.TimeoutExpired:
+            raise Failure(f"march {' '.join(words)} does not end within {PATIENCE_S} s") from None
+        return process.returncode, said.strip()
 
     def limit_files(self, count):
         """Who connects to a daemon without descriptors waits until it has some."""
@@ -265,6 +275,19 @@ exec {programs}/stub-worker --mode "$mode" "$@"
             found += page["frames"]
             if len(found) >= page["total"]:
                 return found
+
+    def all_jobs_end(self):
+        """Resumes and retries what has to be. Whether all are over now, and none has failed."""
+        for job in self.jobs():
+            if job["state"] == "paused":
+                self.ask("job.resume", {"id": job["id"]})
+            if job["state"] == "failed" or (job["failed"] and job["state"] not in ("canceled", "running", "queued")):
+                self.ask("job.retry", {"id": job["id"]})
+        return not self.jobs(["queued", "running", "paused", "failed"])
+
+    def tell_frames(self, jobs):
+        """What the daemon says of each frame that is not queued, by job and frame."""
+        return {(job["id"], frame["frame"]): frame for job in jobs for frame in self.frames(job["id"])}
 
     def wait(self, what, is_done):
         ends = time.monotonic() + PATIENCE_S

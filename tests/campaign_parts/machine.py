@@ -24,6 +24,7 @@ class Disk:
 
     def __init__(self, folder, name, can_mount):
         self.path, self.real, self.can_mount = f"{folder}/{name}", f"{folder}/{name}.disk", can_mount
+        self.place = self.real if can_mount else self.path  # which is always there
         self.ballast = f"{self.real}/ballast"
         os.mkdir(self.path)
         if can_mount:
@@ -97,9 +98,8 @@ class Machine:
     def set_disk(self, disk, **fields):
         self.fields[disk] = fields
         self.seen[disk] |= set(fields)
-        place = self.disks[disk].real if self.can_mount else self.disks[disk].path
         for index, name in enumerate(DISK_FIELDS):
-            value = os.stat(place).st_dev if name == "device" else fields.get(name, 0)
+            value = os.stat(self.disks[disk].place).st_dev if name == "device" else fields.get(name, 0)
             self._put(1 + disk * len(DISK_FIELDS) + index, value)
 
     def mend(self):

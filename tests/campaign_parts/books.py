@@ -1,0 +1,34 @@
+"""The books of what was asked of the farm and answered: what it has promised since."""
+import os
+
+
+class Books:
+    """What was asked for and answered, and what a person did to the files."""
+
+    def __init__(self):
+        self.jobs = {}  # folder, root, frames and user of each accepted job, by id
+        self.accepted, self.deleted, self.maybe_deleted, self.canceled = set(), set(), set(), set()
+        self.refused = set()  # patterns of jobs that were refused
+        self.robbed = set()  # jobs whose folder was removed
+        self.again = set()  # folders whose frames may be published again
+        self.foreign = {}  # files of somebody else: text by path
+        self.kept_files, self.removed_files = set(), set()
+        self.forgotten = set()  # jobs that came after the backup that was restored
+        self.replaced = set()  # files that were published again after it, so that the store has an older inode
+
+    def return_to(self, copy, names_then, names_now):
+        """The store is again what it was when these books were `copy`; files are not. The names that files had got."""
+        self.forgotten |= self.accepted - copy.accepted
+        self.robbed |= self.maybe_deleted - copy.maybe_deleted
+        self.deleted, self.maybe_deleted = set(copy.deleted), set(copy.maybe_deleted)
+        self.canceled, self.removed_files = set(copy.canceled), set(copy.removed_files)
+        self.again |= {job["folder"] for job in self.jobs.values()}
+        self.replaced |= {path for _, path in names_then} & {path for _, path in names_now[len(names_then):]}
+
+    def known(self):
+        return sorted(self.accepted - self.deleted - self.forgotten)
+
+    def is_foreign(self, path):
+        """Whether a part file is none that the farm could know of."""
+        folder = os.path.dirname(path)
+        return path in self.foreign or any(self.jobs[number]["folder"] == folder for number in self.forgotten)
