@@ -1,186 +1,198 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/job/job_mistakes.h"
 
+#include "cli/job/json_set.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
 #include "core/job/job_json.h"
-#include "core/job/quality_json.h"
-#include "core/json/json_read.h"
-#include "core/json/json_write.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-// A right job. Its camera is where nobody's is, so that no target coincides with it.
+enum { MISTAKE_LIMIT = 64 };
+
+// What is right at most places. The camera is where nobody's is, so that no target coincides with it.
 static const char right[] =
     "{\"version\":1,\"name\":\"x\",\"frames\":\"0\",\"fps\":24,\"resolution\":[16,16],\"camera\":{\"position\":["
-    "12345.5,6789.25,-4321.125],\"target\":[1.5,2.25,3.125],\"fov\":40,\"clip\":[0.5,900000]},\"lights\":[],"
-    "\"scene\":{\"media\":[],\"objects\":[]},\"output\":{\"path\":\"x/x.####.exr\"}}";
-static const char right_light[] = "{\"kind\":\"point\",\"intensity\":1,\"position\":[0,9,0]}";
-static const char right_medium[] =
-    "{\"sigma_s\":1,\"density\":{\"kind\":\"homogeneous\",\"bounds\":{\"kind\":\"sphere\","
-    "\"center\":[0,0,0],\"radius\":1}}}";
-static const char right_object[] =
-    "{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":{\"kind\":\"mirror\"}}";
+    "12345.5,6789.25,-4321.125],\"target\":[1.5,2.25,3.125],\"fov\":40,\"clip\":[0.5,900000]},\"lights\":[{\"kind\":"
+    "\"point\",\"intensity\":1,\"position\":[0,9,0]}],\"scene\":{\"media\":[{\"sigma_s\":1,\"density\":{\"kind\":"
+    "\"homogeneous\",\"bounds\":{\"kind\":\"sphere\",\"center\":[0,0,0],\"radius\":1}}}],\"objects\":[{\"kind\":"
+    "\"sphere\",\"center\":[0,0,0],\"radius\":1,\"material\":{\"kind\":\"mirror\"}}]},\"output\":{\"path\":"
+    "\"x/x.####.exr\"}}";
+// What may be right elsewhere.
+static const char *const fillers[] = {"1", "0.5", "[0.25,0.5,0.75]", "\"x.nvdb\""};
 
-// What of the right job is replaced by the user's: a member, a member of that, and an element of that.
-struct place {
-    const char *key, *part; // `part` NULL: the whole member
-    size_t index;
-    const char *filler;            // for the elements before it; NULL: no element
-    const struct json_node *value; // NULL: the member is left out
-};
-
-struct finding {
-    struct json_node user, right;
+struct search {
+    char *text;          // owned; the document, with what was found mended
+    struct error error;  // what is wrong with it; empty: nothing
     struct error *found; // owned
     size_t count, capacity;
 };
 
-static void write_node(struct json_writer *writer, const struct json_node *node)
+// Of the path that a message begins with; 0: it is about the whole document.
+static size_t path_length(const char *message)
 {
-    char *text = json_node_format(node);
+    size_t length = strcspn(message, ": ");
 
-    json_write_raw(writer, text, strlen(text));
-    free(text);
+    return strncmp(message + length, ": ", 2) == 0 ? length : 0;
 }
 
-static void write_value(struct json_writer *writer, const struct place *place)
+static bool ends_step(char byte)
 {
-    if (!place->filler) {
-        write_node(writer, place->value);
-        return;
-    }
-    json_write_begin_array(writer);
-    for (size_t i = 0; i < place->index; i++)
-        json_write_raw(writer, place->filler, strlen(place->filler));
-    write_node(writer, place->value);
-    json_write_end_array(writer);
+    return byte == '\0' || byte == '.' || byte == '[' || byte == ':';
 }
 
-// Writes the object with the member `key` replaced or added.
-static void write_object(struct json_writer *writer, const struct json_node *object, const char *key,
-                         const struct place *place)
+// Whether the message is about the path, what contains it or a part of it.
+static bool concerns(const char *message, const char *path)
 {
-    struct json_node member = {0}, old = json_node_child(object, key);
+    size_t length = path_length(message);
 
-    json_write_begin_object(writer);
-    while (json_node_next(object, &member)) {
-        if (!strcmp(member.key, key)) continue;
-        json_write_key(writer, member.key);
-        write_node(writer, &member);
-    }
-    if (place->value) json_write_key(writer, key);
-    if (place->value && place->part && key == place->key)
-        write_object(writer, &old, place->part, place);
-    else if (place->value)
-        write_value(writer, place);
-    json_write_end_object(writer);
+    if (length > strlen(path)) length = strlen(path);
+    return length > 0 && strncmp(message, path, length) == 0 && ends_step(message[length]) && ends_step(path[length]);
 }
 
-static void add(struct finding *finding, const struct error *error)
+// Goes on with the edited document, which it takes over, if what is wrong with it is wrong elsewhere.
+static bool try_edited(struct search *search, char *edited, const char *path)
 {
-    for (size_t i = 0; i < finding->count; i++)
-        if (!strcmp(finding->found[i].message, error->message)) return;
-    finding->found = xgrow(finding->found, &finding->capacity, finding->count + 1, sizeof *finding->found);
-    finding->found[finding->count++] = *error;
-}
-
-// True when the place is right.
-static bool try_place(struct finding *finding, const struct place *place)
-{
-    struct json_writer writer = {0};
     struct error error = {0};
     struct job job;
-    bool ok;
 
-    write_object(&writer, &finding->right, place->key, place);
-    ok = job_parse(&job, writer.text, writer.length, "/", &error);
-    if (ok)
+    if (!edited) return false;
+    if (job_parse(&job, edited, strlen(edited), "/", &error)) {
         job_finish(&job);
-    else
-        add(finding, &error);
-    json_writer_finish(&writer);
+    } else if (path ? concerns(error.message, path) : strcmp(error.message, search->error.message) == 0) {
+        free(edited);
+        return false;
+    }
+    free(search->text);
+    search->text = edited;
+    search->error = error;
+    return true;
+}
+
+static bool try_value(struct search *search, const char *document, const char *path, const char *value)
+{
+    char *assignment = xasprintf("%s=%s", path, value);
+    bool ok = try_edited(search, json_set(document, assignment, NULL), path);
+
+    free(assignment);
     return ok;
 }
 
-static void try_elements(struct finding *finding, const struct json_node *array, const char *key, const char *part,
-                         const char *filler)
+// The path's value in the right document, whatever the path's indices are; NULL: it has none. Owned by the caller.
+static char *find_right(const char *path)
 {
-    struct json_node element = {0};
+    char *first = xstrdup(path), *to = first, *value = NULL;
 
-    while (json_node_next(array, &element))
-        try_place(finding, &(struct place){key, part, element.index, filler, &element});
-}
-
-static void try_parts(struct finding *finding, const struct json_node *object, const char *key)
-{
-    struct json_node part = {0};
-
-    while (json_node_next(object, &part)) {
-        bool is_array = json_node_type(&part) == JSON_ARRAY, is_scene = !strcmp(key, "scene");
-
-        if (is_scene && is_array && !strcmp(part.key, "media"))
-            try_elements(finding, &part, key, part.key, right_medium);
-        else if (is_scene && is_array && !strcmp(part.key, "objects"))
-            try_elements(finding, &part, key, part.key, right_object);
-        else
-            try_place(finding, &(struct place){key, part.key, 0, NULL, &part});
+    for (const char *from = path; *from; from++) {
+        *to++ = *from;
+        if (*from != '[') continue;
+        *to++ = '0';
+        from += strcspn(from, "]") - 1;
     }
+    *to = '\0';
+    free(json_take(right, first, &value));
+    free(first);
+    return value;
 }
 
-// Whether a quality suits the scene of its job is asked only where all else is right, as a part of the whole.
-static void try_quality(struct finding *finding)
+static bool mend_value(struct search *search, const char *path)
 {
-    struct job_quality quality;
-    struct error error = {0};
+    char *value = find_right(path), *without = json_take(search->text, path, NULL), *document;
+    bool ok = value && try_value(search, search->text, path, value);
 
-    if (!quality_from_json(&quality, &finding->user, &error)) add(finding, &error);
+    if (!ok && without) ok = try_edited(search, xstrdup(without), path);
+    document = without ? without : xstrdup(search->text); // a number in place of a string would become one
+    for (size_t i = 0; i < sizeof fillers / sizeof fillers[0] && !ok; i++)
+        ok = try_value(search, document, path, fillers[i]);
+    free(document);
+    free(value);
+    return ok;
 }
 
-static void try_member(struct finding *finding, const struct json_node *member)
+// The text between the quotes that follow `before`; NULL: none. Owned by the caller.
+static char *find_quoted(const char *message, const char *before)
 {
-    const char *key = member->key;
-    bool is_object = json_node_type(member) == JSON_OBJECT;
+    const char *found = strstr(message, before), *start = found ? found + strlen(before) : NULL;
 
-    if (!strcmp(key, "quality"))
-        try_quality(finding);
-    else if (is_object && (!strcmp(key, "camera") || !strcmp(key, "output") || !strcmp(key, "scene")))
-        try_parts(finding, member, key);
-    else if (!strcmp(key, "lights") && json_node_type(member) == JSON_ARRAY)
-        try_elements(finding, member, key, NULL, right_light);
-    else
-        try_place(finding, &(struct place){key, NULL, 0, NULL, member});
+    return start ? xstrndup(start, strcspn(start, "\"")) : NULL;
 }
 
-static void try_missing(struct finding *finding)
+// Gives a key that is unknown the name that was meant, or removes it.
+static bool mend_key(struct search *search, const char *path)
 {
-    static const char *const needed[] = {"version", "name", "frames", "fps", "resolution", "camera", "output"};
+    char *key = find_quoted(search->error.message, "unknown key \"");
+    char *meant = find_quoted(search->error.message, "did you mean \"");
+    const char *dot = *path ? "." : "";
+    char *place = xasprintf("%s%s%s", path, dot, key ? key : ""), *value = NULL, *without = NULL, *edited = NULL;
+    bool ok = false;
 
-    for (size_t i = 0; i < sizeof needed / sizeof needed[0]; i++) {
-        struct json_node member = json_node_child(&finding->user, needed[i]);
+    if (key) without = json_take(search->text, place, &value);
+    if (without && meant) {
+        char *assignment = xasprintf("%s%s%s=%s", path, dot, meant, value);
+        char *name = xasprintf("%s%s%s", path, dot, meant), *other = json_take(without, name, NULL);
 
-        if (json_node_is_absent(&member)) try_place(finding, &(struct place){needed[i], NULL, 0, NULL, NULL});
+        if (!other) edited = json_set(without, assignment, NULL);
+        free(other);
+        free(name);
+        free(assignment);
     }
+    ok = try_edited(search, edited, NULL) || try_edited(search, without ? xstrdup(without) : NULL, NULL);
+    free(without);
+    free(value);
+    free(place);
+    free(meant);
+    free(key);
+    return ok;
+}
+
+static void cut_last_step(char *path)
+{
+    size_t length = strlen(path);
+
+    while (length > 0 && path[length - 1] != '.' && path[length - 1] != '[')
+        length--;
+    path[length > 0 ? length - 1 : 0] = '\0';
+}
+
+// Mends what the error is about or, where nothing is right there, what contains it.
+static bool mend(struct search *search)
+{
+    char *path = xstrndup(search->error.message, path_length(search->error.message));
+    char *meant = find_quoted(search->error.message, "did you mean \"");
+    bool ok = mend_key(search, path) || (meant && *path && try_value(search, search->text, path, meant));
+
+    while (!ok && *path) {
+        ok = mend_value(search, path);
+        cut_last_step(path);
+    }
+    free(meant);
+    free(path);
+    return ok;
+}
+
+static bool is_found(const struct search *search)
+{
+    for (size_t i = 0; i < search->count; i++)
+        if (strcmp(search->found[i].message, search->error.message) == 0) return true;
+    return false;
+}
+
+static void add(struct search *search, const struct error *error)
+{
+    search->found = xgrow(search->found, &search->capacity, search->count + 1, sizeof *search->found);
+    search->found[search->count++] = *error;
 }
 
 struct error *job_mistakes_find(const char *document, const struct error *first, size_t *count)
 {
-    struct finding finding = {0};
-    struct cJSON *user = NULL, *other = NULL;
-    struct json_node member = {0};
+    struct search search = {.text = xstrdup(document), .error = *first};
 
-    add(&finding, first);
-    if (json_parse(&user, document, strlen(document), NULL) && json_parse(&other, right, strlen(right), NULL)) {
-        finding.user = json_node_root(user);
-        finding.right = json_node_root(other);
-        if (json_node_type(&finding.user) == JSON_OBJECT) try_missing(&finding);
-        while (json_node_type(&finding.user) == JSON_OBJECT && json_node_next(&finding.user, &member))
-            try_member(&finding, &member);
-    }
-    json_delete(user);
-    json_delete(other);
-    *count = finding.count;
-    return finding.found;
+    do
+        add(&search, &search.error);
+    while (search.count < MISTAKE_LIMIT && mend(&search) && *search.error.message && !is_found(&search));
+    free(search.text);
+    *count = search.count;
+    return search.found;
 }

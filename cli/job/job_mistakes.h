@@ -6,7 +6,7 @@
 
 struct error;
 
-// Returns the messages about `document`, compact JSON that is no valid job: the first, with which reading it ends, and
-// those of its other members, each of which is read in a job that is right otherwise. Of lights, media and objects each
-// element tells one, of camera and output each member. The caller frees them.
+// Returns the messages about `document`, compact JSON that is no valid job, at most 64. The first is that with which
+// reading ends, the next that with which it ends once the first is mended, and so on. Where nothing right is known for
+// a place, what contains it is mended as a whole, and tells no more. The caller frees them.
 struct error *job_mistakes_find(const char *document, const struct error *first, size_t *count);

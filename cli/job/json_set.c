@@ -25,8 +25,17 @@ struct edit {
     size_t step_count;
     const char *value; // borrowed; the right side of the assignment
     bool value_is_json, value_is_number;
+    bool takes;  // the member is taken out in place of being set
+    char *taken; // owned; its value; NULL: not met yet
     struct json_writer writer;
 };
+
+static void finish(struct edit *edit)
+{
+    for (size_t i = 0; i < STEP_LIMIT; i++)
+        free(edit->steps[i].key);
+    json_writer_finish(&edit->writer);
+}
 
 static bool fail_path(const struct edit *edit, struct error *error, size_t step, const char *why)
 {
@@ -127,14 +136,20 @@ static bool write_edited_object(struct edit *edit, const struct json_node *objec
 
     json_write_begin_object(&edit->writer);
     while (ok && json_node_next(object, &child)) {
-        json_write_key(&edit->writer, child.key);
-        if (strcmp(child.key, key) != 0) {
-            write_unchanged(edit, &child);
+        bool is_on_path = strcmp(child.key, key) == 0;
+
+        found |= is_on_path;
+        if (is_on_path && edit->takes && step + 1 == edit->step_count) {
+            edit->taken = json_node_format(&child);
             continue;
         }
-        found = true;
-        ok = write_edited(edit, &child, step + 1, error);
+        json_write_key(&edit->writer, child.key);
+        if (is_on_path)
+            ok = write_edited(edit, &child, step + 1, error);
+        else
+            write_unchanged(edit, &child);
     }
+    if (edit->takes) ok &= found;
     if (ok && !found) {
         json_write_key(&edit->writer, key);
         ok = write_missing(edit, step + 1, error);
@@ -206,12 +221,31 @@ char *json_set(const char *document, const char *assignment, struct error *error
     if (!write_edited(&edit, &node, 0, error)) goto out;
     edited = xstrdup(edit.writer.text);
 out:
-    for (size_t i = 0; i < STEP_LIMIT; i++)
-        free(edit.steps[i].key);
-    json_writer_finish(&edit.writer);
+    finish(&edit);
     json_delete(value);
     json_delete(root);
     free(path);
+    return edited;
+}
+
+char *json_take(const char *document, const char *path, char **value)
+{
+    struct edit edit = {.path = path, .takes = true};
+    struct cJSON *root = NULL;
+    struct json_node node;
+    char *edited = NULL;
+
+    if (parse_path(&edit, NULL) && json_parse(&root, document, strlen(document), NULL)) {
+        node = json_node_root(root);
+        if (write_edited(&edit, &node, 0, NULL) && edit.taken) edited = xstrdup(edit.writer.text);
+    }
+    if (edited && value) {
+        *value = edit.taken;
+        edit.taken = NULL;
+    }
+    free(edit.taken);
+    finish(&edit);
+    json_delete(root);
     return edited;
 }
 

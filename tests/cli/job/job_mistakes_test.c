@@ -61,6 +61,38 @@ static void each_member_tells_its_mistake(void **state)
         expected, sizeof expected / sizeof expected[0]);
 }
 
+static void one_member_tells_several_mistakes(void **state)
+{
+    static const char *const expected[] = {
+        "lights[0].intensity: expected",
+        "lights[0].position[1]: expected a number",
+        "scene.media[0]: unknown key \"sigma_t\"",
+        "scene.media[0].density.octaves: expected",
+        "scene.media[0].density.frequency: expected",
+        "scene.media[0].density.bounds.radius: expected",
+        "scene.media[0].sigma_a: expected",
+        "scene.media[0].phase[0].g: expected",
+        "scene.media[1].density.kind: expected one of",
+        "scene.media[1].density.iterations: expected",
+        "quality.step: expected",
+        "quality: unknown key \"lightstep\", did you mean \"light_step\"?",
+        "output.pixel: expected one of",
+        "output.compression: expected one of",
+    };
+
+    assert_found(
+        "{\"version\":1,\"name\":\"x\",\"frames\":\"1-9\",\"fps\":24,\"resolution\":[64,32],\"camera\":{\"position\":"
+        "[0,0,4],\"target\":[0,0,0],\"fov\":40},\"lights\":[{\"kind\":\"point\",\"intensity\":-1,\"position\":"
+        "[0,\"1\",0]}],\"scene\":{\"media\":[{\"sigma_s\":1,\"sigma_t\":2,\"sigma_a\":-2,\"phase\":[{\"g\":1}],"
+        "\"density\":{\"kind\":\"noise\",\"frequency\":-2,\"octaves\":0,\"bounds\":{\"kind\":\"sphere\",\"radius\":0}}}"
+        ","
+        "{\"sigma_s\":1,\"density\":{\"kind\":\"fold_fractl\",\"iterations\":99,\"offset\":0.06,\"radius\":0.1,"
+        "\"exponent\":1,\"scale\":10}}]},\"quality\":{\"method\":\"midpoint\",\"step\":-1,\"lightstep\":0.1},"
+        "\"output\":"
+        "{\"path\":\"a/a.#.exr\",\"pixel\":\"hlf\",\"compression\":\"lzw\"}}",
+        expected, sizeof expected / sizeof expected[0]);
+}
+
 static void what_is_right_is_not_blamed(void **state)
 {
     const char *const texts[] = {job_text_full, job_text_noise, job_text_fog,
@@ -87,6 +119,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_member_tells_its_mistake),
+        cmocka_unit_test(one_member_tells_several_mistakes),
         cmocka_unit_test(what_is_right_is_not_blamed),
         cmocka_unit_test(a_document_that_is_no_object_is_one_mistake),
     };

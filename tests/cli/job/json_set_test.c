@@ -76,6 +76,20 @@ static void nested_arrays_are_reached(void **state)
     assert_edited("{\"keys\":[[0,1],[1,5]]}", "keys[1][0]=2", "{\"keys\":[[0,1],[2,5]]}");
 }
 
+static void member_is_taken_with_its_value(void **state)
+{
+    char *value = NULL, *rest = json_take(document, "media[1].s", &value);
+
+    assert_string_equal(rest, "{\"name\":\"a\",\"camera\":{\"position\":[0,0,-2]},\"media\":[{\"s\":1},{}]}");
+    assert_string_equal(value, "2");
+    free(rest);
+    free(value);
+    value = NULL;
+    for (int i = 0; i < 4; i++)
+        assert_null(json_take(document, (const char *[]){"media[1]", "media[2].s", "camera.up", "name.s"}[i], &value));
+    assert_null(value);
+}
+
 static void wrong_paths_are_named(void **state)
 {
     assert_refused("media[3].s=1", "media[3]: the array has 2 elements, index 2 would append");
@@ -119,6 +133,7 @@ int main(void)
         cmocka_unit_test(missing_keys_are_added_with_what_leads_to_them),
         cmocka_unit_test(index_equal_to_the_count_appends),
         cmocka_unit_test(nested_arrays_are_reached),
+        cmocka_unit_test(member_is_taken_with_its_value),
         cmocka_unit_test(wrong_paths_are_named),
         cmocka_unit_test(malformed_paths_are_refused),
         cmocka_unit_test(path_deeper_than_json_may_be_is_refused),
