@@ -40,7 +40,8 @@ static const struct option_rule rules[OPTION_COUNT] = {
                     "change the job, as in camera.position=[0,0,-3]"},
     [OPTION_STATE] = {"state", KIND_TEXT, FIELD(state), "STATE[,STATE]", 0, 0, "only jobs or frames in these states"},
     [OPTION_RANGE] = {"range", KIND_FRAMES, FIELD(range), "RANGE", 0, 0, "the same as --frames"},
-    [OPTION_FRAME] = {"frame", KIND_INTEGER, FIELD(frame), "N", 0, INT32_MAX, "only this frame"},
+    [OPTION_FRAME] = {"frame", KIND_INTEGER, FIELD(frame), "N", 0, INT32_MAX,
+                      "only this frame; --frames N is the same"},
     [OPTION_FRAMES] = {"frames", KIND_FRAMES, FIELD(range), "RANGE", 0, 0, "only these frames, as in 1-100x2,140"},
     [OPTION_OUT] = {"out", KIND_TEXT, FIELD(out), "PATH", 0, 0, "where to write (verify: what to check)"},
     [OPTION_BACKEND] = {"backend", KIND_BACKEND, FIELD(backend), "NAME", 0, 0, "auto, egl, osmesa or software"},
@@ -86,8 +87,13 @@ static const struct option_rule rules[OPTION_COUNT] = {
                             "longest time of a picture (default 60; with --quick 8)"},
 };
 
+// Of a verb that takes one frame, --frames names it, too.
 static bool find_rule(const char *name, size_t length, uint64_t accepted, enum option *found)
 {
+    static const char frames[] = "frames";
+    bool takes_one = accepted & OPTION_BIT(OPTION_FRAME) && !(accepted & OPTION_BIT(OPTION_FRAMES));
+
+    if (takes_one && strlen(frames) == length && strncmp(frames, name, length) == 0) length--;
     for (int i = 0; i < OPTION_COUNT; i++) {
         if (!(accepted & OPTION_BIT(i))) continue;
         if (strlen(rules[i].name) != length || strncmp(rules[i].name, name, length) != 0) continue;

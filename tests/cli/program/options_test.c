@@ -56,6 +56,9 @@ static void frames_have_two_names_and_are_checked(void **state)
     assert_string_equal(options.range, "7");
     options_finish(&options);
     assert_refused(every, ARGUMENTS("--frames", "1..9"), "--frames: expected \"1-100x2\", got \"1..9\"");
+    assert_true(options_parse(&options, OPTION_BIT(OPTION_FRAME), ARGUMENTS("--frames", "7"), NULL));
+    assert_int_equal(options.frame, 7);
+    options_finish(&options);
 }
 
 static void values_may_begin_with_a_dash(void **state)
