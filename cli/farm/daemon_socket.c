@@ -16,6 +16,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+enum { ORDINARY_USERS = 1000 }; // ids of users below are the system's, as that of the package
+
 // Returns the connected socket, or -1 with errno set.
 static int connect_to(const char *path)
 {
@@ -44,17 +46,28 @@ static bool is_refused(int reason)
     return reason == EACCES || reason == EPERM;
 }
 
+// Whether the socket is of the private daemon of root or of an ordinary user: its group is theirs, and to be joined by
+// nobody else.
+static bool is_private(const struct stat *status, const struct passwd *owner)
+{
+    if (status->st_uid > 0 && status->st_uid < ORDINARY_USERS) return false;
+    return status->st_gid == owner->pw_gid || !(status->st_mode & S_IWGRP);
+}
+
 // Says which group may connect and how to join it; empty when the socket has no such group. Owned by the caller.
 static char *describe_group(const char *path)
 {
     struct stat status;
-    const struct passwd *user = getpwuid(geteuid());
+    const struct passwd *user;
     const struct group *group;
 
-    if (stat(path, &status) != 0 || !(status.st_mode & S_IWGRP)) return xstrdup("");
-    if (status.st_gid == 0) return xstrdup(": its daemon is one of root's own, for root alone");
+    if (stat(path, &status) != 0) return xstrdup("");
+    user = getpwuid(status.st_uid);
+    if (user && is_private(&status, user))
+        return xasprintf(": its daemon is one of %s's own, for %s alone", user->pw_name, user->pw_name);
     group = getgrgid(status.st_gid);
-    if (!group) return xstrdup("");
+    if (!group || !(status.st_mode & S_IWGRP)) return xstrdup("");
+    user = getpwuid(geteuid());
     return xasprintf(": only group %s may connect (root adds you with `usermod -aG %s %s`; then log in again)",
                      group->gr_name, group->gr_name, user ? user->pw_name : "YOU");
 }

@@ -5,6 +5,7 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 
+#include <pwd.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -141,6 +142,17 @@ static void socket_of_a_group_is_not_for_strangers(void **state)
     assert_int_equal(answered_by(place, first, -1, &status, &error), -1);
     assert_int_equal(seteuid(0), 0);
     assert_non_null(strstr(error.message, "only group daemon may connect (root adds you with `usermod -aG daemon"));
+
+    // Another user's own daemon.
+    assert_int_equal(chown(place->first, 65534, getpwuid(65534)->pw_gid), 0);
+    assert_int_equal(setegid(12345), 0);
+    assert_int_equal(seteuid(12345), 0);
+    assert_int_equal(answered_by(place, first, -1, &status, &error), -1);
+    assert_int_equal(seteuid(0), 0);
+    assert_int_equal(setegid(65534), 0);
+    assert_non_null(
+        strstr(error.message, "/first is not for you: its daemon is one of nobody's own, for nobody alone"));
+    assert_int_equal(chown(place->first, 0, 1), 0);
 
     // The user's own daemon.
     second = listen_at(place->second);
