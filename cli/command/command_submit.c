@@ -118,10 +118,13 @@ static void tell_job(struct connection *connection, int64_t id)
 
     snprintf(params, sizeof params, "{\"id\":%" PRId64 "}", id);
     if (!connection_call(connection, "job.show", params, &reply, NULL)) return;
-    if (job_report_read(&report, &reply.body, NULL))
+    if (job_report_read(&report, &reply.body, NULL)) {
+        const char *reason = job_report_is_next(&report) ? NULL : report.reason;
+
         fprintf(stderr, "job %" PRId64 ": %" PRId64 " frame%s to %s%s%s\n", id, report.frames,
-                report.frames == 1 ? "" : "s", report.output ? report.output : "?", report.reason ? "; " : "",
-                report.reason ? report.reason : "");
+                report.frames == 1 ? "" : "s", report.output ? report.output : "?", reason ? "; " : "",
+                reason ? reason : "");
+    }
     job_report_finish(&report);
     message_finish(&reply);
 }

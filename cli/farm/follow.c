@@ -81,7 +81,7 @@ static void tell_reason(const struct follow *follow, struct followed *followed)
     const struct job_report *report = &followed->report;
     const char *reason = waits(report) ? report->reason : NULL;
 
-    if (!follow->params->ends || !reason || strcmp(reason, "waits for a free worker") == 0) return;
+    if (!follow->params->ends || !reason || job_report_is_next(report)) return;
     if (followed->told && strcmp(followed->told, reason) == 0) return;
     free(followed->told);
     followed->told = xstrdup(reason);

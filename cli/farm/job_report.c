@@ -110,6 +110,13 @@ bool job_report_has_ended(const struct job_report *report)
            strcmp(report->state, "canceled") == 0;
 }
 
+bool job_report_is_next(const struct job_report *report)
+{
+    static const char reason[] = "waits for a "; // a free worker, or one that is being started
+
+    return report->reason && strncmp(report->reason, reason, strlen(reason)) == 0;
+}
+
 enum exit_status job_report_status(const struct job_report *report)
 {
     return strcmp(report->state, "succeeded") == 0 && report->missed == 0 ? EXIT_STATUS_DONE : EXIT_STATUS_FAILED;

@@ -28,6 +28,7 @@ struct job_report {
 bool job_report_read(struct job_report *report, const struct json_node *node, struct error *error);
 void job_report_finish(struct job_report *report);
 bool job_report_has_ended(const struct job_report *report);
+bool job_report_is_next(const struct job_report *report);            // it waits for a worker, and for nothing else
 enum exit_status job_report_status(const struct job_report *report); // the job must have ended
 void job_report_fill_progress(const struct job_report *report,
                               struct progress *progress); // `progress` borrows the texts

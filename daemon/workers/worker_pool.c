@@ -404,7 +404,7 @@ char *worker_pool_format_trouble(const struct worker_pool *pool)
         if (worker_pool_ready_at(pool, i)) return NULL;
         if (!reason) reason = pool->slots[i].reason;
     }
-    return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("no worker is ready: all are starting");
+    return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("waits for a worker that is being started");
 }
 
 struct worker_process *worker_pool_find_holder(const struct worker_pool *pool, int64_t job, int32_t frame,
