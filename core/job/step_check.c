@@ -221,6 +221,18 @@ static bool check_light_march(const struct check *check, size_t index)
                        check->error);
 }
 
+// Whether a parallel light has a path through the medium that has no end, wherever camera.clip ends.
+static bool has_endless_sun(const struct check *check, size_t index)
+{
+    const struct scene *scene = &check->job->scene;
+
+    for (size_t i = 0; i < scene->light_count; i++)
+        if (!light_rules_of(scene->lights[i].kind)->has_position &&
+            isinf(light_path(check, &scene->media[index], &scene->lights[i])))
+            return true;
+    return false;
+}
+
 static bool check_march(const struct check *check, size_t index)
 {
     const struct scene *scene = &check->job->scene;
@@ -232,8 +244,8 @@ static bool check_march(const struct check *check, size_t index)
 
     if (isinf(length))
         return json_fail(find_density(check, index, &nodes), check->error,
-                         "expected bounds (a sphere or a box) or a camera.clip that ends: a march through it has no "
-                         "end");
+                         "expected bounds (a sphere or a box)%s: a march through it has no end",
+                         has_endless_sun(check, index) ? "" : " or a camera.clip that ends");
     if (check->job->quality.step == 0.0) return true;
     return check_count(&node,
                        &(struct march){length, check->job->quality.step, describe_path(check, index, along),

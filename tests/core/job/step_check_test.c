@@ -70,6 +70,10 @@ static void a_march_has_an_end(void **state)
                        "scene.media[0].density: expected bounds (a sphere or a box) or a camera.clip that ends: a "
                        "march through it has no end");
     free(text);
+    text = open_noise(NULL, sun); // a clip would not end the sun's path
+    job_expect_refused(text,
+                       "scene.media[0].density: expected bounds (a sphere or a box): a march through it has no end");
+    free(text);
     text = open_noise("[0, 9]", point);
     job = job_expect(text); // the light is 5 m from the camera: 14 m at most in steps of 0.1
     job_finish(&job);
