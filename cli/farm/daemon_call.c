@@ -80,7 +80,12 @@ static bool call(struct connection *connection, const struct daemon_call_each *e
 
 static void tell_error(int64_t id, const char *message, struct json_writer *errors)
 {
-    fprintf(stderr, "%s\n", message);
+    bool names_job = strncmp(message, "job ", strlen("job ")) == 0;
+
+    if (names_job)
+        fprintf(stderr, "%s\n", message);
+    else
+        fprintf(stderr, "job %" PRId64 ": %s\n", id, message);
     if (!errors) return;
     json_write_begin_object(errors);
     json_write_integer_member(errors, "id", id);

@@ -31,6 +31,7 @@ expect 0 submit --set frames=48-50 --wait
 expect_stdout 1
 grep -q "job 1: 3 frames to $scratch/pictures/cloud/cloud.####.exr" err || fail "submit says where the files go"
 grep -q "^job 1: succeeded" err || fail "submit --wait says how the job ended"
+! grep -q "worker" err || fail "that a worker is started for a job is no trouble"
 [ "$(ls pictures/cloud)" = "cloud.0048.exr
 cloud.0049.exr
 cloud.0050.exr" ] || fail "the job's files: $(ls pictures/cloud)"
@@ -164,6 +165,10 @@ grep -q "^job 5: canceled" waited || fail "wait tells the end after a restart"
 [ "$(grep -c "waiting up to 300 s for it to come back" waited_err)" -eq 1 ] || fail "wait says once that the daemon is gone"
 
 expect 0 submit --paused --set frames=0 --set output.path=last/last.####.exr
+mv pictures elsewhere
+expect 1 march delete 5 --files
+grep -q "^job 5: output: output root $scratch/pictures is not there" err || fail "the job whose files cannot be removed is named"
+mv elsewhere pictures
 march wait 6 --reconnect 0 >out 2>err &
 waiter=$!
 until [ "$(find "/proc/$waiter/fd" -lname 'socket:*' | wc -l)" -gt 0 ] || ! kill -0 "$waiter"; do sleep 0.05; done
