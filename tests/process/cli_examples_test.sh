@@ -8,7 +8,7 @@ cd "$scratch/out" || exit 1
 ln -s "$PROJECT_ROOT/jobs" jobs
 # The first job of marchd-job(5), whose frames are in `first`: verify wants a job with a tolerance.
 sed -n '/^\.EX/,/^\.EE/{//!p}' "$PROJECT_ROOT/deploy/man/marchd-job.5" | sed 's/\\-/-/g' >first.json
-start_daemon
+start_daemon --progress-limit 3600
 small="--set resolution=[32,18] --set 'quality={\"method\":\"midpoint\",\"step\":0.05,\"light_step\":0.05}'"
 
 # The examples name jobs 7 and 8.
@@ -33,9 +33,16 @@ example()
 }
 
 example submit "$small"
+# Job 7, which `retry` queues again, is not over before `resume`: the workers stand still meanwhile.
+wait_state 8 succeeded
+workers=$(ask worker.list | jq '.result.workers[].pid')
+# shellcheck disable=SC2086 # a word each
+kill -STOP $workers
 for verb in list show frames log pause prio cancel retry resume; do
     example $verb
 done
+# shellcheck disable=SC2086
+kill -CONT $workers
 example watch
 example wait
 example workers

@@ -85,7 +85,8 @@ wait "$pid" || fail "render --preview"
 [ "$(od -An -tx1 -j16 -N8 first.png)" = "$(od -An -tx1 -j16 -N8 shown.png)" ] || fail "pictures differ in size"
 ! cmp -s first.png shown.png || fail "the picture did not refine"
 ! ls shown.png.* 2>/dev/null || fail "a preview leaves a file behind"
-[ "$(exr-compare plain/p.0048.exr shown/p.0048.exr)" = "0 0" ] || fail "--preview changes the frame"
+difference=$(exr-compare plain/p.0048.exr shown/p.0048.exr 2>&1)
+[ "$difference" = "0 0" ] || fail "--preview changes the frame: $difference"
 # A folder that is gone later costs the preview, and no frame.
 mkdir gone
 printf '#!/bin/sh\nrm -r gone\nexec march-worker "$@"\n' >remover
