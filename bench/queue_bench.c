@@ -43,7 +43,7 @@ static void run_all(struct queue *queue, double frame_s)
 
     for (struct queue_job *job; (job = queue_choose_job(queue, NULL));) {
         const struct dispatch_load load = {
-            .frame_s = estimate_median_s(&estimate), .left = job->counts[FRAME_QUEUED], .workers = WORKERS};
+            .frame_s = estimate_median_s(&estimate), .left = job->states.counts[FRAME_QUEUED], .workers = WORKERS};
         size_t count = queue_take(job, 1, tickets, dispatch_count(&load));
 
         for (size_t i = 0; i < count; i++) {

@@ -265,7 +265,7 @@ struct job_record *job_table_find_owned_files(const struct job_table *table, con
     for (size_t i = 0; (record = next_neighbour(table, hash, &i));) {
         const struct job_files others = job_record_files(record);
 
-        if (record->owner_uid == owner_uid || record->queued->counts[FRAME_SUCCEEDED] == 0) continue;
+        if (record->owner_uid == owner_uid || record->queued->states.counts[FRAME_SUCCEEDED] == 0) continue;
         if (job_files_collide(files, &others, frame)) return record;
     }
     return NULL;

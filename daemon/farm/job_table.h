@@ -52,8 +52,8 @@ struct job_record {
     bool is_unreadable;                      // its document cannot be read: it is shown, and can be deleted
     bool is_removed;                         // from the table
     bool is_deleting;                        // a deletion is under way
-    bool is_retry_waiting;                   // a retry waits until it is swept, or until rows are stored
-    bool is_marking;                         // rows are stored of frames that a retry leaves as they are
+    bool is_retry_waiting;                   // a retry has begun, or waits until it is swept
+    bool is_retrying;                        // a retry has begun: others wait
     bool is_ending;                          // it is over, and no frame of it is in flight
     bool is_sweeping;                        // its part files are being removed
     bool is_swept;                           // they are removed: finished_ms may be stored

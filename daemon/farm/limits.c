@@ -29,7 +29,7 @@ void limits_count_job(struct farm *farm, struct job_record *record)
 {
     const struct queue_job *queued = record->queued;
     bool is_live = queue_job_is_live(queued);
-    int64_t frames = is_live ? queued->counts[FRAME_QUEUED] + queued->counts[FRAME_RUNNING] : 0;
+    int64_t frames = is_live ? queued->states.counts[FRAME_QUEUED] + queued->states.counts[FRAME_RUNNING] : 0;
 
     if (!record->user) record->user = quota_find_user(&farm->quota, record->owner_uid, record->owner);
     quota_set(record->user, &record->share,

@@ -163,7 +163,7 @@ static size_t count_to_assign(struct farm *farm, const struct worker_process *wo
     struct dispatch_load load = {.frame_s = estimate_median_s(&record->estimate),
                                  .skip_run = record->estimate.skip_run,
                                  .skip_s = (double)record->estimate.skip_s,
-                                 .left = next->counts[FRAME_QUEUED],
+                                 .left = next->states.counts[FRAME_QUEUED],
                                  .workers = workers};
     size_t count;
 
@@ -172,8 +172,8 @@ static size_t count_to_assign(struct farm *farm, const struct worker_process *wo
     return count < DISPATCH_CHUNK_LIMIT ? count : DISPATCH_CHUNK_LIMIT;
 }
 
-// False when the worker has enough frames, or none can be assigned.
-static bool feed_worker(struct farm *farm, int index, int workers)
+// False when the worker has enough frames, or none can be assigned. `*is_searching`: the next is still searched for.
+static bool feed_worker(struct farm *farm, int index, int workers, bool *is_searching)
 {
     struct queue_ticket tickets[DISPATCH_CHUNK_LIMIT];
     struct turns_seat *seat = worker_pool_seat(farm->pool, index);
@@ -195,21 +195,26 @@ static bool feed_worker(struct farm *farm, int index, int workers)
     worker_pool_charge(farm->pool, index);
     turns_sit(queue_turns(farm->queue), seat, &next->turn, false);
     count = queue_take(next, (uint16_t)worker->id, tickets, count);
-    if (count > 0) assign(farm, worker, tickets, count);
+    if (count > 0)
+        assign(farm, worker, tickets, count);
+    else
+        *is_searching = true;
     return count > 0;
 }
 
-void feed_workers(struct farm *farm)
+bool feed_workers(struct farm *farm)
 {
     int workers = worker_pool_ready_count(farm->pool);
+    bool is_searching = false;
 
-    if (committer_trouble(farm->committer)) return;
+    if (committer_trouble(farm->committer)) return true;
     turns_advance(queue_turns(farm->queue), farm_now_ms(farm));
-    for (int i = 0; i < worker_pool_slot_count(farm->pool); i++) {
-        while (feed_worker(farm, i, workers)) {
+    for (int i = 0; i < worker_pool_slot_count(farm->pool) && !is_searching; i++) {
+        while (feed_worker(farm, i, workers, &is_searching)) {
         }
         turns_uncover(queue_turns(farm->queue)); // what another worker is to take must be there for that one
     }
+    return !is_searching;
 }
 
 void feed_note_rendering(struct worker_process *worker, struct job_record *record)

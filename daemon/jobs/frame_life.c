@@ -90,13 +90,13 @@ static void await_root(struct farm *farm, const struct attempt_end *end)
 static bool is_hopeless(const struct queue_job *queued)
 {
     return queue_job_is_live(queued) &&
-           retry_gives_up_job(queued->counts[FRAME_FAILED],
-                              queued->counts[FRAME_SUCCEEDED] + queued->counts[FRAME_SKIPPED]);
+           retry_gives_up_job(queued->states.counts[FRAME_FAILED],
+                              queued->states.counts[FRAME_SUCCEEDED] + queued->states.counts[FRAME_SKIPPED]);
 }
 
 static enum retry_action decide(const struct farm *farm, const struct attempt_end *end)
 {
-    int tries = end->record->queued->states[end->ticket.index].tries;
+    int tries = frame_states_at(&end->record->queued->states, end->ticket.index).tries;
 
     if (end->is_old && (end->fault == RETRY_FAULT_OUTPUT || end->fault == RETRY_FAULT_ROOT)) return RETRY_FREE;
     if (end->is_hosted && retry_blames_host(end->fault)) {
@@ -135,7 +135,7 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
         break;
     }
     // A frame of a job that was canceled in the meantime is canceled, which needs no row.
-    state = (enum frame_state)end->record->queued->states[end->ticket.index].state;
+    state = frame_states_get(&end->record->queued->states, end->ticket.index);
     if (state == FRAME_FAILED)
         store_failed_frame(farm, end);
     else if (end->has_row)

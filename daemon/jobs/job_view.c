@@ -70,7 +70,8 @@ static char *reason_to_wait(const struct farm *farm, const struct job_record *re
     char *trouble;
 
     if (store_trouble) return xstrdup(store_trouble);
-    if (record->queued->counts[FRAME_QUEUED] == 0 || record->queued->counts[FRAME_RUNNING] > 0) return NULL;
+    if (record->queued->states.counts[FRAME_QUEUED] == 0 || record->queued->states.counts[FRAME_RUNNING] > 0)
+        return NULL;
     if (record->queued->block == QUEUE_IN_DOUBT) return xstrdup("its output is looked at");
     trouble = worker_pool_format_trouble(farm->pool);
     if (trouble) return trouble;
@@ -89,10 +90,10 @@ static char *format_reason(const struct farm *farm, const struct job_record *rec
         return reason_to_wait(farm, record);
     case JOB_FAILED:
         if (record->reason) return xstrdup(record->reason);
-        return xasprintf("%lld of its frames failed", (long long)queued->counts[FRAME_FAILED]);
+        return xasprintf("%lld of its frames failed", (long long)queued->states.counts[FRAME_FAILED]);
     case JOB_SUCCEEDED:
-        if (queued->missed_count == 0) return NULL;
-        return xasprintf("%lld of its frames missed the tolerance", (long long)queued->missed_count);
+        if (queued->states.missed_count == 0) return NULL;
+        return xasprintf("%lld of its frames missed the tolerance", (long long)queued->states.missed_count);
     case JOB_PAUSED:
         if (!queued->is_paused) return root_format_reason(record->output_root);
         return record->reason ? xstrdup(record->reason) : NULL;
@@ -107,8 +108,8 @@ static void write_counts(const struct queue_job *queued, struct json_writer *wri
 {
     json_write_integer_member(writer, "frames", frame_range_count(&queued->frames));
     for (int state = 0; state < FRAME_STATE_COUNT; state++)
-        json_write_integer_member(writer, frame_state_name((enum frame_state)state), queued->counts[state]);
-    json_write_integer_member(writer, "missed", queued->missed_count);
+        json_write_integer_member(writer, frame_state_name((enum frame_state)state), queued->states.counts[state]);
+    json_write_integer_member(writer, "missed", queued->states.missed_count);
 }
 
 static int count_workers(const struct farm *farm)
@@ -121,7 +122,7 @@ static int count_workers(const struct farm *farm)
 static double find_own_eta_s(const struct farm *farm, struct job_record *record)
 {
     const struct queue_job *queued = record->queued;
-    int64_t left = queued->counts[FRAME_QUEUED] + queued->counts[FRAME_RUNNING];
+    int64_t left = queued->states.counts[FRAME_QUEUED] + queued->states.counts[FRAME_RUNNING];
 
     return estimate_eta_s(&record->estimate, frame_range_count(&queued->frames), left, count_workers(farm));
 }
@@ -149,7 +150,7 @@ static double find_eta_s(const struct farm *farm, struct job_record *record)
     size_t capacity = 0;
     bool is_known = params.own_s >= 0;
 
-    if (is_known && queued->counts[FRAME_QUEUED] > 0 && queue_job_state(queued) != JOB_PAUSED)
+    if (is_known && queued->states.counts[FRAME_QUEUED] > 0 && queue_job_state(queued) != JOB_PAUSED)
         job = queue_first_job(farm->queue);
     for (; is_known && job && job->priority >= queued->priority; job = job->next) {
         bool is_own = job->turn.owner == queued->turn.owner, is_front = job->priority > queued->priority;

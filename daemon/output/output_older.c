@@ -14,7 +14,7 @@
 // Drafts are there to be replaced.
 static bool has_pictures(const struct job_record *record)
 {
-    const int64_t *counts = record->queued->counts;
+    const int64_t *counts = record->queued->states.counts;
 
     return !record->is_draft && counts[FRAME_SUCCEEDED] + counts[FRAME_SKIPPED] > 0;
 }
@@ -66,7 +66,7 @@ static bool has_published(const struct job_record *record, const struct job_file
     frame = output_path_frame_of(&record->path, name);
     index = frame >= 0 ? frame_range_index(&record->queued->frames, frame) : -1;
     if (index < 0) return false;
-    state = record->queued->states[index].state;
+    state = frame_states_get(&record->queued->states, index);
     return state == FRAME_SUCCEEDED || state == FRAME_SKIPPED;
 }
 

@@ -65,7 +65,7 @@ static struct root_look make_look(const struct farm *farm, const struct root *ro
     for (size_t i = 0; i < farm->jobs.count && look.folder_count < FOLDER_LIMIT; i++) {
         const struct job_record *record = farm->jobs.records[i];
 
-        if (record->output_root == root && record->queued->counts[FRAME_SUCCEEDED] > 0)
+        if (record->output_root == root && record->queued->states.counts[FRAME_SUCCEEDED] > 0)
             look.folders[look.folder_count++] = xstrdup(record->path.folder);
     }
     return look;

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// What is read on the loop.
+// What is read on the loop, or kept for a thread.
 enum { SET_LIMIT = 64, RANGE_TEXT_LIMIT = 64 * 1024 };
 
 enum request_outcome request_fail(struct request *request, enum message_code code, const char *format, ...)
@@ -101,20 +101,16 @@ bool request_read_flag(struct request *request, const char *key, bool *flag)
     return json_node_is_absent(&node) || json_read_bool(&node, flag, &request->error);
 }
 
-bool request_read_range(struct request *request, struct frame_range *range)
+bool request_read_range(struct request *request, const char **text)
 {
     struct json_node node = json_node_child(&request->params, "range");
-    const char *text;
 
-    *range = (struct frame_range){0};
+    *text = NULL;
     request->code = MESSAGE_CODE_PARAMS;
     if (json_node_is_absent(&node)) return true;
-    if (!json_read_string(&node, &text, &request->error)) return false;
-    if (strlen(text) > RANGE_TEXT_LIMIT)
-        return json_fail(&node, &request->error, "expected at most %d bytes", RANGE_TEXT_LIMIT);
-    if (frame_range_parse(range, text, &request->error)) return true;
-    error_prefix(&request->error, "params.range");
-    return false;
+    if (!json_read_string(&node, text, &request->error)) return false;
+    return strlen(*text) <= RANGE_TEXT_LIMIT ||
+           json_fail(&node, &request->error, "expected at most %d bytes", RANGE_TEXT_LIMIT);
 }
 
 struct answer *request_defer_answer(const struct request *request, bool is_long)

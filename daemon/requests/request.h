@@ -12,7 +12,6 @@
 struct answer;
 struct client;
 struct farm;
-struct frame_range;
 struct job_record;
 struct json_writer;
 
@@ -48,10 +47,10 @@ struct job_record *request_find_own_job(struct request *request);
 bool request_read_set(struct request *request, const char *key, const char *const names[], unsigned fallback,
                       unsigned *set);
 
-// Read a parameter; absent: `*flag` is not changed, the range (owned by the caller) is empty. False with code and error
-// filled.
+// Read a parameter; absent: `*flag` is not changed. False with code and error filled.
 bool request_read_flag(struct request *request, const char *key, bool *flag);
-bool request_read_range(struct request *request, struct frame_range *range);
+// The text of a range, which is not looked at yet; borrowed from the message. NULL: absent.
+bool request_read_range(struct request *request, const char **text);
 
 // The answer is sent later. `is_long` as in answer_create.
 struct answer *request_defer_answer(const struct request *request, bool is_long);

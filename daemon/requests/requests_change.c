@@ -10,6 +10,7 @@
 #include "daemon/farm/limits.h"
 #include "daemon/jobs/job_change.h"
 #include "daemon/jobs/job_delete.h"
+#include "daemon/jobs/job_retry.h"
 #include "daemon/jobs/job_view.h"
 #include "daemon/output/output_claims.h"
 #include "daemon/requests/job_submit.h"
@@ -92,7 +93,7 @@ enum request_outcome requests_job_cancel(struct request *request)
         return request_fail(request, MESSAGE_CODE_CONFLICT,
                             "job %lld succeeds in a moment: nothing is left to cancel, its last %lld frames are being "
                             "published",
-                            (long long)record->id, (long long)record->queued->counts[FRAME_RUNNING]);
+                            (long long)record->id, (long long)record->queued->states.counts[FRAME_RUNNING]);
     job_change_cancel(request->farm, record, request->client->user);
     return commit_change(request, record);
 }
@@ -165,7 +166,7 @@ enum request_outcome requests_job_retry(struct request *request)
     const unsigned allowed = 1U << FRAME_FAILED | 1U << FRAME_CANCELED | 1U << FRAME_SUCCEEDED | 1U << FRAME_SKIPPED;
     const char *trouble = committer_trouble(request->farm->committer);
     struct job_record *record = request_find_own_job(request);
-    struct frame_range range;
+    const char *range;
     bool is_forced = false;
     unsigned states;
 
@@ -179,14 +180,14 @@ enum request_outcome requests_job_retry(struct request *request)
                             "cannot be retried");
     if (trouble) return request_fail(request, MESSAGE_CODE_STORE, "%s", trouble);
     if (!check_files_are_free(request, record) || !request_read_range(request, &range)) return REQUEST_FAILED;
-    job_change_retry(
+    job_retry_start(
         request->farm, record,
         &(struct job_retry_params){.states = states,
                                    .range = range,
                                    .is_forced = is_forced,
                                    .user = request->client->user,
                                    .by_admin = rights_is_admin(&request->farm->rights, &request->client->peer),
-                                   .answer = request_defer_answer(request, false)});
+                                   .answer = request_defer_answer(request, true)});
     return REQUEST_DEFERRED;
 }
 

@@ -32,7 +32,7 @@ struct listed_frame {
 
 struct frames_filter {
     unsigned states;
-    struct frame_range range; // owned; empty: all frames
+    char *range; // owned; NULL: all frames
     int64_t offset, limit;
 };
 
@@ -40,6 +40,7 @@ struct details_task {
     struct work_piece piece;
     struct loop_task walk; // over the frames' states, until it ends
     struct frames_filter filter;
+    struct frame_set numbers; // owned; of the filter's range
     int64_t walked;
     size_t frame_capacity;
     const struct farm *farm;     // borrowed; outlives us
@@ -53,9 +54,12 @@ struct details_task {
     int limit;
     struct json_writer value;
     bool ok;
+    enum message_code code; // of the error
     struct error error;
 };
 
+static void on_range_run(struct work_piece *piece);
+static void on_range_done(struct work_piece *piece, bool was_run);
 static bool on_walk_step(struct loop_task *walk);
 static void on_frames_run(struct work_piece *piece);
 static void on_log_run(struct work_piece *piece);
@@ -69,6 +73,7 @@ static struct details_task *create_task(struct request *request, struct job_reco
     job_record_hold(record);
     task->state_folder = request->farm->options->state_folder;
     task->farm = request->farm;
+    task->code = MESSAGE_CODE_INTERNAL;
     task->answer = request_defer_answer(request, true);
     task->piece.uid = request->client->peer.uid;
     task->piece.done = on_details_done;
@@ -93,14 +98,15 @@ static void on_details_done(struct work_piece *piece, bool was_run)
 {
     struct details_task *task = (struct details_task *)piece;
 
-    if (!was_run) error_set(&task->error, "the daemon stops: ask the next one");
+    if (!was_run && !task->ok) error_set(&task->error, "the daemon stops: ask the next one");
     if (task->ok)
         answer_send_result(task->answer, &task->value);
     else
-        answer_send_error(task->answer, MESSAGE_CODE_INTERNAL, task->error.message);
+        answer_send_error(task->answer, task->code, task->error.message);
     job_record_release(task->record);
     json_writer_finish(&task->value);
-    frame_range_finish(&task->filter.range);
+    frame_set_finish(&task->numbers);
+    free(task->filter.range);
     free(task->frames);
     free(task);
 }
@@ -116,11 +122,14 @@ static bool read_count(struct request *request, const char *key, int64_t min, in
 
 static bool read_filter(struct request *request, struct frames_filter *filter)
 {
+    const char *range;
+
     *filter = (struct frames_filter){0};
+    if (!request_read_range(request, &range)) return false;
+    filter->range = range ? xstrdup(range) : NULL;
     return request_read_set(request, "state", frame_state_names, ~0U, &filter->states) &&
            read_count(request, "offset", 0, FRAME_COUNT_LIMIT, 0, &filter->offset) &&
-           read_count(request, "limit", 0, FRAMES_LIMIT, FRAMES_DEFAULT, &filter->limit) &&
-           request_read_range(request, &filter->range);
+           read_count(request, "limit", 0, FRAMES_LIMIT, FRAMES_DEFAULT, &filter->limit);
 }
 
 static void note_phase(const struct worker_pool *pool, const struct details_task *task, struct listed_frame *listed)
@@ -136,15 +145,42 @@ static void note_phase(const struct worker_pool *pool, const struct details_task
 static void list_frame(struct details_task *task, int32_t index)
 {
     const struct queue_job *queued = task->record->queued;
-    const struct queue_frame *state = &queued->states[index];
+    const struct queue_frame known = frame_states_at(&queued->states, index);
     int32_t frame = frame_range_at(&queued->frames, index);
 
-    if (frame_range_count(&task->filter.range) > 0 && frame_range_index(&task->filter.range, frame) < 0) return;
+    if (task->filter.range && !frame_set_has(&task->numbers, frame)) return;
     if (task->total++ < task->filter.offset || (int64_t)task->frame_count >= task->filter.limit) return;
     task->frames = xgrow(task->frames, &task->frame_capacity, task->frame_count + 1, sizeof task->frames[0]);
-    task->frames[task->frame_count++] = (struct listed_frame){
-        .index = index, .frame = frame, .attempt = state->attempt, .worker = state->worker, .state = state->state};
+    task->frames[task->frame_count++] = (struct listed_frame){.index = index,
+                                                              .frame = frame,
+                                                              .attempt = known.attempt,
+                                                              .worker = known.worker,
+                                                              .state = (uint8_t)known.state};
     note_phase(task->farm->pool, task, &task->frames[task->frame_count - 1]);
+}
+
+// A range may name four million frames.
+static void on_range_run(struct work_piece *piece)
+{
+    struct details_task *task = (struct details_task *)piece;
+
+    task->ok = frame_set_parse(&task->numbers, task->filter.range, &task->error);
+    if (task->ok) return;
+    task->code = MESSAGE_CODE_PARAMS;
+    error_prefix(&task->error, "params.range");
+}
+
+static void on_range_done(struct work_piece *piece, bool was_run)
+{
+    struct details_task *task = (struct details_task *)piece;
+
+    if (!task->ok) {
+        on_details_done(piece, was_run);
+        return;
+    }
+    task->ok = false;
+    task->piece.done = on_details_done;
+    loop_turns_put(task->farm->turns, &task->walk);
 }
 
 // Each frame is listed as it is when the walk passes it.
@@ -162,7 +198,8 @@ static bool on_walk_step(struct loop_task *walk)
     end = frame_range_count(&queued->frames);
     if (end > task->walked + FRAMES_OF_A_STEP) end = task->walked + FRAMES_OF_A_STEP;
     for (; task->walked < end; task->walked++)
-        if (task->filter.states & 1U << queued->states[task->walked].state) list_frame(task, (int32_t)task->walked);
+        if (task->filter.states & 1U << frame_states_get(&queued->states, task->walked))
+            list_frame(task, (int32_t)task->walked);
     if (end < frame_range_count(&queued->frames)) return true;
     start_task(task, on_frames_run);
     return false;
@@ -176,11 +213,20 @@ enum request_outcome requests_job_frames(struct request *request)
 
     if (!record) return REQUEST_FAILED;
     request->code = MESSAGE_CODE_PARAMS;
-    if (!read_filter(request, &filter)) return REQUEST_FAILED;
+    if (!read_filter(request, &filter)) {
+        free(filter.range);
+        return REQUEST_FAILED;
+    }
     task = create_task(request, record);
     task->filter = filter;
     task->walk.step = on_walk_step;
-    loop_turns_put(request->farm->turns, &task->walk);
+    if (filter.range) {
+        task->piece.run = on_range_run;
+        task->piece.done = on_range_done;
+        work_desk_put(request->farm->work, &task->piece);
+    } else {
+        loop_turns_put(request->farm->turns, &task->walk);
+    }
     return REQUEST_DEFERRED;
 }
 

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { SEARCH_LIMIT = 100 * 1000 }; // positions of the order that one call of queue_take looks at
+
 struct queue_slot {
     int64_t id;
     struct queue_job *job; // owned
@@ -42,7 +44,7 @@ static void destroy_job(struct queue_job *job)
 {
     frame_range_finish(&job->frames);
     index_heap_finish(&job->returned);
-    free(job->states);
+    frame_states_finish(&job->states);
     free(job);
 }
 
@@ -93,7 +95,7 @@ struct queue_job *queue_first_job(const struct queue *queue)
 
 static bool is_ready(const struct queue_job *job)
 {
-    return job->counts[FRAME_QUEUED] > 0 && !job->is_paused && job->block == QUEUE_OPEN && !job->is_canceled &&
+    return job->states.counts[FRAME_QUEUED] > 0 && !job->is_paused && job->block == QUEUE_OPEN && !job->is_canceled &&
            !job->is_failed;
 }
 
@@ -158,10 +160,7 @@ struct queue_job *queue_add_job(struct queue *queue, const struct queue_job_para
                               .queue = queue};
     *params->frames = (struct frame_range){0};
     if (params->order) job->order = *params->order;
-    job->frame_count = frame_range_count(&job->frames);
-    job->states = xcalloc((size_t)job->frame_count, sizeof job->states[0]);
-    job->counts[FRAME_QUEUED] = job->frame_count;
-    queue->counts[FRAME_QUEUED] += job->frame_count;
+    frame_states_init(&job->states, frame_range_count(&job->frames), queue->counts);
 
     queue->slots = xgrow(queue->slots, &queue->slot_capacity, queue->slot_count + 1, sizeof queue->slots[0]);
     memmove(&queue->slots[slot + 1], &queue->slots[slot], (queue->slot_count - slot) * sizeof queue->slots[0]);
@@ -176,8 +175,6 @@ void queue_remove_job(struct queue *queue, struct queue_job *job)
 {
     size_t slot = find_slot(queue, job->id);
 
-    for (int state = 0; state < FRAME_STATE_COUNT; state++)
-        queue->counts[state] -= job->counts[state];
     turns_set_ready(queue->turns, &job->turn, false);
     unlink_job(queue, job);
     queue->slot_count--;
@@ -185,40 +182,16 @@ void queue_remove_job(struct queue *queue, struct queue_job *job)
     destroy_job(job);
 }
 
-// Every change of a frame's state is made here, so that the counts are always right.
-static void set_state(struct queue_job *job, int64_t index, enum frame_state state)
-{
-    struct queue_frame *frame = &job->states[index];
-
-    job->counts[frame->state]--;
-    job->queue->counts[frame->state]--;
-    frame->state = (uint8_t)state;
-    job->counts[state]++;
-    job->queue->counts[state]++;
-    job->missed_count -= frame->is_missed;
-    frame->is_missed = false;
-    if (state != FRAME_QUEUED && state != FRAME_RUNNING) frame->is_forced = false;
-    if (state != FRAME_RUNNING) {
-        frame->worker = 0;
-        frame->is_publishing = false;
-    }
-}
-
 void queue_note_missed(struct queue_job *job, int64_t index)
 {
-    struct queue_frame *frame = &job->states[index];
-
-    assert(frame->state == FRAME_SUCCEEDED || frame->state == FRAME_SKIPPED);
-    job->missed_count += !frame->is_missed;
-    frame->is_missed = true;
+    frame_states_set_missed(&job->states, index);
 }
 
 void queue_restore_frame(struct queue_job *job, int64_t index, enum frame_state state, int attempts)
 {
-    assert(index >= 0 && index < job->frame_count && state != FRAME_RUNNING);
-    set_state(job, index, state);
-    job->states[index].attempt = attempts;
-    job->states[index].tries = (uint16_t)(attempts < 0 ? 0 : attempts < UINT16_MAX ? attempts : UINT16_MAX);
+    assert(index >= 0 && index < job->states.frame_count && state != FRAME_RUNNING);
+    frame_states_set(&job->states, index, state);
+    if (attempts != 0) frame_states_set_attempt(&job->states, index, attempts);
     if (state != FRAME_QUEUED) job->has_started = true;
     note_ready(job);
 }
@@ -227,9 +200,9 @@ enum job_state queue_job_state(const struct queue_job *job)
 {
     if (job->is_failed) return JOB_FAILED;
     if (job->is_canceled) return JOB_CANCELED;
-    if (job->counts[FRAME_QUEUED] == 0 && job->counts[FRAME_RUNNING] == 0) {
-        if (job->counts[FRAME_FAILED] > 0) return JOB_FAILED;
-        return job->counts[FRAME_CANCELED] > 0 ? JOB_CANCELED : JOB_SUCCEEDED;
+    if (job->states.counts[FRAME_QUEUED] == 0 && job->states.counts[FRAME_RUNNING] == 0) {
+        if (job->states.counts[FRAME_FAILED] > 0) return JOB_FAILED;
+        return job->states.counts[FRAME_CANCELED] > 0 ? JOB_CANCELED : JOB_SUCCEEDED;
     }
     if (job->is_paused || job->block == QUEUE_AWAY) return JOB_PAUSED;
     return job->has_started ? JOB_RUNNING : JOB_QUEUED;
@@ -249,38 +222,38 @@ struct queue_job *queue_choose_job(const struct queue *queue, const struct turns
     return turn ? (struct queue_job *)((char *)turn - offsetof(struct queue_job, turn)) : NULL;
 }
 
-// The job must have a queued frame.
-static int32_t take_index(struct queue_job *job)
+// False when the search is to go on at another time. The job must have a queued frame.
+static bool take_index(struct queue_job *job, int32_t *index, int *looks)
 {
-    int32_t index;
+    if (index_heap_take(&job->returned, index)) return true;
+    while ((*looks)-- > 0) {
+        *index = (int32_t)frame_order_at(&job->order, job->states.frame_count, job->next_position++);
+        if (*index >= 0 && frame_states_get(&job->states, *index) == FRAME_QUEUED) return true;
+    }
+    return false;
+}
 
-    if (index_heap_take(&job->returned, &index)) return index;
-    do {
-        index = (int32_t)frame_order_at(&job->order, job->frame_count, job->next_position++);
-    } while (index < 0 || job->states[index].state != FRAME_QUEUED);
-    return index;
+static struct queue_ticket begin_attempt(struct queue_job *job, int32_t index, uint16_t worker)
+{
+    int32_t attempt = frame_states_begin_attempt(&job->states, index, worker);
+
+    return (struct queue_ticket){.job = job->id,
+                                 .frame = frame_range_at(&job->frames, index),
+                                 .index = index,
+                                 .attempt = attempt,
+                                 .is_forced = frame_states_is_forced(&job->states, index)};
 }
 
 size_t queue_take(struct queue_job *job, uint16_t worker, struct queue_ticket *tickets, size_t max)
 {
+    int looks = SEARCH_LIMIT;
+    int32_t index;
     size_t count = 0;
 
     assert(worker > 0);
     if (!is_ready(job)) return 0;
-    while (count < max && job->counts[FRAME_QUEUED] > 0) {
-        int32_t index = take_index(job);
-        struct queue_frame *frame = &job->states[index];
-
-        set_state(job, index, FRAME_RUNNING);
-        frame->attempt++;
-        frame->tries++;
-        frame->worker = worker;
-        tickets[count++] = (struct queue_ticket){.job = job->id,
-                                                 .frame = frame_range_at(&job->frames, index),
-                                                 .index = index,
-                                                 .attempt = frame->attempt,
-                                                 .is_forced = frame->is_forced};
-    }
+    while (count < max && job->states.counts[FRAME_QUEUED] > 0 && take_index(job, &index, &looks))
+        tickets[count++] = begin_attempt(job, index, worker);
     if (count > 0) job->has_started = true;
     note_ready(job);
     return count;
@@ -290,11 +263,9 @@ size_t queue_take(struct queue_job *job, uint16_t worker, struct queue_ticket *t
 static struct queue_job *find_owned(const struct queue *queue, const struct queue_ticket *ticket)
 {
     struct queue_job *job = queue_find_job(queue, ticket->job);
-    const struct queue_frame *frame;
 
-    if (!job || ticket->index < 0 || ticket->index >= job->frame_count) return NULL;
-    frame = &job->states[ticket->index];
-    return frame->state == FRAME_RUNNING && frame->attempt == ticket->attempt ? job : NULL;
+    if (!job || ticket->index < 0 || ticket->index >= job->states.frame_count) return NULL;
+    return frame_states_is_attempt(&job->states, ticket->index, ticket->attempt) ? job : NULL;
 }
 
 bool queue_owns(const struct queue *queue, const struct queue_ticket *ticket)
@@ -306,8 +277,8 @@ bool queue_begin_publish(struct queue *queue, const struct queue_ticket *ticket)
 {
     struct queue_job *job = find_owned(queue, ticket);
 
-    if (!job || job->states[ticket->index].is_publishing) return false;
-    job->states[ticket->index].is_publishing = true;
+    if (!job || frame_states_at(&job->states, ticket->index).is_publishing) return false;
+    frame_states_set_publishing(&job->states, ticket->index);
     return true;
 }
 
@@ -316,7 +287,7 @@ static bool finish_frame(struct queue *queue, const struct queue_ticket *ticket,
     struct queue_job *job = find_owned(queue, ticket);
 
     if (!job) return false;
-    set_state(job, ticket->index, state);
+    frame_states_set(&job->states, ticket->index, state);
     return true;
 }
 
@@ -334,10 +305,10 @@ bool queue_skip(struct queue *queue, const struct queue_ticket *ticket)
 static bool requeue(struct queue_job *job, int32_t index)
 {
     if (job->is_canceled || job->is_failed) {
-        set_state(job, index, job->is_failed ? FRAME_FAILED : FRAME_CANCELED);
+        frame_states_set(&job->states, index, job->is_failed ? FRAME_FAILED : FRAME_CANCELED);
         return false;
     }
-    set_state(job, index, FRAME_QUEUED);
+    frame_states_set(&job->states, index, FRAME_QUEUED);
     index_heap_add(&job->returned, index);
     note_ready(job);
     return true;
@@ -349,10 +320,10 @@ bool queue_fail(struct queue *queue, const struct queue_ticket *ticket, bool fin
     bool ended = true;
 
     if (!job) return false;
-    if (job->is_canceled || !(final || job->states[ticket->index].tries >= queue->max_attempts))
+    if (job->is_canceled || !(final || frame_states_at(&job->states, ticket->index).tries >= queue->max_attempts))
         ended = !requeue(job, ticket->index);
     else
-        set_state(job, ticket->index, FRAME_FAILED);
+        frame_states_set(&job->states, ticket->index, FRAME_FAILED);
     if (is_final) *is_final = ended;
     return true;
 }
@@ -362,7 +333,7 @@ bool queue_return(struct queue *queue, const struct queue_ticket *ticket)
     struct queue_job *job = find_owned(queue, ticket);
 
     if (!job) return false;
-    if (job->states[ticket->index].tries > 0) job->states[ticket->index].tries--;
+    frame_states_uncount_try(&job->states, ticket->index);
     requeue(job, ticket->index);
     return true;
 }
@@ -389,18 +360,9 @@ void queue_resume(struct queue *queue, struct queue_job *job)
     note_ready(job);
 }
 
-static bool would_end(const struct queue_frame *frame)
-{
-    return frame->state == FRAME_QUEUED || (frame->state == FRAME_RUNNING && !frame->is_publishing);
-}
-
 bool queue_has_frame_to_cancel(const struct queue_job *job)
 {
-    bool found = false;
-
-    for (int64_t i = 0; i < job->frame_count && !found; i++)
-        found = would_end(&job->states[i]);
-    return found;
+    return frame_states_can_end(&job->states);
 }
 
 void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_block block)
@@ -411,10 +373,9 @@ void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_bloc
 
 static void end_frames(struct queue_job *job, enum frame_state state)
 {
-    for (int64_t i = 0; i < job->frame_count; i++)
-        if (would_end(&job->states[i])) set_state(job, i, state);
+    frame_states_end(&job->states, state);
     index_heap_finish(&job->returned);
-    job->next_position = frame_order_length(&job->order, job->frame_count);
+    job->next_position = frame_order_length(&job->order, job->states.frame_count);
     note_ready(job);
 }
 
@@ -440,29 +401,26 @@ void queue_restore_end(struct queue_job *job, bool canceled, bool failed)
     end_frames(job, failed ? FRAME_FAILED : FRAME_CANCELED);
 }
 
-void queue_retry(struct queue *queue, struct queue_job *job, const int32_t *indices, size_t count)
+int64_t queue_retry(struct queue_job *job, const struct frame_set *indices, int64_t first, int64_t end, bool is_forced)
 {
     bool was_live = queue_job_is_live(job);
+    int64_t count = frame_states_requeue(&job->states, indices, first, end, is_forced);
 
-    if (count == 0) return;
-    for (size_t i = 0; i < count; i++) {
-        set_state(job, indices[i], FRAME_QUEUED);
-        job->states[indices[i]].tries = 0;
-    }
+    if (count == 0) return 0;
     job->is_canceled = false;
     job->is_failed = false;
     if (!was_live) job->is_paused = false;
-    job->has_started = job->counts[FRAME_QUEUED] < job->frame_count;
+    job->has_started = job->states.counts[FRAME_QUEUED] < job->states.frame_count;
     // The search starts at the front and finds all queued frames, so none may be in the heap as well.
     index_heap_finish(&job->returned);
     job->next_position = 0;
     note_ready(job);
+    return count;
 }
 
 void queue_force_frame(struct queue_job *job, int64_t index)
 {
-    assert(job->states[index].state == FRAME_QUEUED);
-    job->states[index].is_forced = true;
+    frame_states_set_forced(&job->states, index);
 }
 
 int64_t queue_count(const struct queue *queue, enum frame_state state)

@@ -4,6 +4,8 @@
 
 #include "core/job/frame_order.h"
 #include "core/job/frame_range.h"
+#include "core/job/frame_set.h"
+#include "daemon/schedule/frame_states.h"
 #include "daemon/schedule/index_heap.h"
 #include "daemon/schedule/states.h"
 #include "daemon/schedule/turns.h"
@@ -25,24 +27,11 @@ enum queue_block {
     QUEUE_AWAY      // its output root is not there: the job is paused
 };
 
-// At most 16 bytes, for a million of them are in memory.
-struct queue_frame {
-    int32_t attempt;    // number of the latest attempt; it only grows; 0: none
-    uint16_t tries;     // attempts that count against max_attempts: those since the latest retry by a user
-    uint16_t worker;    // the worker that runs it; 0: none
-    uint8_t state;      // enum frame_state
-    bool is_publishing; // its file is being published: the end of the worker no longer matters
-    bool is_missed;     // its file is published although it is over the job's tolerance
-    bool is_forced;     // it is rendered even if its file is there and good; until the frame is done
-};
-
 struct queue_job {
     int64_t id;
     struct turns_job turn;      // its owner, and whether it has frames to take
     struct frame_range frames;  // owned
-    struct queue_frame *states; // owned; by index in the range
-    int64_t counts[FRAME_STATE_COUNT];
-    int64_t missed_count; // of frames that succeeded or were skipped
+    struct frame_states states; // by index in the range; changed by the queue alone
     int priority;
     bool is_paused;
     enum queue_block block;
@@ -52,7 +41,6 @@ struct queue_job {
     struct queue_job *next, *previous; // on the queue's list of all jobs: by priority, highest first, then by id
     // For the module only.
     struct queue *queue; // borrowed; outlives us
-    int64_t frame_count;
     struct frame_order order;
     int64_t next_position;      // in the order: every queued frame is there or later, or in `returned`
     struct index_heap returned; // owned; frames that were queued again after they were taken
@@ -96,7 +84,8 @@ struct turns *queue_turns(struct queue *queue); // of its jobs
 // The job that the seat serves next; NULL: none has a frame to take. NULL for `seat` is any worker.
 struct queue_job *queue_choose_job(const struct queue *queue, const struct turns_seat *seat);
 // Takes up to `max` frames of the job for `worker` (1..65535). They become FRAME_RUNNING and their attempt counts.
-// Returns their number, which is 0 for a job that is over or paused.
+// Returns their number, which is 0 for a job that is over or paused. It may also be 0, or less than there are, when the
+// next frame is not found in a millisecond or two: then call again.
 size_t queue_take(struct queue_job *job, uint16_t worker, struct queue_ticket *tickets, size_t max);
 
 // True while that attempt of the frame is the running one. Otherwise every function below that takes a ticket does
@@ -125,9 +114,10 @@ void queue_set_block(struct queue *queue, struct queue_job *job, enum queue_bloc
 void queue_cancel(struct queue *queue, struct queue_job *job);
 // As queue_cancel for a fault of the job: its frames become failed.
 void queue_fail_job(struct queue *queue, struct queue_job *job);
-// Queues frames again, with no attempts counted: those of the ascending indices, none of which is queued or running. A
-// job that is over is live again, and not paused even if it ended so.
-void queue_retry(struct queue *queue, struct queue_job *job, const int32_t *indices, size_t count);
+// Queues frames again, with no attempts counted: those of the set with indices in [first, end), none of which is queued
+// or running. A job that is over is live again, and not paused even if it ended so. With `is_forced` they are rendered
+// even if their files are there and good. Returns their number.
+int64_t queue_retry(struct queue_job *job, const struct frame_set *indices, int64_t first, int64_t end, bool is_forced);
 // The queued frame of that index is rendered even if its file is there and good.
 void queue_force_frame(struct queue_job *job, int64_t index);
 // Removes and frees the job; its tickets own nothing any more.

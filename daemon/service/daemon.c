@@ -11,9 +11,9 @@
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
 #include "daemon/jobs/frame_life.h"
-#include "daemon/jobs/job_change.h"
 #include "daemon/jobs/job_delete.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/jobs/job_retry.h"
 #include "daemon/jobs/root_life.h"
 #include "daemon/loop/loop_turns.h"
 #include "daemon/loop/memory_return.h"
@@ -57,6 +57,7 @@ enum daemon_phase {
 struct daemon {
     uv_loop_t loop;
     struct farm farm;
+    struct loop_task feed; // feeding goes on in the next turn
     struct store *store;
     struct listener *listener;
     struct store_keeper *keeper;
@@ -74,6 +75,7 @@ struct daemon {
 
 static void on_swept(void *user, struct job_record *record, bool was_away);
 static void on_root_op(void *user, struct store_op op);
+static bool on_feed_step(struct loop_task *feed);
 static void on_slot_changed(struct farm *farm, int slot_index);
 static void on_store_trouble(void *user);
 static bool may_look_at_store(void *user);
@@ -186,6 +188,7 @@ struct daemon *daemon_create(struct options *options, daemon_read_options *read_
     daemon->read_options = read_options;
     daemon->read_user = user;
     uv_loop_init(&daemon->loop);
+    daemon->feed.step = on_feed_step;
     farm->loop = &daemon->loop;
     farm->options = options;
     farm->queue = queue_create(options->max_attempts);
@@ -247,9 +250,15 @@ static void on_swept(void *user, struct job_record *record, bool was_away)
     struct farm *farm = user;
 
     job_life_note_swept(farm, record, was_away);
-    job_change_retry_waiting(farm, record);
+    job_retry_go_on(farm, record);
     job_delete_go_on(farm);
     job_submit_go_on(farm);
+}
+
+static bool on_feed_step(struct loop_task *feed)
+{
+    farm_want_feed(&((struct daemon *)((char *)feed - offsetof(struct daemon, feed)))->farm);
+    return false;
 }
 
 static void on_slot_changed(struct farm *farm, int slot_index)
@@ -391,7 +400,7 @@ static void on_iteration(uv_prepare_t *iteration)
 
     if (daemon->phase == DAEMON_RUNNING && daemon->farm.wants_feed) {
         daemon->farm.wants_feed = false;
-        feed_workers(&daemon->farm);
+        if (!feed_workers(&daemon->farm)) loop_turns_put(daemon->farm.turns, &daemon->feed);
     }
     if (daemon->phase == DAEMON_STOPPING && worker_pool_is_empty(daemon->farm.pool)) {
         daemon->phase = DAEMON_FLUSHING;

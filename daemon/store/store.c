@@ -8,6 +8,7 @@
 #include "daemon/store/store_counts.h"
 #include "daemon/store/store_load.h"
 #include "daemon/store/store_lock.h"
+#include "daemon/store/store_marks.h"
 #include "daemon/store/store_repair.h"
 #include "daemon/store/store_reserve.h"
 #include "daemon/store/store_schema.h"
@@ -30,7 +31,8 @@ enum statement {
     SET_JOB,
     SET_FRAME,
     RESET_FRAMES,
-    MARK_FRAME,
+    SET_MARKS,
+    DROP_MARKS,
     ADD_ATTEMPT,
     TRIM_ATTEMPTS,
     ADD_PLAN,
@@ -41,6 +43,7 @@ enum statement {
     DELETE_JOB,
     DELETE_DOCUMENT,
     DELETE_FRAMES,
+    DELETE_MARKS,
     DELETE_ATTEMPTS,
     STATEMENT_COUNT
 };
@@ -64,11 +67,8 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
                   " ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, row_sum(?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8,"
                   " ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20))",
     [RESET_FRAMES] = "DELETE FROM frame WHERE job = ? AND frame_index BETWEEN ? AND ?",
-    [MARK_FRAME] = "INSERT INTO frame (job, frame_index, state, sum)"
-                   " VALUES (?1, ?2, ?3, row_sum(?1, ?2, ?3, 0, 0, 0, 0, NULL, 0.0, 0.0))"
-                   " ON CONFLICT DO UPDATE SET state = ?3, sum = row_sum(job, frame_index, ?3, attempts, epoch, inode,"
-                   " size_bytes, hash, render_s, encode_s, error, audit, measured_error, error95, audit_rays, method,"
-                   " cut_share, plan, traced, audit_s) WHERE state = 0", // FRAME_QUEUED
+    [SET_MARKS] = store_marks_set_sql,
+    [DROP_MARKS] = store_marks_drop_sql,
     [ADD_ATTEMPT] = "INSERT INTO attempt (job, number, frame, attempt, worker, ended_ms, outcome, log, sum)"
                     " SELECT ?1, number, ?2, ?3, ?4, ?5, ?6, ?7, row_sum(?1, number, ?2, ?3, ?4, ?5, ?6, ?7) FROM"
                     " (SELECT coalesce((SELECT number FROM attempt WHERE job = ?1 ORDER BY number DESC LIMIT 1), 0)"
@@ -86,6 +86,7 @@ static const char *const statement_texts[STATEMENT_COUNT] = {
     [DELETE_JOB] = "DELETE FROM job WHERE id = ?",
     [DELETE_DOCUMENT] = "DELETE FROM document WHERE job = ?",
     [DELETE_FRAMES] = "DELETE FROM frame WHERE job = ?",
+    [DELETE_MARKS] = "DELETE FROM mark WHERE job = ?",
     [DELETE_ATTEMPTS] = "DELETE FROM attempt WHERE job = ?",
 };
 
@@ -348,20 +349,6 @@ static bool reset_frames(struct store *store, int64_t job, const int32_t *indice
     return true;
 }
 
-static bool mark_frames(struct store *store, int64_t job, const int32_t *indices, size_t count, int state,
-                        struct error *error)
-{
-    sqlite3_stmt *statement = store->statements[MARK_FRAME];
-
-    for (size_t i = 0; i < count; i++) {
-        sqlite3_bind_int64(statement, 1, job);
-        sqlite3_bind_int(statement, 2, indices[i]);
-        sqlite3_bind_int(statement, 3, state);
-        if (!store_sql_run(statement, "mark frames", error)) return false;
-    }
-    return true;
-}
-
 static bool set_root(struct store *store, const struct store_root *root, struct error *error)
 {
     store_sql_bind_text(store->statements[SET_ROOT], 1, root->path);
@@ -407,8 +394,8 @@ static bool apply(struct store *store, const struct store_op *op, struct error *
         return set_usage(store, &op->usage, error);
     case STORE_RESET_FRAMES:
         return reset_frames(store, op->reset.job, op->reset.indices, op->reset.count, error);
-    case STORE_MARK_FRAMES:
-        return mark_frames(store, op->mark.job, op->mark.indices, op->mark.count, op->mark.state, error);
+    case STORE_SET_MARKS:
+        return store_marks_set(store->statements[SET_MARKS], store->statements[DROP_MARKS], op, error);
     }
     return false;
 }

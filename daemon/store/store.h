@@ -30,6 +30,8 @@ bool store_probe(struct store *store, struct error *error);
 bool store_is_full(const struct store *store);     // the latest failure was a full disk
 bool store_has_reserve(const struct store *store); // false: the disk was full, and the reserve was given up
 
-// Reads all jobs by id, then all frames by job and index. A frame without a publish intent has only job, index, state,
-// attempts, size_bytes, render_s and audit_s set: a restart needs no more, and a million rows are read in a second.
+// Reads all jobs by id, then marked frames, then frames that have rows, by job and index: the last state of a frame
+// holds. A marked frame has only job, index and state set; FRAME_QUEUED says that it is forced. A row without a publish
+// intent has only job, index, state, attempts, size_bytes, render_s and audit_s set: a restart needs no more, and a
+// million rows are read in a second.
 bool store_load(struct store *store, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error);

@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "daemon/schedule/queue.h"
+#include "daemon/store/store_marks.h"
 #include "daemon/store/store_schema.h"
 #include "daemon/store/store_sql.h"
 
@@ -119,5 +120,6 @@ static bool load_frames(sqlite3 *db, store_on_frame *on_frame, void *user, struc
 
 bool store_load_rows(sqlite3 *db, store_on_job *on_job, store_on_frame *on_frame, void *user, struct error *error)
 {
-    return load_jobs(db, on_job, user, error) && load_frames(db, on_frame, user, error);
+    return load_jobs(db, on_job, user, error) && store_marks_load(db, on_frame, user, error) &&
+           load_frames(db, on_frame, user, error);
 }

@@ -7,10 +7,6 @@
 struct error;
 struct sqlite3;
 
-// Called for each row, which is borrowed during the call. False stops the reading with the callback's error.
-typedef bool store_on_job(void *user, const struct store_job *job, struct error *error);
-typedef bool store_on_frame(void *user, const struct store_frame *frame, struct error *error);
-
 // As store_load.
 bool store_load_rows(struct sqlite3 *db, store_on_job *on_job, store_on_frame *on_frame, void *user,
                      struct error *error);

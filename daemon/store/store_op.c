@@ -49,8 +49,8 @@ void store_op_finish(struct store_op *op)
     case STORE_RESET_FRAMES:
         free(op->reset.indices);
         break;
-    case STORE_MARK_FRAMES:
-        free(op->mark.indices);
+    case STORE_SET_MARKS:
+        free(op->marks.bytes);
         break;
     }
     *op = (struct store_op){0};

@@ -10,6 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+struct error;
+
 enum { STORE_ATTEMPT_LIMIT = 1000, STORE_PLAN_LIMIT = 1000 };
 
 enum store_op_kind {
@@ -20,15 +22,16 @@ enum store_op_kind {
     STORE_RESET_FRAMES, // deletes frame rows of a job by index list: the frames are queued again
     STORE_DELETE_JOB,   // deletes all rows of the job `job.id`, whose id is not used again
     STORE_ADD_PLAN,     // adds a plan; only the newest STORE_PLAN_LIMIT of its owner are kept
-    STORE_MARK_FRAMES,  // adds a row with only `state` for each frame of an index list; a row other than QUEUED stays
+    STORE_SET_MARKS,    // writes the marks of all frames of a job, as far as they change
     STORE_SET_ROOT,     // writes the row of an output root, new or in place of the old one
     STORE_SET_USAGE     // writes what an owner used of the farm, likewise
 };
 
 // A frame has a row when it is done or is being published. A queued or running frame has none, so a million queued
 // frames take one row, that of their job. In a canceled or failed job the frames without a row are canceled or failed
-// too: before a retry queues some frames of the job, STORE_MARK_FRAMES stores the state of the others. It also marks as
-// queued the frames that are to be rendered even if their files are good.
+// too. When a retry queues some frames of the job, marks say that of the others, with two bits a frame, some thousand
+// frames a row. Marks also name the queued frames that are to be rendered even if their files are good. A frame's own
+// row counts more than its mark, which may be old: each retry writes all marks.
 struct store_job {
     int64_t id;
     char *document; // owned; the job file as JSON text
@@ -101,12 +104,15 @@ struct store_op {
         } reset;
         struct {
             int64_t job;
-            int state;        // enum frame_state
-            int32_t *indices; // owned
-            size_t count;
-        } mark;
+            uint8_t *bytes; // owned; as store_marks_format_op packs them
+            size_t size_bytes;
+        } marks;
     };
 };
 
 struct store_op store_op_reset_frame(int64_t job, int32_t index); // STORE_RESET_FRAMES of one frame
 void store_op_finish(struct store_op *op);                        // frees what it owns; accepts the empty zero value
+
+// Called for each row, which is borrowed during the call. False stops the reading with the callback's error.
+typedef bool store_on_job(void *user, const struct store_job *job, struct error *error);
+typedef bool store_on_frame(void *user, const struct store_frame *frame, struct error *error);

@@ -15,8 +15,8 @@
 enum { BUSY_TIMEOUT_MS = 5000 };
 
 struct store_reader {
-    sqlite3 *db;                                                                      // owned
-    sqlite3_stmt *frames, *bytes, *attempts, *document, *plan, *farm, *roots, *usage; // owned
+    sqlite3 *db;                                                              // owned
+    sqlite3_stmt *frames, *attempts, *document, *plan, *farm, *roots, *usage; // owned
 };
 
 struct store_reader *store_reader_open(const char *folder, struct error *error)
@@ -35,10 +35,6 @@ struct store_reader *store_reader_open(const char *folder, struct error *error)
                            "SELECT " STORE_SCHEMA_FRAME_COLUMNS " FROM frame"
                            " WHERE job = ? AND frame_index BETWEEN ? AND ? ORDER BY frame_index",
                            &reader->frames, error) &&
-         store_sql_prepare(reader->db,
-                           "SELECT coalesce(sum(size_bytes), 0) FROM frame"
-                           " WHERE job = ? AND frame_index BETWEEN ? AND ?",
-                           &reader->bytes, error) &&
          store_sql_prepare(reader->db,
                            "SELECT job, frame, attempt, worker, ended_ms, outcome, log FROM attempt"
                            " WHERE job = ?1 AND (?2 = -1 OR frame = ?2) ORDER BY number DESC LIMIT ?3",
@@ -69,7 +65,6 @@ void store_reader_close(struct store_reader *reader)
     sqlite3_finalize(reader->plan);
     sqlite3_finalize(reader->document);
     sqlite3_finalize(reader->attempts);
-    sqlite3_finalize(reader->bytes);
     sqlite3_finalize(reader->frames);
     sqlite3_close(reader->db);
     free(reader);
@@ -96,24 +91,6 @@ bool store_read_frames(struct store_reader *reader, int64_t job, int32_t first, 
         ok = false;
     }
     sqlite3_reset(rows);
-    return ok;
-}
-
-bool store_read_bytes(struct store_reader *reader, int64_t job, int32_t first, int32_t last, int64_t *bytes,
-                      struct error *error)
-{
-    sqlite3_stmt *sum = reader->bytes;
-    bool ok;
-
-    sqlite3_bind_int64(sum, 1, job);
-    sqlite3_bind_int(sum, 2, first);
-    sqlite3_bind_int(sum, 3, last);
-    ok = sqlite3_step(sum) == SQLITE_ROW;
-    if (ok)
-        *bytes = sqlite3_column_int64(sum, 0);
-    else
-        store_sql_set_error(error, reader->db, "count the bytes of files");
-    sqlite3_reset(sum);
     return ok;
 }
 

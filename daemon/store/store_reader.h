@@ -15,9 +15,6 @@ void store_reader_close(struct store_reader *reader);                           
 // left out.
 bool store_read_frames(struct store_reader *reader, int64_t job, int32_t first, int32_t last, store_on_frame *on_frame,
                        void *user, struct error *error);
-// The sum of the sizes of the files of those frames, published or being published.
-bool store_read_bytes(struct store_reader *reader, int64_t job, int32_t first, int32_t last, int64_t *bytes,
-                      struct error *error);
 typedef bool store_on_attempt(void *user, const struct store_attempt *attempt, struct error *error);
 // Newest first. `frame` -1: of all frames.
 bool store_read_attempts(struct store_reader *reader, int64_t job, int32_t frame, int limit,

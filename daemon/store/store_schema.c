@@ -67,6 +67,9 @@ static const char *const steps[STORE_SCHEMA_VERSION] = {
           "ALTER TABLE document ADD COLUMN sum INTEGER; ALTER TABLE frame ADD COLUMN sum INTEGER;"
           "ALTER TABLE attempt ADD COLUMN sum INTEGER; ALTER TABLE plan ADD COLUMN sum INTEGER;"
           "ALTER TABLE root ADD COLUMN sum INTEGER; ALTER TABLE usage ADD COLUMN sum INTEGER;",
+    // Before, each marked frame had a row: one that is queued, canceled or failed, and says nothing else.
+    [9] = "CREATE TABLE mark (job INTEGER NOT NULL, block INTEGER NOT NULL, marks BLOB NOT NULL, sum INTEGER,"
+          " PRIMARY KEY (job, block)) WITHOUT ROWID;",
 };
 
 #define FILL(table, columns) "UPDATE " table " SET sum = row_sum(" columns ");"

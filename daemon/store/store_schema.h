@@ -10,7 +10,7 @@ struct sqlite3;
 struct sqlite3_stmt;
 struct store_frame;
 
-#define STORE_SCHEMA_VERSION 9 // a macro because SQL text holds it
+#define STORE_SCHEMA_VERSION 10 // a macro because SQL text holds it
 
 // Whether this version can use the database; `*found` is the version that wrote it (0: it is empty). Changes nothing.
 bool store_schema_check(struct sqlite3 *db, int *found, struct error *error);
@@ -32,6 +32,7 @@ bool store_schema_upgrade(struct sqlite3 *db, int found, struct error *error);
 #define STORE_SCHEMA_ATTEMPT_COLUMNS "job, number, frame, attempt, worker, ended_ms, outcome, log"
 #define STORE_SCHEMA_PLAN_COLUMNS "number, owner_uid, scene, segment, text"
 #define STORE_SCHEMA_ROOT_COLUMNS "path, id"
+#define STORE_SCHEMA_MARK_COLUMNS "job, block, marks"
 #define STORE_SCHEMA_USAGE_COLUMNS "owner_uid, used_s, at_ms"
 
 // Reads a row that starts with the first four of those columns. False for an invalid row.

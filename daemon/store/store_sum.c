@@ -14,6 +14,7 @@ const struct store_table store_tables[] = {
     {"job", STORE_SCHEMA_JOB_COLUMNS, "id", false, "the job is held"},
     {"document", STORE_SCHEMA_DOCUMENT_COLUMNS, "job", false, "the job fails"},
     {"frame", STORE_SCHEMA_FRAME_COLUMNS, "job, frame_index", true, "the frame is looked at again"},
+    {"mark", STORE_SCHEMA_MARK_COLUMNS, "job, block", true, "its canceled frames are queued again"},
     {"attempt", STORE_SCHEMA_ATTEMPT_COLUMNS, "job, number", true, "the attempt's message is lost"},
     {"plan", STORE_SCHEMA_PLAN_COLUMNS, "number", true, "the plan is made again"},
     {"root", STORE_SCHEMA_ROOT_COLUMNS, "path", true, "the root is known by its marker"},

@@ -79,7 +79,7 @@ static void add_next_jobs(struct job_fence *fence, const struct farm *farm, cons
         struct job_fence_files files = {0};
 
         if (record->owner_uid != fence->owner_uid || record->needs_own_worker || queued->is_paused ||
-            queued->block != QUEUE_OPEN || queued->counts[FRAME_QUEUED] == 0)
+            queued->block != QUEUE_OPEN || queued->states.counts[FRAME_QUEUED] == 0)
             continue;
         if (find_files(&files, farm, record, NULL)) inputs += files.inputs.count;
         if (files.is_found && !files.has_converter && inputs <= INPUT_LIMIT)

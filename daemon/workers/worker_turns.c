@@ -64,7 +64,7 @@ struct job_record *worker_turns_choose(struct worker_turns *turns, struct worker
         struct job_record *record = job_table_find(&turns->farm->jobs, next->id);
         bool may_start = record->failed_starts < WORKER_TURNS_START_LIMIT || record->is_last_start;
 
-        if (may_start && count_coming(turns, record, false) < next->counts[FRAME_QUEUED]) {
+        if (may_start && count_coming(turns, record, false) < next->states.counts[FRAME_QUEUED]) {
             turns_sit(queue_turns(queue), &slot->seat, &next->turn, true);
             return record;
         }
@@ -83,7 +83,7 @@ enum worker_fit worker_turns_fit(struct worker_turns *turns, struct worker_slot 
     worker->next_job = 0;
     if (serves(turns, worker, record)) return WORKER_FITS;
     if (record->failed_starts == WORKER_TURNS_START_LIMIT) record->is_last_start = true; // for this worker did start
-    if (count_coming(turns, record, is_busy) >= job->counts[FRAME_QUEUED]) return WORKER_COVERED;
+    if (count_coming(turns, record, is_busy) >= job->states.counts[FRAME_QUEUED]) return WORKER_COVERED;
     worker->next_job = job->id;
     return is_busy ? WORKER_BUSY : WORKER_CHANGES;
 }

@@ -12,6 +12,8 @@ before=$(resident_mib)
 ask job.resume "{\"id\":$id}" >/dev/null
 wait_until "a client is cut off" grep -q "does not read its events" "$scratch/daemon.log"
 wait_state "$id" succeeded
+expect "frames of a retry in parts" "$(ask job.retry "{\"id\":$id,\"state\":\"skipped\"}" | jq .result.retried)" 40000
+wait_state "$id" succeeded
 # Sanitizers keep what is freed.
 if ! [[ -n ${ASAN_OPTIONS-} && $(nm -D "$bin/marchd" 2>/dev/null) == *asan* ]]; then
     [ "$(resident_mib)" -lt $((before + 100)) ] || fail "memory: $before MiB, then $(resident_mib)"
@@ -35,6 +37,21 @@ expect "the list" "$(ask job.list | jq -c '[.result.jobs[].id]')" "$(jq -nc "[ra
 expect "frames of a walk in steps" "$(ask job.frames "{\"id\":$id,\"range\":\"0-39999x10000\",\"offset\":1,\"limit\":2}" |
     jq -c '[[.result.frames[].frame], .result.total]')" "[[10000,20000],4]"
 expect "frames of a long range" "$(ask job.frames "{\"id\":$id,\"range\":\"$(printf '1,%.0s' {1..33000})1\"}" | jq .error.code)" -32602
+stop_daemon
+
+# A retry of one frame among a million writes what changes, and what it leaves stays canceled over a SIGKILL.
+start_daemon --worker-program "$(stub nocontext)" --user-frames none
+id=$(submit "$(job 0-999999 '.output.path = "million/x.####.exr"')" true)
+ask job.cancel "{\"id\":$id}" >/dev/null
+wait_until "the job is swept" eval '[ "$(ask job.show "{\"id\":$id}" | jq .result.finished)" != null ]'
+before=$(stat -c %s "$scratch/state/queue.db-wal")
+expect "frames that are retried" "$(ask job.retry "{\"id\":$id,\"state\":\"canceled\",\"range\":\"7,999999\"}" | jq .result.retried)" 2
+[ $(($(stat -c %s "$scratch/state/queue.db-wal") - before)) -lt 1000000 ] || fail "the retry wrote $(($(stat -c %s "$scratch/state/queue.db-wal") - before)) bytes"
+kill_daemon
+start_daemon --worker-program "$(stub nocontext)" --user-frames none
+expect "frames after the restart" "$(ask job.show "{\"id\":$id}" | jq -c '[.result.queued, .result.canceled]')" "[2,999998]"
+expect "frames that are retried then" "$(ask job.retry "{\"id\":$id,\"state\":\"canceled\"}" | jq .result.retried)" 999998
+expect_error "$(ask job.retry "{\"id\":$id,\"range\":\"1..9\"}")" -32602 'params.range: expected "1-100x2", got "1..9"'
 stop_daemon
 
 # Names that people read as others.

@@ -184,12 +184,12 @@ static void published_files_belong_to_the_owner_of_their_job(void **state)
     record->owner_uid = 1000;
     queue_cancel(fixture->queue, record->queued);
     assert_null(find_owned(fixture, "c.#.exr", 1001, &frame)); // this job published none
-    record->queued->counts[FRAME_SUCCEEDED] = 1;
+    record->queued->states.counts[FRAME_SUCCEEDED] = 1;
     assert_ptr_equal(find_owned(fixture, "c.#.exr", 1001, &frame), record);
     assert_int_equal(frame, 5);
     assert_null(find_owned(fixture, "c.#.exr", 1000, &frame));
     assert_null(find_owned(fixture, "d.#.exr", 1001, &frame));
-    record->queued->counts[FRAME_SUCCEEDED] = 0;
+    record->queued->states.counts[FRAME_SUCCEEDED] = 0;
 }
 
 int main(void)

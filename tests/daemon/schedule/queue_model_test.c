@@ -227,7 +227,7 @@ static void retry(struct world *world, struct model_job *job, struct queue_job *
         job->frames[i].is_returned = false; // the search begins anew
     if (count > 0) job->is_canceled = job->is_failed = false;
     if (count > 0 && !was_live) job->is_paused = false;
-    assert_int_equal(retry_frames(world->queue, real, states, NULL), count);
+    assert_int_equal(retry_frames(real, states, NULL), count);
 }
 
 static void command(struct world *world)
@@ -281,13 +281,15 @@ static void command(struct world *world)
 static void compare_job(const struct model_job *job, const struct queue_job *real)
 {
     for (int i = 0; i < job->frame_count; i++) {
-        assert_int_equal(real->states[i].state, job->frames[i].state);
-        assert_int_equal(real->states[i].attempt, job->frames[i].attempt);
-        assert_int_equal(real->states[i].is_publishing, job->frames[i].is_publishing);
-        assert_int_equal(real->states[i].worker != 0, job->frames[i].state == FRAME_RUNNING);
+        const struct queue_frame frame = frame_states_at(&real->states, i);
+
+        assert_int_equal(frame.state, job->frames[i].state);
+        assert_int_equal(frame.attempt, job->frames[i].attempt);
+        assert_int_equal(frame.is_publishing, job->frames[i].is_publishing);
+        assert_int_equal(frame.worker != 0, job->frames[i].state == FRAME_RUNNING);
     }
     for (int state = 0; state < FRAME_STATE_COUNT; state++)
-        assert_int_equal(real->counts[state], count_state(job, (enum frame_state)state));
+        assert_int_equal(real->states.counts[state], count_state(job, (enum frame_state)state));
     assert_int_equal(queue_job_is_live(real), is_live(job));
     assert_int_equal(real->is_paused, job->is_paused);
 }
@@ -307,7 +309,7 @@ static void compare(const struct world *world)
                     (previous->priority == real->priority && previous->id < real->id));
         compare_job(job, real);
         for (int state = 0; state < FRAME_STATE_COUNT; state++)
-            totals[state] += real->counts[state];
+            totals[state] += real->states.counts[state];
         listed++;
     }
     for (int i = 0; i < JOB_LIMIT; i++)
@@ -324,8 +326,9 @@ static void drain(struct world *world)
 
     for (struct queue_job *job = queue_first_job(world->queue); job; job = job->next) {
         queue_resume(world->queue, job);
-        for (int32_t i = 0; i < job->frame_count; i++) {
-            struct queue_ticket ticket = {.job = job->id, .index = i, .attempt = job->states[i].attempt};
+        for (int32_t i = 0; i < job->states.frame_count; i++) {
+            struct queue_ticket ticket = {
+                .job = job->id, .index = i, .attempt = frame_states_at(&job->states, i).attempt};
 
             queue_fail(world->queue, &ticket, false, NULL);
         }

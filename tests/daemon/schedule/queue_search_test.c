@@ -27,17 +27,18 @@ static struct queue_job *make_job(struct queue *queue)
 static void assert_found(const struct queue_job *job, unsigned states, const char *text, const int32_t *expected,
                          size_t expected_count)
 {
-    struct frame_range range = {0};
-    int32_t *indices;
-    size_t count;
+    struct frame_set numbers = {0}, found;
+    int64_t at = -1;
 
-    if (text) assert_true(frame_range_parse(&range, text, NULL));
-    count = queue_search_frames(job, states, text ? &range : NULL, &indices);
-    assert_int_equal(count, expected_count);
-    if (count > 0) assert_memory_equal(indices, expected, count * sizeof indices[0]);
-    assert_int_equal(indices == NULL, count == 0);
-    free(indices);
-    frame_range_finish(&range);
+    if (text) assert_true(frame_set_parse(&numbers, text, NULL));
+    assert_int_equal(queue_search_frames(job, states, text ? &numbers : NULL, &found), expected_count);
+    for (size_t i = 0; i < expected_count; i++) {
+        at = frame_set_next(&found, at + 1);
+        assert_int_equal(at, expected[i]);
+    }
+    assert_int_equal(frame_set_next(&found, at + 1), found.limit);
+    frame_set_finish(&found);
+    frame_set_finish(&numbers);
 }
 
 static void frames_are_found_in_the_order_of_their_indices(void **state)

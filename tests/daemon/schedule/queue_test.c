@@ -53,7 +53,7 @@ static void frames_are_taken_in_the_users_order(void **state)
         assert_int_equal(tickets[i].index, i);
         assert_int_equal(tickets[i].attempt, 1);
     }
-    assert_int_equal(queue_first_job(queue)->states[0].worker, 9);
+    assert_int_equal(frame_states_at(&queue_first_job(queue)->states, 0).worker, 9);
     assert_int_equal(take(queue, 9, tickets, 8), 0);
     queue_destroy(queue);
 }
@@ -150,7 +150,7 @@ static void failed_frame_is_tried_three_times(void **state)
         assert_true(queue_fail(queue, &ticket, false, &is_final));
         assert_int_equal(is_final, attempt == MAX_ATTEMPTS);
     }
-    assert_int_equal(job->counts[FRAME_FAILED], 1);
+    assert_int_equal(job->states.counts[FRAME_FAILED], 1);
     assert_int_equal(queue_job_state(job), JOB_FAILED);
     queue_destroy(queue);
 }
@@ -162,7 +162,7 @@ static void final_failure_needs_no_further_attempt(void **state)
     struct queue_ticket ticket = take_one(queue);
 
     assert_true(queue_fail(queue, &ticket, true, NULL));
-    assert_int_equal(job->states[0].state, FRAME_FAILED);
+    assert_int_equal(frame_states_at(&job->states, 0).state, FRAME_FAILED);
     queue_destroy(queue);
 }
 
@@ -177,8 +177,8 @@ static void returned_frame_keeps_its_tries_but_not_its_number(void **state)
         assert_int_equal(ticket.attempt, attempt);
         assert_true(queue_return(queue, &ticket));
     }
-    assert_int_equal(job->states[0].tries, 0);
-    assert_int_equal(job->states[0].state, FRAME_QUEUED);
+    assert_int_equal(frame_states_at(&job->states, 0).tries, 0);
+    assert_int_equal(frame_states_at(&job->states, 0).state, FRAME_QUEUED);
     queue_destroy(queue);
 }
 
@@ -216,7 +216,7 @@ static void late_report_owns_nothing(void **state)
         if (round == 0) current = take_one(queue);
     }
     assert_true(queue_owns(queue, &current));
-    assert_int_equal(job->states[0].state, FRAME_RUNNING);
+    assert_int_equal(frame_states_at(&job->states, 0).state, FRAME_RUNNING);
     queue_destroy(queue);
 }
 
@@ -246,11 +246,11 @@ static void cancel_takes_all_frames_but_those_being_published(void **state)
     assert_true(queue_begin_publish(queue, &publishing));
     queue_cancel(queue, job);
     assert_int_equal(queue_job_state(job), JOB_CANCELED);
-    assert_int_equal(job->counts[FRAME_CANCELED], 2);
+    assert_int_equal(job->states.counts[FRAME_CANCELED], 2);
     assert_false(queue_owns(queue, &running));
     assert_null(queue_choose_job(queue, NULL));
     assert_true(queue_succeed(queue, &publishing));
-    assert_int_equal(job->counts[FRAME_SUCCEEDED], 2);
+    assert_int_equal(job->states.counts[FRAME_SUCCEEDED], 2);
     queue_destroy(queue);
 }
 
@@ -265,7 +265,7 @@ static void failed_publishing_ends_with_its_canceled_job(void **state)
     queue_cancel(queue, job);
     assert_true(queue_fail(queue, &ticket, false, &is_final));
     assert_true(is_final);
-    assert_int_equal(job->states[0].state, FRAME_CANCELED);
+    assert_int_equal(frame_states_at(&job->states, 0).state, FRAME_CANCELED);
     queue_destroy(queue);
 }
 
@@ -276,7 +276,7 @@ static void failed_job_fails_its_frames(void **state)
     struct queue_ticket ticket = take_one(queue);
 
     queue_fail_job(queue, job);
-    assert_int_equal(job->counts[FRAME_FAILED], 3);
+    assert_int_equal(job->states.counts[FRAME_FAILED], 3);
     assert_int_equal(queue_job_state(job), JOB_FAILED);
     assert_false(queue_owns(queue, &ticket));
     queue_destroy(queue);
@@ -302,7 +302,7 @@ static void retry_gives_failed_frames_all_their_attempts(void **state)
     bool is_final = true;
 
     assert_true(queue_fail(queue, &ticket, true, NULL));
-    assert_int_equal(retry_frames(queue, job, 1u << FRAME_FAILED, NULL), 1);
+    assert_int_equal(retry_frames(job, 1u << FRAME_FAILED, NULL), 1);
     for (int attempt = 2; attempt <= 1 + MAX_ATTEMPTS; attempt++) {
         ticket = take_one(queue);
         assert_int_equal(ticket.frame, 1);
@@ -317,21 +317,13 @@ static void a_retried_canceled_job_is_live_again(void **state)
 {
     struct queue *queue = new_queue();
     struct queue_job *job = add_job(queue, 1, "1-10", 50);
-    struct frame_range range = {0};
-    int32_t *indices = NULL;
 
-    assert_true(frame_range_parse(&range, "9,3,200", NULL));
     queue_cancel(queue, job);
-    assert_int_equal(queue_search_frames(job, 1u << FRAME_CANCELED, &range, &indices), 2);
-    assert_int_equal(indices[0], 2);
-    assert_int_equal(indices[1], 8);
-    assert_int_equal(retry_frames(queue, job, 1u << FRAME_CANCELED, &range), 2);
+    assert_int_equal(retry_frames(job, 1u << FRAME_CANCELED, "9,3,200"), 2);
     assert_int_equal(queue_job_state(job), JOB_RUNNING);
     assert_int_equal(take_one(queue).frame, 3);
     assert_int_equal(take_one(queue).frame, 9);
     assert_null(queue_choose_job(queue, NULL));
-    free(indices);
-    frame_range_finish(&range);
     queue_destroy(queue);
 }
 
@@ -346,11 +338,11 @@ static void a_retried_job_that_was_paused_when_it_ended_runs(void **state)
     queue_pause(queue, job);
     assert_true(queue_fail(queue, &second, true, NULL));
     assert_int_equal(queue_job_state(job), JOB_FAILED);
-    assert_int_equal(retry_frames(queue, job, 1u << FRAME_FAILED, NULL), 2);
+    assert_int_equal(retry_frames(job, 1u << FRAME_FAILED, NULL), 2);
     assert_int_equal(queue_job_state(job), JOB_QUEUED);
     queue_pause(queue, job);
     queue_cancel(queue, job);
-    assert_int_equal(retry_frames(queue, job, 1u << FRAME_CANCELED, NULL), 2);
+    assert_int_equal(retry_frames(job, 1u << FRAME_CANCELED, NULL), 2);
     assert_int_equal(take_one(queue).frame, 1);
     queue_destroy(queue);
 }
@@ -363,7 +355,7 @@ static void a_live_job_stays_paused_when_it_is_retried(void **state)
 
     assert_true(queue_fail(queue, &ticket, true, NULL));
     queue_pause(queue, job);
-    assert_int_equal(retry_frames(queue, job, 1u << FRAME_FAILED, NULL), 1);
+    assert_int_equal(retry_frames(job, 1u << FRAME_FAILED, NULL), 1);
     assert_int_equal(queue_job_state(job), JOB_PAUSED);
     queue_destroy(queue);
 }
@@ -372,14 +364,11 @@ static void retry_of_nothing_changes_nothing(void **state)
 {
     struct queue *queue = new_queue();
     struct queue_job *job = add_job(queue, 1, "1-2", 50);
-    int32_t *indices = NULL;
 
     take_one(queue);
-    assert_int_equal(retry_frames(queue, job, 1u << FRAME_QUEUED | 1u << FRAME_RUNNING, NULL), 0);
+    assert_int_equal(retry_frames(job, 1u << FRAME_QUEUED | 1u << FRAME_RUNNING, NULL), 0);
     queue_cancel(queue, job);
-    assert_int_equal(queue_search_frames(job, 1u << FRAME_FAILED, NULL, &indices), 0);
-    assert_null(indices);
-    assert_int_equal(retry_frames(queue, job, 1u << FRAME_FAILED, NULL), 0);
+    assert_int_equal(retry_frames(job, 1u << FRAME_FAILED, NULL), 0);
     assert_int_equal(queue_job_state(job), JOB_CANCELED);
     queue_destroy(queue);
 }
@@ -406,11 +395,11 @@ static void restored_cancel_holds_for_a_job_whose_frames_all_succeeded(void **st
     queue_restore_frame(canceled, 0, FRAME_SUCCEEDED, 1);
     queue_restore_end(canceled, true, false);
     assert_int_equal(queue_job_state(canceled), JOB_CANCELED);
-    assert_int_equal(canceled->counts[FRAME_SUCCEEDED], 1);
+    assert_int_equal(canceled->states.counts[FRAME_SUCCEEDED], 1);
     queue_restore_frame(partly, 0, FRAME_SUCCEEDED, 1);
     queue_restore_end(partly, false, true);
     assert_int_equal(queue_job_state(partly), JOB_FAILED);
-    assert_int_equal(partly->counts[FRAME_FAILED], 2);
+    assert_int_equal(partly->states.counts[FRAME_FAILED], 2);
     assert_null(queue_choose_job(queue, NULL));
     queue_destroy(queue);
 }

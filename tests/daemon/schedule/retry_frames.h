@@ -8,13 +8,15 @@
 #include <stdlib.h>
 
 // The number of frames that are queued again.
-static inline int64_t retry_frames(struct queue *queue, struct queue_job *job, unsigned states,
-                                   const struct frame_range *range)
+static inline int64_t retry_frames(struct queue_job *job, unsigned states, const char *range)
 {
-    int32_t *indices;
-    size_t count = queue_search_frames(job, states, range, &indices);
+    struct frame_set numbers = {0}, indices;
+    int64_t found, queued;
 
-    queue_retry(queue, job, indices, count);
-    free(indices);
-    return (int64_t)count;
+    if (range && !frame_set_parse(&numbers, range, NULL)) abort();
+    found = queue_search_frames(job, states, range ? &numbers : NULL, &indices);
+    queued = queue_retry(job, &indices, 0, indices.limit, false);
+    frame_set_finish(&indices);
+    frame_set_finish(&numbers);
+    return queued == found ? queued : -1;
 }

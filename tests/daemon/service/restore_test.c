@@ -137,7 +137,7 @@ static void root_of_an_older_version_is_marked_and_its_part_file_published(void 
     assert_true(record->output_root->is_there && root_marker_is_id(record->output_root->id));
     assert_true(root_marker_find_farm(stage->root, stage->folder->path, farm));
     assert_string_equal(farm, stage->farm.id);
-    assert_int_equal(record->queued->counts[FRAME_SUCCEEDED], 2);
+    assert_int_equal(record->queued->states.counts[FRAME_SUCCEEDED], 2);
     assert_int_equal(access(at(stage, "out/a/f.0002.exr"), F_OK), 0);
     assert_int_not_equal(queue_job_state(record->queued), JOB_PAUSED);
     stage_destroy(stage);
@@ -153,7 +153,7 @@ static void root_with_jobs_is_not_made_and_they_wait(void **state)
     assert_false(record->output_root->is_there);
     assert_int_equal(access(stage->root, F_OK), -1);
     assert_int_equal(queue_job_state(record->queued), JOB_PAUSED);
-    assert_int_equal(record->queued->counts[FRAME_QUEUED], 2); // what was being published is rendered again
+    assert_int_equal(record->queued->states.counts[FRAME_QUEUED], 2); // what was being published is rendered again
     stage_destroy(stage);
 }
 
@@ -183,7 +183,7 @@ static char *format_jobs(const struct job_table *jobs)
 
     for (size_t i = 0; i < jobs->count; i++) {
         const struct job_record *job = jobs->records[i];
-        const int64_t *counts = job->queued->counts;
+        const int64_t *counts = job->queued->states.counts;
         char *longer = xasprintf("%s%" PRId64 " %s %s %d: %s, %" PRId64 " queued, %" PRId64 " there, %" PRId64
                                  " failed, %" PRId64 " canceled, %" PRId64 " bytes; %s; %.8s\n",
                                  text, job->id, job->name, job->owner, job->queued->priority,

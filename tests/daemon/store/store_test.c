@@ -133,36 +133,6 @@ static void reset_frames_have_no_row(void **state)
     store_close(store);
 }
 
-static void marking_keeps_existing_rows(void **state)
-{
-    struct store *store = open_store(*state);
-    struct store_op op = {.kind = STORE_MARK_FRAMES, .mark = {.job = 1, .state = FRAME_CANCELED, .count = 2}};
-    struct store_reader *reader = store_reader_open(((struct folder *)*state)->path, NULL);
-    struct loaded rows = {0};
-
-    commit_one(store, frame_op(1, 5, FRAME_SUCCEEDED));
-    op.mark.indices = xcalloc(2, sizeof(int32_t));
-    op.mark.indices[0] = 5;
-    op.mark.indices[1] = 6;
-    commit_one(store, op);
-    assert_true(store_read_frames(reader, 1, 5, 5, on_frame, &rows, NULL));
-    assert_int_equal(rows.frame.state, FRAME_SUCCEEDED);
-    assert_true(store_read_frames(reader, 1, 6, 6, on_frame, &rows, NULL));
-    assert_int_equal(rows.frame.state, FRAME_CANCELED);
-    op = (struct store_op){.kind = STORE_MARK_FRAMES, .mark = {.job = 1, .state = FRAME_QUEUED, .count = 1}};
-    op.mark.indices = xcalloc(1, sizeof(int32_t));
-    op.mark.indices[0] = 7;
-    commit_one(store, op);
-    op = (struct store_op){.kind = STORE_MARK_FRAMES, .mark = {.job = 1, .state = FRAME_CANCELED, .count = 1}};
-    op.mark.indices = xcalloc(1, sizeof(int32_t));
-    op.mark.indices[0] = 7;
-    commit_one(store, op);
-    assert_true(store_read_frames(reader, 1, 7, 7, on_frame, &rows, NULL));
-    assert_int_equal(rows.frame.state, FRAME_CANCELED); // a row that marks a queued frame gives way
-    store_reader_close(reader);
-    store_close(store);
-}
-
 static void reader_sees_what_is_committed(void **state)
 {
     const struct folder *folder = *state;
@@ -303,24 +273,6 @@ static void a_deleted_job_leaves_no_row_and_its_id_is_not_used_again(void **stat
     store_close(store);
 }
 
-static void bytes_of_a_jobs_files_are_summed_up(void **state)
-{
-    const struct folder *folder = *state;
-    struct store *store = open_store(folder);
-    struct store_reader *reader = store_reader_open(folder->path, NULL);
-    int64_t bytes = -1;
-
-    for (int32_t index = 0; index < 4; index++)
-        commit_one(store, frame_op(5, index, FRAME_SUCCEEDED));
-    commit_one(store, frame_op(6, 1, FRAME_SUCCEEDED));
-    assert_true(store_read_bytes(reader, 5, 1, 2, &bytes, NULL));
-    assert_true(bytes == 2 * INT64_C(123456789012));
-    assert_true(store_read_bytes(reader, 5, 8, 9, &bytes, NULL));
-    assert_int_equal(bytes, 0);
-    store_reader_close(reader);
-    store_close(store);
-}
-
 static bool on_usage(void *user, const struct store_usage *usage, struct error *error)
 {
     char *text = user;
@@ -391,14 +343,12 @@ int main(void)
         cmocka_unit_test_setup_teardown(intent_is_loaded_whole, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(result_takes_the_place_of_the_intent, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(reset_frames_have_no_row, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(marking_keeps_existing_rows, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(reader_sees_what_is_committed, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(attempts_are_read_newest_first, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(a_deleted_job_leaves_no_row_and_its_id_is_not_used_again, make_folder,
                                         remove_folder),
         cmocka_unit_test_setup_teardown(use_of_the_farm_is_remembered, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(farm_and_roots_are_remembered, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(bytes_of_a_jobs_files_are_summed_up, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(only_the_newest_attempts_of_a_job_are_kept, make_folder, remove_folder),
     };
 

@@ -2,6 +2,7 @@
 #include "daemon/store/store.h"
 
 #include "daemon/store/store_reader.h"
+#include "daemon/store/store_sum.h"
 #include "tests/daemon/store/store_fixture.h"
 
 #include <sqlite3.h>
@@ -118,6 +119,39 @@ static void upgraded_store_is_a_farm_with_an_id(void **state)
     store_close(store);
 }
 
+static void change_rows(const struct folder *folder, const char *sql)
+{
+    sqlite3 *db = NULL;
+    char path[128];
+
+    snprintf(path, sizeof path, "%s/queue.db", folder->path);
+    assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+    assert_int_equal(store_sum_register(db, NULL), true);
+    assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+// In version 9 a frame that a retry left canceled had a row.
+static void marks_of_version_9_are_kept(void **state)
+{
+    const struct folder *folder = *state;
+    struct store *store = open_store(folder);
+    struct loaded loaded;
+
+    commit_one(store, job_op(1));
+    store_close(store);
+    change_rows(folder, "DROP TABLE mark; PRAGMA user_version = 9; INSERT INTO frame (job, frame_index, state, sum)"
+                        " VALUES (1, 2, 4, row_sum(1, 2, 4, 0, 0, 0, 0, NULL, 0.0, 0.0))");
+    store = open_store(folder);
+    loaded = load(store);
+    assert_int_equal(loaded.jobs, 1);
+    assert_int_equal(loaded.frames, 1);
+    assert_true(loaded.frame.index == 2 && loaded.frame.state == FRAME_CANCELED);
+    commit_one(store, (struct store_op){.kind = STORE_SET_MARKS,
+                                        .marks = {.job = 1, .bytes = xcalloc(1, 1), .size_bytes = 1}});
+    store_close(store);
+}
+
 static void upgraded_store_takes_new_columns(void **state)
 {
     const struct folder *folder = *state;
@@ -145,6 +179,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(store_of_the_first_version_is_kept_whole, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(upgraded_store_is_a_farm_with_an_id, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(marks_of_version_9_are_kept, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(upgraded_store_takes_new_columns, make_folder, remove_folder),
     };
 
