@@ -8,12 +8,13 @@
 #include <inttypes.h>
 #include <stdio.h>
 
-static void print_files(int64_t id, int64_t removed, int64_t kept)
+static void print_files(int64_t id, int64_t removed, int64_t kept, int64_t found)
 {
     printf("job %" PRId64 ": deleted, with %" PRId64 " file%s", id, removed, removed == 1 ? "" : "s");
     if (kept > 0)
         printf("; %" PRId64 " %s no longer what it published and stay%s", kept, kept == 1 ? "is" : "are",
                kept == 1 ? "s" : "");
+    if (found > 0) printf("; %" PRId64 " that it found there and did not render stay%s", found, found == 1 ? "s" : "");
     printf("\n");
 }
 
@@ -22,11 +23,13 @@ static bool tell_deleted(const struct json_node *result, int64_t id, struct json
     struct json_node removed_node = json_node_child(result, "files_removed");
     struct json_node kept_node = json_node_child(result, "files_kept");
     struct json_node missing_node = json_node_child(result, "files_missing");
-    int64_t removed, kept, missing;
+    struct json_node found_node = json_node_child(result, "files_found");
+    int64_t removed, kept, missing, found;
 
     if (!json_read_integer(&removed_node, 0, INT64_C(1) << 52, &removed, error) ||
         !json_read_integer(&kept_node, 0, INT64_C(1) << 52, &kept, error) ||
-        !json_read_integer(&missing_node, 0, INT64_C(1) << 52, &missing, error))
+        !json_read_integer(&missing_node, 0, INT64_C(1) << 52, &missing, error) ||
+        !json_read_integer(&found_node, 0, INT64_C(1) << 52, &found, error))
         return false;
     if (results) {
         json_write_begin_object(results);
@@ -34,9 +37,10 @@ static bool tell_deleted(const struct json_node *result, int64_t id, struct json
         json_write_integer_member(results, "files_removed", removed);
         json_write_integer_member(results, "files_kept", kept);
         json_write_integer_member(results, "files_missing", missing);
+        json_write_integer_member(results, "files_found", found);
         json_write_end_object(results);
-    } else if (removed > 0 || kept > 0) {
-        print_files(id, removed, kept);
+    } else if (removed > 0 || kept > 0 || found > 0) {
+        print_files(id, removed, kept, found);
     } else {
         printf("job %" PRId64 ": deleted\n", id);
     }

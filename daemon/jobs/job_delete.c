@@ -179,6 +179,8 @@ static void tell(struct job_delete *deletion)
     json_write_integer_member(&value, "files_removed", remover->removed);
     json_write_integer_member(&value, "files_kept", remover->kept);
     json_write_integer_member(&value, "files_missing", remover->missing);
+    json_write_integer_member(&value, "files_found",
+                              deletion->with_files ? deletion->record->queued->states.counts[FRAME_SKIPPED] : 0);
     json_write_end_object(&value);
     answer_send_result(deletion->answer, &value);
     json_writer_finish(&value);

@@ -11,7 +11,7 @@ start_daemon --worker-program "$(stub write:5)"
 # Without files: the files stay; the job is gone, also after a restart, and its id is not used again.
 id=$(done_job "$(job 1-5 '.output.path = "stay/s.####.exr"')")
 listen "$scratch/events"
-expect "deleted" "$(delete "$id" | jq -c .result)" '{"files_removed":0,"files_kept":0,"files_missing":0}'
+expect "deleted" "$(delete "$id" | jq -c .result)" '{"files_removed":0,"files_kept":0,"files_missing":0,"files_found":0}'
 expect_error "$(ask job.show "{\"id\":$id}")" 1 "there is no such job"
 expect_error "$(delete "$id")" 1 "there is no such job"
 expect_files stay 5
@@ -22,11 +22,11 @@ expect_error "$(ask job.show "{\"id\":$id}")" 1 "there is no such job"
 expect "the next job's number" "$(submit "$(job 1)" true)" $((id + 1))
 expect_error "$(delete $((id + 1)))" 3 "job $((id + 1)) is not over: cancel it first"
 ask job.cancel "{\"id\":$((id + 1))}" >/dev/null
-expect "a canceled job" "$(delete $((id + 1)) | jq -c .result)" '{"files_removed":0,"files_kept":0,"files_missing":0}'
+expect "a canceled job" "$(delete $((id + 1)) | jq -c .result)" '{"files_removed":0,"files_kept":0,"files_missing":0,"files_found":0}'
 
 # With files: unchanged published files are removed, and the folder when it is empty.
 id=$(done_job "$(job 1-9 '.output.path = "a/gone/g.####.exr"')")
-expect "deleted with its files" "$(delete "$id" true | jq -c .result)" '{"files_removed":9,"files_kept":0,"files_missing":0}'
+expect "deleted with its files" "$(delete "$id" true | jq -c .result)" '{"files_removed":9,"files_kept":0,"files_missing":0,"files_found":0}'
 [ ! -e "$scratch/out/a/gone" ] || fail "the folder is there: $(ls "$scratch/out/a/gone")"
 [ -d "$scratch/out/a" ] || fail "the folder above went too"
 id=$(done_job "$(job 1-6 '.output.path = "b/g.####.exr"')")
@@ -37,25 +37,25 @@ touch "$scratch/out/b/g.0003.exr" # the same file, perhaps with other bytes
 ln -sf ../../copy "$scratch/out/b/g.0004.exr"
 rm "$scratch/out/b/g.0005.exr"
 echo mine >"$scratch/out/b/notes.txt"
-expect "only what it published" "$(delete "$id" true | jq -c .result)" '{"files_removed":1,"files_kept":4,"files_missing":1}'
+expect "only what it published" "$(delete "$id" true | jq -c .result)" '{"files_removed":1,"files_kept":4,"files_missing":1,"files_found":0}'
 expect "what stays" "$(find "$scratch/out/b" -mindepth 1 -printf '%f\n' | sort | xargs)" "g.0001.exr g.0002.exr g.0003.exr g.0004.exr notes.txt"
 [ -f "$scratch/copy" ] || fail "a link was followed"
 id=$(done_job "$(job 1-3 '.output.path = "top.####.exr"')")
-expect "in the root" "$(delete "$id" true | jq -c .result)" '{"files_removed":3,"files_kept":0,"files_missing":0}'
+expect "in the root" "$(delete "$id" true | jq -c .result)" '{"files_removed":3,"files_kept":0,"files_missing":0,"files_found":0}'
 [ -d "$scratch/out" ] || fail "the root is gone"
 
 # Files of a later job stay, and so does a folder that it writes into.
 first=$(done_job "$(job 1-4 '.output.path = "c/g.####.exr"')")
 second=$(done_job "$(job 3-6 '.output.path = "c/g.####.exr" | .output.existing = "overwrite"')")
 third=$(submit "$(job 50 '.output.path = "c/g.####.exr"')" true)
-expect "a later job's files" "$(delete "$first" true | jq -c .result)" '{"files_removed":2,"files_kept":2,"files_missing":0}'
-expect "the later job's" "$(delete "$second" true | jq -c .result)" '{"files_removed":4,"files_kept":0,"files_missing":0}'
+expect "a later job's files" "$(delete "$first" true | jq -c .result)" '{"files_removed":2,"files_kept":2,"files_missing":0,"files_found":0}'
+expect "the later job's" "$(delete "$second" true | jq -c .result)" '{"files_removed":4,"files_kept":0,"files_missing":0,"files_found":0}'
 [ -d "$scratch/out/c" ] || fail "the folder of a job that waits is gone"
 ask job.cancel "{\"id\":$third}" >/dev/null
 # A folder that is gone does not hinder the deletion.
 id=$(done_job "$(job 1-3 '.output.path = "d/g.####.exr"')")
 rm -r "$scratch/out/d"
-expect "with a folder that is gone" "$(delete "$id" true | jq -c .result)" '{"files_removed":0,"files_kept":0,"files_missing":3}'
+expect "with a folder that is gone" "$(delete "$id" true | jq -c .result)" '{"files_removed":0,"files_kept":0,"files_missing":3,"files_found":0}'
 id=$(done_job "$(job 1-3 '.output.path = "d/g.####.exr"')")
 mv "$scratch/out/d/g.0002.exr" "$scratch/moved.exr"
 said=$("$bin/march" delete "$id" --files --socket "$socket" 2>&1)
@@ -78,7 +78,7 @@ id=$(done_job "$(job 1-2 '.output.path = "f/g.####.exr"')")
 expect "march delete" "$("$bin/march" delete "$id" --files --socket "$socket")" "job $id: deleted, with 2 files"
 id=$(done_job "$(job 1-2 '.output.path = "f/g.####.exr"')")
 expect "march delete --json" "$("$bin/march" delete "$id" 9999 --json --socket "$socket" 2>/dev/null | jq -c .)" \
-    "{\"deleted\":[{\"id\":$id,\"files_removed\":0,\"files_kept\":0,\"files_missing\":0}],\"errors\":[{\"id\":9999,\"error\":\"job 9999: there is no such job\"}]}"
+    "{\"deleted\":[{\"id\":$id,\"files_removed\":0,\"files_kept\":0,\"files_missing\":0,\"files_found\":0}],\"errors\":[{\"id\":9999,\"error\":\"job 9999: there is no such job\"}]}"
 
 # Files that were there before the job are not removed.
 id=$(done_job "$(job 1-2 '.output.path = "g/g.####.exr"')")
@@ -86,8 +86,9 @@ stop_daemon
 start_daemon --worker-program "$(stub skip)"
 skipped=$(done_job "$(job 1-2 '.output.path = "g/g.####.exr"')")
 expect "skipped frames" "$(field "$skipped" .skipped)" 2
-expect "files of skipped frames" "$(delete "$skipped" true | jq -c .result)" '{"files_removed":0,"files_kept":0,"files_missing":0}'
-expect "whose they are" "$(delete "$id" true | jq -c .result)" '{"files_removed":2,"files_kept":0,"files_missing":0}'
+expect "files of skipped frames" "$("$bin/march" delete "$skipped" --files --socket "$socket")" \
+    "job $skipped: deleted, with 0 files; 2 that it found there and did not render stay"
+expect "whose they are" "$(delete "$id" true | jq -c .result)" '{"files_removed":2,"files_kept":0,"files_missing":0,"files_found":0}'
 stop_daemon
 start_daemon --worker-program "$(stub write:5)"
 
