@@ -256,8 +256,9 @@ class Acts(ClientActs, StoreActs):
 
     @staticmethod
     def list_folder(folder):
+        """The paths of what is in it."""
         try:
-            return os.listdir(folder)
+            return [f"{folder}/{name}" for name in os.listdir(folder)]
         except OSError:
             return []
 
@@ -268,8 +269,7 @@ class Acts(ClientActs, StoreActs):
             return
         self.books.robbed.add(number)
         self.books.again.add(folder)
-        foreign = self.books.foreign
-        self.books.foreign = {path: foreign[path] for path in foreign if os.path.dirname(path) != folder}
+        self.books.forget_folder(folder)
         shutil.rmtree(folder, ignore_errors=True)
 
     def put_foreign_file(self):

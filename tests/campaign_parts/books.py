@@ -6,7 +6,7 @@ class Books:
     """What was asked for and answered, and what a person did to the files."""
 
     def __init__(self):
-        self.jobs = {}  # folder, root, frames and user of each accepted job, by id
+        self.jobs = {}  # folder, root, frames, user and round of each accepted job that was not tidied up, by id
         self.accepted, self.deleted, self.maybe_deleted, self.canceled = set(), set(), set(), set()
         self.refused = set()  # patterns of jobs that were refused
         self.robbed = set()  # jobs whose folder was removed
@@ -18,6 +18,7 @@ class Books:
 
     def return_to(self, copy, names_then, names_now):
         """The store is again what it was when these books were `copy`; files are not. The names that files had got."""
+        self.jobs = {**copy.jobs, **self.jobs}
         self.forgotten |= self.accepted - copy.accepted
         self.robbed |= self.maybe_deleted - copy.maybe_deleted
         self.deleted, self.maybe_deleted = set(copy.deleted), set(copy.maybe_deleted)
@@ -26,9 +27,14 @@ class Books:
         self.replaced |= {path for _, path in names_then} & {path for _, path in names_now[len(names_then):]}
 
     def known(self):
-        return sorted(self.accepted - self.deleted - self.forgotten)
+        return sorted(set(self.jobs) - self.deleted - self.forgotten)
+
+    def forget_folder(self, folder):
+        """It was removed, with all that was in it."""
+        self.foreign = {path: text for path, text in self.foreign.items() if os.path.dirname(path) != folder}
+        self.kept_files = {path for path in self.kept_files if os.path.dirname(path) != folder}
 
     def is_foreign(self, path):
         """Whether a part file is none that the farm could know of."""
         folder = os.path.dirname(path)
-        return path in self.foreign or any(self.jobs[number]["folder"] == folder for number in self.forgotten)
+        return path in self.foreign or folder in {self.jobs[number]["folder"] for number in self.forgotten & set(self.jobs)}

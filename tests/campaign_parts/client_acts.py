@@ -1,5 +1,6 @@
 """What clients ask for, well or badly."""
 import json
+import shutil
 import subprocess
 
 from audit import is_of
@@ -39,7 +40,8 @@ class ClientActs:
             if number <= max(self.books.accepted, default=0):
                 self.wrong.append(f"job id {number} was given after {max(self.books.accepted)}")
             self.books.accepted.add(number)
-            self.books.jobs[number] = {"folder": folder, "frames": frames, "user": user, "root": root}
+            self.books.jobs[number] = {"folder": folder, "frames": frames, "user": user, "root": root,
+                                       "round": self.round}
         elif "one_sync_in" not in self.machine.fields[STATE]:
             # After a sync that failed, a crash decides whether the commit is on disk.
             self.books.refused.add(pattern)
@@ -99,10 +101,12 @@ class ClientActs:
             self.wrong.append(f"user {user} gave job {number} the priority {priority}")
 
     def delete(self):
-        number = self.any_job()
-        if number is None or number in self.books.robbed or self.is_out_of_reach(number):
-            return
-        folder, with_files = self.books.jobs[number]["folder"], self.random.random() < 0.5
+        number, with_files = self.any_job(), self.random.random() < 0.5
+        if number is not None and number not in self.books.robbed and not self.is_out_of_reach(number):
+            self.delete_job(number, with_files)
+
+    def delete_job(self, number, with_files):
+        folder = self.books.jobs[number]["folder"]
         self.books.maybe_deleted.add(number)
         answer = self.farm.ask("job.delete", {"id": number, "files": with_files})
         if answer is None:
@@ -112,13 +116,37 @@ class ClientActs:
             self.books.maybe_deleted.discard(number)
             return
         self.books.deleted.add(number)
-        there = {f"{folder}/{name}" for name in self.list_folder(folder) if is_of(f"{folder}/s.####.exr", f"{folder}/{name}")}
+        there = {path for path in self.list_folder(folder) if is_of(f"{folder}/s.####.exr", path)}
         if not with_files:
             self.books.kept_files |= there
         elif not answer["result"]["files_kept"]:
             numbers = range(1, self.books.jobs[number]["frames"] + 1)
             self.books.kept_files -= there
             self.books.removed_files |= there | {f"{folder}/s.{n:04}.exr" for n in numbers}
+
+    def tidy_up(self, oldest):
+        """Nothing of rounds before `oldest` stays: the farm does not grow. All jobs are over, and all is well."""
+        listed = {job["id"] for job in self.farm.jobs()}
+        for number, job in list(self.books.jobs.items()):
+            if job["round"] >= oldest:
+                continue
+            if number in listed:
+                self.delete_job(number, True)
+                if number not in self.books.deleted:
+                    self.wrong.append(f"job {number} cannot be deleted")
+            left = self.books.removed_files & set(self.list_folder(job["folder"]))
+            if left:
+                self.wrong.append(f"{min(left)}: its job was deleted with files")
+            shutil.rmtree(job["folder"], ignore_errors=True)
+            self.books.forget_folder(job["folder"])
+            self.books.removed_files -= {path for path in self.books.removed_files if path.startswith(job["folder"] + "/")}
+            self.books.deleted.add(number)
+            del self.books.jobs[number]
+        for number in listed - self.books.accepted:  # whose submit had no answer
+            self.farm.ask("job.delete", {"id": number, "files": True})
+        for twin in range(1, self.twins + 1):
+            shutil.rmtree(f"{self.farm.roots[0]}/twin.{twin}", ignore_errors=True)
+            shutil.rmtree(f"{self.farm.folder}/twin.{twin}", ignore_errors=True)
 
     def is_out_of_reach(self, number):
         disk = self.machine.disks[OUTPUT]
