@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 INSIDE = "MARCHD_CAMPAIGN_INSIDE"
@@ -62,7 +63,6 @@ def serve_as_first():
     """The first process of a namespace buries the orphans. Returns in its child, which does the work."""
     worker = os.fork()
     if not worker:
-        die_with_parent()
         return
     while True:
         pid, status = os.wait()
@@ -76,29 +76,39 @@ def run_caged():
     os.chmod(folder, 0o755)
     remover, pipe = begin_remover(folder)
     way = find_way()
+    reading, writing = os.pipe()
     is_ended = []
 
     def end(*_):
         is_ended.append(True)
         inside.kill()
-    inside = subprocess.Popen(way + [sys.executable] + sys.argv, preexec_fn=die_with_parent,
-                              env=dict(os.environ, **{INSIDE: f"{'yes' if way else 'no'}:{folder}"}))
+    inside = subprocess.Popen(way + [sys.executable] + sys.argv, pass_fds=[reading],
+                              env=dict(os.environ, **{INSIDE: f"{'yes' if way else 'no'}:{reading}:{folder}"}))
+    os.close(reading)
     for number in SIGNALS:
         signal.signal(number, end)
     status = inside.wait()
     if status and not is_ended:
         os.write(pipe, b"k")
+    os.close(writing)
     os.close(pipe)
     os.waitpid(remover, 0)
     sys.exit(INTERRUPTED if is_ended else FAILED if status < 0 else status)
+
+
+def end_with(pipe):
+    """Whoever changes its user loses PR_SET_PDEATHSIG: the end of the first process is the end of a pipe."""
+    os.read(pipe, 1)
+    os._exit(FAILED)
 
 
 def enter():
     """The folder, and whether disks can be mounted. Returns inside of the cage alone."""
     if INSIDE not in os.environ:
         run_caged()
-    can_mount, folder = os.environ.pop(INSIDE).split(":", 1)
+    can_mount, pipe, folder = os.environ.pop(INSIDE).split(":", 2)
     if os.getpid() == 1:
         serve_as_first()
+    threading.Thread(target=end_with, args=[int(pipe)], daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process outside ends this one
     return folder, can_mount == "yes"
