@@ -4,6 +4,7 @@
 #include "cli/peer/worker_child.h"
 #include "cli/program/options.h"
 #include "cli/render/plan_report.h"
+#include "cli/render/unseen_report.h"
 #include "cli/terminal/print.h"
 #include "core/base/error.h"
 #include "core/job/job.h"
@@ -167,6 +168,7 @@ enum exit_status command_explain(const struct options *options, struct error *er
 
     if (document && job_document_check(options->operands[0], document, "/", &job, error)) {
         job_warnings_find(&job, print_warning, NULL);
+        unseen_report_find(options, &job, document, print_warning, NULL);
         status = explain(options, &job, document, error);
     }
     job_finish(&job);

@@ -4,6 +4,7 @@
 #include "cli/job/job_mistakes.h"
 #include "cli/job/job_summary.h"
 #include "cli/program/options.h"
+#include "cli/render/unseen_report.h"
 #include "cli/terminal/print.h"
 #include "core/base/alloc.h"
 #include "core/base/error.h"
@@ -19,6 +20,7 @@
 
 struct verdict {
     const char *path;
+    char *document; // owned; NULL: it cannot be read
     struct job job;
     struct error *errors; // owned; they name the file; none: the job is right
     size_t error_count;
@@ -52,11 +54,17 @@ static void list_errors(struct verdict *verdict, const char *document, const str
 static void judge(const struct options *options, struct verdict *verdict)
 {
     struct error error = {0};
-    char *document = job_document_load(verdict->path, options->sets, options->set_count, &error);
 
-    if (!document || !job_document_check(verdict->path, document, "/", &verdict->job, &error))
-        list_errors(verdict, document, &error);
-    free(document);
+    verdict->document = job_document_load(verdict->path, options->sets, options->set_count, &error);
+    if (!verdict->document || !job_document_check(verdict->path, verdict->document, "/", &verdict->job, &error))
+        list_errors(verdict, verdict->document, &error);
+}
+
+static void find_warnings(const struct options *options, const struct verdict *verdict, job_warnings_on_found *on_found,
+                          void *user)
+{
+    job_warnings_find(&verdict->job, on_found, user);
+    unseen_report_find(options, &verdict->job, verdict->document, on_found, user);
 }
 
 static void write_warning(void *user, const char *text)
@@ -64,7 +72,7 @@ static void write_warning(void *user, const char *text)
     json_write_string(user, text);
 }
 
-static void write_result(struct json_writer *writer, const struct verdict *verdict)
+static void write_result(const struct options *options, struct json_writer *writer, const struct verdict *verdict)
 {
     json_write_begin_object(writer);
     json_write_string_member(writer, "file", job_document_name(verdict->path));
@@ -80,7 +88,7 @@ static void write_result(struct json_writer *writer, const struct verdict *verdi
         job_summary_write_members(&verdict->job, writer);
         json_write_key(writer, "warnings");
         json_write_begin_array(writer);
-        job_warnings_find(&verdict->job, write_warning, writer);
+        find_warnings(options, verdict, write_warning, writer);
         json_write_end_array(writer);
     }
     json_write_end_object(writer);
@@ -93,7 +101,7 @@ static void print_warning(void *user, const char *text)
     fprintf(stderr, "%s: warning: %s\n", job_document_name(verdict->path), text);
 }
 
-static void print_result(struct verdict *verdict)
+static void print_result(const struct options *options, struct verdict *verdict)
 {
     int64_t count = frame_range_count(&verdict->job.frames);
 
@@ -102,7 +110,7 @@ static void print_result(struct verdict *verdict)
     if (verdict->error_count > 0) return;
     printf("%s: ok, %" PRId64 " frame%s of %d x %d\n", job_document_name(verdict->path), count, count == 1 ? "" : "s",
            verdict->job.width_px, verdict->job.height_px);
-    job_warnings_find(&verdict->job, print_warning, verdict);
+    find_warnings(options, verdict, print_warning, verdict);
 }
 
 enum exit_status command_validate(const struct options *options, struct error *error)
@@ -119,10 +127,11 @@ enum exit_status command_validate(const struct options *options, struct error *e
         judge(options, &verdict);
         if (verdict.error_count > 0) status = EXIT_STATUS_USAGE;
         if (options->json)
-            write_result(&results, &verdict);
+            write_result(options, &results, &verdict);
         else
-            print_result(&verdict);
+            print_result(options, &verdict);
         free(verdict.errors);
+        free(verdict.document);
         job_finish(&verdict.job);
     }
     json_write_end_array(&results);

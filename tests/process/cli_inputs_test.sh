@@ -45,6 +45,18 @@ grep -q 'step 0.0625 m' out || fail "a step in voxels is told in metres"
 expect 0 march explain jobs/grid.json --set scene.media[0].density.interpolation=nearest
 grep -q 'density/grid_linear.glsl' out && fail "nearest needs no interpolation"
 expect 0 march validate jobs/grid.json
+[ ! -s err ] || fail "a volume that frames show is no warning"
+for verb in validate explain; do
+    expect 0 march $verb jobs/grid.json --set 'camera.target=[0,0,9]'
+    grep -q "scene.media\[0\]: no frame shows it: the file's volume lies outside" err || fail "$verb: a volume behind the camera"
+done
+# It moves aside with the camera: the last frame of a sequence shows it.
+for n in 0 1 2; do cp jobs/v_8x8x8xuint8.raw jobs/s.${n}_8x8x8xuint8.raw; done
+turning='{"keys":[[0,[0,0,9]],[0.08,[0,0,9]],[0.0833,[0,0,0]]]}'
+expect 0 march validate jobs/grid.json --set 'scene.media[0].density.file=s.#_8x8x8xuint8.raw' --set "camera.target=$turning"
+[ ! -s err ] || fail "a volume that the last frame shows is no warning"
+expect 0 march validate jobs/grid.json --set 'scene.media[0].density.file=s.#_8x8x8xuint8.raw' --set 'camera.target=[0,0,9]'
+grep -q "neither the first, the middle nor the last frame shows it" err || fail "a sequence behind the camera"
 
 # Files that cannot be read.
 head -c 511 /dev/zero >jobs/v_8x8x8xuint8.raw

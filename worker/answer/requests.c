@@ -10,6 +10,7 @@
 #include "worker/answer/plan_answer.h"
 #include "worker/answer/request.h"
 #include "worker/answer/request_verify.h"
+#include "worker/answer/unseen.h"
 #include "worker/plan/draft.h"
 #include "worker/plan/plan.h"
 #include "worker/sheet/preview.h"
@@ -215,6 +216,7 @@ static const struct {
     {"worker.error_strip", measure_answer_strip},
     {"worker.verify", request_answer_verify},
     {"worker.plan", answer_plan},
+    {"worker.unseen", unseen_answer},
 };
 
 static request_function *find_answer(const char *method)

@@ -73,11 +73,11 @@ static bool is_between(const struct scene *scene, const struct scene_ball *balls
     return false;
 }
 
-static void add_moment(const struct job *job, const struct scene_inputs *inputs, double time, bool *is_unneeded)
+// Finds a ball around each medium, and whether camera rays may meet it.
+static void find_seen(const struct job *job, const struct scene_inputs *inputs, double time, struct scene_ball *balls,
+                      bool *is_seen)
 {
     const struct scene *scene = &job->scene;
-    struct scene_ball balls[SCENE_MEDIUM_LIMIT];
-    bool is_seen[SCENE_MEDIUM_LIMIT] = {0};
     struct camera_view view;
     bool has_view = camera_view_init(&view, &scene->camera, time, job->width_px, job->height_px, NULL);
 
@@ -85,6 +85,15 @@ static void add_moment(const struct job *job, const struct scene_inputs *inputs,
         balls[i] = media_extent_ball(job, inputs, i, time);
         is_seen[i] = !has_view || meets_camera_ray(&balls[i], &view, &scene->camera);
     }
+}
+
+static void add_moment(const struct job *job, const struct scene_inputs *inputs, double time, bool *is_unneeded)
+{
+    const struct scene *scene = &job->scene;
+    struct scene_ball balls[SCENE_MEDIUM_LIMIT];
+    bool is_seen[SCENE_MEDIUM_LIMIT] = {0};
+
+    find_seen(job, inputs, time, balls, is_seen);
     for (size_t i = 0; i < scene->medium_count; ++i)
         if (is_seen[i] || is_between(scene, balls, is_seen, i, time)) is_unneeded[i] = false;
 }
@@ -97,4 +106,15 @@ void scene_visibility_find(const struct job *job, const struct scene_inputs *inp
     if (job->scene.object_count > 0) return;
     for (int i = 0; i < pixel_samples_count(job); ++i)
         add_moment(job, inputs, pixel_samples_time(job, frame, i), is_unneeded);
+}
+
+void scene_visibility_clear_seen(const struct job *job, const struct scene_inputs *inputs, int32_t frame,
+                                 bool is_unseen[static SCENE_MEDIUM_LIMIT])
+{
+    struct scene_ball balls[SCENE_MEDIUM_LIMIT];
+    bool is_seen[SCENE_MEDIUM_LIMIT] = {0};
+
+    find_seen(job, inputs, job_frame_time(job, frame), balls, is_seen);
+    for (size_t i = 0; i < SCENE_MEDIUM_LIMIT; ++i)
+        is_unseen[i] = is_unseen[i] && !is_seen[i];
 }

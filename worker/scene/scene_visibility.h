@@ -13,3 +13,7 @@ struct scene_inputs;
 // are.
 void scene_visibility_find(const struct job *job, const struct scene_inputs *inputs, int32_t frame,
                            bool is_unneeded[static SCENE_MEDIUM_LIMIT]);
+// Clears `is_unseen` of the media that a camera ray may meet at the frame's time. `inputs` may be those of another
+// frame with the same files.
+void scene_visibility_clear_seen(const struct job *job, const struct scene_inputs *inputs, int32_t frame,
+                                 bool is_unseen[static SCENE_MEDIUM_LIMIT]);
