@@ -120,6 +120,20 @@ bool json_fail_choice(const struct json_node *node, struct error *error, const c
     return false;
 }
 
+// "a, b, c"; owned by the caller.
+static char *list_names(const char *const names[])
+{
+    char *list = xstrdup("");
+
+    for (size_t i = 0; names[i]; i++) {
+        char *longer = xasprintf("%s%s%s", list, i ? ", " : "", names[i]);
+
+        free(list);
+        list = longer;
+    }
+    return list;
+}
+
 bool json_fail_key(const struct json_node *object, struct error *error, const char *key, const char *const names[])
 {
     struct json_node kind = json_node_child(object, "kind"), method = json_node_child(object, "method");
@@ -127,15 +141,18 @@ bool json_fail_key(const struct json_node *object, struct error *error, const ch
     const char *chosen_text = cJSON_GetStringValue(choice->value);
     const char *nearest = nearest_name_find(key, names);
     struct json_writer shown = {0}, chosen = {0};
+    char *known;
 
     append_shown_string(&shown, key);
     if (chosen_text) append_shown_string(&chosen, chosen_text);
+    known = list_names(names);
     if (nearest)
         json_fail(object, error, "unknown key %s, did you mean \"%s\"?", shown.text, nearest);
     else if (chosen.text && strcmp(key, choice->key) != 0)
-        json_fail(object, error, "unknown key %s beside %s %s", shown.text, choice->key, chosen.text);
+        json_fail(object, error, "unknown key %s beside %s %s; known: %s", shown.text, choice->key, chosen.text, known);
     else
-        json_fail(object, error, "unknown key %s", shown.text);
+        json_fail(object, error, "unknown key %s; known: %s", shown.text, known);
+    free(known);
     json_writer_finish(&shown);
     json_writer_finish(&chosen);
     return false;

@@ -238,7 +238,8 @@ static void wrong_values_are_refused_by_place(void **state)
                         "scene.media[0] in steps of 5e-06 m");
     assert_edit_refused("quality.light_steps", "8",
                         "quality: unknown key \"light_steps\", did you mean \"light_step\"?");
-    assert_edit_refused("lights[1].falloff", "\"none\"", "lights[1]: unknown key \"falloff\" beside kind \"sun\"");
+    assert_edit_refused("lights[1].falloff", "\"none\"",
+                        "lights[1]: unknown key \"falloff\" beside kind \"sun\"; known: kind, intensity, direction");
 }
 
 static void names_take_128_printable_bytes(void **state)

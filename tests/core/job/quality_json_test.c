@@ -184,14 +184,16 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality.pixels.threshold", "0", "quality.pixels.threshold: expected a number from 1e-06 to 1, got 0"},
         {"quality.pixels.stride", "12", "quality.pixels.stride: expected a power of two, got 12"},
         {"quality.pixels.stride", "128", "quality.pixels.stride: expected an integer from 2 to 64, got 128"},
-        {"quality.pixels.size", "2", "quality.pixels: unknown key \"size\""},
+        {"quality.pixels.size", "2", "quality.pixels: unknown key \"size\"; known: stride, threshold"},
         {"quality.max_cut", "0.5", "quality.max_cut: not beside pixels: only the cut rays of traced pixels are known"},
         {"quality.method", "\"jittered\"",
          "quality.pixels: not with jittered, which has random numbers of its own in each pixel"},
         {"quality", "{\"tolerance\":0.01,\"pixels\":{\"threshold\":0.01}}",
          "quality.pixels: only beside a method; without one, the planner chooses it"},
         {"quality.samples", "0", "quality.samples: expected an integer from 1 to 1024, got 0"},
-        {"quality.points", "3", "quality: unknown key \"points\" beside method \"midpoint\""},
+        {"quality.points", "3",
+         "quality: unknown key \"points\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
+         "light_step_voxels, min_transmittance, roulette, pixels, samples, max_depth, min_throughput, max_cut"},
         {"quality.step_voxels", "1", "quality.step_voxels: expected step or step_voxels, got both"},
         {"quality.light_step_voxels", "1",
          "quality.light_step_voxels: expected light_step or light_step_voxels, got both"},
@@ -204,13 +206,18 @@ static void wrong_qualities_are_refused_by_place(void **state)
         {"quality", "{\"method\":\"tracking\"}",
          "quality.estimator: expected one of \"delta\",\"ratio\",\"debiased\",\"jackknife\", got nothing"},
         {"quality", "{\"method\":\"tracking\",\"estimator\":\"delta\",\"step\":1}",
-         "quality: unknown key \"step\" beside method \"tracking\""},
+         "quality: unknown key \"step\" beside method \"tracking\"; known: method, estimator, roulette, samples, "
+         "pixels"},
         {"quality", "{\"method\":\"tracking\",\"estimator\":\"debiased\"}",
          "quality.step: expected a number from 1e-09 to 1000000000, got nothing"},
         {"quality", "{\"method\":\"tracking\",\"estimator\":\"debiased\",\"step\":1}",
          "quality.light_step: expected a number of metres, as light marches through media, got nothing"},
-        {"quality.tolerance", "0.1", "quality: unknown key \"tolerance\" beside method \"midpoint\""},
-        {"quality.on_miss", "\"publish\"", "quality: unknown key \"on_miss\" beside method \"midpoint\""},
+        {"quality.tolerance", "0.1",
+         "quality: unknown key \"tolerance\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
+         "light_step_voxels, min_transmittance, roulette, pixels, samples, max_depth, min_throughput, max_cut"},
+        {"quality.on_miss", "\"publish\"",
+         "quality: unknown key \"on_miss\" beside method \"midpoint\"; known: method, step, step_voxels, light_step, "
+         "light_step_voxels, min_transmittance, roulette, pixels, samples, max_depth, min_throughput, max_cut"},
         {"quality", "{\"on_miss\":\"keep\"}", "quality.on_miss: expected one of \"fail\",\"publish\", got \"keep\""},
         {"quality", "{\"tolerance\":5}",
          "quality.tolerance: expected a number from 0.0001 to 0.5, got 5, did you mean 0.05 (5 %)?"},
@@ -228,7 +235,8 @@ static void wrong_qualities_are_refused_by_place(void **state)
          "quality: unknown key \"light_step\", did you mean \"light_grid\"?"},
         {"quality", "{\"method\":\"equiangular\"}", "quality.points: expected an integer from 1 to 1000, got nothing"},
         {"quality", "{\"method\":\"riemann\",\"step\":0.1,\"light_steps\":4,\"roulette\":{}}",
-         "quality: unknown key \"roulette\" beside method \"riemann\""},
+         "quality: unknown key \"roulette\" beside method \"riemann\"; known: method, step, light_steps, "
+         "min_transmittance, samples, pixels"},
     };
 
     for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++)

@@ -243,13 +243,13 @@ static void unknown_keys_are_refused_with_a_suggestion(void **state)
     assert_false(json_check_keys(&b, names, &error));
     assert_string_equal(error.message, "b: unknown key \"camrea\", did you mean \"camera\"?");
     assert_false(json_check_keys(&c, names, &error));
-    assert_string_equal(error.message, "c: unknown key \"x\\ny\"");
+    assert_string_equal(error.message, "c: unknown key \"x\\ny\"; known: camera, lights");
     assert_false(json_check_keys(&e, kinds, &error));
-    assert_string_equal(error.message, "e: unknown key \"x\" beside kind \"a\\nb\"");
+    assert_string_equal(error.message, "e: unknown key \"x\" beside kind \"a\\nb\"; known: kind, radius");
     assert_false(json_check_keys(&e, names, &error));
-    assert_string_equal(error.message, "e: unknown key \"kind\"");
+    assert_string_equal(error.message, "e: unknown key \"kind\"; known: camera, lights");
     assert_false(json_check_keys(&f, kinds, &error));
-    assert_string_equal(error.message, "f: unknown key \"method\"");
+    assert_string_equal(error.message, "f: unknown key \"method\"; known: kind, radius");
     assert_false(json_check_object(&d, &error));
     assert_string_equal(error.message, "d: expected an object, got 5");
     json_delete(root);

@@ -237,11 +237,13 @@ static void wrong_objects_are_refused_by_place(void **state)
     assert_edit_refused(OBJECT(4) ".of", "[]", OBJECT(4) ".of: expected an array of 1 to 32, got an array of 0");
     assert_edit_refused(OBJECT(4) ".of[1].kind", "\"union\"",
                         OBJECT(4) ".of[1].kind: expected one of \"sphere\",\"box\",\"plane\", got \"union\"");
-    assert_edit_refused(OBJECT(4) ".of[0].material", "{\"kind\":\"mirror\"}",
-                        OBJECT(4) ".of[0]: unknown key \"material\" beside kind \"sphere\"");
+    assert_edit_refused(
+        OBJECT(4) ".of[0].material", "{\"kind\":\"mirror\"}",
+        OBJECT(4) ".of[0]: unknown key \"material\" beside kind \"sphere\"; known: kind, center, radius");
     assert_edit_refused(OBJECT(4) ".of[2].normal", "{\"keys\":[[0,[0,1,0]],[0.24,[0,-1,0]]]}",
                         OBJECT(4) ".of[2].normal: expected a vector whose length is not 0, got one of 0 at frame 3");
-    assert_edit_refused(OBJECT(4) ".center", "[0,0,0]", OBJECT(4) ": unknown key \"center\" beside kind \"union\"");
+    assert_edit_refused(OBJECT(4) ".center", "[0,0,0]",
+                        OBJECT(4) ": unknown key \"center\" beside kind \"union\"; known: material, kind, of");
 }
 
 static void wrong_materials_are_refused_by_place(void **state)
@@ -255,9 +257,12 @@ static void wrong_materials_are_refused_by_place(void **state)
     assert_edit_refused(MATERIAL(0) ".f0", "1.5", MATERIAL(0) ".f0: expected a number in [0, 1], got 1.5");
     assert_edit_refused(MATERIAL(1) ".ior", NULL, MATERIAL(1) ".ior: expected a number in [0.1, 10], got nothing");
     assert_edit_refused(MATERIAL(1) ".ior", "11", MATERIAL(1) ".ior: expected a number in [0.1, 10], got 11");
-    assert_edit_refused(MATERIAL(1) ".albedo", "1", MATERIAL(1) ": unknown key \"albedo\" beside kind \"dielectric\"");
-    assert_edit_refused(MATERIAL(2) ".interior", "{\"sigma_a\":1}",
-                        MATERIAL(2) ": unknown key \"interior\" beside kind \"mirror\"");
+    assert_edit_refused(MATERIAL(1) ".albedo", "1",
+                        MATERIAL(1) ": unknown key \"albedo\" beside kind \"dielectric\"; known: kind, ior, fresnel, "
+                                    "f0, f90, roughness, interior");
+    assert_edit_refused(
+        MATERIAL(2) ".interior", "{\"sigma_a\":1}",
+        MATERIAL(2) ": unknown key \"interior\" beside kind \"mirror\"; known: kind, reflectance, roughness");
     assert_edit_refused(MATERIAL(2) ".reflectence", "1",
                         MATERIAL(2) ": unknown key \"reflectence\", did you mean \"reflectance\"?");
     assert_edit_refused(MATERIAL(3) ".texture", NULL,

@@ -339,14 +339,16 @@ static void wrong_noise_and_bounds_are_refused_by_place(void **state)
     assert_noise_refused("scene.media[1].density.bounds.size", "[1,-1,1]",
                          "scene.media[1].density.bounds.size[1]: expected a number in (0, 1000000000], got -1");
     assert_noise_refused("scene.media[1].density.bounds.radius", "1",
-                         "scene.media[1].density.bounds: unknown key \"radius\" beside kind \"box\"");
+                         "scene.media[1].density.bounds: unknown key \"radius\" beside kind \"box\"; known: kind, "
+                         "center, size, falloff");
     assert_noise_refused("scene.media[0].density.bounds.kind", "\"cone\"",
                          "scene.media[0].density.bounds.kind: expected one of \"sphere\",\"box\",\"slab\", got "
                          "\"cone\"");
     assert_noise_refused("scene.media[0].phase[0].g", "0",
-                         "scene.media[0].phase[0]: unknown key \"g\" beside kind \"rayleigh\"");
+                         "scene.media[0].phase[0]: unknown key \"g\" beside kind \"rayleigh\"; known: kind, weight");
     assert_noise_refused("scene.media[0].density.iterations", "3",
-                         "scene.media[0].density: unknown key \"iterations\" beside kind \"noise\"");
+                         "scene.media[0].density: unknown key \"iterations\" beside kind \"noise\"; known: kind, "
+                         "bounds, frequency, octaves, lacunarity, H, bias, mode, offset, rotate, scale");
     assert_noise_refused("camera.shutter", "-1", "camera.shutter: expected a number from 0 to 1000, got -1");
 }
 
