@@ -37,6 +37,7 @@ struct command_line {
 static bool read_options(void *user, struct options *options, struct error *error)
 {
     const struct command_line *line = user;
+    static char version[64];
     char program_folder[PATH_MAX];
     char current_folder[PATH_MAX];
     struct options_surroundings surroundings = {.home = getenv("HOME"),
@@ -50,7 +51,10 @@ static bool read_options(void *user, struct options *options, struct error *erro
 
     find_program_folder(program_folder);
     if (!getcwd(current_folder, sizeof current_folder)) strcpy(current_folder, "/");
-    return options_parse(options, line->argc, line->argv, &surroundings, error);
+    if (!options_parse(options, line->argc, line->argv, &surroundings, error)) return false;
+    snprintf(version, sizeof version, "%s %s", MARCHD_VERSION, version_commit);
+    options->version = version;
+    return true;
 }
 
 static int run(struct options *options, struct command_line *line)

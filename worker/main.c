@@ -3,6 +3,7 @@
 #include "core/base/log.h"
 #include "core/base/version.h"
 #include "core/wire/message.h"
+#include "worker/host/host.h"
 #include "worker/process/encoder.h"
 #include "worker/process/library_versions.h"
 #include "worker/process/memory_end.h"
@@ -187,6 +188,18 @@ static bool fence_in(struct worker *worker)
     return ok;
 }
 
+// A node and the daemon are of one version and, where they know it, of one commit.
+static int run_node(int argc, char *argv[])
+{
+    char version[64];
+
+    snprintf(version, sizeof version, "%s %s", MARCHD_VERSION, version_commit);
+    if (argc == 2) return host_run(version, NULL);
+    if (argc == 4 && strcmp(argv[2], "--worker") == 0) return host_run(version, argv[3]);
+    log_error("expected march-worker --node [--worker PROGRAM]");
+    return 2;
+}
+
 int main(int argc, char *argv[])
 {
     struct options options;
@@ -195,6 +208,7 @@ int main(int argc, char *argv[])
     pthread_t threads[2];
     int signal_fd;
 
+    if (argc > 1 && strcmp(argv[1], "--node") == 0) return run_node(argc, argv);
     if (!options_parse(&options, argc, argv, &error)) {
         log_error("%s", error.message);
         return 2;

@@ -32,6 +32,7 @@ struct attempt_end {
     enum retry_fault fault;
     bool is_started;
     bool is_lost;   // the worker is gone
+    bool is_free;   // the node of the worker is gone: neither frame nor worker is to blame
     bool is_hosted; // the worker was started for another job
     bool is_old;    // the output root has changed since the worker was fenced in
     bool has_row;   // the store holds a publish intent for it
@@ -99,6 +100,7 @@ static enum retry_action decide(const struct farm *farm, const struct attempt_en
     int tries = frame_states_at(&end->record->queued->states, end->ticket.index).tries;
 
     if (end->is_old && (end->fault == RETRY_FAULT_OUTPUT || end->fault == RETRY_FAULT_ROOT)) return RETRY_FREE;
+    if (end->is_free) return RETRY_FREE;
     if (end->is_hosted && retry_blames_host(end->fault)) {
         if (end->is_started) end->record->needs_own_worker = true;
         return RETRY_FREE;
@@ -353,6 +355,7 @@ void frame_life_lose_frames(struct farm *farm, struct worker_process *worker, co
                                   .fault = is_suspect(worker, &frame) ? RETRY_FAULT_ENDLESS : RETRY_FAULT_LOST,
                                   .is_started = frame.is_started,
                                   .is_lost = true,
+                                  .is_free = worker->is_node_lost,
                                   .is_hosted = worker_process_is_host(worker, frame.ticket.job),
                                   .worker = worker->id,
                                   .error = suspicion && is_suspect(worker, &frame) ? suspicion : reason,

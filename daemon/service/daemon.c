@@ -103,7 +103,7 @@ static bool open_store(struct daemon *daemon, const struct options *options, str
 static void create_modules(struct daemon *daemon, const struct options *options)
 {
     struct farm *farm = &daemon->farm;
-    int slots = options->worker_count ? options->worker_count : (int)uv_available_parallelism();
+    int workers = options->worker_count ? options->worker_count : (int)uv_available_parallelism();
 
     farm->turns = loop_turns_open(farm->loop);
     farm->work = work_desk_create(farm->loop);
@@ -115,7 +115,7 @@ static void create_modules(struct daemon *daemon, const struct options *options)
     farm->sweeper = sweeper_create(farm->loop, farm->id, on_swept, farm);
     farm->events = events_create(farm);
     daemon->roots = root_watch_create(farm, root_life_note_change);
-    farm->pool = worker_pool_create(farm, slots, &pool_handlers);
+    farm->pool = worker_pool_create(farm, workers > 0 ? workers : 0, &pool_handlers);
     daemon->keeper = store_keeper_open(farm->loop, &(struct store_keeper_params){.folder = options->state_folder,
                                                                                  .first_ms = FIRST_LOOK_MS,
                                                                                  .interval_ms = LOOK_INTERVAL_MS,

@@ -26,7 +26,8 @@ const char options_help[] =
     "                          (system: /srv/marchd, else ~/marchd)\n"
     "  --input-root DIR        jobs may read files below this folder; repeatable\n"
     "                          (system: /srv/marchd-input and /usr/share, else /)\n"
-    "  --workers N|auto        number of worker processes (auto: one per core)\n"
+    "  --workers N|auto|none   number of worker processes on this machine (auto: one per core)\n"
+    "  --pool SETTING          workers on other machines: NAME KEY=VALUE ..., as marchd(8) says; repeatable\n"
     "  --threads N             threads of one worker (1)\n"
     "  --backend NAME          auto, egl, osmesa or software (auto)\n"
     "  --worker-memory BYTES   memory of one worker: auto, none, or a size like 4G\n"
@@ -81,6 +82,7 @@ enum option_code {
     OPTION_USER_PIXELS,
     OPTION_USER_DISK,
     OPTION_USER_WEIGHT,
+    OPTION_POOL,
     OPTION_HALF_LIFE,
     OPTION_LONGEST_WAIT,
     OPTION_WORKER_MEMORY,
@@ -115,6 +117,7 @@ static const struct option long_options[] = {
     {"user-pixels", required_argument, NULL, OPTION_USER_PIXELS},
     {"user-disk", required_argument, NULL, OPTION_USER_DISK},
     {"user-weight", required_argument, NULL, OPTION_USER_WEIGHT},
+    {"pool", required_argument, NULL, OPTION_POOL},
     {"half-life", required_argument, NULL, OPTION_HALF_LIFE},
     {"longest-wait", required_argument, NULL, OPTION_LONGEST_WAIT},
     {"worker-memory", required_argument, NULL, OPTION_WORKER_MEMORY},
@@ -131,8 +134,9 @@ static const struct option long_options[] = {
 // A source of options: the command line or the file.
 struct setter {
     struct options *options;
-    const char *current_folder;                          // NULL: paths must be absolute
-    bool has_output_roots, has_input_roots, has_weights; // the source has set such values: it adds more to them
+    const char *current_folder; // NULL: paths must be absolute
+    bool has_output_roots, has_input_roots, has_weights,
+        has_pools; // the source has set such values: it adds more to them
 };
 
 static char *make_path(const struct setter *setter, const char *name, const char *text, struct error *error)
@@ -193,6 +197,14 @@ static bool add_weight(struct setter *setter, const char *text, struct error *er
     if (!setter->has_weights) user_weights_finish(&setter->options->user_weights);
     setter->has_weights = true;
     return user_weights_add(&setter->options->user_weights, text, error);
+}
+
+// The first pool of a source replaces the pools of the sources before it.
+static bool add_pool(struct setter *setter, const char *text, struct error *error)
+{
+    if (!setter->has_pools) pool_table_finish(&setter->options->pools);
+    setter->has_pools = true;
+    return pool_table_add(&setter->options->pools, text, error);
 }
 
 static bool set_folder(struct setter *setter, int code, const char *text, struct error *error)
@@ -264,6 +276,8 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
         return set_user_limit(options, code, text, error);
     case OPTION_USER_WEIGHT:
         return add_weight(setter, text, error);
+    case OPTION_POOL:
+        return add_pool(setter, text, error);
     case OPTION_HALF_LIFE:
         return options_value_seconds("half-life", text, 1, &options->half_life_ms, error);
     case OPTION_LONGEST_WAIT:
@@ -422,5 +436,6 @@ void options_finish(struct options *options)
     free(options->backup_file);
     free(options->restore_file);
     user_weights_finish(&options->user_weights);
+    pool_table_finish(&options->pools);
     *options = (struct options){0};
 }

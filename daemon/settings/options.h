@@ -4,6 +4,7 @@
 
 #include "core/base/log.h"
 #include "core/base/path_list.h"
+#include "daemon/settings/pool_options.h"
 #include "daemon/settings/user_weights.h"
 
 #include <stdbool.h>
@@ -30,7 +31,7 @@ struct options {
     char *shader_folder; // NULL: the shaders inside the worker
     char *backend;       // "auto", "egl", "osmesa" or "software"
     char *admin_group;   // name of a group
-    int worker_count;    // 0: one per core
+    int worker_count;    // of this machine; 0: one per core, -1: none
     int thread_count;    // of one worker
     int max_attempts;
     int64_t stop_timeout_ms;
@@ -47,6 +48,8 @@ struct options {
     int64_t longest_wait_ms;     // after so long the jobs of one user and priority get a worker
     int64_t worker_memory_bytes; // memory of one worker; 0: its share of the machine's memory, -1: any amount
     bool has_sandbox;            // workers run in the sandbox
+    struct pool_table pools;     // of nodes
+    const char *version;         // borrowed; set by the program: what a node's must be, too
     enum log_level log_level;
     bool may_be_new;                // a new store may be made where a farm was before
     char *backup_file;              // NULL, or where to copy the store to, instead of serving

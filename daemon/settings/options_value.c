@@ -41,7 +41,9 @@ bool options_value_workers(const char *text, int *count, struct error *error)
     *count = 0;
     if (strcmp(text, "auto") == 0) return true;
     if (options_value_count("workers", text, 1024, count, NULL)) return true;
-    error_set(error, "--workers: expected \"auto\" or a whole number from 1 to 1024, got \"%s\"", text);
+    *count = -1;
+    if (strcmp(text, "none") == 0) return true;
+    error_set(error, "--workers: expected \"auto\", \"none\" or a whole number from 1 to 1024, got \"%s\"", text);
     return false;
 }
 

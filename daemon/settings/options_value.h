@@ -13,7 +13,7 @@ struct error;
 // expected.
 bool options_value_count(const char *name, const char *text, int max, int *count, struct error *error); // [1, max]
 bool options_value_seconds(const char *name, const char *text, double min, int64_t *ms, struct error *error);
-// "auto" is 0.
+// "auto" is 0, "none" is -1.
 bool options_value_workers(const char *text, int *count, struct error *error);
 // At least 1, with a suffix K, M, G or T: powers of `kilo`. "none" is `none`.
 bool options_value_limit(const char *name, const char *text, int64_t kilo, int64_t none, int64_t *limit,

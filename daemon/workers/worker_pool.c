@@ -10,6 +10,8 @@
 #include "daemon/farm/shares.h"
 #include "daemon/settings/options.h"
 #include "daemon/workers/job_fence.h"
+#include "daemon/workers/worker_clock.h"
+#include "daemon/workers/worker_nodes.h"
 #include "daemon/workers/worker_slot.h"
 #include "daemon/workers/worker_turns.h"
 
@@ -24,9 +26,10 @@ struct worker_pool {
     const struct worker_pool_handlers *handlers; // borrowed; outlive us
     struct worker_handlers process_handlers;
     uv_timer_t tick;
-    struct worker_slot *slots; // owned
-    int slot_count;
-    struct worker_turns turns; // owned
+    struct worker_slot *slots;   // owned
+    int slot_count, local_count; // those of this machine come first
+    struct worker_nodes nodes;   // owned
+    struct worker_turns turns;   // owned
     bool is_stopping;
     bool has_warned; // of workers whose fence lets files be opened
 };
@@ -34,17 +37,22 @@ struct worker_pool {
 static void on_tick(uv_timer_t *tick);
 static void on_report(void *user, struct worker_process *worker, const struct worker_report *report);
 static void on_gone(void *user, struct worker_process *worker);
+static void on_node_change(void *user, struct node *node);
 
-struct worker_pool *worker_pool_create(struct farm *farm, int slot_count, const struct worker_pool_handlers *handlers)
+struct worker_pool *worker_pool_create(struct farm *farm, int local_count, const struct worker_pool_handlers *handlers)
 {
     struct worker_pool *pool = xcalloc(1, sizeof *pool);
+    int slot_count = local_count + worker_nodes_count_slots(farm->options);
 
     pool->farm = farm;
     pool->handlers = handlers;
     pool->process_handlers = (struct worker_handlers){.on_report = on_report, .on_gone = on_gone, .user = pool};
     pool->slots = xcalloc((size_t)slot_count, sizeof pool->slots[0]);
     pool->slot_count = slot_count;
-    pool->turns = (struct worker_turns){.farm = farm, .slots = pool->slots, .slot_count = slot_count};
+    pool->local_count = local_count;
+    pool->turns =
+        (struct worker_turns){.farm = farm, .slots = pool->slots, .slot_count = slot_count, .local_count = local_count};
+    worker_nodes_make(&pool->nodes, farm->loop, farm->options, pool->slots + local_count, on_node_change, pool);
     uv_timer_init(farm->loop, &pool->tick);
     pool->tick.data = pool;
     return pool;
@@ -71,21 +79,24 @@ static void start_worker(struct worker_pool *pool, int index)
     struct job_record *record = worker_turns_choose(&pool->turns, slot);
     struct json_writer first = {0};
     const struct options *options = pool->farm->options;
-    struct worker_params params = {.program = options->worker_program,
-                                   .backend = options->backend,
-                                   .shader_folder = options->shader_folder,
-                                   .thread_count = options->thread_count,
+    struct worker_params params = {.child = {.program = options->worker_program,
+                                             .backend = options->backend,
+                                             .shader_folder = options->shader_folder,
+                                             .thread_count = options->thread_count,
+                                             .memory_bytes = worker_turns_memory_limit(&pool->turns, slot),
+                                             .has_sandbox = options->has_sandbox},
                                    .progress_limit_ms = options->progress_limit_ms,
-                                   .has_sandbox = options->has_sandbox,
-                                   .memory_bytes = worker_turns_memory_limit(&pool->turns),
                                    .fence = record ? make_fence(pool, record) : NULL,
                                    .first = &first,
                                    .id = index + 1};
     struct log_subject subject = {.worker = index + 1};
     struct error error = {0};
 
-    if (params.fence) {
+    params.node = slot->node;
+    if (slot->node) worker_nodes_set_params(slot->node, &params.child);
+    if (record && params.fence) {
         params.job = record->id;
+        params.child.is_fenced = true;
         job_fence_write(params.fence, pool->farm, &first);
     }
     slot->worker = worker_process_start(pool->farm->loop, &params, &pool->process_handlers, &error);
@@ -105,41 +116,29 @@ static void start_due(struct worker_pool *pool)
     int64_t now_ms = farm_now_ms(pool->farm);
 
     for (int i = 0; i < pool->slot_count && !pool->is_stopping; i++) {
-        if (!pool->slots[i].worker && retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0)
-            start_worker(pool, i);
+        struct worker_slot *slot = &pool->slots[i];
+
+        if (slot->worker || !worker_nodes_are_ready(slot)) continue;
+        if (retry_backoff_wait_ms(&slot->backoff, now_ms) == 0) start_worker(pool, i);
     }
     turns_uncover(queue_turns(pool->farm->queue));
 }
 
-void worker_pool_start(struct worker_pool *pool)
+// Its workers are started as soon as it takes them; a slot without one tells why.
+static void on_node_change(void *user, struct node *node)
 {
-    start_due(pool);
-    uv_timer_start(&pool->tick, on_tick, TICK_MS, TICK_MS);
+    struct worker_pool *pool = user;
+
+    for (int i = pool->local_count; i < pool->slot_count; i++)
+        if (pool->slots[i].node == node && !pool->slots[i].worker) pool->handlers->on_slot_changed(pool->farm, i);
+    if (node_state(node) == NODE_READY) start_due(pool);
 }
 
-static void check_liveness(struct worker_pool *pool, struct worker_process *worker, int64_t now_ms)
+void worker_pool_start(struct worker_pool *pool)
 {
-    struct job_record *record = job_table_find(&pool->farm->jobs, in_flight_current_job(&worker->in_flight));
-    struct liveness_job job = {.limit_ms = pool->farm->options->frame_limit_ms};
-    char reason[LIVENESS_REASON_SIZE];
-    struct log_subject subject = worker_process_subject(worker);
-    enum liveness_verdict verdict;
-
-    if (record) {
-        job.median_s = estimate_median_s(&record->estimate);
-        job.known = estimate_count(&record->estimate);
-        job.stated_limit_ms = record->frame_limit_ms;
-    }
-    verdict = liveness_check(&worker->liveness, &job, now_ms, reason);
-    if (verdict == LIVENESS_ALIVE || worker->end_reason) return;
-    if (verdict == LIVENESS_SLOW) {
-        log_about(LOG_WARN, &subject, "job %lld frame %d: %s", (long long)subject.job, (int)subject.frame, reason);
-        return;
-    }
-    worker->is_over_limit = verdict == LIVENESS_OVER_LIMIT;
-    if (record && verdict >= LIVENESS_STUCK) worker->suspect_code = record->code;
-    log_about(LOG_WARN, &subject, "worker %d: killed: %s", worker->id, reason);
-    worker_process_kill(worker, reason);
+    worker_nodes_check(&pool->nodes, farm_now_ms(pool->farm));
+    start_due(pool);
+    uv_timer_start(&pool->tick, on_tick, TICK_MS, TICK_MS);
 }
 
 static void on_tick(uv_timer_t *tick)
@@ -150,9 +149,10 @@ static void on_tick(uv_timer_t *tick)
     shares_tick(pool->farm);
     for (int i = 0; i < pool->slot_count; i++) {
         worker_turns_charge(&pool->slots[i]);
-        if (pool->slots[i].worker) check_liveness(pool, pool->slots[i].worker, now_ms);
+        if (pool->slots[i].worker) worker_clock_check(pool->farm, pool->slots[i].worker, now_ms);
         if (pool->slots[i].worker) worker_process_check(pool->slots[i].worker, now_ms);
     }
+    worker_nodes_check(&pool->nodes, farm_now_ms(pool->farm));
     start_due(pool);
 }
 
@@ -253,14 +253,15 @@ static void on_gone(void *user, struct worker_process *worker)
     worker_turns_charge(slot);
     if (!is_replaced) turns_stand(queue_turns(pool->farm->queue), &slot->seat);
     pool->handlers->on_frames_lost(pool->farm, worker, reason);
-    if (!worker->backend && !is_replaced) note_failed_start(pool, worker, reason);
+    if (!worker->backend && !is_replaced && !worker->is_node_lost) note_failed_start(pool, worker, reason);
     slot->done += worker->done;
     slot->worker = NULL;
-    // A frame that does not end is no fault of the slot.
-    if (worker->done == 0 && !worker->suspect_code && !worker->is_over_limit && !is_replaced)
+    // A frame that does not end is no fault of the slot, and the end of a node none of the worker.
+    if (worker->done == 0 && !worker->is_node_lost && !worker->suspect_code && !worker->is_over_limit && !is_replaced)
         retry_backoff_fail(&slot->backoff, farm_now_ms(pool->farm));
-    // The next worker of the slot is started below: nothing is wrong, and nothing to tell.
-    if (is_replaced && !pool->is_stopping) {
+    // The next worker of the slot is started below: nothing is wrong, and nothing to tell. What is wrong with a node is
+    // told of the node.
+    if ((is_replaced && !pool->is_stopping) || worker->is_node_lost) {
         free(reason);
         reason = NULL;
     }
@@ -305,6 +306,7 @@ bool worker_pool_is_empty(const struct worker_pool *pool)
 void worker_pool_close(struct worker_pool *pool)
 {
     assert(worker_pool_is_empty(pool));
+    worker_nodes_stop(&pool->nodes);
     uv_close((uv_handle_t *)&pool->tick, NULL);
 }
 
@@ -314,6 +316,7 @@ void worker_pool_destroy(struct worker_pool *pool)
     for (int i = 0; i < pool->slot_count; i++)
         worker_slot_finish(&pool->slots[i]);
     free(pool->slots);
+    worker_nodes_finish(&pool->nodes);
     worker_turns_finish(&pool->turns);
     free(pool);
 }
@@ -391,7 +394,8 @@ int worker_pool_usable_count(const struct worker_pool *pool)
     int count = 0;
 
     for (int i = 0; i < pool->slot_count; i++)
-        count += pool->slots[i].worker || retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0;
+        count += pool->slots[i].worker || (worker_nodes_are_ready(&pool->slots[i]) &&
+                                           retry_backoff_wait_ms(&pool->slots[i].backoff, now_ms) == 0);
     return count;
 }
 
@@ -402,7 +406,8 @@ char *worker_pool_format_trouble(const struct worker_pool *pool)
     if (pool->is_stopping) return xstrdup("the daemon is stopping");
     for (int i = 0; i < pool->slot_count; i++) {
         if (worker_pool_ready_at(pool, i)) return NULL;
-        if (!reason) reason = pool->slots[i].reason;
+        if (!reason)
+            reason = worker_nodes_are_ready(&pool->slots[i]) ? pool->slots[i].reason : node_reason(pool->slots[i].node);
     }
     return reason ? xasprintf("no worker is ready: %s", reason) : xstrdup("waits for a worker that is being started");
 }

@@ -28,7 +28,8 @@ struct worker_pool_handlers {
 };
 
 // `handlers` is borrowed and outlives the pool.
-struct worker_pool *worker_pool_create(struct farm *farm, int slot_count, const struct worker_pool_handlers *handlers);
+// `local_count` slots are of this machine; the nodes of the farm's options have further ones.
+struct worker_pool *worker_pool_create(struct farm *farm, int local_count, const struct worker_pool_handlers *handlers);
 void worker_pool_start(struct worker_pool *pool);
 void worker_pool_set_progress_limit(struct worker_pool *pool, int64_t limit_ms); // also holds for running workers
 // Tells all workers to exit; those that run after `timeout_ms` are killed.

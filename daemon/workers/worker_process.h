@@ -3,7 +3,7 @@
 #pragma once
 
 #include "core/base/log.h"
-#include "core/wire/message_stream.h"
+#include "daemon/nodes/worker_link.h"
 #include "daemon/schedule/in_flight.h"
 #include "daemon/schedule/liveness.h"
 #include "daemon/schedule/pace.h"
@@ -13,11 +13,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include <uv.h>
-
 struct error;
 struct job_fence;
 struct json_writer;
+struct node;
 struct worker_process;
 
 enum { WORKER_LOG_BYTES = 8192, WORKER_ANY_JOB = 0, WORKER_NO_JOB = -1 };
@@ -36,12 +35,10 @@ struct worker_handlers {
 };
 
 struct worker_params {
-    const char *program, *backend, *shader_folder; // borrowed during the call; shader_folder may be NULL
-    int thread_count;
+    struct worker_child_params child;
+    struct node *node; // borrowed; the ready node that it runs on; NULL: this machine
     int64_t progress_limit_ms;
-    int id; // of the slot
-    bool has_sandbox;
-    int64_t memory_bytes;            // limit of its memory; 0: none
+    int id;                          // of the slot
     int64_t job;                     // the job that it is started for, inside its fence; 0: any job
     struct job_fence *fence;         // of that job; moves into the worker; NULL: none
     const struct json_writer *first; // the message worker.fence; borrowed during the call
@@ -55,6 +52,7 @@ struct worker_process {
     struct job_fence *fence; // owned; other jobs that it may serve; NULL: none, or any
     int64_t next_job;        // the job that it makes room for; 0: none
     bool is_replaced;        // it exits to make room: its end is no fault
+    bool is_node_lost;       // it ended because its node did
     bool is_over_limit;      // it was killed over a limit of a frame's time
     int64_t memory_bytes;    // limit of its memory; 0: none
     const struct worker_handlers *handlers;                              // borrowed; outlive us
@@ -72,14 +70,11 @@ struct worker_process {
     size_t log_length;
 
     // For the module only.
-    uv_process_t process;
-    uv_pipe_t channel, errors;
-    int open_handles;
-    struct message_stream stream;
-    bool has_exited, has_channel_ended, has_errors_ended, is_gone;
+    uv_loop_t *loop; // borrowed
+    struct worker_link link;
+    bool is_over; // it ended: there is nothing to kill
     int64_t exit_status;
     int exit_signal;
-    int64_t ended_ms; // time of its exit or of the end of its channel; 0: neither
 };
 
 // NULL on failure, with the cause.
@@ -97,7 +92,7 @@ void worker_process_kill(struct worker_process *worker, const char *reason);
 void worker_process_exit(struct worker_process *worker, int64_t stop_by_ms);
 void worker_process_expect_exit(struct worker_process *worker, int64_t stop_by_ms); // as above, without the message
 void worker_process_check(struct worker_process *worker, int64_t now_ms); // to be called several times a second
-void worker_process_close(struct worker_process *worker);                 // it frees itself when its handles are closed
+void worker_process_close(struct worker_process *worker);                 // frees it
 
 void worker_process_send(struct worker_process *worker, const struct json_writer *messages);
 // "exit status 1", "killed: no message for 10 s", ... ; owned by the caller.

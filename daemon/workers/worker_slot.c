@@ -2,6 +2,8 @@
 #include "daemon/workers/worker_slot.h"
 
 #include "core/json/json_write.h"
+#include "daemon/nodes/node.h"
+#include "daemon/settings/pool_options.h"
 #include "daemon/workers/worker_process.h"
 
 #include <stdlib.h>
@@ -20,6 +22,7 @@ void worker_slot_set_reason(struct worker_slot *slot, char *reason)
 
 static const char *state_name(const struct worker_slot *slot)
 {
+    if (!slot->worker && slot->node && node_state(slot->node) != NODE_READY) return "waiting";
     if (!slot->worker) return "backing_off";
     if (slot->worker->state == WORKER_STARTING) return "starting";
     if (slot->worker->state == WORKER_STOPPING) return "stopping";
@@ -46,8 +49,12 @@ static void write_process(const struct worker_process *worker, struct json_write
 
 void worker_slot_write(const struct worker_slot *slot, int id, struct json_writer *writer)
 {
+    const char *reason = slot->node ? node_reason(slot->node) : NULL;
+
     json_write_begin_object(writer);
     json_write_integer_member(writer, "id", id);
+    json_write_string_member(writer, "pool", slot->node ? node_pool(slot->node)->name : "local");
+    json_write_string_member(writer, "node", slot->node ? node_name(slot->node) : NULL);
     json_write_key(writer, "pid");
     if (slot->worker)
         json_write_integer(writer, worker_process_pid(slot->worker));
@@ -56,6 +63,6 @@ void worker_slot_write(const struct worker_slot *slot, int id, struct json_write
     json_write_string_member(writer, "state", state_name(slot));
     write_process(slot->worker, writer);
     json_write_integer_member(writer, "done", slot->done + (slot->worker ? slot->worker->done : 0));
-    json_write_string_member(writer, "reason", slot->reason);
+    json_write_string_member(writer, "reason", reason ? reason : slot->reason);
     json_write_end_object(writer);
 }

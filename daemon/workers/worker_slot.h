@@ -8,10 +8,12 @@
 #include <stdint.h>
 
 struct json_writer;
+struct node;
 struct worker_process;
 
 // The zero value is empty.
 struct worker_slot {
+    struct node *node;             // borrowed; where its workers run; NULL: on this machine
     struct worker_process *worker; // NULL: none
     struct retry_backoff backoff;
     char *reason; // owned; why the latest worker ended or did not start; NULL: no fault

@@ -2,9 +2,12 @@
 #include "daemon/workers/worker_turns.h"
 
 #include "daemon/farm/farm.h"
+#include "daemon/nodes/node.h"
 #include "daemon/settings/options.h"
+#include "daemon/settings/pool_options.h"
 #include "daemon/workers/worker_process.h"
 #include "daemon/workers/worker_slot.h"
+#include "node/node_line.h"
 
 #include <math.h>
 
@@ -18,21 +21,31 @@ void worker_turns_finish(struct worker_turns *turns)
     job_fence_files_finish(&turns->asked);
 }
 
-int64_t worker_turns_memory_limit(const struct worker_turns *turns)
+static int64_t node_memory_limit(const struct pool_options *pool)
+{
+    if (pool->memory_bytes == 0) return NODE_MEMORY_SHARE;
+    return pool->memory_bytes > 0 ? pool->memory_bytes : 0;
+}
+
+int64_t worker_turns_memory_limit(const struct worker_turns *turns, const struct worker_slot *slot)
 {
     int64_t limit = turns->farm->options->worker_memory_bytes;
 
+    if (slot->node) return node_memory_limit(node_pool(slot->node));
     if (limit != 0) return limit > 0 ? limit : 0;
-    return (int64_t)((double)uv_get_total_memory() * 0.9 / turns->slot_count);
+    return (int64_t)((double)uv_get_total_memory() * 0.9 / turns->local_count);
 }
 
 // A fenced worker goes on to serve jobs of the same owner which its fence opens, under the limits that hold now.
-static bool serves(struct worker_turns *turns, const struct worker_process *worker, const struct job_record *record)
+static bool serves(struct worker_turns *turns, const struct worker_slot *slot, const struct job_record *record)
 {
+    const struct worker_process *worker = slot->worker;
+
     if (!turns->farm->options->has_sandbox) return true;
     if (worker->fence && job_fence_is_old(worker->fence)) return false;
     if (worker->job == record->id) return true;
-    return worker->fence && !record->needs_own_worker && worker->memory_bytes == worker_turns_memory_limit(turns) &&
+    return worker->fence && !record->needs_own_worker &&
+           worker->memory_bytes == worker_turns_memory_limit(turns, slot) &&
            job_fence_opens(worker->fence, turns->farm, record, &turns->asked);
 }
 
@@ -49,7 +62,7 @@ static int64_t count_coming(struct worker_turns *turns, const struct job_record 
         if (worker->state == WORKER_STOPPING || (busy && worker->in_flight.count > 0))
             count += worker->next_job == record->id;
         else
-            count += worker->in_flight.count == 0 && serves(turns, worker, record);
+            count += worker->in_flight.count == 0 && serves(turns, &turns->slots[i], record);
     }
     return count;
 }
@@ -81,7 +94,7 @@ enum worker_fit worker_turns_fit(struct worker_turns *turns, struct worker_slot 
     bool is_busy = worker->in_flight.count > 0;
 
     worker->next_job = 0;
-    if (serves(turns, worker, record)) return WORKER_FITS;
+    if (serves(turns, slot, record)) return WORKER_FITS;
     if (record->failed_starts == WORKER_TURNS_START_LIMIT) record->is_last_start = true; // for this worker did start
     if (count_coming(turns, record, is_busy) >= job->states.counts[FRAME_QUEUED]) return WORKER_COVERED;
     worker->next_job = job->id;

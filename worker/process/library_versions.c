@@ -7,6 +7,7 @@
 #include <libdeflate.h>
 #include <png.h>
 #include <seccomp.h>
+#include <uv.h>
 #include <zlib.h>
 
 void library_versions_print(FILE *out)
@@ -22,4 +23,5 @@ void library_versions_print(FILE *out)
     fprintf(out, "zlib %s\nlibpng %s\n", zlibVersion(), png_get_libpng_ver(NULL));
     fprintf(out, "Blosc %s\n", blosc_get_version_string());
     fprintf(out, "libseccomp %u.%u.%u\n", seccomp->major, seccomp->minor, seccomp->micro);
+    fprintf(out, "libuv %s\n", uv_version_string());
 }

@@ -115,7 +115,8 @@ static void every_value_is_read(void **state)
 
 static void wrong_values_are_named(void **state)
 {
-    REFUSE("--workers: expected \"auto\" or a whole number from 1 to 1024, got \"0\"", (char[]){"--workers=0"});
+    REFUSE("--workers: expected \"auto\", \"none\" or a whole number from 1 to 1024, got \"0\"",
+           (char[]){"--workers=0"});
     REFUSE("--threads: expected a whole number", (char[]){"--threads=two"});
     REFUSE("--max-attempts: expected a whole number from 1 to 100, got \"1e3\"", (char[]){"--max-attempts=1e3"});
     REFUSE("--stop-timeout: expected seconds", (char[]){"--stop-timeout=-1"});
@@ -206,7 +207,7 @@ static size_t uncomment(char *text)
     for (char *line = text; line; line = strchr(line, '\n')) {
         line += *line == '\n';
         if (line[0] != '#' || line[1] == ' ' || strncmp(line, "#shader-dir", 11) == 0 ||
-            strncmp(line, "#user-weight", 12) == 0)
+            strncmp(line, "#user-weight", 12) == 0 || strncmp(line, "#pool", 5) == 0)
             continue;
         line[0] = ' ';
         count++;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/workers/worker_environment.h"
+#include "node/worker_environment.h"
 
 #include "core/base/alloc.h"
 

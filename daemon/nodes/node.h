@@ -1,0 +1,52 @@
+// A node: a machine whose workers are started through a launcher, as the daemon sees it.
+// SPDX-License-Identifier: Apache-2.0
+//
+// The launcher carries a stream of lines (node/node_line.h). Its end, or a time without a line, is the end of the node:
+// all its workers are gone then. How the launcher exits says nothing.
+#pragma once
+
+#include "daemon/nodes/worker_link.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <uv.h>
+
+struct error;
+struct node;
+struct pool_options;
+
+enum node_state {
+    NODE_DOWN,     // nothing runs
+    NODE_STARTING, // the launcher runs, the node has not answered
+    NODE_READY     // it takes workers
+};
+
+struct node_params {
+    const struct pool_options *pool; // borrowed; outlives the node
+    const char *name;                // borrowed; outlives the node
+    const char *version;             // borrowed; outlives the node; which a node must have
+    int worker_count;
+};
+
+// Called when its state or its reason changed.
+typedef void node_on_change(void *user, struct node *node);
+
+struct node *node_create(uv_loop_t *loop, const struct node_params *params, node_on_change *on_change, void *user);
+void node_destroy(struct node *node); // legal when it is down; accepts NULL
+// To be called several times a second: starts it when that is due, beats, and looks whether it was heard.
+void node_check(struct node *node, int64_t now_ms);
+// Ends it with all its workers, whose handlers are told. It is not started any more.
+void node_stop(struct node *node);
+
+enum node_state node_state(const struct node *node);
+const char *node_name(const struct node *node);
+const struct pool_options *node_pool(const struct node *node);
+const char *node_host(const struct node *node);   // what it calls itself; NULL: unknown
+const char *node_reason(const struct node *node); // why it is not ready; NULL: it is
+
+// A worker of a ready node with the given number, which none of its running workers has. `reason` of on_end is set when
+// the node, not the worker, ended.
+void node_start_worker(struct node *node, int number, struct worker_link *link,
+                       const struct worker_child_params *params, const struct worker_child_handlers *handlers,
+                       void *user);

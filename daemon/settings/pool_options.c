@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/settings/pool_options.h"
+
+#include "core/base/alloc.h"
+#include "core/base/error.h"
+#include "daemon/settings/options_value.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NAME_LENGTH = 64, NODE_NAME_LENGTH = 255 };
+
+// Words of a text, owned; ends in NULL.
+struct words {
+    char **words;
+    size_t count, capacity;
+};
+
+static void add_word(struct words *words, char *word)
+{
+    words->words = xgrow(words->words, &words->capacity, words->count + 2, sizeof words->words[0]);
+    words->words[words->count++] = word;
+    words->words[words->count] = NULL;
+}
+
+void pool_options_free_command(char **command)
+{
+    for (size_t i = 0; command && command[i]; i++)
+        free(command[i]);
+    free(command);
+}
+
+// Words stand between blanks. Quotes, double or single, keep blanks and the other quotes within a word.
+static bool split(struct words *words, const char *text, struct error *error)
+{
+    char *word = xmalloc(strlen(text) + 1), quote = '\0';
+    size_t length = 0;
+    bool is_word = false;
+
+    for (; *text; text++) {
+        if (quote ? *text == quote : *text == '"' || *text == '\'') {
+            quote = quote ? '\0' : *text;
+            is_word = true;
+        } else if (!quote && (*text == ' ' || *text == '\t')) {
+            if (is_word) add_word(words, xstrndup(word, length));
+            is_word = false;
+            length = 0;
+        } else {
+            word[length++] = *text;
+            is_word = true;
+        }
+    }
+    if (is_word) add_word(words, xstrndup(word, length));
+    free(word);
+    if (quote) error_set(error, "expected another %c at the end", quote);
+    return !quote;
+}
+
+// Names stand in messages and in command lines: they look like no option and hold nothing that a shell reads.
+static bool is_name(const char *text, size_t limit)
+{
+    if (!isalnum((unsigned char)*text) || strlen(text) > limit) return false;
+    for (; *text; text++)
+        if (!isalnum((unsigned char)*text) && !strchr("-._@:[]", *text)) return false;
+    return true;
+}
+
+static bool read_node(struct pool_node *node, char *text, struct error *error)
+{
+    char *equals = strchr(text, '=');
+
+    *node = (struct pool_node){0};
+    if (equals) *equals = '\0';
+    if (!is_name(text, NODE_NAME_LENGTH)) {
+        error_set(error, "nodes: expected a machine's name, got \"%s\"", text);
+        return false;
+    }
+    if (equals && !options_value_count("nodes", equals + 1, POOL_WORKER_LIMIT, &node->worker_count, error))
+        return false;
+    node->name = xstrdup(text);
+    return true;
+}
+
+static bool read_nodes(struct pool_options *pool, const char *value, struct error *error)
+{
+    char *copy = xstrdup(value), *rest = copy, *word;
+    bool ok = true;
+
+    while (ok && (word = strsep(&rest, ", ")) != NULL) {
+        if (!*word) continue;
+        if (pool->node_count == POOL_NODE_LIMIT) {
+            error_set(error, "nodes: expected at most %d", POOL_NODE_LIMIT);
+            break;
+        }
+        pool->nodes = xrealloc(pool->nodes, (pool->node_count + 1) * sizeof pool->nodes[0]);
+        ok = read_node(&pool->nodes[pool->node_count], word, error);
+        for (size_t i = 0; ok && i < pool->node_count; i++) {
+            if (strcmp(pool->nodes[i].name, word) != 0) continue;
+            error_set(error, "nodes: %s stands there twice", word);
+            free(pool->nodes[pool->node_count].name);
+            ok = false;
+        }
+        pool->node_count += ok;
+    }
+    free(copy);
+    return ok;
+}
+
+static bool read_launcher(struct pool_options *pool, const char *value, struct error *error)
+{
+    static const char *const names[] = {[POOL_COMMAND] = "command", [POOL_SSH] = "ssh"};
+
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (strcmp(value, names[i]) != 0) continue;
+        pool->launcher = (enum pool_launcher)i;
+        return true;
+    }
+    error_set(error, "launcher: expected command or ssh, got \"%s\"", value);
+    return false;
+}
+
+// What a pool reads before its settings are put together.
+struct reading {
+    struct pool_options *pool;
+    int worker_count; // of nodes without a count
+    char *program;    // owned; on the nodes
+    char *command;    // owned
+};
+
+static bool read_landlock(struct pool_options *pool, const char *value, struct error *error)
+{
+    pool->wants_landlock = strcmp(value, "required") == 0;
+    if (pool->wants_landlock || strcmp(value, "optional") == 0) return true;
+    error_set(error, "landlock: expected required or optional, got \"%s\"", value);
+    return false;
+}
+
+static bool read_text(char **text, const char *value)
+{
+    free(*text);
+    *text = xstrdup(value);
+    return true;
+}
+
+static bool read_setting(struct reading *reading, const char *key, const char *value, struct error *error)
+{
+    struct pool_options *pool = reading->pool;
+
+    if (strcmp(key, "launcher") == 0) return read_launcher(pool, value, error);
+    if (strcmp(key, "nodes") == 0) return read_nodes(pool, value, error);
+    if (strcmp(key, "workers") == 0)
+        return options_value_count(key, value, POOL_WORKER_LIMIT, &reading->worker_count, error);
+    if (strcmp(key, "program") == 0) return read_text(&reading->program, value);
+    if (strcmp(key, "command") == 0) return read_text(&reading->command, value);
+    if (strcmp(key, "backend") == 0) return options_value_backend(value, &pool->backend, error);
+    if (strcmp(key, "threads") == 0) return options_value_count(key, value, 1024, &pool->thread_count, error);
+    if (strcmp(key, "worker-memory") == 0) return options_value_memory(key, value, &pool->memory_bytes, error);
+    if (strcmp(key, "heartbeat") == 0) return options_value_seconds(key, value, 1, &pool->heartbeat_ms, error);
+    if (strcmp(key, "landlock") == 0) return read_landlock(pool, value, error);
+    error_set(error,
+              "%s: expected launcher, nodes, workers, program, command, backend, threads, worker-memory, heartbeat or "
+              "landlock",
+              key);
+    return false;
+}
+
+// A shell on the node reads the words that ssh sends.
+static bool is_plain_path(const char *path)
+{
+    for (; *path; path++)
+        if (!isalnum((unsigned char)*path) && !strchr("-._/+", *path)) return false;
+    return true;
+}
+
+static bool make_ssh_command(struct words *command, const char *program, struct error *error)
+{
+    static const char *const words[] = {"ssh", "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=20", "--", "{node}"};
+
+    if (!is_plain_path(program)) {
+        error_set(error, "program: expected a path of letters, digits and -._/+, got \"%s\"", program);
+        return false;
+    }
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        add_word(command, xstrdup(words[i]));
+    add_word(command, xstrdup(program));
+    add_word(command, xstrdup("--node"));
+    return true;
+}
+
+static bool make_command(struct reading *reading, struct error *error)
+{
+    const char *program = reading->program ? reading->program : "march-worker";
+    struct words command = {0};
+    bool ok;
+
+    if (reading->pool->launcher == POOL_SSH && reading->command) {
+        error_set(error, "command: expected with launcher=command only");
+        return false;
+    }
+    if (reading->pool->launcher == POOL_COMMAND && !reading->command) {
+        error_set(error, "expected command=\"PROGRAM ... {node} ...\", or launcher=ssh");
+        return false;
+    }
+    ok = reading->command ? split(&command, reading->command, error) : make_ssh_command(&command, program, error);
+    if (ok && command.count == 0) error_set(error, "command: expected a program");
+    reading->pool->command = command.words;
+    return ok && command.count > 0;
+}
+
+static bool put_together(struct reading *reading, struct error *error)
+{
+    struct pool_options *pool = reading->pool;
+
+    if (pool->node_count == 0) {
+        error_set(error, "expected nodes=NAME,NAME=WORKERS,...");
+        return false;
+    }
+    for (size_t i = 0; i < pool->node_count; i++)
+        if (pool->nodes[i].worker_count == 0) pool->nodes[i].worker_count = reading->worker_count;
+    return make_command(reading, error);
+}
+
+static bool read_words(struct reading *reading, char **words, struct error *error)
+{
+    for (size_t i = 1; words[i]; i++) {
+        char *equals = strchr(words[i], '=');
+
+        if (!equals) {
+            error_set(error, "expected KEY=VALUE, got \"%s\"", words[i]);
+            return false;
+        }
+        *equals = '\0';
+        if (!read_setting(reading, words[i], equals + 1, error)) return false;
+    }
+    return put_together(reading, error);
+}
+
+bool pool_options_read(struct pool_options *pool, const char *text, struct error *error)
+{
+    struct reading reading = {.pool = pool, .worker_count = 1};
+    struct words words = {0};
+    bool ok = split(&words, text, error);
+
+    *pool = (struct pool_options){.launcher = POOL_COMMAND, .heartbeat_ms = 30000, .wants_landlock = true};
+    if (ok && (words.count == 0 || !is_name(words.words[0], NAME_LENGTH) || strcmp(words.words[0], "local") == 0)) {
+        error_set(error, "expected the pool's name (not \"local\") and KEY=VALUE ...");
+        ok = false;
+    } else if (ok) {
+        pool->name = xstrdup(words.words[0]);
+        pool->text = xstrdup(text);
+        ok = read_words(&reading, words.words, error);
+        if (!ok) error_prefix(error, "%s", pool->name);
+    }
+    if (!ok) error_prefix(error, "--pool");
+    pool_options_free_command(words.words);
+    free(reading.program);
+    free(reading.command);
+    if (!ok) pool_options_finish(pool);
+    return ok;
+}
+
+void pool_options_finish(struct pool_options *pool)
+{
+    for (size_t i = 0; i < pool->node_count; i++)
+        free(pool->nodes[i].name);
+    free(pool->nodes);
+    free(pool->name);
+    free(pool->backend);
+    free(pool->text);
+    pool_options_free_command(pool->command);
+    *pool = (struct pool_options){0};
+}
+
+int pool_options_worker_count(const struct pool_options *pool)
+{
+    int count = 0;
+
+    for (size_t i = 0; i < pool->node_count; i++)
+        count += pool->nodes[i].worker_count;
+    return count;
+}
+
+static char *put_node_in(const char *word, const char *node)
+{
+    const char *place = strstr(word, "{node}");
+
+    if (!place) return xstrdup(word);
+    return xasprintf("%.*s%s%s", (int)(place - word), word, node, place + strlen("{node}"));
+}
+
+char **pool_options_format_command(const struct pool_options *pool, const char *node)
+{
+    struct words command = {0};
+
+    for (size_t i = 0; pool->command[i]; i++)
+        add_word(&command, put_node_in(pool->command[i], node));
+    return command.words;
+}
+
+bool pool_table_add(struct pool_table *table, const char *text, struct error *error)
+{
+    struct pool_options pool;
+
+    if (!pool_options_read(&pool, text, error)) return false;
+    for (size_t i = 0; i < table->count; i++) {
+        if (strcmp(table->pools[i].name, pool.name) != 0) continue;
+        error_set(error, "--pool: there is a pool %s already", pool.name);
+        pool_options_finish(&pool);
+        return false;
+    }
+    table->pools = xgrow(table->pools, &table->capacity, table->count + 1, sizeof table->pools[0]);
+    table->pools[table->count++] = pool;
+    return true;
+}
+
+void pool_table_finish(struct pool_table *table)
+{
+    for (size_t i = 0; i < table->count; i++)
+        pool_options_finish(&table->pools[i]);
+    free(table->pools);
+    *table = (struct pool_table){0};
+}
+
+bool pool_table_is_same(const struct pool_table *a, const struct pool_table *b)
+{
+    if (a->count != b->count) return false;
+    for (size_t i = 0; i < a->count; i++)
+        if (strcmp(a->pools[i].text, b->pools[i].text) != 0) return false;
+    return true;
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/settings/pool_options.h"
+
+#include "core/base/error.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void assert_command(const struct pool_options *pool, const char *node, const char *const expected[])
+{
+    char **command = pool_options_format_command(pool, node);
+    size_t count = 0;
+
+    for (; expected[count]; count++) {
+        assert_non_null(command[count]);
+        assert_string_equal(command[count], expected[count]);
+    }
+    assert_null(command[count]);
+    pool_options_free_command(command);
+}
+
+static void a_pool_of_ssh(void **state)
+{
+    static const char *const expected[] = {
+        "ssh",    "-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=20", "--", "ben", "/opt/marchd/march-worker",
+        "--node", NULL};
+    struct pool_options pool;
+
+    assert_true(pool_options_read(&pool,
+                                  "big launcher=ssh nodes=anna=4,ben workers=2  program=/opt/marchd/march-worker "
+                                  "heartbeat=7.5 landlock=optional threads=3 worker-memory=4G backend=egl",
+                                  NULL));
+    assert_string_equal(pool.name, "big");
+    assert_int_equal(pool.node_count, 2);
+    assert_string_equal(pool.nodes[0].name, "anna");
+    assert_int_equal(pool.nodes[0].worker_count, 4);
+    assert_int_equal(pool.nodes[1].worker_count, 2);
+    assert_int_equal(pool_options_worker_count(&pool), 6);
+    assert_int_equal(pool.heartbeat_ms, 7500);
+    assert_false(pool.wants_landlock);
+    assert_int_equal(pool.thread_count, 3);
+    assert_true(pool.memory_bytes == INT64_C(4) << 30);
+    assert_string_equal(pool.backend, "egl");
+    assert_command(&pool, "ben", expected);
+    pool_options_finish(&pool);
+}
+
+static void a_pool_of_a_command(void **state)
+{
+    static const char *const expected[] = {"/usr/bin/run on", "--host=x7:1", "a  b", "--node", NULL};
+    struct pool_options pool;
+
+    assert_true(
+        pool_options_read(&pool, "p nodes='x7 y'  command=\"'/usr/bin/run on' --host={node}:1 'a  b' --node\"", NULL));
+    assert_int_equal(pool.launcher, POOL_COMMAND);
+    assert_int_equal(pool.node_count, 2);
+    assert_int_equal(pool_options_worker_count(&pool), 2);
+    assert_int_equal(pool.heartbeat_ms, 30000);
+    assert_true(pool.wants_landlock);
+    assert_command(&pool, "x7", expected);
+    pool_options_finish(&pool);
+}
+
+static void faults_name_their_place(void **state)
+{
+    static const struct {
+        const char *text, *expected;
+    } cases[] = {
+        {"", "--pool: expected the pool's name"},
+        {"local nodes=a command=x", "--pool: expected the pool's name"},
+        {"p", "--pool: p: expected nodes="},
+        {"p nodes=a", "--pool: p: expected command="},
+        {"p nodes=a launcher=ssh command=x", "--pool: p: command: expected with launcher=command only"},
+        {"p nodes=a command=''", "--pool: p: command: expected a program"},
+        {"p nodes=a,b,a command=x", "--pool: p: nodes: a stands there twice"},
+        {"p nodes=-oProxyCommand=x launcher=ssh",
+         "--pool: p: nodes: expected a machine's name, got \"-oProxyCommand\""},
+        {"p nodes=a;b launcher=ssh", "--pool: p: nodes: expected a machine's name, got \"a;b\""},
+        {"p nodes=a=0 launcher=ssh", "nodes: expected a whole number from 1 to 1024"},
+        {"p nodes=a launcher=ssh program='x;y'", "--pool: p: program: expected a path of letters"},
+        {"p nodes=a launcher=ssh heartbeat=0.1", "heartbeat: expected seconds from 1"},
+        {"p nodes=a launcher=ssh landlock=yes", "landlock: expected required or optional, got \"yes\""},
+        {"p nodes=a launcher=ssh colour=red", "--pool: p: colour: expected launcher, nodes"},
+        {"p nodes=a launcher=ssh red", "--pool: p: expected KEY=VALUE, got \"red\""},
+        {"p nodes=a command=\"x", "--pool: expected another \" at the end"},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct pool_options pool;
+        struct error error = {0};
+
+        assert_false(pool_options_read(&pool, cases[i].text, &error));
+        if (!strstr(error.message, cases[i].expected)) fail_msg("%s: %s", cases[i].text, error.message);
+    }
+}
+
+static void a_table_holds_pools_of_different_names(void **state)
+{
+    struct pool_table table = {0}, other = {0};
+    struct error error = {0};
+
+    assert_true(pool_table_add(&table, "p nodes=a command=x", NULL));
+    assert_true(pool_table_add(&table, "q nodes=a command=x", NULL));
+    assert_false(pool_table_add(&table, "p nodes=b command=x", &error));
+    assert_string_equal(error.message, "--pool: there is a pool p already");
+    assert_int_equal(table.count, 2);
+    assert_true(pool_table_add(&other, "p nodes=a command=x", NULL));
+    assert_false(pool_table_is_same(&table, &other));
+    assert_true(pool_table_add(&other, "q nodes=a command=x", NULL));
+    assert_true(pool_table_is_same(&table, &other));
+    pool_table_finish(&table);
+    pool_table_finish(&other);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_pool_of_ssh),
+        cmocka_unit_test(a_pool_of_a_command),
+        cmocka_unit_test(faults_name_their_place),
+        cmocka_unit_test(a_table_holds_pools_of_different_names),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
