@@ -166,6 +166,18 @@ static uint64_t hash_text(uint64_t hash, const char *text)
     return hash;
 }
 
+// Of the jobs that are held, and why.
+static uint64_t hash_held(const struct progress *jobs, size_t count)
+{
+    uint64_t hash = 0;
+
+    for (size_t i = 0; i < count; i++) {
+        if (!jobs[i].state || strcmp(jobs[i].state, "paused") != 0) continue;
+        hash = hash_text(hash + i + 1, jobs[i].reason ? jobs[i].reason : "");
+    }
+    return hash;
+}
+
 static void draw_plain(struct progress_display *display, const struct progress *jobs, size_t count)
 {
     char *text = NULL;
@@ -194,9 +206,11 @@ static void draw_plain(struct progress_display *display, const struct progress *
 void progress_display_draw(struct progress_display *display, const struct progress *jobs, size_t count, int64_t now_ms,
                            bool is_final)
 {
+    uint64_t held_hash = hash_held(jobs, count);
     int width;
 
-    if (!is_final && now_ms < display->next_ms) return;
+    if (!is_final && now_ms < display->next_ms && held_hash == display->held_hash) return;
+    display->held_hash = held_hash;
     display->next_ms = now_ms + (display->is_live ? LIVE_INTERVAL_MS : PLAIN_INTERVAL_MS);
     if (!display->is_live) {
         draw_plain(display, jobs, count);

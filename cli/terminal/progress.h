@@ -34,13 +34,15 @@ struct progress_display {
     bool is_live;
     bool has_color;
     int lines;          // on the screen; the cursor is below them
-    int64_t next_ms;    // earliest time of the next drawing
+    int64_t next_ms;    // earliest time of the next drawing, unless another job is held
+    uint64_t held_hash; // of the jobs that are held
     uint64_t last_hash; // of the last text of a plain display
 };
 
 // Live when `out` is a terminal that understands cursor movement; coloured unless NO_COLOR is set.
 void progress_display_init(struct progress_display *display, FILE *out);
-// Draws at most 10 times a second when live; otherwise every 5 s, and only changes. `is_final` always draws.
+// Draws at most 10 times a second when live; otherwise every 5 s, and only changes, but at once when
+// another job is held. `is_final` always draws.
 void progress_display_draw(struct progress_display *display, const struct progress *jobs, size_t count, int64_t now_ms,
                            bool is_final);
 // Removes the live lines so that other text can be printed; the next draw restores them.

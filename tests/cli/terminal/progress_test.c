@@ -159,6 +159,28 @@ static void plain_display_repeats_nothing_that_did_not_change(void **state)
     fclose(out);
 }
 
+static void plain_display_tells_at_once_that_a_job_is_held(void **state)
+{
+    struct progress jobs[] = {halfway, halfway};
+    struct progress_display display;
+    char text[512] = "";
+    FILE *out = tmpfile();
+
+    assert_non_null(out);
+    progress_display_init(&display, out);
+    progress_display_draw(&display, jobs, 2, 1000, false);
+    jobs[1].state = "paused";
+    jobs[1].reason = "paused by ann";
+    progress_display_draw(&display, jobs, 2, 1001, false);
+    progress_display_draw(&display, jobs, 2, 1002, false); // no news
+    rewind(out);
+    for (int i = 0; i < 4; i++)
+        assert_non_null(fgets(text, sizeof text, out));
+    assert_string_equal(text, "#7 cloud: 120/240  1.5 s/frame  paused: paused by ann\n");
+    assert_null(fgets(text, sizeof text, out));
+    fclose(out);
+}
+
 static void live_display_draws_over_its_own_lines(void **state)
 {
     struct progress_display display = {.out = tmpfile(), .is_live = true};
@@ -191,6 +213,7 @@ int main(void)
         cmocka_unit_test(durations_read_as_clocks),
         cmocka_unit_test(paces_have_no_exponent),
         cmocka_unit_test(plain_display_repeats_nothing_that_did_not_change),
+        cmocka_unit_test(plain_display_tells_at_once_that_a_job_is_held),
         cmocka_unit_test(live_display_draws_over_its_own_lines),
     };
 
