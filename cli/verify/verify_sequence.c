@@ -208,7 +208,7 @@ static void compare_with_each_other(struct verify_file *files, size_t file_count
         if (*hash) jobs[i] = xstrdup(hash);
     }
     blame_odd_ones(files, file_count, sizes, "its size is");
-    blame_odd_ones(files, file_count, jobs, "it is of another job:");
+    blame_odd_ones(files, file_count, jobs, "it is of another job, or of another version of it:");
     blame_unmeasured(files, file_count);
     for (size_t i = 0; i < file_count; i++) {
         free(sizes[i]);

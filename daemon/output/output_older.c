@@ -116,8 +116,8 @@ bool output_older_check(const struct job_table *table, const struct job_files *f
     if (replaced > 1) snprintf(others, sizeof others, " and %zu more", replaced - 1);
     error_set(
         error,
-        "output.path: %s%s would be replaced, which job %lld (\"%s\") rendered from an older version of this job, "
-        "or another; say so by \"existing\": \"overwrite\" in output (--set output.existing=overwrite), or write "
+        "output.path: %s%s would be replaced, which job %lld (\"%s\") published and which differ from what this job "
+        "renders: \"existing\": \"overwrite\" in output replaces them (--set output.existing=overwrite); or write "
         "elsewhere",
         name, others, (long long)older->id, older->name);
     return false;

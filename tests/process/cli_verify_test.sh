@@ -60,7 +60,7 @@ says "a.0000.exr  it has no measured error, other files of the sequence have one
     "a.0003.exr  channel G at pixel (3, 2) is infinite" \
     "a.0004.exr  line 8: " \
     "a.0005.exr  marchd:jobHash: expected the hash of a picture, got nothing" \
-    "a.0006.exr  it is of another job: 0000000000000000000000000000000f, most files of the sequence have 00000000000000000000000000000001" \
+    "a.0006.exr  it is of another job, or of another version of it: 0000000000000000000000000000000f, most files of the sequence have 00000000000000000000000000000001" \
     "a.0007.exr  its size is 17 x 9, most files of the sequence have 16 x 9" \
     "a.0008.exr  its name says frame 8, its header 9" \
     "a.0009.exr  " \
