@@ -17,6 +17,6 @@ bool json_fail_expected(const struct json_node *node, struct error *error, const
 // "expected one of ..." with `names` (ends in NULL) and the nearest of them.
 bool json_fail_choice(const struct json_node *node, struct error *error, const char *const names[]);
 // `unknown key "x", did you mean "y"?`. Where none of `names` (ends in NULL) is near, `unknown key "x"; known: a, b`,
-// or, in an object that has a `kind` or a `method`, `unknown key "x" beside kind "z"; known: a, b`, for another kind may
+// or, in an object that has a `kind` or a `method`, `unknown key "x" beside kind "z"; known: a, b`: another kind may
 // have the key.
 bool json_fail_key(const struct json_node *object, struct error *error, const char *key, const char *const names[]);
