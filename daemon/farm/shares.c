@@ -8,6 +8,7 @@
 #include <math.h>
 
 enum { STORE_EVERY_MS = 60 * 1000 };
+static const double STORE_FROM_S = 0.1; // less is stored with a later frame
 
 void shares_set_weight(struct farm *farm, int64_t uid, const char *name)
 {
@@ -45,16 +46,23 @@ bool shares_restore(struct farm *farm, struct error *error)
     return store_read_usage(farm->reader, on_usage, farm, error);
 }
 
+static void store_use(struct farm *farm, struct turns_owner *owner)
+{
+    owner->unstored_s = 0;
+    farm_store(farm, (struct store_op){.kind = STORE_SET_USAGE, .usage = {owner->uid, owner->used_s, farm_clock_ms()}});
+}
+
+void shares_store_with_frame(struct farm *farm, struct turns_owner *owner)
+{
+    if (owner->unstored_s >= STORE_FROM_S) store_use(farm, owner);
+}
+
 void shares_store(struct farm *farm)
 {
     struct turns_owner *owner;
 
-    for (size_t i = 0; (owner = turns_owner_at(queue_turns(farm->queue), i)); i++) {
-        if (owner->unstored_s <= 0) continue;
-        owner->unstored_s = 0;
-        farm_store(farm,
-                   (struct store_op){.kind = STORE_SET_USAGE, .usage = {owner->uid, owner->used_s, farm_clock_ms()}});
-    }
+    for (size_t i = 0; (owner = turns_owner_at(queue_turns(farm->queue), i)); i++)
+        if (owner->unstored_s > 0) store_use(farm, owner);
 }
 
 void shares_tick(struct farm *farm)

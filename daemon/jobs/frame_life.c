@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
+#include "daemon/farm/shares.h"
 #include "daemon/jobs/events.h"
 #include "daemon/jobs/feed.h"
 #include "daemon/jobs/job_life.h"
@@ -418,6 +419,7 @@ void frame_life_on_published(void *user, const struct publish_request *request)
         request->record->root_doubts = 0;
         log_attempt(LOG_DEBUG, request->record, &request->ticket, request->worker, "published", "");
         farm_store(farm, publish_request_format_op(request, FRAME_SUCCEEDED));
+        shares_store_with_frame(farm, request->record->queued->turn.owner);
         request->record->disk_bytes += (int64_t)request->file.size_bytes;
         events_send_frame(farm->events, &request->ticket, FRAME_SUCCEEDED, NULL);
     }

@@ -63,9 +63,9 @@ last=$(jq -s '[.[].result.id] | max' "$scratch/answers")
 expect "the flood's last job" "$(field "$last" .state)" queued
 field "$last" .reason | grep -qE "^waits behind job [0-9]+ \(priority 50\)$" || fail "why it waits: $(field "$last" .reason)"
 
-# What was used is known after a restart: the first frame is of who used less, although their job is the newest.
+# What was used is known after a crash: the first frame is of who used less, although their job is the newest.
 next=$(ask_as 2 2 job.submit "{\"document\":$(job 1-1000 '.output.path = "next/n.####.exr"')}" | jq .result.id)
-stop_daemon
+kill_daemon
 expect "owners whose use is stored" "$(sqlite3 "$scratch/state/queue.db" "SELECT count(*) FROM usage WHERE used_s > 0.1")" 2
 start_daemon --workers 1 --worker-program "$(stub write:600000)"
 wait_until "a frame runs" eval '[ "$(ask daemon.status | jq .result.frames.running)" -gt 0 ]'
