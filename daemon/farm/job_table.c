@@ -14,6 +14,7 @@ static void record_destroy(struct job_record *record)
     job_notes_finish(&record->notes);
     free(record->root);
     free(record->reason);
+    free(record->intents);
     free(record->code);
     output_path_finish(&record->path);
     job_paths_finish(&record->inputs);
@@ -123,6 +124,13 @@ void job_record_set_reason(struct job_record *record, const char *reason)
 
     free(record->reason);
     record->reason = copy;
+}
+
+void job_record_keep_intent(struct job_record *record, const struct store_frame *row)
+{
+    record->intents = xgrow(record->intents, &record->intent_capacity, record->intent_count + 1, sizeof *row);
+    record->intents[record->intent_count] = *row;
+    record->intents[record->intent_count++].error = NULL;
 }
 
 struct store_op job_record_format_op(const struct job_record *record)

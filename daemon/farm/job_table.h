@@ -41,6 +41,8 @@ struct job_record {
     struct quota_user *user;                       // borrowed from the quota; the owner
     struct quota_amounts share;                    // its share of what the owner has
     struct estimate estimate;
+    struct store_frame *intents; // owned; of queued frames: published or not, says the root when it is back
+    size_t intent_count, intent_capacity;
     int frames_in_flight;                    // frames that workers hold or that are being published
     int failed_starts;                       // consecutive workers for it that ended before they were ready
     bool is_last_start;                      // workers for other jobs do start: one more failed start pauses the job
@@ -81,6 +83,8 @@ void job_record_hold(struct job_record *record);
 void job_record_release(struct job_record *record);
 
 void job_record_set_reason(struct job_record *record, const char *reason); // copies; NULL: none
+// Copies the row of a publish intent whose outcome is not known; its frame is queued.
+void job_record_keep_intent(struct job_record *record, const struct store_frame *row);
 // An op that stores the part of the job that may change.
 struct store_op job_record_format_op(const struct job_record *record);
 

@@ -32,11 +32,11 @@ struct attempt_end {
     struct queue_ticket ticket;
     enum retry_fault fault;
     bool is_started;
-    bool is_lost;   // the worker is gone
-    bool is_free;   // the node of the worker is gone: neither frame nor worker is to blame
-    bool is_hosted; // the worker was started for another job
-    bool is_old;    // the output root has changed since the worker was fenced in
-    bool has_row;   // the store holds a publish intent for it
+    bool is_lost;                     // the worker is gone
+    bool is_free;                     // the node of the worker is gone: neither frame nor worker is to blame
+    bool is_hosted;                   // the worker was started for another job
+    bool is_old;                      // the output root has changed since the worker was fenced in
+    const struct store_frame *intent; // of its file, in the store; NULL: none
     int worker;
     const char *error;
     const char *log;
@@ -83,7 +83,7 @@ static void store_failed_frame(struct farm *farm, const struct attempt_end *end)
 static void await_root(struct farm *farm, const struct attempt_end *end)
 {
     queue_return(farm->queue, &end->ticket);
-    if (end->has_row)
+    if (end->intent)
         root_life_lose(farm, end->record->output_root, end->error);
     else
         root_life_check(farm, end->record, ROOT_LIFE_ROOT_FAILED, end->error);
@@ -141,7 +141,9 @@ static void end_attempt(struct farm *farm, const struct attempt_end *end)
     state = frame_states_get(&end->record->queued->states, end->ticket.index);
     if (state == FRAME_FAILED)
         store_failed_frame(farm, end);
-    else if (end->has_row)
+    else if (end->intent && state == FRAME_QUEUED && action == RETRY_AWAIT_ROOT)
+        job_record_keep_intent(end->record, end->intent);
+    else if (end->intent)
         farm_store(farm, store_op_reset_frame(end->ticket.job, end->ticket.index));
     if (end->is_started) {
         log_attempt(state == FRAME_FAILED ? LOG_WARN : LOG_INFO, end->record, &end->ticket, end->worker, end->error,
@@ -380,17 +382,19 @@ static enum retry_fault fault_of(enum publish_outcome outcome)
 
 static void note_unpublished(struct farm *farm, const struct publish_request *request)
 {
+    const struct store_op intent = publish_request_format_op(request, FRAME_RUNNING);
     struct attempt_end end = {.record = request->record,
                               .ticket = request->ticket,
                               .fault = fault_of(request->outcome),
                               .is_started = true,
-                              .has_row = !request->is_found,
+                              .intent = request->is_found ? NULL : &intent.frame,
                               .worker = request->worker,
                               .error = request->error.message,
                               .log = request->error.message};
 
     end_attempt(farm, &end);
-    if (!request->is_found)
+    // The file may be in a root that comes back.
+    if (!request->is_found && request->outcome != PUBLISH_OUTCOME_NO_ROOT)
         sweeper_remove_part(farm->sweeper, request->record, request->ticket.frame, request->epoch,
                             request->ticket.attempt);
 }

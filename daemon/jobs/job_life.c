@@ -11,6 +11,12 @@
 
 #include <stdlib.h>
 
+static void drop_intents(struct farm *farm, struct job_record *record)
+{
+    while (record->intent_count > 0)
+        farm_store(farm, store_op_reset_frame(record->id, record->intents[--record->intent_count].index));
+}
+
 // The end of the job is stored after it is swept, so that a restart sweeps it again after a crash.
 static void end_job(struct farm *farm, struct job_record *record)
 {
@@ -18,6 +24,7 @@ static void end_job(struct farm *farm, struct job_record *record)
 
     record->is_ending = true;
     record->is_sweeping = true;
+    drop_intents(farm, record);
     log_about(LOG_INFO, &subject, "job %lld (\"%s\"): %s", (long long)record->id, record->name,
               job_state_name(queue_job_state(record->queued)));
     worker_pool_forget_job(farm->pool, record->id);

@@ -4,9 +4,12 @@
 #include "core/base/alloc.h"
 #include "core/base/error.h"
 #include "core/base/log.h"
+#include "core/job/output_path.h"
 #include "core/job/output_root.h"
 #include "daemon/farm/farm.h"
+#include "daemon/jobs/events.h"
 #include "daemon/jobs/job_life.h"
+#include "daemon/output/intent.h"
 #include "daemon/output/sweeper.h"
 #include "daemon/workers/worker_pool.h"
 
@@ -21,7 +24,10 @@ struct output_check {
     struct job_record *record; // held
     uv_work_t work;
     enum root_life_cause cause;
-    char *why;                       // owned; NULL: none
+    char *why;                   // owned; NULL: none
+    struct store_frame *intents; // owned
+    size_t intent_count;         // the first `published_count` are published, once the folder was open
+    size_t published_count;
     bool is_there, is_open, is_gone; // results: the root; the folder; the folder is missing
     struct error error;
 };
@@ -33,9 +39,8 @@ static void on_check_done(uv_work_t *work, int status);
 static void settle(struct farm *farm, struct job_record *record)
 {
     enum queue_block before = record->queued->block;
-    enum queue_block after = !record->output_root->is_there ? QUEUE_AWAY
-                             : record->is_output_checked    ? QUEUE_IN_DOUBT
-                                                            : QUEUE_OPEN;
+    bool is_in_doubt = record->is_output_checked || record->intent_count > 0;
+    enum queue_block after = !record->output_root->is_there ? QUEUE_AWAY : is_in_doubt ? QUEUE_IN_DOUBT : QUEUE_OPEN;
 
     if (before == after) return;
     queue_set_block(farm->queue, record->queued, after);
@@ -59,6 +64,12 @@ static void sweep_again(struct farm *farm, struct job_record *record)
     sweeper_sweep_job(farm->sweeper, record);
 }
 
+// Frames whose files may have got their names are settled before others are taken.
+static void check_intents(struct farm *farm, struct job_record *record)
+{
+    if (record->intent_count > 0) root_life_check(farm, record, ROOT_LIFE_ROOT_BACK, NULL);
+}
+
 void root_life_note_change(struct farm *farm, struct root *root)
 {
     int jobs = 0;
@@ -68,6 +79,7 @@ void root_life_note_change(struct farm *farm, struct root *root)
 
         if (record->output_root != root) continue;
         jobs += queue_job_is_live(record->queued);
+        if (root->is_there) check_intents(farm, record);
         settle(farm, record);
         if (root->is_there) sweep_again(farm, record);
     }
@@ -91,8 +103,15 @@ void root_life_check(struct farm *farm, struct job_record *record, enum root_lif
 
     if (record->is_output_checked || !queue_job_is_live(record->queued)) return;
     check = xcalloc(1, sizeof *check);
-    *check = (struct output_check){
-        .farm = farm, .record = record, .cause = cause, .why = why ? xstrdup(why) : NULL, .work.data = check};
+    *check = (struct output_check){.farm = farm,
+                                   .record = record,
+                                   .cause = cause,
+                                   .why = why ? xstrdup(why) : NULL,
+                                   .intents = record->intents,
+                                   .intent_count = record->intent_count,
+                                   .work.data = check};
+    record->intents = NULL;
+    record->intent_count = record->intent_capacity = 0;
     job_record_hold(record);
     record->is_output_checked = true;
     farm->output_checks++;
@@ -100,17 +119,76 @@ void root_life_check(struct farm *farm, struct job_record *record, enum root_lif
     uv_queue_work(farm->loop, &check->work, on_check_run, on_check_done);
 }
 
+static void settle_intents(struct output_check *check, int folder_fd)
+{
+    for (size_t i = 0; i < check->intent_count; i++) {
+        const struct store_frame row = check->intents[i];
+
+        if (!intent_settle(check->record, &row, check->farm->id, folder_fd)) continue;
+        check->intents[i] = check->intents[check->published_count];
+        check->intents[check->published_count++] = row;
+    }
+}
+
 static void on_check_run(uv_work_t *work)
 {
     struct output_check *check = work->data;
     const struct job_record *record = check->record;
     bool create = check->cause == ROOT_LIFE_FOLDER_WANTED;
-    int fd = output_root_open_folder(&record->path, record->root, record->output_root->id, create, &check->error);
+    int root_fd = output_root_open(record->root, record->output_root->id, &check->error), fd = -1;
 
-    check->is_there = fd != OUTPUT_ROOT_AWAY;
-    check->is_gone = fd == -1 && errno == ENOENT;
+    if (root_fd >= 0) fd = output_path_open_below(&record->path, root_fd, record->root, create, &check->error);
+    check->is_gone = root_fd >= 0 && fd < 0 && errno == ENOENT;
     check->is_open = fd >= 0;
+    if (fd >= 0) settle_intents(check, fd);
+    check->is_there = root_fd >= 0 && output_root_is_at(root_fd, record->root);
+    if (root_fd >= 0 && !check->is_there) error_set(&check->error, "output root %s was taken away", record->root);
     if (fd >= 0) close(fd);
+    if (root_fd >= 0) close(root_fd);
+}
+
+static void note_published(struct farm *farm, struct job_record *record, const struct store_frame *row)
+{
+    const struct queue_ticket ticket = {.job = record->id,
+                                        .frame = frame_range_at(&record->queued->frames, row->index),
+                                        .index = row->index,
+                                        .attempt = row->attempts};
+    struct store_op op = {.kind = STORE_SET_FRAME, .frame = *row};
+
+    if (frame_accuracy_is_over(&row->accuracy, record->tolerance)) queue_note_missed(record->queued, row->index);
+    op.frame.state = FRAME_SUCCEEDED;
+    farm_store(farm, op);
+    record->disk_bytes += (int64_t)row->size_bytes;
+    events_send_frame(farm->events, &ticket, FRAME_SUCCEEDED, NULL);
+}
+
+static void log_intent(const struct job_record *record, const struct store_frame *row, bool is_published)
+{
+    struct log_subject subject = job_record_subject(record);
+
+    subject.frame = frame_range_at(&record->queued->frames, row->index);
+    subject.attempt = row->attempts;
+    log_about(LOG_INFO, &subject, "job %lld frame %d: its file was being published when the root went away: now %s",
+              (long long)record->id, subject.frame, is_published ? "published" : "queued again");
+}
+
+// Takes the outcome of the intents, or keeps them where it is still unknown.
+static void take_intents(struct output_check *check)
+{
+    struct job_record *record = check->record;
+    bool is_known = check->is_there && (check->is_open || check->is_gone);
+
+    for (size_t i = 0; i < check->intent_count; i++) {
+        const struct store_frame *row = &check->intents[i];
+
+        if (!is_known && queue_job_is_live(record->queued))
+            job_record_keep_intent(record, row);
+        else if (is_known && i < check->published_count && queue_find_published(record->queued, row->index))
+            note_published(check->farm, record, row);
+        else
+            farm_store(check->farm, store_op_reset_frame(record->id, row->index));
+        if (is_known) log_intent(record, row, i < check->published_count);
+    }
 }
 
 static void hold(struct farm *farm, struct job_record *record, const char *what)
@@ -151,10 +229,14 @@ static void on_check_done(uv_work_t *work, int status)
     check->farm->output_checks--;
     record->is_output_checked = false;
     if (!record->is_removed) {
+        take_intents(check);
         judge(check);
+        if (check->is_open && record->output_root->is_there) check_intents(check->farm, record);
         settle(check->farm, record);
+        if (check->published_count > 0) job_life_note_change(check->farm, record);
     }
     job_record_release(record);
+    free(check->intents);
     free(check->why);
     free(check);
 }

@@ -12,11 +12,12 @@ struct root;
 enum root_life_cause {
     ROOT_LIFE_FOLDER_WANTED, // a user wants it to go on: its folder is made if it is missing
     ROOT_LIFE_OUTPUT_FAILED, // a frame could not be written: the job is held, unless the root has changed
-    ROOT_LIFE_ROOT_FAILED    // a worker did not find the root: the job goes on if it is there
+    ROOT_LIFE_ROOT_FAILED,   // a worker did not find the root: the job goes on if it is there
+    ROOT_LIFE_ROOT_BACK      // it has intents whose outcome the root knows
 };
 
-// Opens the job's folder off the loop. If its root is not there, the jobs of that root wait for it. `why` is the text
-// of the failure, NULL for none.
+// Opens the job's folder off the loop, and settles the job's intents. If its root is not there, the jobs of that root
+// wait for it. `why` is the text of the failure, NULL for none.
 void root_life_check(struct farm *farm, struct job_record *record, enum root_life_cause cause, const char *why);
 // The root was not there when files were published: its jobs wait until it is.
 void root_life_lose(struct farm *farm, struct root *root, const char *why);

@@ -225,7 +225,8 @@ struct queue_job *queue_choose_job(const struct queue *queue, const struct turns
 // False when the search is to go on at another time. The job must have a queued frame.
 static bool take_index(struct queue_job *job, int32_t *index, int *looks)
 {
-    if (index_heap_take(&job->returned, index)) return true;
+    while (index_heap_take(&job->returned, index))
+        if (frame_states_get(&job->states, *index) == FRAME_QUEUED) return true;
     while ((*looks)-- > 0) {
         *index = (int32_t)frame_order_at(&job->order, job->states.frame_count, job->next_position++);
         if (*index >= 0 && frame_states_get(&job->states, *index) == FRAME_QUEUED) return true;
@@ -299,6 +300,14 @@ bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket)
 bool queue_skip(struct queue *queue, const struct queue_ticket *ticket)
 {
     return finish_frame(queue, ticket, FRAME_SKIPPED);
+}
+
+bool queue_find_published(struct queue_job *job, int64_t index)
+{
+    if (frame_states_get(&job->states, index) != FRAME_QUEUED) return false;
+    frame_states_set(&job->states, index, FRAME_SUCCEEDED);
+    note_ready(job);
+    return true;
 }
 
 // Queues the frame again; in a job that is canceled or failed it becomes that. Returns whether it is queued.

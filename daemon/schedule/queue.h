@@ -94,6 +94,9 @@ bool queue_owns(const struct queue *queue, const struct queue_ticket *ticket);
 bool queue_begin_publish(struct queue *queue, const struct queue_ticket *ticket); // false also while it is published
 bool queue_succeed(struct queue *queue, const struct queue_ticket *ticket);       // also while it is being published
 bool queue_skip(struct queue *queue, const struct queue_ticket *ticket);
+// The frame of that index was queued, and its file turns out to be published: it succeeded. False where it is not
+// queued.
+bool queue_find_published(struct queue_job *job, int64_t index);
 // Notes that the published file of that frame is over the job's tolerance, until the frame is queued again.
 void queue_note_missed(struct queue_job *job, int64_t index);
 // The attempt failed. The frame is queued again, or failed when it has no attempts left or `final` is true; `*is_final`

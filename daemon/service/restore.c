@@ -8,12 +8,12 @@
 #include "core/job/job_json.h"
 #include "core/job/output_path.h"
 #include "core/job/output_root.h"
-#include "core/wire/publish.h"
 #include "daemon/farm/farm.h"
 #include "daemon/farm/limits.h"
 #include "daemon/farm/shares.h"
 #include "daemon/jobs/job_life.h"
 #include "daemon/jobs/root_life.h"
+#include "daemon/output/intent.h"
 #include "daemon/service/opening.h"
 #include "daemon/service/root_settings.h"
 #include "daemon/settings/options.h"
@@ -152,35 +152,15 @@ static bool on_frame(void *user, const struct store_frame *row, struct error *er
     return true;
 }
 
-// Renames the part file if that was not done. True when the published file is on disk. `farm` is of the part file's
-// name: NULL for one of an older version.
-static bool finish_part(const struct job_record *record, const struct store_frame *row, const char *farm, int folder)
-{
-    const struct output_part names = {.farm = farm,
-                                      .job = record->id,
-                                      .epoch = row->epoch,
-                                      .frame = frame_range_at(&record->queued->frames, row->index),
-                                      .attempt = row->attempts};
-    struct published_file file = {.inode = row->inode, .size_bytes = row->size_bytes};
-    char part[OUTPUT_NAME_SIZE], name[OUTPUT_NAME_SIZE];
-    enum publish_state found;
-
-    memcpy(file.hash, row->hash, sizeof file.hash);
-    output_path_format_part(&record->path, &names, part);
-    output_path_format_name(&record->path, names.frame, name);
-    found = publish_settle(folder, part, name, &file);
-    return (found == PUBLISH_DONE || (found == PUBLISH_PENDING && publish_file(folder, part, name, &file, NULL))) &&
-           publish_sync(folder, NULL);
-}
-
-static bool finish_file(const struct farm *farm, const struct job_record *record, const struct store_frame *row)
+// Whether the frame is published, which nobody can say while its root is away.
+static bool is_published(const struct farm *farm, const struct job_record *record, const struct store_frame *row,
+                         bool *is_away)
 {
     int folder = output_root_open_folder(&record->path, record->root, record->output_root->id, false, NULL);
-    bool ok;
+    bool ok = folder >= 0 && intent_settle(record, row, farm->id, folder);
 
-    if (folder < 0) return false;
-    ok = finish_part(record, row, farm->id, folder) || finish_part(record, row, NULL, folder);
-    close(folder);
+    *is_away = folder == OUTPUT_ROOT_AWAY;
+    if (folder >= 0) close(folder);
     return ok;
 }
 
@@ -195,12 +175,16 @@ static void on_op(void *user, struct store_op op)
 static void finish_publish(struct restore_state *state, const struct store_frame *row)
 {
     struct job_record *record = job_table_find(&state->farm->jobs, row->job);
-    bool is_published = finish_file(state->farm, record, row);
+    bool is_away, is_done = is_published(state->farm, record, row, &is_away);
     struct store_op op = {.kind = STORE_SET_FRAME, .frame = *row};
     struct log_subject subject = job_record_subject(record);
 
-    queue_restore_frame(record->queued, row->index, is_published ? FRAME_SUCCEEDED : FRAME_QUEUED, row->attempts);
-    if (is_published) {
+    queue_restore_frame(record->queued, row->index, is_done ? FRAME_SUCCEEDED : FRAME_QUEUED, row->attempts);
+    if (is_away) {
+        job_record_keep_intent(record, row);
+        return;
+    }
+    if (is_done) {
         note_published(record, row);
         if (frame_accuracy_is_over(&row->accuracy, record->tolerance)) queue_note_missed(record->queued, row->index);
         op.frame.state = FRAME_SUCCEEDED;
@@ -211,7 +195,7 @@ static void finish_publish(struct restore_state *state, const struct store_frame
     subject.frame = frame_range_at(&record->queued->frames, row->index);
     subject.attempt = row->attempts;
     log_about(LOG_INFO, &subject, "job %lld frame %d: its file was being published when the daemon ended: now %s",
-              (long long)row->job, subject.frame, is_published ? "published" : "queued again");
+              (long long)row->job, subject.frame, is_done ? "published" : "queued again");
 }
 
 // A job that was canceled or failed as a whole has no rows for the frames that ended with it.

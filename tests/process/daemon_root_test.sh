@@ -31,6 +31,25 @@ expect "files" "$(frames_of "$out")" 400
 expect "leftovers" "$(find "$out" -name '*.part')" ""
 grep -qF "output root $out is there; jobs that go on: 1" "$scratch/daemon.log" || fail "the log does not say that the root is back"
 
+# Killed while files get their names, and started without the root: what it holds is known when it is back. No file that has
+# its name is rendered again.
+job=$(submit "$(job 1001-2000)")
+for round in 1 2 3; do
+    wait_until "frames are published" eval '[ "$(field "$job" .succeeded)" -gt $((round * 40)) ]'
+    kill_daemon
+    mv "$out" "$away"
+    find "$away" -name '*.exr' -printf '%i %f\n' >>"$scratch/named"
+    start_daemon --worker-program "$(stub write:5)"
+    waits "$job" || fail "after a restart: $(field "$job" .reason)"
+    mv "$away" "$out"
+    wait_until "the root is back" eval '[ "$(field "$job" .state)" != paused ]'
+done
+wait_state "$job" succeeded
+expect "files" "$(frames_of "$out")" 1400
+wait_until "leftovers are gone" eval '[ -z "$(find "$out" -name "*.part")" ]'
+find "$out" -name '*.exr' -printf '%i %f\n' | sort >"$scratch/inodes"
+expect "files that were replaced" "$(sort -u "$scratch/named" | comm -23 - "$scratch/inodes")" ""
+
 # Another root in its place is not it either.
 job=$(submit "$(job 401-440)" true)
 mv "$out" "$away" && mkdir "$out" && printf 'root %032d\n' 7 >"$out/.marchd-root"

@@ -153,7 +153,12 @@ static void root_with_jobs_is_not_made_and_they_wait(void **state)
     assert_false(record->output_root->is_there);
     assert_int_equal(access(stage->root, F_OK), -1);
     assert_int_equal(queue_job_state(record->queued), JOB_PAUSED);
-    assert_int_equal(record->queued->states.counts[FRAME_QUEUED], 2); // what was being published is rendered again
+    assert_int_equal(record->queued->states.counts[FRAME_QUEUED], 2);
+    // Whether frame 2 is published says the root when it is back, also after another start.
+    assert_int_equal(record->intent_count, 1);
+    assert_int_equal(record->intents[0].index, 1);
+    assert_int_equal(record->intents[0].attempts, 2);
+    assert_int_equal(load(stage->store).frame.state, FRAME_RUNNING);
     stage_destroy(stage);
 }
 
