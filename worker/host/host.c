@@ -10,6 +10,7 @@
 #include "node/worker_child.h"
 #include "worker/host/host_hello.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
@@ -298,7 +299,7 @@ static bool take_streams(int fds[2])
     if (fds[0] >= 0 && fds[1] >= 0 && write(fds[1], "\n", 1) == 1 && dup2(STDERR_FILENO, STDOUT_FILENO) >= 0 &&
         !close(STDIN_FILENO) && open("/dev/null", O_RDONLY) == STDIN_FILENO)
         return true;
-    log_error("standard streams: %m");
+    log_error("standard streams: %s", strerrordesc_np(errno));
     return false;
 }
 
