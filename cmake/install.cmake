@@ -5,7 +5,8 @@ set(MARCHD_UNIT_DIR lib/systemd/system CACHE STRING "where the system's units go
 # The daemon and march look for the worker beside themselves.
 install(TARGETS marchd march march-worker RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
-# Units name the programs where they are installed.
+# Units name the programs where they are installed. The system's are installed again as a template: marchd@NAME is a farm
+# of its own, beside the first.
 function(install_units folder destination)
     foreach(unit marchd.service marchd.socket)
         set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${folder}/${unit})
@@ -15,7 +16,16 @@ function(install_units folder destination)
         install(FILES ${PROJECT_BINARY_DIR}/${folder}/${unit} DESTINATION ${destination})
     endforeach()
 endfunction()
+function(install_template unit)
+    file(READ ${PROJECT_BINARY_DIR}/deploy/marchd.${unit} text)
+    string(REPLACE "/marchd --system\n"
+        "/marchd --system --config /etc/marchd/%i.conf --state /var/lib/%N --socket /run/marchd/%N.sock\n" text "${text}")
+    file(WRITE ${PROJECT_BINARY_DIR}/deploy/marchd@.${unit} "${text}")
+    install(FILES ${PROJECT_BINARY_DIR}/deploy/marchd@.${unit} DESTINATION ${MARCHD_UNIT_DIR})
+endfunction()
 install_units(deploy ${MARCHD_UNIT_DIR})
+install_template(service)
+install_template(socket)
 install_units(deploy/user lib/systemd/user)
 install(FILES deploy/marchd.sysusers DESTINATION lib/sysusers.d RENAME marchd.conf)
 install(FILES deploy/marchd.tmpfiles DESTINATION lib/tmpfiles.d RENAME marchd.conf)

@@ -61,6 +61,8 @@ does postinst "deb-systemd-invoke \$_dh_action 'marchd.service'"
 does postinst "deb-systemd-invoke start 'marchd.socket'"
 does prerm "deb-systemd-invoke stop 'marchd.service'"
 does prerm "deb-systemd-invoke stop 'marchd.socket'"
+does postinst "deb-systemd-invoke try-restart 'marchd@*.service'"
+does prerm "deb-systemd-invoke stop 'marchd@*.socket' 'marchd@*.service'"
 # The user that owns the folders is created before them; clients wait at the socket while an upgrade goes on.
 users=$(grep -n systemd-sysusers "$scratch/control/postinst" | head -n 1 | cut -d: -f1)
 folders=$(grep -n systemd-tmpfiles "$scratch/control/postinst" | head -n 1 | cut -d: -f1)
@@ -68,7 +70,7 @@ folders=$(grep -n systemd-tmpfiles "$scratch/control/postinst" | head -n 1 | cut
 ! grep -A 2 '= *upgrade' "$scratch/control/prerm" || fail "an upgrade stops something before the new files are there"
 
 if command -v shellcheck >/dev/null; then
-    shellcheck -s sh "$PROJECT_ROOT/deploy/package" "$PROJECT_ROOT/deploy/debian/postrm" || fail "shellcheck"
+    shellcheck -s sh "$PROJECT_ROOT/deploy/package" "$PROJECT_ROOT"/deploy/debian/post* "$PROJECT_ROOT"/deploy/debian/prerm || fail "shellcheck"
 fi
 if command -v lintian >/dev/null; then
     lintian --fail-on error,warning --allow-root "$package" || fail "lintian"

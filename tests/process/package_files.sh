@@ -29,6 +29,8 @@ $1/share/fish/vendor_completions.d/marchd.fish
 $1/share/zsh/vendor-completions/_march
 $2/marchd.service
 $2/marchd.socket
+$2/marchd@.service
+$2/marchd@.socket
 /etc/marchd/marchd.conf
 END
         below docs "$1/share/doc/marchd/docs"

@@ -20,6 +20,12 @@ odd=$(find "$root" -type f ! -perm 644 ! -path '*/bin/*')
 for unit in system/marchd.service user/marchd.service; do
     grep -q "^ExecStart=$prefix/bin/marchd" "$root$prefix/lib/systemd/$unit" || fail "$unit starts another marchd"
 done
+# A further farm's unit is the first one's, but for what tells the daemon its places.
+units=$root$prefix/lib/systemd/system
+cmp -s "$units/marchd.socket" "$units/marchd@.socket" || fail "marchd@.socket is another"
+diff "$units/marchd.service" "$units/marchd@.service" >"$scratch/diff" && fail "marchd@.service is not told its places"
+[ "$(sed -n 's/^> //p' "$scratch/diff")" = "ExecStart=$prefix/bin/marchd --system --config /etc/marchd/%i.conf \
+--state /var/lib/%N --socket /run/marchd/%N.sock" ] || fail "marchd@.service: $(cat "$scratch/diff")"
 cmp -s "$PROJECT_ROOT/deploy/marchd.conf" "$root/etc/marchd/marchd.conf" || fail "marchd.conf is not the one of the tree"
 
 # Examples name their files relative to themselves; the scan's file comes from another package.

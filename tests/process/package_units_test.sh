@@ -22,6 +22,10 @@ cp /lib/systemd/system/*.target /lib/systemd/system/*.slice "$deploy/marchd.serv
 cp /bin/true "$scratch/root/usr/bin/marchd"
 cp /bin/sh "$scratch/root/usr/bin/sh"
 understands system --root="$scratch/root" marchd.service marchd.socket
+for kind in service socket; do
+    cp "$deploy/marchd.$kind" "$scratch/root/usr/lib/systemd/system/marchd@.$kind"
+done
+understands template --root="$scratch/root" marchd@two.service marchd@two.socket
 # A user's units are checked with another program, because they cannot be given a root.
 mkdir "$scratch/user"
 sed 's|^ExecStart=/usr/bin/marchd$|ExecStart=/bin/true|' "$deploy/user/marchd.service" >"$scratch/user/marchd.service"
@@ -45,13 +49,14 @@ for unit in marchd.service user/marchd.service; do
     lacks $unit MemoryDenyWriteExecute # llvmpipe compiles what it renders
     lacks $unit RestrictSUIDSGID       # openat2, by which files are opened below their roots
 done
+has marchd.service Requires=%N.socket
+has user/marchd.service Requires=marchd.socket
 for unit in marchd.service user/marchd.service; do
     has $unit Type=notify
     has $unit NotifyAccess=main
     has $unit WatchdogSec=30
     has $unit KillMode=mixed
     has $unit OOMPolicy=continue
-    has $unit Requires=marchd.socket
     for call in seccomp landlock_create_ruleset landlock_add_rule landlock_restrict_self capset; do
         grep -E '^SystemCallFilter=[^~]' "$deploy/$unit" | grep -qw $call || fail "$unit: a worker may not call $call"
     done
@@ -59,7 +64,7 @@ done
 has marchd.service 'DeviceAllow=char-drm rw'
 has marchd.service 'DeviceAllow=char-nvidia* rw'
 has marchd.service 'StateDirectoryMode=0700'
-has marchd.socket 'ListenStream=/run/marchd/marchd.sock'
+has marchd.socket 'ListenStream=/run/marchd/%N.sock'
 has marchd.socket 'SocketMode=0660'
 has marchd.socket 'SocketGroup=marchd'
 has user/marchd.socket 'ListenStream=%t/marchd.sock'
@@ -88,3 +93,8 @@ uid=$(sed -n 's/^marchd:[^:]*:\([0-9]*\):.*/\1/p' "$scratch/root/etc/passwd")
 gid=$(sed -n 's/^marchd:[^:]*:\([0-9]*\):.*/\1/p' "$scratch/root/etc/group")
 found=$(cd "$scratch/root" && stat -c '%n %a %u:%g' run/marchd srv/marchd srv/marchd-input | tr '\n' ' ')
 [ "$found" = "run/marchd 755 0:0 srv/marchd 755 $uid:$gid srv/marchd-input 2775 0:$gid " ] || fail "folders: $found"
+
+# What was given to another user, for a service with another User=, is left to them at the next boot or upgrade.
+chown 4242 "$scratch/root/srv/marchd"
+systemd-tmpfiles --root="$scratch/root" --create "$deploy/marchd.tmpfiles"
+[ "$(stat -c %u "$scratch/root/srv/marchd")" = 4242 ] || fail "/srv/marchd is taken from its owner"

@@ -1,4 +1,42 @@
-# A daemon of a user's own, run by the user's service manager. Sourced by tests/service.
+# Farms beside the first: a second one of the system, and a user's own, run by the user's service manager. Sourced by
+# tests/service.
+
+two=/run/marchd/marchd@two.sock
+
+# renders_on_two FOLDER: ann renders a frame on the second farm.
+renders_on_two()
+{
+    cloud_job 1 64 36 "$1" >"$root/home/ann/job.json"
+    as ann march submit --wait --socket "$two" job.json
+    [ -f "$root/srv/marchd@two/$1/c.0001.exr" ] || fail "no picture below /srv/marchd@two"
+}
+
+start_second_farm()
+{
+    inside install -d -o marchd -g marchd /srv/marchd@two
+    printf '%s\n' 'output-root = /srv/marchd@two' 'workers = 1' >"$root/etc/marchd/two.conf"
+    inside systemctl start marchd@two.socket "$@"
+}
+
+second_farm_runs()
+{
+    start_second_farm
+    renders_on_two plain
+    expect "the id of its first job" "$(as ann march list --json --socket "$two" | jq -c '[.jobs[].id]')" "[1]"
+    expect "the queue's folder" "$(inside stat -c '%U %a' /var/lib/marchd@two)" "marchd 700"
+    ends 4 marchd as eve march list --socket "$two"
+    # Another user may run it. What is theirs stays theirs at a boot.
+    inside useradd --system farm
+    inside mkdir /etc/systemd/system/marchd@two.service.d
+    printf '[Service]\nUser=farm\n' >"$root/etc/systemd/system/marchd@two.service.d/user.conf"
+    inside sh -c 'systemctl stop marchd@two.socket marchd@two && chown -R farm /srv/marchd@two && systemctl daemon-reload'
+    inside systemctl start marchd@two.socket marchd@two
+    renders_on_two farms
+    expect "who runs it" "$(inside ps -o user= -p "$(inside systemctl show -P MainPID marchd@two)")" farm
+    expect "the queue's folder" "$(inside stat -c '%U %a' /var/lib/marchd@two)" "farm 700"
+    inside rm -r /etc/systemd/system/marchd@two.service.d
+    inside systemctl daemon-reload
+}
 
 user_daemon_runs()
 {

@@ -68,12 +68,16 @@ exposure_is_low()
 
 upgrade_goes_on()
 {
-    local id
+    local id second
 
     id=$(submit ann "$(cloud_job 1-7 480 270 upgraded)")
     until_true "two frames are done" has_done ann "$id" 2
     list_files upgraded >"$work/list"
+    start_second_farm marchd@two
+    second=$(inside systemctl show -P MainPID marchd@two)
     apt install /root/marchd-next.deb
+    [ "$(inside systemctl show -P MainPID marchd@two)" != "$second" ] || fail "the second farm is the old one still"
+    expect "second farm" "$(inside systemctl is-active marchd@two.service)" active
     [[ $(inside dpkg-query -W -f '${Version}' marchd) == *+next ]] || fail "the package is not the next"
     expect "service" "$(inside systemctl is-active marchd.service)" active
     as ann march wait "$id"
@@ -84,10 +88,11 @@ upgrade_goes_on()
 
 purge_leaves_nothing()
 {
+    rm -rf "$root/etc/marchd/two.conf" "$root/srv/marchd@two"
     apt purge marchd
     expect "processes" "$(inside pgrep -a 'march' || true)" ""
     expect "unit" "$(inside systemctl is-active marchd.service marchd.socket | tr '\n' ' ')" "inactive inactive "
-    [ ! -e "$root/run/marchd" ] && [ ! -e "$root/var/lib/marchd" ] && [ ! -e "$root/etc/marchd" ] || fail "folders are left"
+    expect "folders" "$(find "$root/run" "$root/var/lib" "$root/var/cache" "$root/etc" -maxdepth 1 -name 'marchd*')" ""
     inside test ! -e /run/marchd || fail "/run/marchd is left"
     unowned_files >"$work/after"
     # The user that owns pictures stays, by Debian's custom: it is in files that existed before.
