@@ -11,7 +11,6 @@
 
 enum {
     SHOWN_BYTES = 40,
-    FEW_FRAMES = 1000,
     POSITIONS_FROM_SPANS = 8 // with fewer spans a linear search is as fast
 };
 
@@ -289,56 +288,6 @@ int64_t frame_range_index(const struct frame_range *range, int32_t frame)
             return span->before + distance / span->step;
     }
     return -1;
-}
-
-// The smallest and the largest frame.
-static void find_ends(const struct frame_range *range, int32_t *first, int32_t *last)
-{
-    *first = INT32_MAX;
-    *last = -1;
-    for (const struct frame_span *span = range->spans; span < range->spans + range->span_count; span++) {
-        int32_t end = span->first + (span->count - 1) * span->step;
-
-        if (span->first < *first) *first = span->first;
-        if (end < *first) *first = end;
-        if (span->first > *last) *last = span->first;
-        if (end > *last) *last = end;
-    }
-}
-
-static bool find_common_of_few(const struct frame_range *range, const struct frame_range *few, int32_t *frame)
-{
-    int64_t count = frame_range_count(few);
-
-    for (int64_t i = 0; i < count; i++) {
-        *frame = frame_range_at(few, i);
-        if (frame_range_index(range, *frame) >= 0) return true;
-    }
-    return false;
-}
-
-// Of many frames: a bit for each frame number marks the frames of one range, then those of the other are asked for.
-bool frame_range_find_common(const struct frame_range *range, const struct frame_range *other, int32_t *frame)
-{
-    int32_t first, last, other_first, other_last;
-    uint64_t *marked;
-    bool found = false;
-
-    find_ends(range, &first, &last);
-    find_ends(other, &other_first, &other_last);
-    if (last < other_first || other_last < first) return false;
-    if (frame_range_count(other) <= FEW_FRAMES) return find_common_of_few(range, other, frame);
-    if (frame_range_count(range) <= FEW_FRAMES) return find_common_of_few(other, range, frame);
-    marked = xcalloc((FRAME_NUMBER_LIMIT + 63) / 64, sizeof marked[0]);
-    for (const struct frame_span *span = range->spans; span < range->spans + range->span_count; span++)
-        mark_span(marked, span);
-    for (const struct frame_span *span = other->spans; span < other->spans + other->span_count && !found; span++)
-        for (int32_t i = 0; i < span->count && !found; i++) {
-            *frame = span->first + i * span->step;
-            found = marked[*frame / 64] >> (*frame % 64) & 1;
-        }
-    free(marked);
-    return found;
 }
 
 // Writes `number` in decimal to `text`; returns its length.

@@ -42,6 +42,4 @@ void frame_range_finish(struct frame_range *range); // accepts an empty range
 int64_t frame_range_count(const struct frame_range *range);
 int32_t frame_range_at(const struct frame_range *range, int64_t index);    // index in [0, count)
 int64_t frame_range_index(const struct frame_range *range, int32_t frame); // -1 when the range lacks it
-// Whether a frame is in both; `*frame` is one such. Takes a few nanoseconds a frame, however many spans there are.
-bool frame_range_find_common(const struct frame_range *range, const struct frame_range *other, int32_t *frame);
 char *frame_range_format(const struct frame_range *range); // owned by the caller; parses back to the same

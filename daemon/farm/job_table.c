@@ -2,6 +2,7 @@
 #include "daemon/farm/job_table.h"
 
 #include "core/base/alloc.h"
+#include "core/job/frame_twins.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -160,33 +161,13 @@ struct job_files job_record_files(const struct job_record *record)
     return (struct job_files){record->root, &record->path, &record->queued->frames};
 }
 
-// Names of files of one pattern are the same when their frames are.
-static bool has_one_pattern(const struct output_path *a, const struct output_path *b)
-{
-    return a->pad == b->pad && strcmp(a->prefix, b->prefix) == 0 && strcmp(a->suffix, b->suffix) == 0;
-}
-
-// Walks the range with fewer frames: each frame may name a file of the other range.
 static bool ranges_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
 {
-    bool is_smaller = frame_range_count(files->frames) <= frame_range_count(others->frames);
-    const struct job_files *walked = is_smaller ? files : others;
-    const struct job_files *asked = is_smaller ? others : files;
-    int64_t count = frame_range_count(walked->frames);
-    char name[OUTPUT_NAME_SIZE];
+    struct frame_twins twins[FRAME_TWINS_LIMIT];
+    size_t count = frame_twins_list(files->path, others->path, twins);
 
-    if (has_one_pattern(files->path, others->path))
-        return frame_range_find_common(others->frames, files->frames, frame);
-    for (int64_t i = 0; i < count; i++) {
-        int32_t number = frame_range_at(walked->frames, i);
-        int32_t twin;
-
-        output_path_format_name(walked->path, number, name);
-        twin = output_path_frame_of(asked->path, name);
-        if (twin < 0 || frame_range_index(asked->frames, twin) < 0) continue;
-        *frame = is_smaller ? number : twin;
-        return true;
-    }
+    for (size_t i = 0; i < count; i++)
+        if (frame_twins_find(&twins[i], files->frames, others->frames, frame)) return true;
     return false;
 }
 

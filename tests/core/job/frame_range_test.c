@@ -250,36 +250,6 @@ static void format_is_the_notation_users_write(void **state)
     free(text);
 }
 
-static void frames_in_common_are_found(void **state)
-{
-    static const struct {
-        const char *range, *other;
-        int32_t frame; // -1: none
-    } cases[] = {{"0-9", "10-19", -1},
-                 {"0-9", "9-19", 9},
-                 {"0-100x2", "1-101x2", -1},
-                 {"100-0x2", "1-99x7", 8},
-                 {"5,1,9", "2-4,6-8,0,9", 9},
-                 {"0-1999999", "2000000-3999999", -1},
-                 {"7", "7", 7},
-                 {"9999999", "0-3999998", -1},
-                 {"9999999,64", "64-127", 64}};
-
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct frame_range range, other;
-        int32_t frame = -1;
-        bool found;
-
-        assert_true(frame_range_parse(&range, cases[i].range, NULL));
-        assert_true(frame_range_parse(&other, cases[i].other, NULL));
-        found = frame_range_find_common(&range, &other, &frame);
-        assert_int_equal(found ? frame : -1, cases[i].frame);
-        assert_int_equal(frame_range_find_common(&other, &range, &frame), cases[i].frame >= 0);
-        frame_range_finish(&range);
-        frame_range_finish(&other);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -299,7 +269,6 @@ int main(void)
         cmocka_unit_test(overlapping_steps_agree_with_a_plain_list),
         cmocka_unit_test(formatted_text_parses_back),
         cmocka_unit_test(format_is_the_notation_users_write),
-        cmocka_unit_test(frames_in_common_are_found),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
