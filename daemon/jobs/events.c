@@ -8,8 +8,10 @@
 #include "daemon/clients/shared_text.h"
 #include "daemon/farm/farm.h"
 #include "daemon/jobs/job_view.h"
+#include "daemon/loop/loop_turns.h"
 #include "daemon/workers/worker_pool.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 
 enum { SUBSCRIPTIONS_LIMIT = 64, INTERVAL_MS = 250 };
@@ -27,16 +29,21 @@ struct events {
     size_t count, capacity;
     struct job_record **changed; // owned; records with is_changed
     size_t changed_count, changed_capacity;
+    struct loop_task sending_task; // sends the events of those below, one in a step
+    struct job_record **sending;   // owned; likewise, from `sent` on; NULL: removed
+    size_t sending_count, sending_capacity, sent;
     struct json_writer writer; // of one event
 };
 
 static void on_interval(uv_timer_t *timer);
+static bool on_sending_step(struct loop_task *task);
 
 struct events *events_create(struct farm *farm)
 {
     struct events *events = xcalloc(1, sizeof *events);
 
     events->farm = farm;
+    events->sending_task.step = on_sending_step;
     uv_timer_init(farm->loop, &events->timer);
     events->timer.data = events;
     return events;
@@ -52,6 +59,7 @@ void events_destroy(struct events *events)
     if (!events) return;
     free(events->subscriptions);
     free(events->changed);
+    free(events->sending);
     json_writer_finish(&events->writer);
     free(events);
 }
@@ -139,11 +147,34 @@ static void on_interval(uv_timer_t *timer)
 {
     struct events *events = timer->data;
 
-    for (size_t i = 0; i < events->changed_count; i++) {
-        events->changed[i]->is_changed = false;
-        send_job(events, events->changed[i]);
+    struct job_record **emptied = events->sending;
+    size_t capacity = events->sending_capacity;
+
+    if (events->sending_count > 0) {
+        uv_timer_start(&events->timer, on_interval, INTERVAL_MS, 0);
+        return;
     }
+    events->sending = events->changed;
+    events->sending_count = events->changed_count;
+    events->sending_capacity = events->changed_capacity;
+    events->changed = emptied;
     events->changed_count = 0;
+    events->changed_capacity = capacity;
+    events->sent = 0;
+    loop_turns_put(events->farm->turns, &events->sending_task);
+}
+
+// A job's event may be long, and thousands may change at once.
+static bool on_sending_step(struct loop_task *task)
+{
+    struct events *events = (struct events *)((char *)task - offsetof(struct events, sending_task));
+    struct job_record *record = events->sent < events->sending_count ? events->sending[events->sent++] : NULL;
+
+    if (record) record->is_changed = false;
+    if (record) send_job(events, record);
+    if (events->sent < events->sending_count) return true;
+    events->sending_count = 0;
+    return false;
 }
 
 void events_note_store(struct events *events)
@@ -162,6 +193,8 @@ static void forget_change(struct events *events, const struct job_record *record
     for (size_t i = 0; i < events->changed_count; i++)
         if (events->changed[i] != record) events->changed[kept++] = events->changed[i];
     events->changed_count = kept;
+    for (size_t i = events->sent; i < events->sending_count; i++)
+        if (events->sending[i] == record) events->sending[i] = NULL;
 }
 
 void events_send_deleted(struct events *events, struct job_record *record)

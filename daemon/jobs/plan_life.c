@@ -11,6 +11,8 @@
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
+#include "daemon/loop/work_desk.h"
+#include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
 #include "daemon/store/store_reader.h"
 #include "daemon/workers/worker_pool.h"
@@ -21,8 +23,14 @@
 // A question, the first plan of a segment, and the next after a miss.
 enum { MESSAGES_OF_AN_ATTEMPT = 3 };
 
-// A plan that is being committed.
+// A plan that is checked in a thread, for the job's document may be long, then committed.
 struct plan_commit {
+    struct work_piece piece;
+    struct job_record *record; // held while it is checked
+    char *made;                // owned; what the worker sent, as the message that errors name places of
+    int64_t missed;            // the number of the plan that it replaces; 0: none
+    bool ok;
+    struct error error;
     struct farm *farm; // borrowed
     struct plan_key key;
     struct plan_asker maker;
@@ -31,6 +39,10 @@ struct plan_commit {
     bool is_errand;  // others may wait for it
     bool is_replace; // it replaces a plan that workers have
 };
+
+static void on_check_run(struct work_piece *piece);
+static void on_check_done(struct work_piece *piece, bool was_run);
+static void on_committed(void *user, bool ok, const struct error *error);
 
 static struct plan_key find_key(const struct job_record *record, const char *segment)
 {
@@ -145,37 +157,54 @@ static void note_ask(struct farm *farm, const struct plan_key *key, const struct
 }
 
 // Checks the plan as if the job stated its quality. `*text` is owned by the caller: the plan as JSON, and nothing else.
-static bool check_plan(const struct farm *farm, const struct job_record *record, const struct json_node *object,
-                       char **text, struct error *error)
+static bool check_quality(const struct json_node *document, const char *root, const struct json_node *object,
+                          char **text, struct error *error)
 {
-    struct job job = {0};
-    struct cJSON *tree = NULL;
     struct json_writer writer = {0};
-    char *document = NULL;
+    struct job job = {0}, planned;
     struct plan_json plan;
     bool ok = false;
 
-    if (!store_read_document(farm->reader, record->id, &document, error) ||
-        !json_parse(&tree, document, strlen(document), error))
-        goto out;
-    {
-        struct json_node root = json_node_root(tree);
-        struct job planned;
-
-        if (!job_from_json(&job, &root, record->root, error) || !plan_from_json(&plan, object, &job, error)) goto out;
-        planned = job;
-        planned.quality = plan.quality;
-        if (!job_check(&planned, &root, error)) goto out;
-    }
+    if (!job_from_json(&job, document, root, error) || !plan_from_json(&plan, object, &job, error)) goto out;
+    planned = job;
+    planned.quality = plan.quality;
+    if (!job_check(&planned, document, error)) goto out;
     plan_to_json(&writer, &plan, &job);
     *text = xstrndup(writer.text, writer.length);
     ok = true;
 out:
     json_writer_finish(&writer);
     job_finish(&job);
+    return ok;
+}
+
+static void on_check_run(struct work_piece *piece)
+{
+    struct plan_commit *commit = (struct plan_commit *)piece;
+    struct store_reader *reader = store_reader_open(commit->farm->options->state_folder, &commit->error);
+    struct cJSON *tree = NULL, *plan = NULL;
+    char *document = NULL;
+
+    commit->ok = reader && store_read_document(reader, commit->record->id, &document, &commit->error) &&
+                 json_parse(&tree, document, strlen(document), &commit->error) &&
+                 json_parse(&plan, commit->made, strlen(commit->made), &commit->error);
+    if (commit->ok) {
+        struct json_node root = json_node_root(tree), message = json_node_root(plan),
+                         params = json_node_child(&message, "params"), object = json_node_child(&params, "plan");
+
+        commit->ok = check_quality(&root, commit->record->root, &object, &commit->text, &commit->error);
+    }
+    json_delete(plan);
     json_delete(tree);
     free(document);
-    return ok;
+    store_reader_close(reader);
+}
+
+static void drop(struct plan_commit *commit)
+{
+    free(commit->made);
+    free(commit->text);
+    free(commit);
 }
 
 static void on_committed(void *user, bool ok, const struct error *error)
@@ -196,17 +225,13 @@ static void on_committed(void *user, bool ok, const struct error *error)
         send_plan(farm, &commit->key, &commit->maker, commit->number, commit->text);
     }
     if (commit->is_replace) tell_workers(commit);
-    free(commit->text);
-    free(commit);
+    drop(commit);
 }
 
-static void put_plan(struct farm *farm, const struct plan_commit *made)
+static void put_plan(struct farm *farm, struct plan_commit *commit)
 {
-    struct plan_commit *commit = xmalloc(sizeof *commit);
     struct store_op op = {.kind = STORE_ADD_PLAN};
 
-    *commit = *made;
-    commit->farm = farm;
     commit->number = farm->next_plan_number++;
     op.plan = (struct store_plan){.number = commit->number, .key = commit->key, .text = xstrdup(commit->text)};
     committer_put(farm->committer, COMMIT_CERTAIN, &op, 1, on_committed, commit);
@@ -224,29 +249,70 @@ static bool may_make(const struct farm *farm, const struct plan_commit *made, in
     return missed > 0 && missed <= newest;
 }
 
+static void refuse_made(struct plan_commit *commit)
+{
+    struct log_subject subject = job_record_subject(commit->record);
+
+    subject.frame = commit->maker.frame;
+    error_prefix(&commit->error, "a plan is refused");
+    log_about(LOG_WARN, &subject, "job %lld frame %d: %s", (long long)commit->maker.job, (int)commit->maker.frame,
+              commit->error.message);
+    refuse(commit->farm, &commit->key, &commit->maker, commit->error.message);
+}
+
+static void begin_commit(struct plan_commit *commit)
+{
+    struct farm *farm = commit->farm;
+    struct log_subject subject = job_record_subject(commit->record);
+
+    subject.frame = commit->maker.frame;
+    commit->is_errand = plan_desk_begin_commit(&farm->desk, &commit->key, &commit->maker);
+    log_about(LOG_INFO, &subject, "job %lld frame %d: plan %lld is made%s", (long long)commit->maker.job,
+              (int)commit->maker.frame, (long long)farm->next_plan_number, commit->is_replace ? ", after a miss" : "");
+    put_plan(farm, commit);
+}
+
+// The attempt may be over, and the job deleted.
+static void on_check_done(struct work_piece *piece, bool was_run)
+{
+    struct plan_commit *commit = (struct plan_commit *)piece;
+    struct job_record *record = commit->record;
+    bool may_commit = was_run && !record->is_removed && may_make(commit->farm, commit, commit->missed);
+
+    if (may_commit && !commit->ok) refuse_made(commit);
+    if (may_commit && commit->ok)
+        begin_commit(commit);
+    else
+        drop(commit);
+    job_record_release(record);
+}
+
 static void note_made(struct farm *farm, const struct worker_report *report, const struct plan_key *key,
                       struct job_record *record, const struct plan_asker *maker)
 {
-    struct plan_commit made = {.key = *key, .maker = *maker, .is_replace = report->missed > 0};
-    struct log_subject subject = job_record_subject(record);
-    struct error error = {0};
+    struct plan_commit *commit = xmalloc(sizeof *commit);
+    char *made;
 
-    if (!may_make(farm, &made, report->missed)) {
+    *commit = (struct plan_commit){.piece = {.run = on_check_run,
+                                             .done = on_check_done,
+                                             .uid = record->owner_uid,
+                                             .goes_on = true}, // a worker waits for it
+                                   .farm = farm,
+                                   .record = record,
+                                   .key = *key,
+                                   .maker = *maker,
+                                   .missed = report->missed,
+                                   .is_replace = report->missed > 0};
+    if (!may_make(farm, commit, report->missed)) {
         refuse(farm, key, maker, "plan: expected one that the worker was told to make, or one after a miss");
+        drop(commit);
         return;
     }
-    subject.frame = report->frame;
-    if (!check_plan(farm, record, &report->plan, &made.text, &error)) {
-        error_prefix(&error, "a plan is refused");
-        log_about(LOG_WARN, &subject, "job %lld frame %d: %s", (long long)record->id, (int)report->frame,
-                  error.message);
-        refuse(farm, key, maker, error.message);
-        return;
-    }
-    made.is_errand = plan_desk_begin_commit(&farm->desk, key, maker);
-    log_about(LOG_INFO, &subject, "job %lld frame %d: plan %lld is made%s", (long long)record->id, (int)report->frame,
-              (long long)farm->next_plan_number, made.is_replace ? ", after a miss" : "");
-    put_plan(farm, &made);
+    made = json_node_format(&report->plan);
+    commit->made = xasprintf("{\"params\":{\"plan\":%s}}", made);
+    free(made);
+    job_record_hold(record);
+    work_desk_put(farm->work, &commit->piece);
 }
 
 void plan_life_note_report(struct farm *farm, const struct worker_report *report, struct job_record *record,
