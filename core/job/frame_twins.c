@@ -5,6 +5,7 @@
 #include "core/job/frame_set.h"
 #include "core/job/output_path.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <string.h>
 
@@ -71,6 +72,7 @@ static bool compare_shapes(struct shape *shape, struct shape *other)
 
 static int64_t floor_divide(int64_t a, int64_t b)
 {
+    assert(b > 0);
     return a / b - (a % b < 0);
 }
 

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/json/json_write.h"
+#include "daemon/clients/client_account.h"
 #include "daemon/clients/shared_text.h"
 #include "daemon/loop/memory_return.h"
 #include "daemon/loop/work_desk.h"
@@ -149,6 +150,29 @@ static void on_read(uv_stream_t *stream, ssize_t count, const uv_buf_t *buffer)
     loop_turns_put(client->host->turns, &client->task);
 }
 
+// Clients of the user that wait for a place may take one in their next steps.
+static void give_place(struct client *client)
+{
+    struct client_account *account = client->outgoing.account;
+    struct client *other = client;
+
+    if (!client->has_place) return;
+    client->has_place = false;
+    client_account_give_place(account);
+    while (other->previous)
+        other = other->previous;
+    for (; other; other = other->next)
+        if (other != client && other->outgoing.account == account && !other->is_closing)
+            loop_turns_put(other->host->turns, &other->task);
+}
+
+static bool may_read(struct client *client)
+{
+    if (client->has_place || client->stream.end - client->stream.start <= CLIENT_SHORT_LINE) return true;
+    client->has_place = client_account_take_place(client->outgoing.account);
+    return client->has_place;
+}
+
 static bool has_room(const struct client *client)
 {
     return !client->is_closing && !client->is_ignored && !client->is_decoding &&
@@ -205,6 +229,7 @@ static void on_decode_done(struct work_piece *piece, bool was_run)
     struct client *client = line->client;
 
     client->is_decoding = false;
+    give_place(client);
     if (was_run && !line->ok)
         refuse_line(client, &line->message, line->code, &line->error);
     else if (was_run && !client->is_ignored)
@@ -224,7 +249,10 @@ static void on_decode_done(struct work_piece *piece, bool was_run)
 
 static void on_discard_run(struct work_piece *piece)
 {
-    message_finish(&((struct long_line *)piece)->message);
+    struct long_line *line = (struct long_line *)piece;
+
+    message_finish(&line->message);
+    memory_return_trim(line->length * MEMORY_RETURN_PARSED);
 }
 
 static void on_discard_done(struct work_piece *piece, bool was_run)
@@ -269,7 +297,7 @@ static void end(struct client *client)
 static void wait_for_more(struct client *client)
 {
     if (!client->has_ended)
-        set_reading(client, true);
+        set_reading(client, may_read(client));
     else if (client->pending_answers == 0)
         end(client);
 }
@@ -383,6 +411,16 @@ static void on_written(void *user, int status)
         loop_turns_put(client->host->turns, &client->task);
 }
 
+static bool has_stalled(struct client *client)
+{
+    size_t received_bytes = client->stream.end - client->stream.start;
+    bool is_same = client->has_place && client->is_reading && received_bytes == client->stalled_bytes;
+
+    client->stalled_checks = is_same ? client->stalled_checks + 1 : 0;
+    client->stalled_bytes = received_bytes;
+    return client->stalled_checks >= STUCK_CHECKS && client->outgoing.account->long_lines == CLIENT_ACCOUNT_LONG_LINES;
+}
+
 void client_check_stuck(struct client *client)
 {
     const struct client_account *account = client->outgoing.account;
@@ -391,7 +429,10 @@ void client_check_stuck(struct client *client)
     if (client->is_closing) return;
     client->stuck_checks = queued_bytes > 0 && queued_bytes == client->stuck_bytes ? client->stuck_checks + 1 : 0;
     client->stuck_bytes = queued_bytes;
-    if (account->unread_bytes < USER_UNREAD_LIMIT) {
+    if (has_stalled(client)) {
+        log_info("a client of %s does not end its message: disconnected", client->user);
+        client_close(client);
+    } else if (account->unread_bytes < USER_UNREAD_LIMIT) {
         loop_turns_put(client->host->turns, &client->task); // it may have waited for another client of the user
     } else if (client->stuck_checks >= STUCK_CHECKS) {
         log_info("a client of %s does not read its answers: disconnected", client->user);
@@ -412,6 +453,7 @@ void client_close(struct client *client)
     if (uv_is_closing((uv_handle_t *)&client->pipe)) return;
     memory_return_note(client->host->memory, client->outgoing.unread_bytes + client->stream.capacity);
     outgoing_drop(&client->outgoing);
+    give_place(client);
     loop_turns_remove(client->host->turns, &client->task);
     uv_close((uv_handle_t *)&client->pipe, on_pipe_closed);
 }

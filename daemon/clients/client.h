@@ -47,6 +47,9 @@ struct client {
     gid_t *groups;            // owned; the peer's
     char *user;               // owned; the peer's user name, or its number
     size_t pending_answers;   // deferred answers that were not sent yet
+    bool has_place;           // for a long line; see client_account.h
+    size_t stalled_bytes;     // received of that line, when it was looked at last
+    int stalled_checks;       // in a row that found as many
     bool is_decoding;         // a long message is read in a thread: the next one waits
     bool is_reading;
     bool has_ended;  // the peer closed its sending side
@@ -66,7 +69,8 @@ void client_refuse(struct client *client, enum message_code code, const char *wh
 // Reads no more messages. Deferred answers and events are still sent.
 void client_stop_reading(struct client *client);
 // To be called every few seconds. Where messages of the user wait because too much is unread, a client that has read
-// nothing for half a minute is closed.
+// nothing for half a minute is closed; so is one that has sent nothing more of a long line, while its user's places for
+// those are taken.
 void client_check_stuck(struct client *client);
 
 // All do nothing while the client is closing.

@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 struct client_account *client_accounts_join(struct client_accounts *accounts, int64_t uid)
@@ -19,6 +20,19 @@ struct client_account *client_accounts_join(struct client_accounts *accounts, in
     }
     account->client_count++;
     return account;
+}
+
+bool client_account_take_place(struct client_account *account)
+{
+    if (account->long_lines == CLIENT_ACCOUNT_LONG_LINES) return false;
+    account->long_lines++;
+    return true;
+}
+
+void client_account_give_place(struct client_account *account)
+{
+    assert(account->long_lines > 0);
+    account->long_lines--;
 }
 
 void client_accounts_leave(struct client_accounts *accounts, struct client_account *account)

@@ -2,14 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+// A line may have 4 MiB, and be 16 times as large once it is read: only so many of a user are received at a time.
+enum { CLIENT_ACCOUNT_LONG_LINES = 4 };
 
 struct client_account {
     int64_t uid;
     size_t client_count;
     size_t unread_bytes; // sent to them, not read yet
     size_t event_bytes;  // of these: events
+    size_t long_lines;   // clients that have a place for a long line, CLIENT_ACCOUNT_LONG_LINES at most
     struct client_account *next;
 };
 
@@ -20,5 +25,8 @@ struct client_accounts {
 
 // One client more of the user, whose account is made if there is none.
 struct client_account *client_accounts_join(struct client_accounts *accounts, int64_t uid);
+// A place for a long line; false: there is none left. It is to be given back.
+bool client_account_take_place(struct client_account *account);
+void client_account_give_place(struct client_account *account);
 // One less; an account without clients is freed.
 void client_accounts_leave(struct client_accounts *accounts, struct client_account *account);

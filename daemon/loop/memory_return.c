@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-enum { TRIM_BYTES = 16 * 1024 * 1024, DELAY_MS = 1000 };
+enum { TRIM_BYTES = 16 * 1024 * 1024, DELAY_MS = 1000, ARENA_LIMIT = 2 };
 
 struct memory_return {
     uv_timer_t timer;
@@ -20,6 +20,11 @@ static void on_time(uv_timer_t *timer);
 static void on_run(uv_work_t *work);
 static void on_done(uv_work_t *work, int status);
 static void on_closed(uv_handle_t *handle);
+
+void memory_return_prepare(void)
+{
+    mallopt(M_ARENA_MAX, ARENA_LIMIT);
+}
 
 struct memory_return *memory_return_open(uv_loop_t *loop)
 {
@@ -52,6 +57,11 @@ void memory_return_note(struct memory_return *memory, size_t freed_bytes)
 {
     memory->freed_bytes += freed_bytes;
     start_timer(memory);
+}
+
+void memory_return_trim(size_t freed_bytes)
+{
+    if (freed_bytes >= TRIM_BYTES) malloc_trim(0);
 }
 
 static void on_time(uv_timer_t *timer)

@@ -53,6 +53,7 @@ static void on_run(struct work_piece *piece)
     }
     json_delete(reading->request);
     reading->request = NULL;
+    memory_return_trim(reading->length * MEMORY_RETURN_PARSED);
 }
 
 static void on_done(struct work_piece *piece, bool was_run)

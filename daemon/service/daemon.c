@@ -187,6 +187,7 @@ struct daemon *daemon_create(struct options *options, daemon_read_options *read_
     daemon->options = options;
     daemon->read_options = read_options;
     daemon->read_user = user;
+    memory_return_prepare();
     uv_loop_init(&daemon->loop);
     daemon->feed.step = on_feed_step;
     farm->loop = &daemon->loop;
