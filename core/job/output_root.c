@@ -36,14 +36,20 @@ int output_root_open(const char *root, const char *id, struct error *error)
 {
     int root_fd = open(root, O_PATH | O_DIRECTORY | O_CLOEXEC);
     struct error cause = {0};
+    int errnum = errno;
 
     if (root_fd < 0) {
-        error_set_errno(error, errno, "output root %s is not there", root);
+        error_set_errno(error, errnum, "output root %s %s", root,
+                        error_is_shortage(errnum) ? "cannot be opened" : "is not there");
+        errno = errnum;
         return OUTPUT_ROOT_AWAY;
     }
+    errno = 0;
     if (!id || check_marker(root_fd, id, &cause)) return root_fd;
+    errnum = errno;
     error_set(error, "output root %s %s", root, cause.message);
     close(root_fd);
+    errno = errnum;
     return OUTPUT_ROOT_AWAY;
 }
 

@@ -11,7 +11,8 @@ enum { OUTPUT_ROOT_AWAY = -2 };
 
 // An O_PATH descriptor of the folder at `root`, whose marker has that `id` (core/job/root_marker.h). What is opened
 // below the descriptor is in this very folder, whatever happens to the path meanwhile. NULL for `id`: any folder.
-// OUTPUT_ROOT_AWAY, with `error` set, when the folder or its marker cannot be opened, or is another one.
+// OUTPUT_ROOT_AWAY, with `error` set, when the folder or its marker cannot be opened, or is another one; errno tells a
+// shortage of the program (error_is_shortage) from these.
 int output_root_open(const char *root, const char *id, struct error *error);
 
 // As output_path_open_folder, below output_root_open: -1 when the root is there and the folder cannot be opened (errno

@@ -354,7 +354,7 @@ static void on_folder_run(uv_work_t *work)
         close(folder);
         return;
     }
-    submit->failure = folder == OUTPUT_ROOT_AWAY ? MESSAGE_CODE_CONFLICT : code_of(errno, MESSAGE_CODE_PARAMS);
+    submit->failure = code_of(errno, folder == OUTPUT_ROOT_AWAY ? MESSAGE_CODE_CONFLICT : MESSAGE_CODE_PARAMS);
     if (submit->failure != MESSAGE_CODE_INTERNAL) error_prefix(&submit->error, "output.path");
 }
 

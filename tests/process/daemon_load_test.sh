@@ -59,6 +59,27 @@ start_daemon --worker-program "$(stub nocontext)"
 expect_error "$(ask job.submit "{\"document\":$(job 1 '.name = "a\u202egpj"')}")" -32602 "name: U+202E is not allowed"
 stop_daemon
 
+# A lack of descriptors is the farm's, not the job's.
+start_daemon --worker-program "$(stub nocontext)"
+mkfifo "$scratch/requests"
+"$bin/socket-client" "$socket" <"$scratch/requests" >"$scratch/answers" &
+exec 9>"$scratch/requests"
+answer() { wait_until "answer $1" eval '[ "$(wc -l <"$scratch/answers")" = '"$1"' ]'; sed -n "$1p" "$scratch/answers"; }
+say() { jq -nc --argjson document "$(job 1)" --argjson id "$1" '{jsonrpc: "2.0", id: $id, method: "job.submit", params: {document: $document}}' >&9; }
+echo '{"jsonrpc":"2.0","id":1,"method":"daemon.status"}' >&9
+answer 1 >/dev/null
+free=0
+while [ -e "/proc/$daemon_pid/fd/$free" ]; do free=$((free + 1)); done
+prlimit --pid "$daemon_pid" --nofile=$free:1024
+say 2
+expect "who is to blame" "$(answer 2 | jq -r '[.error.code, .error.message] | join(" ")')" \
+    "-32603 output root $scratch/out cannot be opened: this program may open no more than $free files (LimitNOFILE= of its service)"
+prlimit --pid "$daemon_pid" --nofile=1024:1024
+say 3
+expect "the job then" "$(answer 3 | jq 'has("result")')" true
+exec 9>&-
+stop_daemon
+
 # No descriptors: connections wait, which is said once, and are served when there are some again.
 as_daemon=(prlimit --nofile=40:40)
 start_daemon --worker-program "$(stub nocontext)"
