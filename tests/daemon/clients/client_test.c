@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/clients/client.h"
 
+#include "core/base/alloc.h"
+#include "core/json/json_write.h"
 #include "daemon/clients/client_account.h"
+#include "daemon/clients/shared_text.h"
 #include "daemon/loop/memory_return.h"
 #include "daemon/loop/work_desk.h"
 
@@ -167,9 +170,67 @@ static void who_holds_a_place_and_sends_nothing_is_closed(void **state)
     finish_stage(&stage);
 }
 
+static struct json_writer make_long_text(size_t size_bytes)
+{
+    struct json_writer writer = {0};
+    char *text = xmalloc(size_bytes);
+
+    memset(text, '7', size_bytes);
+    json_write_raw(&writer, text, size_bytes);
+    free(text);
+    return writer;
+}
+
+static void who_reads_no_events_is_closed_at_the_users_limit(void **state)
+{
+    struct json_writer writer = make_long_text(1024 * 1024);
+    struct shared_text *event = shared_text_create(&writer);
+    struct stage stage;
+
+    make_stage(&stage);
+    for (int i = 0; i < 11; i++)
+        client_send_event(stage.clients[2], event);
+    for (int i = 0; i < 5; i++)
+        client_send_event(stage.clients[1], event);
+    run_turns(&stage);
+    assert_non_null(stage.clients[2]); // 16 MiB of one user
+    client_send_event(stage.clients[1], event);
+    run_turns(&stage);
+    assert_null(stage.clients[2]); // the slowest
+    assert_non_null(stage.clients[1]);
+    assert_in_range(event->holders, 2, 3); // what waits for one client holds it once
+    shared_text_release(event);
+    finish_stage(&stage);
+}
+
+static void requests_wait_for_what_their_user_does_not_read(void **state)
+{
+    static const char request[] = "{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"x\"}\n";
+    struct stage stage;
+
+    make_stage(&stage);
+    for (int i = 0; i < 8; i++) {
+        struct json_writer value = make_long_text(8 * 1024 * 1024);
+
+        client_send_result(stage.clients[0], "1", &value);
+    }
+    assert_true(send(stage.ends[0], request, sizeof request - 1, MSG_NOSIGNAL) > 0);
+    assert_true(send(stage.ends[1], request, sizeof request - 1, MSG_NOSIGNAL) > 0);
+    run_turns(&stage);
+    assert_int_equal(stage.messages, 0);
+    client_close(stage.clients[0]);
+    run_turns(&stage);
+    client_check_stuck(stage.clients[1]);
+    run_turns(&stage);
+    assert_int_equal(stage.messages, 1);
+    finish_stage(&stage);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(who_reads_no_events_is_closed_at_the_users_limit),
+        cmocka_unit_test(requests_wait_for_what_their_user_does_not_read),
         cmocka_unit_test(few_long_lines_of_a_user_are_received_at_a_time),
         cmocka_unit_test(who_holds_a_place_and_sends_nothing_is_closed),
     };
