@@ -11,6 +11,7 @@
 #include "core/json/json_write.h"
 #include "core/wire/message.h"
 #include "daemon/farm/farm.h"
+#include "daemon/loop/memory_return.h"
 #include "daemon/loop/work_desk.h"
 #include "daemon/settings/options.h"
 #include "daemon/store/committer.h"
@@ -196,6 +197,7 @@ static void on_check_run(struct work_piece *piece)
     }
     json_delete(plan);
     json_delete(tree);
+    memory_return_trim(document ? strlen(document) * MEMORY_RETURN_PARSED : 0);
     free(document);
     store_reader_close(reader);
 }
