@@ -10,10 +10,9 @@
 #include <string.h>
 
 enum {
-    NUMBER_DIGITS = 7, // of a frame's number
-    POWER_LIMIT = 10,  // higher powers of ten count as this one, for they are above any number
-    FEW_SPANS = 8,     // ranges of at most so many are compared span by span
-    FEW_FRAMES = 1000  // so many are looked up one by one
+    NUMBER_DIGITS = 7,     // of a frame's number
+    POWER_LIMIT = 10,      // higher powers of ten count as this one, for they are above any number
+    FRAMES_OF_A_PAIR = 100 // so many are looked up while two spans are compared
 };
 
 // A pattern whose number has `digits` digits, as a name: characters, and the place of the digits.
@@ -111,6 +110,14 @@ static bool pair_shapes(struct shape *shape, struct shape *other, struct frame_t
     return twins->count > 0;
 }
 
+// The latest pairs may go on where those before end.
+static bool goes_on(const struct frame_twins *before, const struct frame_twins *twins)
+{
+    return before->step == twins->step && before->other_step == twins->other_step &&
+           before->first + before->count * before->step == twins->first &&
+           before->other_first + before->count * before->other_step == twins->other_first;
+}
+
 size_t frame_twins_list(const struct output_path *path, const struct output_path *other,
                         struct frame_twins twins[static FRAME_TWINS_LIMIT])
 {
@@ -119,8 +126,13 @@ size_t frame_twins_list(const struct output_path *path, const struct output_path
 
     do {
         struct shape shape = make_shape(path, digits), twin = make_shape(other, shape.length - around);
+        struct frame_twins found;
 
-        count += pair_shapes(&shape, &twin, &twins[count]);
+        if (!pair_shapes(&shape, &twin, &found)) continue;
+        if (count > 0 && goes_on(&twins[count - 1], &found))
+            twins[count - 1].count += found.count;
+        else
+            twins[count++] = found;
     } while (++digits <= NUMBER_DIGITS && count < FRAME_TWINS_LIMIT);
     return count;
 }
@@ -216,55 +228,52 @@ static bool find_by_spans(const struct frame_twins *twins, const struct frame_ra
     return false;
 }
 
-// `marked` (NULL: not needed) has the frames of `other`.
-static bool find_by_frames(const struct frame_twins *twins, const struct frame_range *range,
-                           const struct frame_range *other, const struct frame_set *marked, int32_t *frame)
+// The frame that has the name of the other pattern's frame `number`; -1: none.
+static int64_t find_twin(const struct frame_twins *twins, size_t count, int64_t number)
 {
-    int64_t last = twins->first + (twins->count - 1) * twins->step;
+    for (size_t i = 0; i < count; i++) {
+        int64_t distance = number - twins[i].other_first, steps;
 
+        if (distance < 0) continue;
+        steps = twins[i].other_step == 1 ? distance : distance / twins[i].other_step;
+        if (steps < twins[i].count && steps * twins[i].other_step == distance)
+            return twins[i].first + steps * twins[i].step;
+    }
+    return -1;
+}
+
+static void mark_frames(struct frame_set *marks, const struct frame_range *range)
+{
+    frame_set_init(marks, FRAME_NUMBER_LIMIT);
     for (const struct frame_span *span = range->spans; span < range->spans + range->span_count; span++)
-        for (int32_t i = 0; i < span->count; i++) {
-            int32_t number = span->first + i * span->step;
-            int64_t twin;
+        for (int32_t i = 0; i < span->count; i++)
+            frame_set_add(marks, span->first + i * span->step);
+}
 
-            if (number < twins->first || number > last || (number - twins->first) % twins->step != 0) continue;
-            twin = twins->other_first + (number - twins->first) / twins->step * twins->other_step;
-            if (marked ? !frame_set_has(marked, twin) : frame_range_index(other, (int32_t)twin) < 0) continue;
-            *frame = number;
+static bool find_by_frames(const struct frame_twins *twins, size_t count, const struct frame_set *marks,
+                           const struct frame_range *other, int32_t *frame)
+{
+    for (const struct frame_span *span = other->spans; span < other->spans + other->span_count; span++)
+        for (int32_t i = 0; i < span->count; i++) {
+            int64_t twin = find_twin(twins, count, span->first + i * span->step);
+
+            if (!frame_set_has(marks, twin)) continue;
+            *frame = (int32_t)twin;
             return true;
         }
     return false;
 }
 
-static void mark_frames(struct frame_set *marked, const struct frame_range *range)
+bool frame_twins_find(const struct frame_twins *twins, size_t count, const struct frame_range *range,
+                      struct frame_set *marks, const struct frame_range *other, int32_t *frame)
 {
-    frame_set_init(marked, FRAME_NUMBER_LIMIT);
-    for (const struct frame_span *span = range->spans; span < range->spans + range->span_count; span++)
-        for (int32_t i = 0; i < span->count; i++)
-            frame_set_add(marked, span->first + i * span->step);
-}
+    bool found = false;
 
-static bool find_in_smaller(const struct frame_twins *twins, const struct frame_range *range,
-                            const struct frame_range *other, int32_t *frame)
-{
-    struct frame_set marked = {0};
-    bool is_marked = frame_range_count(range) > FEW_FRAMES, found;
-
-    if (is_marked) mark_frames(&marked, other);
-    found = find_by_frames(twins, range, other, is_marked ? &marked : NULL, frame);
-    frame_set_finish(&marked);
+    if (range->span_count * other->span_count > (size_t)frame_range_count(other) / FRAMES_OF_A_PAIR) {
+        if (!marks->words) mark_frames(marks, range);
+        return find_by_frames(twins, count, marks, other, frame);
+    }
+    for (size_t i = 0; i < count && !found; i++)
+        found = find_by_spans(&twins[i], range, other, frame);
     return found;
-}
-
-bool frame_twins_find(const struct frame_twins *twins, const struct frame_range *range, const struct frame_range *other,
-                      int32_t *frame)
-{
-    const struct frame_twins swapped = {twins->other_first, twins->other_step, twins->first, twins->step, twins->count};
-
-    if (range->span_count <= FEW_SPANS && other->span_count <= FEW_SPANS)
-        return find_by_spans(twins, range, other, frame);
-    if (frame_range_count(range) <= frame_range_count(other)) return find_in_smaller(twins, range, other, frame);
-    if (!find_in_smaller(&swapped, other, range, frame)) return false;
-    *frame = (int32_t)(twins->first + (*frame - twins->other_first) / twins->other_step * twins->step);
-    return true;
 }

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 struct frame_range;
+struct frame_set;
 struct output_path;
 
 // Frame `first` of one pattern has the name of frame `other_first` of another; the next pair is `step` and `other_step`
@@ -21,7 +22,8 @@ enum { FRAME_TWINS_LIMIT = 7 }; // one for each length of a frame's number
 // structs they take.
 size_t frame_twins_list(const struct output_path *path, const struct output_path *other,
                         struct frame_twins twins[static FRAME_TWINS_LIMIT]);
-// Whether one of the pairs is in both ranges; `*frame` is its frame in `range`. In closed form for ranges of few spans,
-// else it takes a few nanoseconds a frame.
-bool frame_twins_find(const struct frame_twins *twins, const struct frame_range *range, const struct frame_range *other,
-                      int32_t *frame);
+// Whether one of the pairs is in both ranges; `*frame` is its frame in `range`. In closed form for ranges of few spans.
+// Else it takes a few nanoseconds a frame of `other`, and `marks`, which the caller keeps from one call to the next and
+// frees, is filled with the frames of `range` once; it is empty at first.
+bool frame_twins_find(const struct frame_twins *twins, size_t count, const struct frame_range *range,
+                      struct frame_set *marks, const struct frame_range *other, int32_t *frame);

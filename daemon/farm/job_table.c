@@ -158,17 +158,18 @@ struct store_op job_record_format_op(const struct job_record *record)
 
 struct job_files job_record_files(const struct job_record *record)
 {
-    return (struct job_files){record->root, &record->path, &record->queued->frames};
+    return (struct job_files){record->root, &record->path, &record->queued->frames, NULL};
 }
 
 static bool ranges_collide(const struct job_files *files, const struct job_files *others, int32_t *frame)
 {
     struct frame_twins twins[FRAME_TWINS_LIMIT];
     size_t count = frame_twins_list(files->path, others->path, twins);
+    struct frame_set marks = {0}, *kept = files->marks ? files->marks : &marks;
+    bool found = frame_twins_find(twins, count, files->frames, kept, others->frames, frame);
 
-    for (size_t i = 0; i < count; i++)
-        if (frame_twins_find(&twins[i], files->frames, others->frames, frame)) return true;
-    return false;
+    frame_set_finish(&marks);
+    return found;
 }
 
 static char *folder_below(const char *root, const char *folder)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/log.h"
+#include "core/job/frame_set.h"
 #include "core/job/input_roots.h"
 #include "core/job/job_notes.h"
 #include "core/job/output_path.h"
@@ -93,6 +94,8 @@ struct job_files {
     const char *root;
     const struct output_path *path;
     const struct frame_range *frames;
+    // A set for the frames, empty at first (core/job/frame_twins.h). NULL: each comparison makes its own.
+    struct frame_set *marks; // borrowed
 };
 
 struct job_files job_record_files(const struct job_record *record);

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/path_list.h"
+#include "core/job/frame_set.h"
 #include "core/job/input_roots.h"
 #include "core/job/job.h"
 #include "core/job/output_root.h"
@@ -53,6 +54,7 @@ struct job_submit {
     int failure;                // enum message_code of `error`; 0: none
     struct error error;
     struct output_claim claim; // of its files
+    struct frame_set marks;    // owned; of their frames
     bool may_replace;          // pictures of an older version of the job
     int32_t *existing;         // owned; its frames whose files are there, if `may_replace`
     size_t existing_count;
@@ -71,6 +73,7 @@ static void submit_destroy(struct job_submit *submit)
     quota_set(submit->user, &submit->share, (struct quota_amounts){0});
     store_op_finish(&op);
     frame_range_finish(&submit->frames);
+    frame_set_finish(&submit->marks);
     output_path_finish(&submit->path);
     job_paths_finish(&submit->paths);
     job_inputs_finish(&submit->inputs);
@@ -119,10 +122,10 @@ static bool check_owners(struct request *request, const struct job_files *files)
     return false;
 }
 
-static bool check_collisions(struct request *request, const struct job *job, const char *root)
+static bool compare_files(struct request *request, const struct job_files *compared)
 {
     const struct farm *farm = request->farm;
-    const struct job_files files = {root, &job->output.path, &job->frames};
+    const struct job_files files = *compared;
     const struct job_record *record;
     const char *name;
     int32_t frame;
@@ -139,6 +142,16 @@ static bool check_collisions(struct request *request, const struct job *job, con
     name = output_claims_find_collision(farm, &files, &frame);
     if (name) return fail_collision(request, files.path, frame, 0, name);
     return check_owners(request, &files);
+}
+
+static bool check_collisions(struct request *request, const struct job *job, const char *root)
+{
+    struct frame_set marks = {0};
+    const struct job_files files = {root, &job->output.path, &job->frames, &marks};
+    bool ok = compare_files(request, &files);
+
+    frame_set_finish(&marks);
+    return ok;
 }
 
 // The root that the output goes below: the first, or the one that holds an absolute path. NULL, with the failure
@@ -308,8 +321,8 @@ static bool begin_submit(struct request *request, struct job_document *reading)
     submit = create_submit(request, reading);
     submit->output_root = output_root;
     submit->inputs = inputs;
-    submit->claim =
-        (struct output_claim){.files = {submit->row.root, &submit->path, &submit->frames}, .name = submit->row.name};
+    submit->claim = (struct output_claim){.files = {submit->row.root, &submit->path, &submit->frames, &submit->marks},
+                                          .name = submit->row.name};
     submit->may_replace = job->output.existing == JOB_EXISTING_VERIFY &&
                           output_older_is_likely(&request->farm->jobs, &submit->claim.files, submit->hash);
     output_claims_add(request->farm, &submit->claim);

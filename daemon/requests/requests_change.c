@@ -2,6 +2,7 @@
 #include "daemon/requests/requests.h"
 
 #include "core/base/alloc.h"
+#include "core/job/frame_set.h"
 #include "core/job/job.h"
 #include "core/json/json_write.h"
 #include "daemon/clients/answer.h"
@@ -115,15 +116,18 @@ enum request_outcome requests_job_priority(struct request *request)
 // A job that is over does not protect its files: another job may write them.
 static bool check_files_are_free(struct request *request, const struct job_record *record)
 {
-    const struct job_files files = job_record_files(record);
+    struct job_files files = job_record_files(record);
+    struct frame_set marks = {0};
     const struct job_record *other;
     const char *name;
     int32_t frame;
 
     if (queue_job_is_live(record->queued)) return true;
+    files.marks = &marks;
     other = job_table_find_collision(&request->farm->jobs, &files, &frame);
     if (!other) other = job_table_find_ending(&request->farm->jobs, &files, &frame);
     name = other ? NULL : output_claims_find_collision(request->farm, &files, &frame);
+    frame_set_finish(&marks);
     if (other)
         request_fail(request, MESSAGE_CODE_CONFLICT, "job %lld: job %lld (\"%s\") writes its frame %d too",
                      (long long)record->id, (long long)other->id, other->name, frame);

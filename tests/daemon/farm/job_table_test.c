@@ -56,7 +56,7 @@ static int64_t find(const struct fixture *fixture, const char *root, const char 
 
     assert_true(output_path_parse(&path, pattern, NULL));
     assert_true(frame_range_parse(&frames, range, NULL));
-    found = job_table_find_collision(&fixture->table, &(struct job_files){root, &path, &frames}, frame);
+    found = job_table_find_collision(&fixture->table, &(struct job_files){root, &path, &frames, NULL}, frame);
     output_path_finish(&path);
     frame_range_finish(&frames);
     return found ? found->id : 0;
@@ -112,7 +112,7 @@ static void a_job_that_is_over_does_not_collide(void **state)
     struct fixture *fixture = *state;
     struct job_record *record = add(fixture, 1, "c.#.exr", "1-9");
     struct frame_range nine;
-    const struct job_files others = {"/out", &record->path, &nine};
+    const struct job_files others = {"/out", &record->path, &nine, NULL};
     int32_t frame = -1;
 
     assert_true(frame_range_parse(&nine, "9", NULL));
@@ -169,7 +169,8 @@ static struct job_record *find_owned(struct fixture *fixture, const char *patter
 
     assert_true(output_path_parse(&path, pattern, NULL));
     assert_true(frame_range_parse(&frames, "5-12", NULL));
-    record = job_table_find_owned_files(&fixture->table, &(struct job_files){"/out", &path, &frames}, owner_uid, frame);
+    record = job_table_find_owned_files(&fixture->table, &(struct job_files){"/out", &path, &frames, NULL}, owner_uid,
+                                        frame);
     output_path_finish(&path);
     frame_range_finish(&frames);
     return record;

@@ -20,7 +20,7 @@ static void files_init(struct files *files, const char *root, const char *patter
 {
     assert_true(output_path_parse(&files->path, pattern, NULL));
     assert_true(frame_range_parse(&files->frames, range, NULL));
-    files->files = (struct job_files){root, &files->path, &files->frames};
+    files->files = (struct job_files){root, &files->path, &files->frames, NULL};
 }
 
 static void files_finish(struct files *files)

@@ -28,7 +28,7 @@ static int set_up(void **state)
     table = (struct job_table){0};
     assert_true(output_path_parse(&path, "a/c.##.exr", NULL));
     assert_true(frame_range_parse(&frames, "1-9", NULL));
-    files = (struct job_files){"/out", &path, &frames};
+    files = (struct job_files){"/out", &path, &frames, NULL};
     return 0;
 }
 
