@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SEARCH_LIMIT = 100 * 1000 }; // positions of the order that one call of queue_take looks at
+enum { SEARCH_LIMIT = 100 * 1000 }; // positions of the order that one call of queue_take looks at in vain
 
 struct queue_slot {
     int64_t id;
@@ -227,7 +227,7 @@ static bool take_index(struct queue_job *job, int32_t *index, int *looks)
 {
     while (index_heap_take(&job->returned, index))
         if (frame_states_get(&job->states, *index) == FRAME_QUEUED) return true;
-    while ((*looks)-- > 0) {
+    for (; *looks > 0; (*looks)--) {
         *index = (int32_t)frame_order_at(&job->order, job->states.frame_count, job->next_position++);
         if (*index >= 0 && frame_states_get(&job->states, *index) == FRAME_QUEUED) return true;
     }
