@@ -2,6 +2,7 @@
 #include "daemon/schedule/queue_search.h"
 
 #include "daemon/schedule/queue.h"
+#include "tests/daemon/schedule/retry_frames.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -56,9 +57,33 @@ static void frames_are_found_in_the_order_of_their_indices(void **state)
     queue_destroy(queue);
 }
 
+// No call looks at all frames of a large job.
+static void the_search_for_a_far_frame_goes_on(void **state)
+{
+    struct queue *queue = queue_create(3);
+    struct frame_range frames;
+    struct queue_job *job;
+    struct queue_ticket tickets[2];
+    int calls = 1;
+
+    assert_true(frame_range_parse(&frames, "0-299999", NULL));
+    job = queue_add_job(queue, &(struct queue_job_params){.id = 1, .frames = &frames, .priority = 50});
+    queue_cancel(queue, job);
+    assert_int_equal(retry_frames(job, 1u << FRAME_CANCELED, "299998,299999"), 2);
+    while (queue_take(job, 9, tickets, 2) == 0)
+        calls++;
+    assert_in_range(calls, 3, 4);
+    assert_int_equal(tickets[0].frame, 299998);
+    assert_int_equal(tickets[1].frame, 299999);
+    queue_destroy(queue);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(frames_are_found_in_the_order_of_their_indices)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_are_found_in_the_order_of_their_indices),
+        cmocka_unit_test(the_search_for_a_far_frame_goes_on),
+    };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -327,24 +327,6 @@ static void a_retried_canceled_job_is_live_again(void **state)
     queue_destroy(queue);
 }
 
-// No call looks at all frames of a large job.
-static void the_search_for_a_far_frame_goes_on(void **state)
-{
-    struct queue *queue = new_queue();
-    struct queue_job *job = add_job(queue, 1, "0-299999", 50);
-    struct queue_ticket tickets[2];
-    int calls = 1;
-
-    queue_cancel(queue, job);
-    assert_int_equal(retry_frames(job, 1u << FRAME_CANCELED, "299998,299999"), 2);
-    while (queue_take(job, 9, tickets, 2) == 0)
-        calls++;
-    assert_in_range(calls, 3, 4);
-    assert_int_equal(tickets[0].frame, 299998);
-    assert_int_equal(tickets[1].frame, 299999);
-    queue_destroy(queue);
-}
-
 // It ends while paused, when its last frame fails or somebody cancels it. Nobody can resume it then.
 static void a_retried_job_that_was_paused_when_it_ended_runs(void **state)
 {
@@ -492,7 +474,6 @@ int main(void)
         cmocka_unit_test(ended_job_cannot_be_canceled),
         cmocka_unit_test(retry_gives_failed_frames_all_their_attempts),
         cmocka_unit_test(a_retried_canceled_job_is_live_again),
-        cmocka_unit_test(the_search_for_a_far_frame_goes_on),
         cmocka_unit_test(a_retried_job_that_was_paused_when_it_ended_runs),
         cmocka_unit_test(a_live_job_stays_paused_when_it_is_retried),
         cmocka_unit_test(retry_of_nothing_changes_nothing),
