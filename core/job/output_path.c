@@ -236,6 +236,53 @@ int32_t output_path_frame_of(const struct output_path *path, const char *name)
     return -1;
 }
 
+// Cuts ".<digits>" off the end of `name` and returns the number; -1: `name` ends otherwise.
+static int64_t cut_number(char *name)
+{
+    char *dot = strrchr(name, '.');
+    char *end = NULL;
+    long long number;
+
+    if (!dot || dot[1] < '0' || dot[1] > '9') return -1;
+    number = strtoll(dot + 1, &end, 10);
+    if (*end) return -1;
+    *dot = '\0';
+    return number;
+}
+
+// Cuts ".<farm>" off the end of `name`, if it ends so.
+static bool cut_farm(char *name, const char *farm)
+{
+    char *dot = strrchr(name, '.');
+
+    if (!dot || strlen(dot + 1) != OUTPUT_FARM_DIGITS || strncmp(dot + 1, farm, OUTPUT_FARM_DIGITS) != 0) return false;
+    *dot = '\0';
+    return true;
+}
+
+bool output_path_read_part(const struct output_path *path, const char *farm, const char *name, struct output_part *part)
+{
+    char cut[OUTPUT_NAME_SIZE];
+    size_t length = strlen(name);
+    int64_t attempt;
+
+    if (length >= sizeof cut || length < 5 || strcmp(name + length - 5, ".part") != 0) return false;
+    memcpy(cut, name, length - 5);
+    cut[length - 5] = '\0';
+    *part = (struct output_part){0};
+    attempt = cut_number(cut);
+    part->epoch = cut_number(cut);
+    part->job = cut_number(cut);
+    if (attempt < 0 || attempt > INT32_MAX || part->epoch < 0 || part->job < 0) return false;
+    part->attempt = (int)attempt;
+    part->frame = output_path_frame_of(path, cut);
+    if (part->frame >= 0) return true;
+    if (!farm || !cut_farm(cut, farm)) return false;
+    part->farm = farm;
+    part->frame = output_path_frame_of(path, cut);
+    return part->frame >= 0;
+}
+
 static bool is_all_digits(const char *text, size_t length)
 {
     for (size_t i = 0; i < length; i++)

@@ -44,6 +44,10 @@ struct output_part {
 // The name of the file that an attempt writes: NAME.<farm>.<job>.<epoch>.<attempt>.part, without <farm> for no farm.
 void output_path_format_part(const struct output_path *path, const struct output_part *part,
                              char name[static OUTPUT_NAME_SIZE]);
+// Whether `name` is the name of such a file of the path: of the farm, or of none, as older versions wrote. `farm` is
+// borrowed.
+bool output_path_read_part(const struct output_path *path, const char *farm, const char *name,
+                           struct output_part *part);
 // The frame whose file `name` is, or -1.
 int32_t output_path_frame_of(const struct output_path *path, const char *name);
 // True when two frame numbers could give both the same file name; the caller must then compare frame by frame.

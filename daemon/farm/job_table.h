@@ -33,7 +33,7 @@ struct job_record {
     struct job_paths inputs;                       // owned; the files that it reads
     char *code;                                    // owned; the name of GLSL by the user that it runs; NULL: none
     bool is_draft;                                 // its quality is draft
-    bool is_verified;                              // existing files are looked at, and those of the job skipped
+    bool has_old_parts;                            // it is from before this start: part files may be left of it
     int64_t frame_pixels;                          // pixels of one frame
     char hash[HASH_TEXT_SIZE];                     // of its pictures
     double tolerance;                              // of a frame's measured error; 0: none

@@ -30,6 +30,7 @@ static bool write_job(struct farm *farm, const struct job_record *record, struct
     json_write_string_member(writer, "farm_id", farm->id);
     json_write_string_member(writer, "owner", record->owner);
     json_write_bool_member(writer, "plans", true);
+    if (record->has_old_parts) json_write_bool_member(writer, "old_parts", true);
     json_write_key(writer, "document");
     json_write_raw(writer, document, strlen(document));
     json_write_end_object(writer);

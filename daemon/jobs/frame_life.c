@@ -203,7 +203,10 @@ static void note_finished(struct farm *farm, struct worker_process *worker, cons
                                       .accuracy = report->accuracy};
 
     worker->done++;
-    note_pace(worker, record, report);
+    if (report->is_found)
+        estimate_add_skip(&record->estimate, pace_answer(&worker->pace, record->id, uv_hrtime(), NULL));
+    else
+        note_pace(worker, record, report);
     if (!queue_begin_publish(farm->queue, &frame->ticket)) {
         sweeper_remove_part(farm->sweeper, record, frame->ticket.frame, farm->epoch, frame->ticket.attempt);
         release_frame(farm, record, worker, frame);

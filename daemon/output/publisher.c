@@ -25,9 +25,9 @@ struct publisher {
     publisher_on_done *on_done;
     void *user; // borrowed
     uv_work_t work;
-    struct publish_list intended;       // intents on disk, to be renamed next
-    struct publish_list in_flight;      // used by the working thread
-    struct publish_intent *uncommitted; // list: requests whose intent is being committed
+    struct publish_list intended;  // intents on disk, to be renamed next
+    struct publish_list in_flight; // used by the working thread
+    size_t uncommitted;            // requests whose intent is being committed
     bool is_working;
 };
 
@@ -35,7 +35,6 @@ struct publisher {
 struct publish_intent {
     struct publisher *publisher;
     struct publish_request *request;
-    struct publish_intent *next, **link; // on the publisher's list
 };
 
 static void on_intent_committed(void *user, bool ok, const struct error *error);
@@ -93,28 +92,14 @@ static void list_add(struct publish_list *list, struct publish_request *request)
     list->requests[list->count++] = request;
 }
 
-static void link_intent(struct publish_intent *intent, struct publish_intent **link)
-{
-    intent->link = link;
-    *link = intent;
-    if (intent->next) intent->next->link = &intent->next;
-}
-
-static void unlink_intent(struct publish_intent *intent)
-{
-    *intent->link = intent->next;
-    if (intent->next) intent->next->link = intent->link;
-}
-
 void publisher_put(struct publisher *publisher, const struct publish_request *request)
 {
     struct publish_intent *intent = xmalloc(sizeof *intent);
     struct store_op op = publish_request_format_op(request, FRAME_RUNNING);
 
-    *intent = (struct publish_intent){
-        .publisher = publisher, .request = xmalloc(sizeof *request), .next = publisher->uncommitted};
+    *intent = (struct publish_intent){.publisher = publisher, .request = xmalloc(sizeof *request)};
     *intent->request = *request;
-    link_intent(intent, &publisher->uncommitted);
+    publisher->uncommitted++;
     committer_put(publisher->committer, COMMIT_CERTAIN, &op, 1, on_intent_committed, intent);
 }
 
@@ -130,7 +115,7 @@ void publisher_put_found(struct publisher *publisher, const struct publish_reque
 
 bool publisher_is_idle(const struct publisher *publisher)
 {
-    return !publisher->uncommitted && publisher->intended.count == 0 && !publisher->is_working;
+    return publisher->uncommitted == 0 && publisher->intended.count == 0 && !publisher->is_working;
 }
 
 static void on_intent_committed(void *user, bool ok, const struct error *error)
@@ -138,7 +123,7 @@ static void on_intent_committed(void *user, bool ok, const struct error *error)
     struct publish_intent *intent = user;
     struct publisher *publisher = intent->publisher;
 
-    unlink_intent(intent);
+    publisher->uncommitted--;
     list_add(&publisher->intended, intent->request);
     free(intent);
     start_batch(publisher);
@@ -252,18 +237,4 @@ static void on_publish_done(uv_work_t *work, int status)
     }
     publisher->in_flight.count = 0;
     start_batch(publisher);
-}
-
-size_t publisher_name_waiting(struct publisher *publisher)
-{
-    size_t named = 0;
-
-    for (struct publish_intent *intent = publisher->uncommitted; intent; intent = intent->next) {
-        struct publish_request *request = intent->request;
-
-        if (!request->record->is_verified) continue;
-        publish_group(publisher->farm, &request, 1);
-        named += request->outcome == PUBLISH_OUTCOME_DONE;
-    }
-    return named;
 }

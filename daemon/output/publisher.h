@@ -50,10 +50,5 @@ void publisher_put(struct publisher *publisher, const struct publish_request *re
 void publisher_put_found(struct publisher *publisher, const struct publish_request *request); // copies
 bool publisher_is_idle(const struct publisher *publisher);
 
-// For an end without a store: gives those files their names whose intent could not be committed, so that the next start
-// finds the frames and skips them. Not those of jobs that do not look for existing files. Returns their count.
-// Blocking.
-size_t publisher_name_waiting(struct publisher *publisher);
-
 // An op that stores the frame's row in the given state.
 struct store_op publish_request_format_op(const struct publish_request *request, enum frame_state state);

@@ -98,45 +98,11 @@ static void start_next(struct sweeper *sweeper)
     uv_queue_work(sweeper->loop, &sweeper->work, on_sweep_run, on_sweep_done);
 }
 
-// Cuts ".<digits>" off the end of `name` and returns the number; -1: `name` ends otherwise.
-static int64_t cut_number(char *name)
-{
-    char *dot = strrchr(name, '.');
-    char *end = NULL;
-    long long number;
-
-    if (!dot || dot[1] < '0' || dot[1] > '9') return -1;
-    number = strtoll(dot + 1, &end, 10);
-    if (*end) return -1;
-    *dot = '\0';
-    return number;
-}
-
-// Cuts ".<farm>" off the end of `name`, if it ends so.
-static bool cut_farm(char *name, const char *farm)
-{
-    char *dot = strrchr(name, '.');
-
-    if (!dot || strlen(dot + 1) != OUTPUT_FARM_DIGITS || strncmp(dot + 1, farm, OUTPUT_FARM_DIGITS) != 0) return false;
-    *dot = '\0';
-    return true;
-}
-
 bool sweeper_is_part_of(const struct job_record *record, const char *farm, const char *name)
 {
-    char cut[OUTPUT_NAME_SIZE];
-    size_t length = strlen(name);
-    int64_t attempt, epoch, job;
+    struct output_part part;
 
-    if (length >= sizeof cut || length < 5 || strcmp(name + length - 5, ".part") != 0) return false;
-    memcpy(cut, name, length - 5);
-    cut[length - 5] = '\0';
-    attempt = cut_number(cut);
-    epoch = cut_number(cut);
-    job = cut_number(cut);
-    if (attempt < 0 || epoch < 0 || job != record->id) return false;
-    return output_path_frame_of(&record->path, cut) >= 0 ||
-           (cut_farm(cut, farm) && output_path_frame_of(&record->path, cut) >= 0);
+    return output_path_read_part(&record->path, farm, name, &part) && part.job == record->id;
 }
 
 static void remove_parts(const struct job_record *record, const char *farm, int folder)

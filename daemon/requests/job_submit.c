@@ -43,7 +43,7 @@ struct job_submit {
     struct job_inputs inputs;  // owned; the same, below their roots
     char *code;                // owned; as in struct job_record
     struct job_notes notes;    // owned, until the record has them
-    bool is_draft, is_verified;
+    bool is_draft;
     int64_t frame_pixels;
     char hash[HASH_TEXT_SIZE];
     double tolerance;
@@ -212,7 +212,6 @@ static struct job_submit *create_submit(const struct request *request, struct jo
     reading->document = NULL;
     reading->paths = (struct job_paths){0};
     submit->is_draft = job->quality.is_draft;
-    submit->is_verified = job->output.existing == JOB_EXISTING_VERIFY;
     submit->frame_pixels = (int64_t)job->width_px * job->height_px;
     memcpy(submit->hash, job->hash, sizeof submit->hash);
     submit->tolerance = job->quality.tolerance;
@@ -422,7 +421,6 @@ static struct job_record *queue_submit(struct job_submit *submit)
     submit->paths = (struct job_paths){0};
     record->code = submit->code;
     record->is_draft = submit->is_draft;
-    record->is_verified = submit->is_verified;
     record->frame_pixels = submit->frame_pixels;
     memcpy(record->hash, submit->hash, sizeof record->hash);
     record->tolerance = submit->tolerance;

@@ -382,7 +382,8 @@ static bool is_flushed(const struct farm *farm)
            committer_is_idle(farm->committer);
 }
 
-// Files that are being published have their intent on disk: a restart finishes them.
+// Files that are being published have their intent on disk: a restart finishes them. Those whose intent is not there
+// are part files, which workers of the next start look for.
 static void give_up_on_store(struct daemon *daemon)
 {
     const char *trouble = committer_trouble(daemon->farm.committer);
@@ -390,8 +391,6 @@ static void give_up_on_store(struct daemon *daemon)
     if (!trouble || farm_now_ms(&daemon->farm) - daemon->flushing_since_ms < GIVE_UP_MS) return;
     log_error("stopped with %zu changes that the store could not commit: %s", committer_waiting(daemon->farm.committer),
               trouble);
-    log_info("%zu rendered frames got their names without it: the next start finds them",
-             publisher_name_waiting(daemon->farm.publisher));
     _exit(1);
 }
 

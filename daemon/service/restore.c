@@ -97,7 +97,7 @@ static bool on_job(void *user, const struct store_job *row, struct error *error)
     record->finished_ms = row->finished_ms;
     record->is_ending = record->is_swept = row->finished_ms != 0;
     record->is_draft = job.quality.is_draft;
-    record->is_verified = job.output.existing == JOB_EXISTING_VERIFY;
+    record->has_old_parts = true;
     record->frame_pixels = (int64_t)job.width_px * job.height_px;
     memcpy(record->hash, job.hash, sizeof record->hash);
     record->tolerance = job.quality.tolerance;

@@ -99,13 +99,15 @@ static bool read_file(struct published_file *file, const struct json_node *body,
     return true;
 }
 
-// A worker that compares no pixels leaves audit_s out, and one that plans nothing the weight.
-static bool read_audit(struct worker_report *report, const struct json_node *body, struct error *error)
+// A worker that compares no pixels leaves audit_s out, one that plans nothing the weight, and one that renders `found`.
+static bool read_optional(struct worker_report *report, const struct json_node *body, struct error *error)
 {
     struct json_node seconds = json_node_child(body, "audit_s"), weight = json_node_child(body, "weight");
+    struct json_node found = json_node_child(body, "found");
 
     report->weight = 1.0;
-    return (json_node_is_absent(&seconds) || json_read_number(&seconds, 0, 1e9, &report->audit_s, error)) &&
+    return (json_node_is_absent(&found) || json_read_bool(&found, &report->is_found, error)) &&
+           (json_node_is_absent(&seconds) || json_read_number(&seconds, 0, 1e9, &report->audit_s, error)) &&
            (json_node_is_absent(&weight) || json_read_number(&weight, 0, 1e9, &report->weight, error));
 }
 
@@ -153,7 +155,7 @@ static bool read_finished(struct worker_report *report, const struct json_node *
 {
     return read_frame(report, body, error) && read_file(&report->file, body, error) &&
            read_inode(body, &report->file.inode, error) && read_seconds(body, "render_s", &report->render_s, error) &&
-           read_seconds(body, "encode_s", &report->encode_s, error) && read_audit(report, body, error) &&
+           read_seconds(body, "encode_s", &report->encode_s, error) && read_optional(report, body, error) &&
            frame_accuracy_read(&report->accuracy, body, error);
 }
 

@@ -47,6 +47,7 @@ struct worker_report {
     struct json_node plan;      // plan made; borrowed from the message
     int64_t planned_frames;     // planned: the frames that the plan serves; 0: unknown
     struct published_file file; // finished; skipped, without inode
+    bool is_found;              // finished: the part file was there, nothing was rendered now
     double render_s, encode_s;
     double audit_s;                 // in addition to both
     double weight;                  // work relative to the mean of its segment's frames; 1: unknown

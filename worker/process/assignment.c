@@ -23,6 +23,7 @@ void held_job_destroy(struct held_job *job)
     free(job->fault);
     free(job->plan_of);
     free(job->preview);
+    old_parts_finish(&job->old_parts);
     plan_mail_finish(&job->plans);
     free(job);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/job/job.h"
+#include "worker/process/old_parts.h"
 #include "worker/process/plan_mail.h"
 
 #include <stdbool.h>
@@ -18,12 +19,14 @@ struct held_job {
     char *farm_id;  // owned; for the names of part files and headers; NULL: none
     char *owner;    // owned
     struct job job;
-    char *draft;           // owned; how a draft's settings were chosen; NULL: the job is no draft
-    char *fault;           // owned; why none of its frames can be rendered; NULL if they can
-    bool asks_plans;       // its plans are kept by who sent it
-    char *plan_of;         // owned; the file whose settings its frames have; NULL: none
-    char *preview;         // owned; the file that shows a frame as it refines; NULL: none
-    int64_t stated_number; // of that file's plan
+    bool has_old_parts;         // part files of an earlier daemon may be there
+    struct old_parts old_parts; // of the rendering thread
+    char *draft;                // owned; how a draft's settings were chosen; NULL: the job is no draft
+    char *fault;                // owned; why none of its frames can be rendered; NULL if they can
+    bool asks_plans;            // its plans are kept by who sent it
+    char *plan_of;              // owned; the file whose settings its frames have; NULL: none
+    char *preview;              // owned; the file that shows a frame as it refines; NULL: none
+    int64_t stated_number;      // of that file's plan
     struct job_quality stated;
     struct plan_mail plans; // guarded by the worker's lock
     size_t frame_count;     // of its frames in the assignment

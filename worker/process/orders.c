@@ -48,12 +48,19 @@ static bool settle(struct held_job *job, struct error *error)
     return true;
 }
 
+static bool read_maybe_bool(const struct json_node *params, const char *key, bool *value, struct error *error)
+{
+    struct json_node node = json_node_child(params, key);
+
+    return json_node_is_absent(&node) || json_read_bool(&node, value, error);
+}
+
 // Where the job's plans are from: members of the message that may be absent.
 static bool read_plans(const struct json_node *params, struct held_job *job, struct error *error)
 {
-    struct json_node plans = json_node_child(params, "plans"), plan_of = json_node_child(params, "plan_of");
+    struct json_node plan_of = json_node_child(params, "plan_of");
 
-    return (json_node_is_absent(&plans) || json_read_bool(&plans, &job->asks_plans, error)) &&
+    return read_maybe_bool(params, "plans", &job->asks_plans, error) &&
            (json_node_is_absent(&plan_of) || read_text(params, "plan_of", &job->plan_of, error));
 }
 
@@ -76,7 +83,8 @@ static bool take_job(struct worker *worker, const struct json_node *params, stru
     if (!read_job_id(params, &job->id, error) || !json_read_integer(&epoch, 0, INT64_MAX, &job->epoch, error) ||
         !read_text(params, "root", &job->root, error) || !read_text(params, "owner", &job->owner, error) ||
         !read_maybe_text(params, "root_id", &job->root_id, error) ||
-        !read_maybe_text(params, "farm_id", &job->farm_id, error) || !read_plans(params, job, error) ||
+        !read_maybe_text(params, "farm_id", &job->farm_id, error) ||
+        !read_maybe_bool(params, "old_parts", &job->has_old_parts, error) || !read_plans(params, job, error) ||
         !read_maybe_text(params, "preview", &job->preview, error)) {
         held_job_destroy(job);
         return false;
@@ -144,13 +152,12 @@ static bool take_assignment(struct worker *worker, const struct json_node *param
 
 static bool take_drop(struct worker *worker, const struct json_node *params, struct error *error)
 {
-    struct json_node running = json_node_child(params, "running");
     struct assignment_dropped dropped;
     bool is_running = false;
     int64_t job;
 
     if (!read_job_id(params, &job, error)) return false;
-    if (!json_node_is_absent(&running) && !json_read_bool(&running, &is_running, error)) return false;
+    if (!read_maybe_bool(params, "running", &is_running, error)) return false;
     pthread_mutex_lock(&worker->lock);
     while (assignment_drop_waiting(&worker->assignment, job, &dropped))
         report_dropped(&worker->connection, &dropped);

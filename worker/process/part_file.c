@@ -7,6 +7,7 @@
 #include "core/job/output_root.h"
 #include "worker/audit/gate.h"
 #include "worker/process/assignment.h"
+#include "worker/process/old_parts.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -76,15 +77,30 @@ enum part_file_existing part_file_find_existing(const struct assignment_frame *f
     return existing;
 }
 
+static struct output_part part_of(const struct assignment_frame *frame)
+{
+    return (struct output_part){.farm = frame->job->farm_id,
+                                .job = frame->job->id,
+                                .epoch = frame->job->epoch,
+                                .frame = frame->frame,
+                                .attempt = frame->attempt};
+}
+
 static void format_name(const struct assignment_frame *frame, char name[static OUTPUT_NAME_SIZE])
 {
-    const struct output_part part = {.farm = frame->job->farm_id,
-                                     .job = frame->job->id,
-                                     .epoch = frame->job->epoch,
-                                     .frame = frame->frame,
-                                     .attempt = frame->attempt};
+    const struct output_part part = part_of(frame);
 
     output_path_format_part(&frame->job->job.output.path, &part, name);
+}
+
+bool part_file_take_old(const struct assignment_frame *frame, const char *picture_hash, int folder_fd,
+                        struct gate_result *found)
+{
+    const struct output_part own = part_of(frame);
+    const struct old_parts_params params = {
+        .job = &frame->job->job, .own = &own, .picture_hash = picture_hash, .folder_fd = folder_fd};
+
+    return frame->job->has_old_parts && !frame->is_forced && old_parts_take(&frame->job->old_parts, &params, found);
 }
 
 int part_file_create(const struct assignment_frame *frame, int folder_fd, struct error *error)

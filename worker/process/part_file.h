@@ -21,6 +21,11 @@ enum part_file_existing {
 enum part_file_existing part_file_find_existing(const struct assignment_frame *frame, const char *picture_hash,
                                                 int folder_fd, struct gate_result *found, struct error *error);
 
+// Whether an earlier daemon left a part file of the frame that passes the gate: it is now this attempt's. False where
+// the job was not said to have such files, or the frame is to be rendered in any case. `found` is what the gate read.
+bool part_file_take_old(const struct assignment_frame *frame, const char *picture_hash, int folder_fd,
+                        struct gate_result *found);
+
 // A new, empty file for reading and writing; -1 on failure, with errno set.
 int part_file_create(const struct assignment_frame *frame, int folder_fd, struct error *error);
 void part_file_remove(const struct assignment_frame *frame, int folder_fd);

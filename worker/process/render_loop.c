@@ -274,6 +274,17 @@ static void tell_skipped(struct render_loop *loop, const struct gate_result *fou
                    &(struct report_result){.file = &found->file, .accuracy = &accuracy});
 }
 
+// Reports a part file that an earlier daemon's worker left.
+static void tell_found(struct render_loop *loop, const struct gate_result *found)
+{
+    struct frame_accuracy accuracy = image_exr_accuracy(&found->facts);
+
+    report_finished(
+        &loop->worker->connection, loop->frame,
+        &(struct report_result){
+            .file = &found->file, .accuracy = &accuracy, .render_s = found->facts.render_seconds, .is_found = true});
+}
+
 static void render_frame(struct render_loop *loop)
 {
     struct connection *connection = &loop->worker->connection;
@@ -313,6 +324,11 @@ static void render_frame(struct render_loop *loop)
         fail_frame(loop, REPORT_FAULT_FRAME, error.message);
         break;
     case PART_FILE_RENDER:
+        if (part_file_take_old(loop->frame, picture_hash, folder_fd, &found)) {
+            tell_found(loop, &found);
+            worker_end_frame(loop->worker, loop->frame);
+            break;
+        }
         picture = worker_make_picture(loop->worker, loop->frame, &error);
         if (picture) {
             render_picture(loop, folder_fd, picture);

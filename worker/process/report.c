@@ -163,6 +163,7 @@ void report_finished(struct connection *connection, const struct assignment_fram
     json_write_number_member(&writer, "encode_s", result->encode_s);
     if (result->audit_s > 0) json_write_number_member(&writer, "audit_s", result->audit_s);
     if (result->weight > 0) json_write_number_member(&writer, "weight", result->weight);
+    if (result->is_found) json_write_bool_member(&writer, "found", true);
     frame_accuracy_write(result->accuracy, &writer);
     send_and_finish(connection, &writer);
 }

@@ -4,6 +4,7 @@
 
 #include "core/wire/frame_phase.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 struct assignment_frame;
@@ -55,6 +56,7 @@ struct report_result {
     const struct frame_accuracy *accuracy;
     double render_s, encode_s;
     double audit_s; // of the audit; 0: there was none
+    bool is_found;  // finished: the part file was there, nothing was rendered now
     double weight;  // work relative to the mean of its segment's frames; 0: unknown
 };
 
