@@ -3,12 +3,14 @@
 #include "core/base/error.h"
 #include "core/base/log.h"
 #include "core/base/version.h"
+#include "daemon/service/config_check.h"
 #include "daemon/service/copies.h"
 #include "daemon/service/daemon.h"
 #include "daemon/service/journal.h"
 #include "daemon/service/library_versions.h"
 #include "daemon/service/opening.h"
 #include "daemon/settings/options.h"
+#include "daemon/settings/options_help.h"
 
 #include <limits.h>
 #include <signal.h>
@@ -32,29 +34,50 @@ static void find_program_folder(char folder[static PATH_MAX])
 struct command_line {
     int argc;
     char **argv;
+    char program_folder[PATH_MAX], current_folder[PATH_MAX];
+    struct options_surroundings surroundings;
+    char version[64];
 };
 
-static bool read_options(void *user, struct options *options, struct error *error)
+static void look_around(struct command_line *line)
 {
-    const struct command_line *line = user;
-    static char version[64];
-    char program_folder[PATH_MAX];
-    char current_folder[PATH_MAX];
-    struct options_surroundings surroundings = {.home = getenv("HOME"),
-                                                .xdg_state_home = getenv("XDG_STATE_HOME"),
-                                                .xdg_runtime_dir = getenv("XDG_RUNTIME_DIR"),
-                                                .marchd_socket = getenv("MARCHD_SOCKET"),
-                                                .config_path = "/etc/marchd/marchd.conf",
-                                                .current_folder = current_folder,
-                                                .program_folder = program_folder,
-                                                .is_root = geteuid() == 0};
+    find_program_folder(line->program_folder);
+    if (!getcwd(line->current_folder, sizeof line->current_folder)) strcpy(line->current_folder, "/");
+    line->surroundings = (struct options_surroundings){.home = getenv("HOME"),
+                                                       .xdg_state_home = getenv("XDG_STATE_HOME"),
+                                                       .xdg_config_home = getenv("XDG_CONFIG_HOME"),
+                                                       .xdg_runtime_dir = getenv("XDG_RUNTIME_DIR"),
+                                                       .marchd_socket = getenv("MARCHD_SOCKET"),
+                                                       .config_path = "/etc/marchd/marchd.conf",
+                                                       .current_folder = line->current_folder,
+                                                       .program_folder = line->program_folder,
+                                                       .is_root = geteuid() == 0};
+    snprintf(line->version, sizeof line->version, "%s %s", MARCHD_VERSION, version_commit);
+}
 
-    find_program_folder(program_folder);
-    if (!getcwd(current_folder, sizeof current_folder)) strcpy(current_folder, "/");
-    if (!options_parse(options, line->argc, line->argv, &surroundings, error)) return false;
-    snprintf(version, sizeof version, "%s %s", MARCHD_VERSION, version_commit);
-    options->version = version;
+static bool read_again(void *user, struct options *options, struct error *error)
+{
+    struct command_line *line = user;
+
+    if (!options_parse(options, line->argc, line->argv, &line->surroundings, error)) return false;
+    options->version = line->version;
     return true;
+}
+
+static void print_mistake(void *user, const char *mistake)
+{
+    (void)user;
+    fprintf(stderr, "marchd: %s\n", mistake);
+}
+
+static int check_config(const struct options *options)
+{
+    config_check_print(options, stderr);
+    if (options->config_file)
+        printf("%s: every setting is right\n", options->config_file);
+    else
+        printf("there is no file of settings: the defaults hold\n");
+    return EXIT_SUCCESS;
 }
 
 static int run(struct options *options, struct command_line *line)
@@ -71,7 +94,7 @@ static int run(struct options *options, struct command_line *line)
         log_error("%s", error.message);
         return EXIT_USAGE;
     }
-    daemon = daemon_create(options, read_options, line, &error);
+    daemon = daemon_create(options, read_again, line, &error);
     if (!daemon) {
         log_error("%s", error.message);
         return EXIT_FAILURE;
@@ -83,21 +106,21 @@ static int run(struct options *options, struct command_line *line)
 
 int main(int argc, char **argv)
 {
-    struct command_line line = {argc, argv};
+    struct command_line line = {.argc = argc, .argv = argv};
     struct options options;
-    struct error error = {0};
     int status = EXIT_SUCCESS;
 
-    if (!read_options(&line, &options, &error)) {
-        fprintf(stderr, "marchd: %s\n", error.message);
-        return EXIT_USAGE;
-    }
+    look_around(&line);
+    if (!options_read(&options, argc, argv, &line.surroundings, print_mistake, NULL)) return EXIT_USAGE;
+    options.version = line.version;
     if (options.wants_help)
         fputs(options_help, stdout);
     else if (options.wants_version) {
         version_print(stdout, "marchd");
         library_versions_print(stdout);
-    } else if (options.backup_file)
+    } else if (options.wants_check)
+        status = check_config(&options);
+    else if (options.backup_file)
         status = copies_back_up(&options);
     else if (options.restore_file)
         status = copies_restore(&options);

@@ -3,6 +3,7 @@
 
 #include "core/base/alloc.h"
 #include "core/base/error.h"
+#include "core/base/nearest_name.h"
 #include "daemon/settings/options_file.h"
 #include "daemon/settings/options_value.h"
 
@@ -11,57 +12,9 @@
 #include <string.h>
 #include <unistd.h>
 
-const char options_help[] =
-    "usage: marchd [options]\n"
-    "\n"
-    "Accepts jobs on a unix socket, keeps them in a durable queue and assigns their frames to workers.\n"
-    "\n"
-    "  --config PATH           file of settings: lines `KEY = VALUE`, with the options below as keys\n"
-    "                          (system: /etc/marchd/marchd.conf, if it exists)\n"
-    "  --system                use the system's defaults below; root always does\n"
-    "  --state DIR             folder of the queue (system: /var/lib/marchd, else $XDG_STATE_HOME/marchd)\n"
-    "  --socket PATH           socket for clients (system: /run/marchd/marchd.sock, else "
-    "$XDG_RUNTIME_DIR/marchd.sock)\n"
-    "  --output-root DIR       output goes below this folder; repeatable, relative paths go below the first\n"
-    "                          (system: /srv/marchd, else ~/marchd)\n"
-    "  --input-root DIR        jobs may read files below this folder; repeatable\n"
-    "                          (system: /srv/marchd-input and /usr/share, else /)\n"
-    "  --workers N|auto|none   number of worker processes on this machine (auto: one per core)\n"
-    "  --pool SETTING          workers on other machines: NAME KEY=VALUE ..., as marchd(8) says; repeatable\n"
-    "  --threads N             threads of one worker (1)\n"
-    "  --backend NAME          auto, egl, osmesa or software (auto)\n"
-    "  --worker-memory BYTES   memory of one worker: auto, none, or a size like 4G\n"
-    "                          (auto: 90 % of the machine's memory, divided by the workers)\n"
-    "  --sandbox yes|no        a worker reaches only the files of one user's jobs (yes)\n"
-    "  --worker-program PATH   program of the worker (march-worker beside marchd)\n"
-    "  --shader-dir DIR        folder of shaders, instead of those inside the worker\n"
-    "  --max-attempts N        attempts at a frame before it is failed (3)\n"
-    "  --progress-limit SECONDS  a worker without progress for so long is killed (120)\n"
-    "  --frame-limit SECONDS   a frame is ended after this time, unless its job states another (86400)\n"
-    "  --stop-timeout SECONDS  time for running frames when the daemon stops (30)\n"
-    "  --admin-group NAME      members may change every job and have no limits (marchd-admin)\n"
-    "  --user-jobs N           jobs of one user that are not over, or none for no limit (1000)\n"
-    "  --user-frames N         frames of those jobs that are not done, or none (1M)\n"
-    "  --user-pixels N         pixels of those frames, like 500G, or none (none)\n"
-    "  --user-disk BYTES       published files of one user's jobs until their deletion, like 2T, or none (none)\n"
-    "  --user-weight NAME=N    share of the workers of a user who waits, beside 1 for others; repeatable\n"
-    "  --half-life SECONDS     half of what a user used of the workers is forgotten in this time (3600)\n"
-    "  --longest-wait SECONDS  a user's jobs get a worker after this time, whatever their priority (86400)\n"
-    "  --log-level LEVEL       debug, info, warning or error (info)\n"
-    "  --new-store             make a new store where a farm was before: after the old one was lost for good\n"
-    "  --backup FILE           copy the store to FILE and end, whether a daemon runs or not\n"
-    "  --restore FILE          put such a copy in place of the store and end; no daemon may run\n"
-    "  --help, --version\n"
-    "\n"
-    "The command line overrides the environment (MARCHD_SOCKET for --socket), which overrides the file.\n"
-    "SIGTERM stops the daemon after its running frames, a second one at once. SIGHUP reads the settings again.\n"
-    "\n"
-    "Examples:\n"
-    "  marchd --state /tmp/farm --socket /tmp/farm.sock --output-root /tmp/pictures\n"
-    "  marchd --workers 2 --backend osmesa --log-level debug\n";
-
 enum option_code {
     OPTION_CONFIG = 256,
+    OPTION_CHECK_CONFIG,
     OPTION_SYSTEM,
     OPTION_STATE,
     OPTION_SOCKET,
@@ -97,6 +50,7 @@ enum option_code {
 
 static const struct option long_options[] = {
     {"config", required_argument, NULL, OPTION_CONFIG},
+    {"check-config", no_argument, NULL, OPTION_CHECK_CONFIG},
     {"system", no_argument, NULL, OPTION_SYSTEM},
     {"state", required_argument, NULL, OPTION_STATE},
     {"socket", required_argument, NULL, OPTION_SOCKET},
@@ -131,9 +85,17 @@ static const struct option long_options[] = {
     {NULL, 0, NULL, 0},
 };
 
+// Whom mistakes are told to.
+struct mistakes {
+    options_on_mistake *tell;
+    void *user;
+    size_t count;
+};
+
 // A source of options: the command line or the file.
 struct setter {
     struct options *options;
+    struct mistakes *mistakes;
     const char *current_folder; // NULL: paths must be absolute
     bool has_output_roots, has_input_roots, has_weights,
         has_pools; // the source has set such values: it adds more to them
@@ -253,6 +215,9 @@ static bool set_option(struct setter *setter, int code, const char *text, struct
     case OPTION_NEW_STORE:
         options->may_be_new = true;
         return true;
+    case OPTION_CHECK_CONFIG:
+        options->wants_check = true;
+        return true;
     case OPTION_WORKERS:
         return options_value_workers(text, &options->worker_count, error);
     case OPTION_THREADS:
@@ -308,7 +273,7 @@ static bool set_defaults(struct options *options, const struct options_surroundi
     const char *home = surroundings->home;
 
     if (!options->worker_program) options->worker_program = xasprintf("%s/march-worker", surroundings->program_folder);
-    if (!options->admin_group) options->admin_group = xstrdup("marchd-admin");
+    if (!options->admin_group) options->admin_group = xstrdup(OPTIONS_ADMIN_GROUP);
     if (!is_system && !home && (!options->state_folder || options->output_roots.count == 0)) {
         error_set(error, "HOME is not set: expected --state and --output-root");
         return false;
@@ -334,6 +299,20 @@ static bool is_setting(const struct option *option)
            option->val != OPTION_RESTORE;
 }
 
+static void fail_unknown(const char *key, struct error *error)
+{
+    const char *names[OPTION_VERSION - OPTION_CONFIG + 1] = {NULL}, *nearest;
+    size_t count = 0;
+
+    for (const struct option *option = long_options; option->name; option++)
+        if (is_setting(option)) names[count++] = option->name;
+    nearest = nearest_name_find(key, names);
+    if (nearest)
+        error_set(error, "%s: there is no such setting, did you mean %s?", key, nearest);
+    else
+        error_set(error, "%s: there is no such setting, see marchd --help", key);
+}
+
 // Sets the option that has the name `key`.
 static bool on_setting(void *user, const char *key, const char *value, struct error *error)
 {
@@ -341,18 +320,48 @@ static bool on_setting(void *user, const char *key, const char *value, struct er
 
     for (const struct option *option = long_options; option->name; option++)
         if (is_setting(option) && strcmp(option->name, key) == 0) return set_option(setter, option->val, value, error);
-    error_set(error, "%s: there is no such setting, see marchd --help", key);
+    fail_unknown(key, error);
     return false;
 }
 
-static bool read_file(struct options *options, const char *named, const char *path, struct error *error)
+static void on_mistake(void *user, const char *mistake)
+{
+    struct mistakes *mistakes = ((struct setter *)user)->mistakes;
+
+    mistakes->count++;
+    mistakes->tell(mistakes->user, mistake);
+}
+
+// The file that is read where the command line names none: the system's, or that of a user's own daemon; NULL: none.
+// Owned by the caller.
+static char *find_file(const struct options_surroundings *surroundings, bool is_system)
+{
+    const char *folder = surroundings->xdg_config_home;
+    char *path = NULL;
+
+    if (is_system)
+        path = surroundings->config_path ? xstrdup(surroundings->config_path) : NULL;
+    else if (folder && *folder == '/')
+        path = xasprintf("%s/marchd.conf", folder);
+    else if (surroundings->home)
+        path = xasprintf("%s/.config/marchd.conf", surroundings->home);
+    if (path && access(path, F_OK) == 0) return path;
+    free(path);
+    return NULL;
+}
+
+static bool read_file(const struct setter *line, const struct options_surroundings *surroundings, const char *named,
+                      bool is_system, struct error *error)
 {
     // Paths in a file must be absolute: the current folder may be any.
-    struct setter setter = {.options = options};
+    struct setter setter = {.options = line->options, .mistakes = line->mistakes};
+    struct options_file_handlers handlers = {.on_setting = on_setting, .on_mistake = on_mistake, .user = &setter};
+    char **path = &line->options->config_file;
 
-    if (named) path = named;
-    if (!path || (!named && access(path, F_OK) != 0)) return true;
-    return options_file_read(path, on_setting, &setter, error);
+    if (!named) *path = find_file(surroundings, is_system);
+    if (named && !set_path(line, path, "config", named, error)) return false;
+    if (*path) options_file_read(*path, &handlers);
+    return true;
 }
 
 // The options that are needed before the others.
@@ -388,24 +397,28 @@ static bool parse_line(struct setter *setter, int argc, char **argv, struct firs
     return false;
 }
 
-static bool read_all(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+static bool read_all(struct setter *setter, int argc, char **argv, const struct options_surroundings *surroundings,
                      struct error *error)
 {
-    struct setter setter = {.options = options, .current_folder = surroundings->current_folder};
+    struct options *options = setter->options;
     struct first_pass first = {.is_system = surroundings->is_root};
     const char *socket = surroundings->marchd_socket;
 
-    if (!parse_line(&setter, argc, argv, &first, error)) return false;
+    if (!parse_line(setter, argc, argv, &first, error)) return false;
     if (options->wants_help || options->wants_version) return true;
-    if (!read_file(options, first.config, first.is_system ? surroundings->config_path : NULL, error)) return false;
-    if (socket && *socket && !set_path(&setter, &options->socket_path, "socket", socket, error)) return false;
-    if (!parse_line(&setter, argc, argv, NULL, error)) return false;
+    if (!read_file(setter, surroundings, first.config, first.is_system, error)) return false;
+    if (socket && *socket && !set_path(setter, &options->socket_path, "socket", socket, error)) return false;
+    if (!parse_line(setter, argc, argv, NULL, error)) return false;
     return set_defaults(options, surroundings, first.is_system, error);
 }
 
-bool options_parse(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
-                   struct error *error)
+bool options_read(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+                  options_on_mistake *tell, void *user)
 {
+    struct mistakes mistakes = {.tell = tell, .user = user};
+    struct setter setter = {.options = options, .mistakes = &mistakes, .current_folder = surroundings->current_folder};
+    struct error error = {0};
+
     *options = (struct options){.thread_count = 1,
                                 .max_attempts = 3,
                                 .stop_timeout_ms = 30000,
@@ -418,8 +431,38 @@ bool options_parse(struct options *options, int argc, char **argv, const struct 
                                 .has_sandbox = true,
                                 .log_level = LOG_INFO,
                                 .backend = xstrdup("auto")};
-    if (read_all(options, argc, argv, surroundings, error)) return true;
+    if (!read_all(&setter, argc, argv, surroundings, &error)) on_mistake(&setter, error.message);
+    if (mistakes.count == 0) return true;
     options_finish(options);
+    return false;
+}
+
+// What options_parse keeps of the mistakes.
+struct first_mistake {
+    struct error error;
+    size_t more;
+};
+
+static void keep_first(void *user, const char *mistake)
+{
+    struct first_mistake *first = user;
+
+    if (first->error.message[0])
+        first->more++;
+    else
+        error_set(&first->error, "%s", mistake);
+}
+
+bool options_parse(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+                   struct error *error)
+{
+    struct first_mistake first = {0};
+
+    if (options_read(options, argc, argv, surroundings, keep_first, &first)) return true;
+    if (first.more > 0)
+        error_set(error, "%s (and %zu more: marchd --check-config)", first.error.message, first.more);
+    else
+        error_set(error, "%s", first.error.message);
     return false;
 }
 
@@ -435,6 +478,7 @@ void options_finish(struct options *options)
     free(options->admin_group);
     free(options->backup_file);
     free(options->restore_file);
+    free(options->config_file);
     user_weights_finish(&options->user_weights);
     pool_table_finish(&options->pools);
     *options = (struct options){0};

@@ -12,9 +12,11 @@
 
 struct error;
 
+#define OPTIONS_ADMIN_GROUP "marchd-admin" // unless a setting names another
+
 // The surroundings that the defaults depend on. Borrowed; strings may be NULL.
 struct options_surroundings {
-    const char *home, *xdg_state_home, *xdg_runtime_dir, *marchd_socket; // environment variables
+    const char *home, *xdg_state_home, *xdg_config_home, *xdg_runtime_dir, *marchd_socket; // environment variables
     const char *config_path;    // the system's file: read for root and with --system, unless --config names another
     const char *current_folder; // absolute; relative paths start there
     const char *program_folder; // absolute; the default folder of march-worker
@@ -46,7 +48,7 @@ struct options {
     struct user_weights user_weights;
     int64_t half_life_ms;        // after so long half of what a user used is forgotten
     int64_t longest_wait_ms;     // after so long the jobs of one user and priority get a worker
-    int64_t worker_memory_bytes; // memory of one worker; 0: its share of the machine's memory, -1: any amount
+    int64_t worker_memory_bytes; // memory of one worker; 0: its share of what there is, -1: any amount
     bool has_sandbox;            // workers run in the sandbox
     struct pool_table pools;     // of nodes
     const char *version;         // borrowed; set by the program: what a node's must be, too
@@ -54,10 +56,18 @@ struct options {
     bool may_be_new;                // a new store may be made where a farm was before
     char *backup_file;              // NULL, or where to copy the store to, instead of serving
     char *restore_file;             // NULL, or a copy to put in place of the store, instead of serving
+    char *config_file;              // NULL, or the file whose settings were read
+    bool wants_check;               // only the settings are to be checked
     bool wants_help, wants_version; // when true, nothing else is filled
 };
 
+// Called with each mistake of the command line, the environment and the file.
+typedef void options_on_mistake(void *user, const char *mistake);
+
+// False after a mistake; then the options are empty. After one of the file, its other lines are checked, too.
+bool options_read(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
+                  options_on_mistake *on_mistake, void *user);
+// Likewise; the error has the first mistake, and says how many more there are.
 bool options_parse(struct options *options, int argc, char **argv, const struct options_surroundings *surroundings,
                    struct error *error);
 void options_finish(struct options *options); // accepts the empty value
-extern const char options_help[];

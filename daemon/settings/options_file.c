@@ -21,7 +21,7 @@ static char *trim(char *text)
     return text;
 }
 
-static bool read_line(char *line, options_file_on_setting *on_setting, void *user, struct error *error)
+static bool read_line(char *line, const struct options_file_handlers *handlers, struct error *error)
 {
     char *equals, *key = trim(line);
 
@@ -32,25 +32,26 @@ static bool read_line(char *line, options_file_on_setting *on_setting, void *use
         return false;
     }
     *equals = '\0';
-    return on_setting(user, trim(key), trim(equals + 1), error);
+    return handlers->on_setting(handlers->user, trim(key), trim(equals + 1), error);
 }
 
-bool options_file_read(const char *path, options_file_on_setting *on_setting, void *user, struct error *error)
+void options_file_read(const char *path, const struct options_file_handlers *handlers)
 {
+    struct error error = {0};
     char *text, *rest;
-    bool ok = true;
 
-    if (!file_read_text(path, SIZE_LIMIT, &text, NULL, error)) {
-        error_prefix(error, "%s", path);
-        return false;
+    if (!file_read_text(path, SIZE_LIMIT, &text, NULL, &error)) {
+        error_prefix(&error, "%s", path);
+        handlers->on_mistake(handlers->user, error.message);
+        return;
     }
     rest = text;
-    for (int number = 1; ok && rest; number++) {
+    for (int number = 1; rest; number++) {
         char *line = strsep(&rest, "\n");
 
-        ok = read_line(line, on_setting, user, error);
-        if (!ok) error_prefix(error, "%s:%d", path, number);
+        if (read_line(line, handlers, &error)) continue;
+        error_prefix(&error, "%s:%d", path, number);
+        handlers->on_mistake(handlers->user, error.message);
     }
     free(text);
-    return ok;
 }

@@ -6,8 +6,13 @@
 
 struct error;
 
-// Called for each setting; false, with `error` set, ends the reading.
-typedef bool options_file_on_setting(void *user, const char *key, const char *value, struct error *error);
+struct options_file_handlers {
+    // Called for each setting in order; false with `error` set: a mistake.
+    bool (*on_setting)(void *user, const char *key, const char *value, struct error *error);
+    // Called for each mistake, which begins with file and line.
+    void (*on_mistake)(void *user, const char *mistake);
+    void *user;
+};
 
-// Calls `on_setting` for the settings of `path` in order. Errors, also of the callback, begin with file and line.
-bool options_file_read(const char *path, options_file_on_setting *on_setting, void *user, struct error *error);
+// A mistake does not end the reading.
+void options_file_read(const char *path, const struct options_file_handlers *handlers);

@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include <cmocka.h>
 
@@ -186,7 +187,7 @@ static void only_a_named_file_must_exist(void **state)
 static void errors_of_a_file_name_the_line(void **state)
 {
     static const char *const cases[][2] = {
-        {"workers = 2\nwokers = 3\n", "marchd.conf:2: wokers: there is no such setting"},
+        {"workers = 2\nwokers = 3\n", "marchd.conf:2: wokers: there is no such setting, did you mean workers?"},
         {"\n\nworkers\n", "marchd.conf:3: expected KEY = VALUE, got \"workers\""},
         {"workers = many\n", "marchd.conf:1: --workers: expected"},
         {"state = here\n", "marchd.conf:1: --state: expected an absolute path"},
@@ -197,6 +198,70 @@ static void errors_of_a_file_name_the_line(void **state)
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         REFUSE(cases[i][1], (char[]){"--config"}, write_config(state, cases[i][0]));
+}
+
+static void keep_mistake(void *list, const char *mistake)
+{
+    path_list_add(list, strdup(mistake));
+}
+
+static void a_mistake_of_a_file_hides_no_other(void **state)
+{
+    char *path = write_config(state, "workers = many\nthreads = 2\nlog-level = loud\n\nno such line\n");
+    char *argv[] = {(char[]){"marchd"}, (char[]){"--config"}, path, (char[]){"--check-config"}, NULL};
+    struct path_list found = {0};
+    struct options options;
+    struct error error;
+
+    assert_false(options_read(&options, 4, argv, &user, keep_mistake, &found));
+    assert_int_equal(found.count, 3);
+    assert_non_null(strstr(found.paths[0], "marchd.conf:1: --workers: expected"));
+    assert_non_null(strstr(found.paths[1], "marchd.conf:3: --log-level: expected"));
+    assert_non_null(strstr(found.paths[2], "marchd.conf:5: expected KEY = VALUE"));
+    assert_null(options.config_file);
+    path_list_finish(&found);
+    // Whoever wants one sentence is told of the others.
+    assert_false(options_parse(&options, 4, argv, &user, &error));
+    assert_non_null(strstr(error.message, "marchd.conf:1: --workers"));
+    assert_non_null(strstr(error.message, "(and 2 more: marchd --check-config)"));
+}
+
+static void a_check_is_an_option_and_no_setting(void **state)
+{
+    char *path = write_config(state, "threads = 2\n");
+    struct options options;
+
+    assert_true(PARSE(&options, &user, (char[]){"--check-config"}, (char[]){"--config"}, path));
+    assert_true(options.wants_check);
+    assert_string_equal(options.config_file, path);
+    options_finish(&options);
+    REFUSE("marchd.conf:1: check-config: there is no such setting", (char[]){"--config"},
+           write_config(state, "check-config = yes\n"));
+}
+
+static void a_user_has_a_file_of_their_own(void **state)
+{
+    struct options_surroundings surroundings = user;
+    struct options options;
+
+    write_config(state, "threads = 3\n");
+    assert_int_equal(mkdir(temp_folder_path(state, ".config"), 0700), 0);
+    assert_true(file_write_atomic(temp_folder_path(state, ".config/marchd.conf"), "threads = 5\n", 12, NULL));
+    surroundings.home = *state;
+    surroundings.xdg_config_home = *state;
+    assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_int_equal(options.thread_count, 3);
+    options_finish(&options);
+    // A relative folder does not count, as the XDG Base Directory Specification has it.
+    surroundings.xdg_config_home = "here";
+    assert_true(parse(&options, &surroundings, (char *[]){(char[]){"marchd"}, NULL}, NULL));
+    assert_int_equal(options.thread_count, 5);
+    options_finish(&options);
+    // The system's daemon reads the system's file alone.
+    assert_true(PARSE(&options, &surroundings, (char[]){"--system"}));
+    assert_int_equal(options.thread_count, 1);
+    assert_null(options.config_file);
+    options_finish(&options);
 }
 
 // Uncomments each setting, and counts them.
@@ -375,6 +440,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(a_file_is_overridden_by_all_else, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(only_a_named_file_must_exist),
         cmocka_unit_test_setup_teardown(errors_of_a_file_name_the_line, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_mistake_of_a_file_hides_no_other, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_check_is_an_option_and_no_setting, temp_folder_create, temp_folder_destroy),
+        cmocka_unit_test_setup_teardown(a_user_has_a_file_of_their_own, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test_setup_teardown(the_shipped_file_has_the_defaults, temp_folder_create, temp_folder_destroy),
         cmocka_unit_test(amounts_have_suffixes),
         cmocka_unit_test_setup_teardown(weights_add_up_within_one_source, temp_folder_create, temp_folder_destroy),
