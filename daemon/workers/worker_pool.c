@@ -119,7 +119,9 @@ static void start_due(struct worker_pool *pool)
         struct worker_slot *slot = &pool->slots[i];
 
         if (slot->worker || !worker_nodes_are_ready(slot)) continue;
-        if (retry_backoff_wait_ms(&slot->backoff, now_ms) == 0) start_worker(pool, i);
+        if (retry_backoff_wait_ms(&slot->backoff, now_ms) > 0) continue;
+        if (!slot->node) worker_turns_look_at_memory(&pool->turns);
+        start_worker(pool, i);
     }
     turns_uncover(queue_turns(pool->farm->queue));
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/workers/worker_turns.h"
 
+#include "core/base/log.h"
 #include "daemon/farm/farm.h"
 #include "daemon/nodes/node.h"
 #include "daemon/settings/options.h"
 #include "daemon/settings/pool_options.h"
 #include "daemon/workers/worker_process.h"
 #include "daemon/workers/worker_slot.h"
+#include "node/memory_share.h"
 #include "node/node_line.h"
 
 #include <math.h>
@@ -33,7 +35,18 @@ int64_t worker_turns_memory_limit(const struct worker_turns *turns, const struct
 
     if (slot->node) return node_memory_limit(node_pool(slot->node));
     if (limit != 0) return limit > 0 ? limit : 0;
-    return (int64_t)((double)uv_get_total_memory() * 0.9 / turns->local_count);
+    return turns->memory_bytes / turns->local_count;
+}
+
+void worker_turns_look_at_memory(struct worker_turns *turns)
+{
+    int64_t bytes = memory_share_find();
+
+    if (bytes == turns->memory_bytes) return;
+    turns->memory_bytes = bytes;
+    if (turns->farm->options->worker_memory_bytes == 0)
+        log_info("worker-memory: auto: %lld MiB for each of %d workers", (long long)(bytes / turns->local_count) >> 20,
+                 turns->local_count);
 }
 
 // A fenced worker goes on to serve jobs of the same owner which its fence opens, under the limits that hold now.

@@ -28,12 +28,15 @@ struct worker_turns {
     struct worker_slot *slots;    // borrowed; outlive us
     int slot_count, local_count;  // slots, and those of this machine, which come first
     struct job_fence_files asked; // owned; of the latest job that a worker might go on to
+    int64_t memory_bytes;         // what the workers here may take together, as it was when one was last started
     double change_s;              // mean of what a change took lately; 0: unknown
 };
 
 void worker_turns_finish(struct worker_turns *turns);
 // Of the slot's worker, in bytes; 0: none, NODE_MEMORY_SHARE: its share of the node's.
 int64_t worker_turns_memory_limit(const struct worker_turns *turns, const struct worker_slot *slot);
+// To be called before a worker is started here: the limits of the control group may have changed.
+void worker_turns_look_at_memory(struct worker_turns *turns);
 // The job that the next worker in the slot is started for; NULL: it serves any job, or none for now.
 struct job_record *worker_turns_choose(struct worker_turns *turns, struct worker_slot *slot);
 // Whether the slot's worker, which is ready, can serve the job that was chosen for it. The caller obeys.

@@ -6,6 +6,7 @@
 #include "core/base/log.h"
 #include "core/json/json_read.h"
 #include "core/json/json_write.h"
+#include "node/memory_share.h"
 #include "node/node_pipe.h"
 #include "node/worker_child.h"
 #include "worker/host/host_hello.h"
@@ -159,8 +160,7 @@ static bool read_child(const struct host *host, const struct json_node *order, s
         !json_read_bool(&sandbox, &params->has_sandbox, error) || !json_read_bool(&fenced, &params->is_fenced, error))
         return false;
     params->thread_count = (int)thread_count;
-    if (params->memory_bytes == NODE_MEMORY_SHARE)
-        params->memory_bytes = (int64_t)((double)host_hello_memory_bytes() * 0.9 / host->worker_count);
+    if (params->memory_bytes == NODE_MEMORY_SHARE) params->memory_bytes = memory_share_find() / host->worker_count;
     return true;
 }
 

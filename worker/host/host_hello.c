@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/json/json_write.h"
+#include "node/memory_share.h"
 #include "node/node_line.h"
 #include "worker/sandbox/sandbox_landlock.h"
 
@@ -10,13 +11,6 @@
 #include <unistd.h>
 
 #include <uv.h>
-
-int64_t host_hello_memory_bytes(void)
-{
-    uint64_t total = uv_get_total_memory(), limit = uv_get_constrained_memory();
-
-    return (int64_t)(limit > 0 && limit < total ? limit : total);
-}
 
 static void write_landlock(struct json_writer *writer)
 {
@@ -44,7 +38,7 @@ void host_hello_write(const char *version, struct json_writer *writer)
     json_write_integer_member(writer, "pid", getpid());
     json_write_integer_member(writer, "uid", (int64_t)geteuid());
     json_write_integer_member(writer, "cores", uv_available_parallelism());
-    json_write_integer_member(writer, "memory_bytes", host_hello_memory_bytes());
+    json_write_integer_member(writer, "memory_bytes", memory_share_find_all());
     write_landlock(writer);
     json_write_end_object(writer);
 }

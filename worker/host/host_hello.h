@@ -2,11 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stdint.h>
-
 struct json_writer;
 
 // An object: protocol, version, host, pid, uid, cores, memory_bytes, landlock (its ABI version; 0: none), and why
 // there is none.
 void host_hello_write(const char *version, struct json_writer *writer);
-int64_t host_hello_memory_bytes(void); // of this machine, or what the process may have of it
